@@ -1,0 +1,39 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+/// Errors are sorted by who can mend them; each kind has its own exit code.
+namespace ricochet {
+
+enum class ExitCode : int {
+  done = 0,
+  config = 2,       ///< the scene or the command line is wrong: the user mends it
+  unstable = 3,     ///< the computation left the range where its numbers mean anything
+  participant = 4,  ///< a participant is missing, died, hung or failed by itself
+  protocol = 5,     ///< a peer broke the wire or the legal order of messages
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& text) : std::runtime_error(text), code_(code) {}
+  [[nodiscard]] ExitCode code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+struct ConfigError : Error {
+  explicit ConfigError(const std::string& text) : Error(ExitCode::config, text) {}
+};
+struct SolverError : Error {
+  explicit SolverError(const std::string& text) : Error(ExitCode::unstable, text) {}
+};
+struct ParticipantError : Error {
+  explicit ParticipantError(const std::string& text) : Error(ExitCode::participant, text) {}
+};
+struct ProtocolError : Error {
+  explicit ProtocolError(const std::string& text) : Error(ExitCode::protocol, text) {}
+};
+
+}  // namespace ricochet

@@ -1,0 +1,111 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+// The table of rooms and who may include whom (README, "Map of rooms"), checked against the #include lines.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, std::set<std::string>>& allowed() {
+  static const std::map<std::string, std::set<std::string>> table = {
+      {"common/base", {}},
+      {"common/fem", {"common/base"}},
+      {"common/wire", {"common/base"}},
+      {"common/scene", {"common/base", "common/fem"}},
+      {"common/participant", {"common/wire", "common/base"}},
+      {"common/solver", {"common/fem", "common/scene", "common/participant", "common/base"}},
+      {"explicit_solver", {"common/solver", "common/fem", "common/scene", "common/participant", "common/base"}},
+      {"implicit_solver/contact", {"common/solver", "common/fem", "common/scene", "common/base"}},
+      {"implicit_solver",
+       {"implicit_solver/contact", "common/solver", "common/fem", "common/scene", "common/participant", "common/base"}},
+      {"coupler/protocols", {"common/wire", "common/base"}},
+      {"coupler", {"coupler/protocols", "common/wire", "common/scene", "common/base"}},
+  };
+  return table;
+}
+
+/// Longest room name that `path` (relative to the root) begins with; empty if none.
+std::string room_of(const std::string& path) {
+  std::string best;
+  for (const auto& [room, unused] : allowed()) {
+    if (path.rfind(room + "/", 0) == 0 && room.size() > best.size()) best = room;
+  }
+  return best;
+}
+
+struct Include {
+  std::string file, target;
+};
+
+std::vector<Include> project_includes() {
+  std::vector<Include> includes;
+  const fs::path root = RICOCHET_SOURCE;
+  const std::regex line_pattern("^\\s*#\\s*include\\s+\"([^\"]+)\"");
+  for (const char* top : {"common", "explicit_solver", "implicit_solver", "coupler"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const auto extension = entry.path().extension();
+      if (extension != ".hpp" && extension != ".cpp") continue;
+      std::ifstream file(entry.path());
+      for (std::string line; std::getline(file, line);) {
+        std::smatch match;
+        if (std::regex_search(line, match, line_pattern)) {
+          includes.push_back({fs::relative(entry.path(), root).string(), match[1]});
+        }
+      }
+    }
+  }
+  return includes;
+}
+
+TEST(Architecture, EveryIncludeStaysWithinTheTableOfRooms) {
+  const auto includes = project_includes();
+  ASSERT_GT(includes.size(), 100U) << "the scan found too few includes to be believed";
+  for (const auto& [file, target] : includes) {
+    const std::string from = room_of(file), to = room_of(target);
+    ASSERT_FALSE(from.empty()) << file << " lies in no room of the table";
+    ASSERT_FALSE(to.empty()) << file << " includes \"" << target << "\", which is no path from the root into a room";
+    if (from != to) EXPECT_THAT(allowed().at(from), testing::Contains(to)) << file << " includes \"" << target << '"';
+  }
+}
+
+TEST(Architecture, RoomsDoNotIncludeEachOtherInACycle) {
+  for (const auto& [room, targets] : allowed()) {
+    for (const auto& target : targets) {
+      EXPECT_THAT(allowed().at(target), testing::Not(testing::Contains(room))) << room << " <-> " << target;
+    }
+  }
+}
+
+TEST(Architecture, TheCouplerKnowsNoElements) {
+  for (const auto& [file, target] : project_includes()) {
+    if (file.rfind("coupler/", 0) == 0) EXPECT_NE(room_of(target), "common/fem") << file;
+  }
+}
+
+TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
+  std::ifstream file(std::string(RICOCHET_SOURCE) + "/common/participant/participant.hpp");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  ASSERT_FALSE(text.empty());
+  EXPECT_EQ(text.find("Eigen/"), std::string::npos);
+  EXPECT_EQ(text.find("common/fem"), std::string::npos);
+}
+
+TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {
+  const std::set<std::string> expected = {"CMakeLists.txt", "README.md", "LICENSE", "CHANGELOG.md", "ricochet", "docs",
+                                          "common", "explicit_solver", "implicit_solver", "coupler", "tests", "configs"};
+  for (const auto& entry : fs::directory_iterator(RICOCHET_SOURCE)) {
+    const std::string name = entry.path().filename().string();
+    if (name[0] == '.' || name.rfind("build", 0) == 0 || name == "out") continue;
+    EXPECT_TRUE(expected.count(name)) << name << " does not belong to the top level";
+  }
+}
+
+}  // namespace
