@@ -1,0 +1,25 @@
+#include "common/fem/bar.hpp"
+
+namespace ricochet::fem {
+namespace {
+
+double length(const ElementCoordinates& x) { return x(1, 0) - x(0, 0); }
+
+}  // namespace
+
+ElementMatrix bar_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
+  const double k = material.youngs_modulus_pa * section.measure / length(x);
+  ElementMatrix stiffness(2, 2);
+  stiffness << k, -k, -k, k;
+  return stiffness;
+}
+
+Eigen::VectorXd bar_volume(const Section& section, const ElementCoordinates& x) {
+  return Eigen::VectorXd::Constant(2, 0.5 * section.measure * length(x));
+}
+
+StressVector bar_stress(const Material& material, const ElementCoordinates& x, const ElementVector& u) {
+  return StressVector::Constant(1, material.youngs_modulus_pa * (u[1] - u[0]) / length(x));
+}
+
+}  // namespace ricochet::fem

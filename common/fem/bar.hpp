@@ -1,0 +1,17 @@
+#pragma once
+
+#include "common/fem/element.hpp"
+
+/// Two-node bar of constant strain e = (u_2 - u_1)/h, h = x_2 - x_1 > 0; `section.measure` is the cross section A.
+/// Nothing varies along it, so no quadrature is needed. See element.hpp for shapes and units.
+namespace ricochet::fem {
+
+/// K = E A/h [1 -1; -1 1].
+[[nodiscard]] ElementMatrix bar_stiffness(const Section& section, const Material& material,
+                                          const ElementCoordinates& x);
+/// A h/2 for each node.
+[[nodiscard]] Eigen::VectorXd bar_volume(const Section& section, const ElementCoordinates& x);
+/// E (u_2 - u_1)/h.
+[[nodiscard]] StressVector bar_stress(const Material& material, const ElementCoordinates& x, const ElementVector& u);
+
+}  // namespace ricochet::fem

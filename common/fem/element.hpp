@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/fem/model.hpp"
+
+/// Two-node bar and four-node quadrilateral (2x2 Gauss), small strain, linear elastic.
+/// Coordinates `x` are components(model)-independent: one row per node, two columns (bar: second column ignored).
+/// Strain order: bar (xx); plane strain (xx, yy, zz, xy); axisymmetric (rr, zz, tt, rz); shear as 2 e_xy.
+namespace ricochet::fem {
+
+using ElementCoordinates = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 4, 2>;
+using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
+using ElementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
+using StressVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+
+/// Elasticity matrix D, stress = D strain [Pa]; 1x1 for a bar (E), else 4x4.
+[[nodiscard]] Eigen::MatrixXd elasticity(Model model, const Material& material);
+
+/// K_e = integral of B^T D B dV [N/m].
+[[nodiscard]] ElementMatrix element_stiffness(const Section& section, const Material& material,
+                                              const ElementCoordinates& x);
+
+/// Row-sum lumped mass per node: m_i = rho * integral of N_i dV [kg]; all positive, also on the axis r = 0.
+[[nodiscard]] Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material,
+                                                  const ElementCoordinates& x);
+
+/// Integral of N_i dV per node [m^3] (times a body force per volume gives nodal forces). Exact in all three models.
+[[nodiscard]] Eigen::VectorXd element_volume(const Section& section, const ElementCoordinates& x);
+
+/// Stress at natural coordinates (xi, eta) in [-1, 1]^2 (bar: xi only) from nodal displacements `u` (node-major) [Pa].
+/// On the axis r = 0 the hoop strain u_r/r is taken as its limit u_r,r.
+[[nodiscard]] StressVector element_stress(const Section& section, const Material& material, const ElementCoordinates& x,
+                                          const ElementVector& u, double xi, double eta);
+
+/// Integral of N_i dA over an edge, for its two nodes [m^2] (bar: the cross section, all on the first).
+[[nodiscard]] Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+
+/// The element's largest natural frequency squared: largest eigenvalue of M_e^-1 K_e with its own lumped mass [1/s^2].
+/// The largest over the elements bounds that of their assembly from above, which gives a safe critical time step.
+/// Source: Hughes, The Finite Element Method, section 9.3 (Irons and Treharne).
+[[nodiscard]] double element_max_frequency_squared(const Section& section, const Material& material,
+                                                   const ElementCoordinates& x);
+
+/// Principal stresses, algebraically largest first, of a stress in the order above [Pa].
+[[nodiscard]] Eigen::Vector3d principal_stresses(Model model, const StressVector& stress);
+
+/// c_L = sqrt(E(1-nu)/(rho(1+nu)(1-2nu))) (Eq. 26); for a bar sqrt(E/rho) [m/s].
+[[nodiscard]] double longitudinal_wave_speed(Model model, const Material& material);
+/// c_S = sqrt(E/(2 rho (1+nu))) (Eq. 27) [m/s].
+[[nodiscard]] double shear_wave_speed(const Material& material);
+
+}  // namespace ricochet::fem

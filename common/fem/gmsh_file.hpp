@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// A Gmsh MSH 4.1 ASCII file as it stands, before it means anything to mechanics.
+/// Format: https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format
+namespace ricochet::fem {
+
+using GmshTag = std::int64_t;
+using GmshEntity = std::pair<int, int>;  ///< dimension, tag
+
+struct GmshElement {
+  GmshTag tag = 0;
+  int line = 0;  ///< of the file, for error texts
+  GmshEntity entity;
+  std::array<GmshTag, 4> nodes{};  ///< one for a point, two for a line, four for a quadrilateral
+};
+
+struct GmshFile {
+  std::string path;
+  std::map<GmshEntity, std::string> group_name;         ///< (dimension, physical tag) -> name
+  std::map<GmshEntity, std::vector<int>> entity_groups; ///< geometric entity -> its physical tags
+  std::map<GmshTag, Eigen::Vector3d> nodes;             ///< [m]
+  std::vector<GmshElement> elements;                    ///< points, lines and quadrilaterals (dimension 0, 1, 2)
+};
+
+/// Reads the sections MeshFormat, PhysicalNames, Entities, Nodes and Elements and skips the others. Throws ConfigError
+/// "file:line: ..." for another version, a binary file, an element type other than 1, 3 and 15, a tag given twice, an
+/// unknown node or entity, a number that cannot be read, and a file that ends early.
+[[nodiscard]] GmshFile read_gmsh_file(const std::string& path);
+
+}  // namespace ricochet::fem

@@ -1,0 +1,45 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "common/fem/element.hpp"
+
+namespace ricochet::fem {
+
+Eigen::MatrixXd elasticity(Model model, const Material& material) {
+  const double young = material.youngs_modulus_pa;
+  const double nu = material.poisson_ratio;
+  if (model == Model::bar) return Eigen::MatrixXd::Constant(1, 1, young);
+  const double lambda = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+  const double mu = young / (2.0 * (1.0 + nu));
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(4, 4);
+  d.topLeftCorner<3, 3>().setConstant(lambda);
+  d.diagonal() << lambda + 2.0 * mu, lambda + 2.0 * mu, lambda + 2.0 * mu, mu;
+  return d;
+}
+
+Eigen::Vector3d principal_stresses(Model model, const StressVector& stress) {
+  Eigen::Vector3d principal(stress[0], 0.0, 0.0);
+  if (model != Model::bar) {
+    // In both plane models the third axis is principal and the shear couples the first two.
+    const double mean = 0.5 * (stress[0] + stress[1]);
+    const double radius = std::hypot(0.5 * (stress[0] - stress[1]), stress[3]);
+    principal << mean + radius, mean - radius, stress[2];
+  }
+  std::sort(principal.data(), principal.data() + 3, std::greater<>());
+  return principal;
+}
+
+double longitudinal_wave_speed(Model model, const Material& material) {
+  const double young = material.youngs_modulus_pa;
+  const double nu = material.poisson_ratio;
+  const double rho = material.density_kg_m3;
+  if (model == Model::bar) return std::sqrt(young / rho);
+  return std::sqrt(young * (1.0 - nu) / (rho * (1.0 + nu) * (1.0 - 2.0 * nu)));
+}
+
+double shear_wave_speed(const Material& material) {
+  return std::sqrt(material.youngs_modulus_pa / (2.0 * material.density_kg_m3 * (1.0 + material.poisson_ratio)));
+}
+
+}  // namespace ricochet::fem

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/fem/model.hpp"
+
+namespace ricochet::fem {
+
+/// Nodes, elements and named groups of one body.
+/// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z). Quadrilaterals are numbered counter-clockwise.
+struct Mesh {
+  Model model = Model::bar;
+  std::vector<Eigen::Vector2d> position;              ///< [m]
+  std::vector<std::array<int, 4>> elements;           ///< bar: first two entries, the others -1
+  std::map<std::string, std::vector<int>> element_groups;
+  /// Edges (a, b) in the direction in which the body lies to the left, so the outward normal is (dy, -dx)/|..|;
+  /// bar: (n, n), one node.
+  std::map<std::string, std::vector<std::array<int, 2>>> surfaces;
+  double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
+};
+
+/// `x`, or its periodic image, that lies within half a period of `reference` [m].
+inline Eigen::Vector2d nearest_image(const Mesh& mesh, Eigen::Vector2d x, const Eigen::Vector2d& reference) {
+  if (mesh.period_m > 0.0) x[0] -= mesh.period_m * std::round((x[0] - reference[0]) / mesh.period_m);
+  return x;
+}
+
+/// Coordinate that runs along the axis (see scene::StructuredMesh): x of a bar, else the second one [m].
+inline double axis_coordinate(Model model, const Eigen::Vector2d& x) { return model == Model::bar ? x[0] : x[1]; }
+
+/// Geometric grading: `count` elements over `length` whose last is `grading` times as long as the first;
+/// returns count + 1 coordinates starting at `start` [m]. Throws ConfigError for count < 1, length or grading not > 0.
+[[nodiscard]] std::vector<double> graded_coordinates(double start, double length, int count, double grading);
+
+/// Bar of `along.size() - 1` elements. Surfaces "start" and "end".
+[[nodiscard]] Mesh bar_mesh(const std::vector<double>& along);
+
+/// Quadrilaterals over the product of two coordinate lists. Surfaces "start", "end" (low, high second coordinate),
+/// "inner", "outer" (low, high first coordinate).
+[[nodiscard]] Mesh quadrilateral_mesh(Model model, const std::vector<double>& across, const std::vector<double>& along);
+
+/// Nodes of a surface, each once, sorted by position across (first coordinate, then second). ConfigError if unknown.
+[[nodiscard]] std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface);
+
+/// Reads a Gmsh MSH 4.1 ASCII file [m]. Physical groups of dimension `d` (1 for bars, 2 else) become element groups,
+/// those of dimension d - 1 surfaces; groups that hold nothing of `body` are left out. Only the elements of group
+/// `body` are kept, in the file's order; nodes in ascending order of their tags. A clockwise quadrilateral is turned
+/// round, as is an edge that runs clockwise; axisymmetric nodes within 1e-9 of the radius are put on the axis. Throws
+/// ConfigError naming file and line for: another version, binary, an unsupported element type (triangles: say how to
+/// recombine), an element without a group, a missing group `body`, inverted, degenerate or overlapping elements (named
+/// by tag), a surface inside the body, a file that ends early; naming file and tags for nodes off the plane (bar: off
+/// the x axis) and for two nodes of the body at one place.
+[[nodiscard]] Mesh read_gmsh(const std::string& path, Model model, const std::string& body);
+
+/// Throws ConfigError naming the element and its position if the Jacobian is not positive everywhere in it (a
+/// quadrilateral that is inverted, not convex or without area; a bar without length), if r < 0 in axisymmetry, if a
+/// number is not finite or if there is no element at all.
+void check_mesh(const Mesh& mesh, const std::string& body);
+
+}  // namespace ricochet::fem

@@ -1,0 +1,76 @@
+#include "common/fem/mesh_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+#include "common/fem/part.hpp"
+#include "common/fem/quadrilateral.hpp"
+
+namespace ricochet::fem {
+namespace {
+
+// Below this share of the longest edge (squared) round-off in the coordinates decides the sign of det J.
+constexpr double smallest_relative_determinant = 1e-10;
+
+std::string place(const Mesh& mesh, const ElementCoordinates& x) {
+  const Eigen::Vector2d centre = x.colwise().mean();
+  if (mesh.model == Model::bar) return fmt::format("at x = {:.6g} m", centre[0]);
+  const char* axes = mesh.model == Model::axisymmetric ? "(r, z)" : "(x, y)";
+  return fmt::format("at {} = ({:.6g}, {:.6g}) m", axes, centre[0], centre[1]);
+}
+
+double smallest_determinant(const ElementCoordinates& x) {
+  double smallest = jacobian_determinant(x, node_xi[0], node_eta[0]);
+  for (int i = 1; i < 4; ++i) smallest = std::min(smallest, jacobian_determinant(x, node_xi[i], node_eta[i]));
+  return smallest;
+}
+
+double longest_edge(const ElementCoordinates& x) {
+  double longest = 0.0;
+  for (int i = 0; i < 4; ++i) longest = std::max(longest, (x.row((i + 1) % 4) - x.row(i)).norm());
+  return longest;
+}
+
+bool has_repeated_node(const Mesh& mesh, int element) {
+  std::array<int, 4> nodes = mesh.elements[static_cast<std::size_t>(element)];
+  const auto end = nodes.begin() + nodes_per_element(mesh.model);
+  std::sort(nodes.begin(), end);
+  return std::adjacent_find(nodes.begin(), end) != end;
+}
+
+}  // namespace
+
+std::optional<std::string> element_defect(const Mesh& mesh, int element) {
+  const ElementCoordinates x = element_coordinates(mesh, element);
+  if (!x.allFinite()) return "has a coordinate that is not a finite number";
+  if (has_repeated_node(mesh, element)) return "uses a node twice " + place(mesh, x);
+  if (mesh.model == Model::bar) {
+    if (!(x(1, 0) > x(0, 0))) return "has no positive length " + place(mesh, x);
+    return std::nullopt;
+  }
+  if (mesh.model == Model::axisymmetric && x.col(0).minCoeff() < 0.0) {
+    return fmt::format("reaches across the axis (r = {:.6g} m) {}", x.col(0).minCoeff(), place(mesh, x));
+  }
+  const double edge = longest_edge(x);
+  if (!(smallest_determinant(x) > smallest_relative_determinant * edge * edge)) {
+    return "is inverted, not convex or has no area " + place(mesh, x);
+  }
+  return std::nullopt;
+}
+
+void check_mesh(const Mesh& mesh, const std::string& body) {
+  if (mesh.elements.empty()) throw ConfigError(fmt::format("body \"{}\": the mesh has no elements", body));
+  for (std::size_t node = 0; node < mesh.position.size(); ++node) {
+    if (mesh.position[node].allFinite()) continue;
+    throw ConfigError(fmt::format("body \"{}\": a coordinate of node {} is not a finite number", body, node));
+  }
+  for (int element = 0; element < static_cast<int>(mesh.elements.size()); ++element) {
+    const auto defect = element_defect(mesh, element);
+    if (defect) throw ConfigError(fmt::format("body \"{}\": element {} {}", body, element, *defect));
+  }
+}
+
+}  // namespace ricochet::fem

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "common/fem/part.hpp"
+
+/// Result files that ParaView opens.
+namespace ricochet::fem {
+
+/// Writes one VTU piece (XML, inline base64, little-endian) atomically (temporary name, then rename).
+/// Point data: displacement [m], velocity [m/s] (3 components; bar along x; axisymmetric (r, z) drawn as (x, y)).
+/// Cell data at the element centre: stress_axial, stress_radial, stress_hoop, stress_shear [Pa] (plane strain: xx, yy,
+/// zz, xy as stress_xx .. ; bar: stress_axial), stress_principal_max/mid/min [Pa]; cell data `body` (index in `parts`),
+/// `element` (number in the body). Parts of one model; vectors node-major, one per part (std::invalid_argument
+/// otherwise). Throws ConfigError if the file cannot be written.
+void write_vtu(const std::string& path, const std::vector<const Part*>& parts,
+               const std::vector<const Eigen::VectorXd*>& displacement,
+               const std::vector<const Eigen::VectorXd*>& velocity);
+
+}  // namespace ricochet::fem

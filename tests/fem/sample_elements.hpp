@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "common/fem/part.hpp"
+
+/// Meshes and materials that several tests use.
+namespace ricochet::fem::sample {
+
+inline const Material steel{210e9, 0.3, 7850.0};
+inline const std::vector<Model> every_model = {Model::bar, Model::plane_strain, Model::axisymmetric};
+
+inline Section section(Model model) {
+  if (model == Model::bar) return {model, 2.5e-4};
+  return {model, model == Model::plane_strain ? 0.03 : 2.0 * std::numbers::pi};
+}
+
+inline std::string name(Model model) {
+  if (model == Model::bar) return "bar";
+  return model == Model::plane_strain ? "plane_strain" : "axisymmetric";
+}
+
+/// A 3 x 4 mesh of [0, 0.03] x [0.01, 0.05] m whose inner nodes are moved off the grid; a bar of uneven elements.
+inline Mesh distorted_mesh(Model model) {
+  if (model == Model::bar) return bar_mesh({0.0, 0.013, 0.02, 0.041, 0.05});
+  Mesh mesh = quadrilateral_mesh(model, graded_coordinates(0.0, 0.03, 3, 1.0), graded_coordinates(0.01, 0.04, 4, 1.0));
+  for (std::size_t i = 0; i < mesh.position.size(); ++i) {
+    Eigen::Vector2d& x = mesh.position[i];
+    const bool inner = x[0] > 1e-6 && x[0] < 0.03 - 1e-6 && x[1] > 0.01 + 1e-6 && x[1] < 0.05 - 1e-6;
+    if (!inner) continue;
+    const double phase = static_cast<double>(i);
+    x += 2.5e-3 * Eigen::Vector2d(std::sin(3.0 * phase), std::cos(5.0 * phase));
+  }
+  return mesh;
+}
+
+inline std::vector<int> all_elements(const Mesh& mesh) {
+  std::vector<int> elements(mesh.elements.size());
+  std::iota(elements.begin(), elements.end(), 0);
+  return elements;
+}
+
+inline Part whole_part(const Mesh& mesh, const Section& section_of_mesh, const Material& material = steel) {
+  return extract_part(mesh, "body", section_of_mesh, material, all_elements(mesh));
+}
+
+inline Part distorted_part(Model model) { return whole_part(distorted_mesh(model), section(model)); }
+
+/// |a - b| relative to |b|. (Vectors of changing size up to four make gcc 12 warn in Eigen's reductions.)
+inline double relative_error(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a - b).norm() / b.norm(); }
+
+/// Node-major values of a field at the nodes; a bar takes the first component.
+inline Eigen::VectorXd nodal(const Mesh& mesh, const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& field) {
+  const int dofs_per_node = components(mesh.model);
+  Eigen::VectorXd values(static_cast<Eigen::Index>(mesh.position.size()) * dofs_per_node);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    values[i] = field(mesh.position[static_cast<std::size_t>(i / dofs_per_node)])[i % dofs_per_node];
+  }
+  return values;
+}
+
+}  // namespace ricochet::fem::sample
