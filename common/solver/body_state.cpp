@@ -1,0 +1,123 @@
+#include "common/solver/body_state.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::solver {
+
+void BodyState::set_mass(const Eigen::VectorXd& node_mass) {
+  const int components = fem::components(part.mesh.model);
+  mass.setZero(part.dofs());
+  inverse_mass.setZero(part.dofs());
+  totals.mass_kg = 0.0;
+  for (int dof = 0; dof < part.dofs(); ++dof) {
+    if (!integrated[static_cast<std::size_t>(dof)]) continue;
+    mass[dof] = node_mass[dof / components];
+    inverse_mass[dof] = 1.0 / mass[dof];
+    if (dof % components == 0) totals.mass_kg += mass[dof];
+  }
+  for (const auto& c : constrained) inverse_mass[c.dof] = 0.0;
+}
+
+void BodyState::constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const {
+  for (const auto& c : constrained) velocity[c.dof] = c.velocity(time_s, dt);
+}
+
+void BodyState::constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const {
+  for (const auto& c : constrained) acceleration[c.dof] = c.acceleration(time_s, dt);
+}
+
+void BodyState::constrain_displacement(double time_s, Eigen::VectorXd& displacement) const {
+  for (const auto& c : constrained) displacement[c.dof] = c.at(time_s);
+}
+
+void BodyState::update_momentum() {
+  const int components = fem::components(part.mesh.model);
+  Eigen::Vector2d sum(0.0, 0.0);
+  for (int dof = 0; dof < part.dofs(); ++dof) sum[dof % components] += mass[dof] * v[dof];
+  totals.momentum_n_kg_m_s = normal.dot(sum);
+  totals.momentum_t_kg_m_s = tangent.dot(sum);
+}
+
+namespace {
+
+void set_directions(const scene::Problem& problem, BodyState& state) {
+  const bool contact = !problem.contact.pairs.empty();
+  const Eigen::Vector2d axis = problem.scene.components() == 1 ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(0.0, 1.0);
+  state.normal = contact ? problem.contact.normal : axis;
+  state.tangent = Eigen::Vector2d(-state.normal[1], state.normal[0]);
+}
+
+void set_motion(const scene::Problem& problem, BodyState& state) {
+  const auto& whole = problem.bodies[static_cast<std::size_t>(state.body)];
+  const auto& spec = problem.scene.bodies[static_cast<std::size_t>(state.body)];
+  const int components = problem.scene.components();
+  state.u.resize(state.part.dofs());
+  state.v.resize(state.part.dofs());
+  state.a.setZero(state.part.dofs());
+  for (int dof = 0; dof < state.part.dofs(); ++dof) {
+    const int node = state.part.body_node[static_cast<std::size_t>(dof / components)];
+    const auto whole_dof = static_cast<std::size_t>(node * components + dof % components);
+    state.u[dof] = whole.initial_displacement_m[static_cast<Eigen::Index>(whole_dof)];
+    state.v[dof] = whole.initial_velocity_m_s[static_cast<Eigen::Index>(whole_dof)];
+    if (!whole.fixed_dof[whole_dof] || !state.integrated[static_cast<std::size_t>(dof)]) continue;
+    const int prescribed = whole.prescribed_index[whole_dof];
+    if (prescribed < 0) {
+      state.constrained.push_back({dof, state.u[dof], nullptr});
+    } else {
+      state.constrained.push_back({dof, whole.prescribed_displacement_m[static_cast<Eigen::Index>(whole_dof)],
+                                   &spec.prescribed[static_cast<std::size_t>(prescribed)].amplitude});
+    }
+  }
+}
+
+BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, bool shared_integrated) {
+  const int components = problem.scene.components();
+  const auto index = static_cast<std::size_t>(owned.body);
+  scene::ExternalForce external(problem.scene.bodies[index], owned.part);
+  BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part),
+                  .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .mass = {},
+                  .inverse_mass = {}, .constrained = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
+                  .normal = {}, .tangent = {}, .totals = {}};
+  state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
+  for (const int node : state.shared_nodes) {
+    for (int c = 0; c < components; ++c) {
+      state.shared_dofs.push_back(node * components + c);
+      state.integrated[static_cast<std::size_t>(node * components + c)] = shared_integrated;
+    }
+  }
+  set_directions(problem, state);
+  set_motion(problem, state);
+  state.set_mass(state.part.lumped_mass);
+  return state;
+}
+
+}  // namespace
+
+std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                                      bool shared_integrated) {
+  std::vector<BodyState> states;
+  for (auto& owned : scene::participant_parts(problem, participant)) {
+    states.push_back(initial_state(problem, std::move(owned), shared_integrated));
+  }
+  return states;
+}
+
+void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window) {
+  if (u.allFinite()) return;
+  const int components = fem::components(state.part.mesh.model);
+  Eigen::Index dof = 0;
+  while (std::isfinite(u[dof])) ++dof;
+  const auto node = static_cast<std::size_t>(dof / components);
+  const auto& x = state.part.mesh.position[node];
+  throw SolverError(fmt::format(
+      "window {}: the displacement of body '{}' is not finite at node {} ({:.6g}, {:.6g}) m; the time step exceeds a critical "
+      "time step or the contact is too stiff for it: run `ricochet check` on the scene",
+      window, state.name, state.part.body_node[node], x[0], x[1]));
+}
+
+}  // namespace ricochet::solver

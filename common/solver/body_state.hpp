@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/fem/ledger.hpp"
+#include "common/scene/problem.hpp"
+
+/// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
+namespace ricochet::solver {
+
+/// A fixed or prescribed degree of freedom. Motion u(t) = displacement * amplitude(t); velocity and acceleration by
+/// central differences of that over dt, which is what the central difference method itself would integrate.
+struct ConstrainedDof {
+  int dof = 0;
+  double displacement_m = 0.0;
+  const scene::Amplitude* amplitude = nullptr;  ///< null: fixed at its initial displacement
+
+  [[nodiscard]] double at(double time_s) const { return amplitude ? displacement_m * amplitude->at(time_s) : displacement_m; }
+  [[nodiscard]] double velocity(double time_s, double dt) const { return (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt); }
+  [[nodiscard]] double acceleration(double time_s, double dt) const {
+    return (at(time_s + dt) - 2.0 * at(time_s) + at(time_s - dt)) / (dt * dt);
+  }
+};
+
+struct BodyState {
+  int body = -1;                    ///< index into Problem::bodies
+  std::string name;
+  fem::Part part;
+  std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
+  std::vector<int> shared_dofs;
+  std::vector<bool> integrated;     ///< per dof: this participant integrates it
+  Eigen::VectorXd mass;             ///< per dof, what this participant integrates; 0 elsewhere [kg]
+  Eigen::VectorXd inverse_mass;     ///< 1/mass; 0 where constrained or not integrated [1/kg]
+  std::vector<ConstrainedDof> constrained;
+  scene::ExternalForce external;
+  Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
+  Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
+  fem::BodyTotals totals;
+
+  /// Sets mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
+  void set_mass(const Eigen::VectorXd& node_mass);
+  /// Velocity and acceleration of the constrained dofs at a time; their displacement.
+  void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
+  void constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const;
+  void constrain_displacement(double time_s, Eigen::VectorXd& displacement) const;
+  /// Accounts loads, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n) to the external
+  /// work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions at constrained dofs [N].
+  template <class MeanForce, class Increment>
+  void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
+    const int components = fem::components(part.mesh.model);
+    const auto account = [&](int dof) {
+      const double force = mean_force(dof);
+      totals.energy_external_j += force * increment(dof);
+      totals.impulse_n_kg_m_s += dt * force * normal[dof % components];
+      totals.impulse_t_kg_m_s += dt * force * tangent[dof % components];
+    };
+    if (external.zero()) {
+      for (const auto& c : constrained) account(c.dof);
+    } else {
+      for (int dof = 0; dof < part.dofs(); ++dof) account(dof);
+    }
+  }
+  /// Momentum of the integrated nodes from v.
+  void update_momentum();
+};
+
+/// One state per part of the participant, at t = 0. `shared_integrated`: the implicit participant integrates its shared
+/// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
+[[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                                                    bool shared_integrated);
+
+/// Refuses to go on with numbers that mean nothing: SolverError naming body, node, position and window.
+void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window);
+
+}  // namespace ricochet::solver

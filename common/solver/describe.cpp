@@ -1,0 +1,85 @@
+#include "common/solver/describe.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/fem/vtk_output.hpp"
+#include "common/scene/critical_step.hpp"
+#include "common/solver/pairs.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// Smallest critical time step of central difference over the participant's elements, with the full nodal masses; 0 without
+/// elements. (The switch to all-explicit makes the implicit participant integrate its elements that way, too.)
+double smallest_critical_time_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                                   const std::vector<BodyState>& states) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const auto& state : states) {
+    const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
+    std::vector<bool> own = body.implicit_element;
+    if (participant.role == scene::Role::explicit_solver) own.flip();
+    smallest = std::min(smallest, scene::critical_time_step(body, own));
+  }
+  return std::isfinite(smallest) ? smallest : 0.0;
+}
+
+}  // namespace
+
+participant::Description describe(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                                  const std::vector<BodyState>& states, bool contact_owner) {
+  participant::Description d;
+  d.name = participant.name;
+  d.role = participant.role == scene::Role::explicit_solver ? "explicit" : "implicit";
+  d.solver_version = RICOCHET_VERSION;
+  d.scene_sha256 = problem.scene.sha256;
+  d.components = problem.scene.components();
+  d.contact_owner = contact_owner;
+  d.critical_time_step_s = smallest_critical_time_step(problem, participant, states);
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto& state = states[b];
+    d.bodies.push_back(state.name);
+    for (const int node : state.shared_nodes) {
+      d.interface_body.push_back(static_cast<int>(b));
+      const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
+      for (int c = 0; c < d.components; ++c) d.interface_position_m.push_back(x[c]);
+      d.interface_mass_kg.push_back(state.part.lumped_mass[node]);
+    }
+    for (const auto quantity : fem::body_quantities) d.record_columns.push_back(fmt::format("{}/{}", quantity, state.name));
+  }
+  d.record_columns.emplace_back("energy_interface_j");
+  if (contact_owner) {
+    for (auto& column : report_columns()) d.record_columns.push_back(std::move(column));
+  }
+  return d;
+}
+
+void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states) {
+  std::size_t next = 0;
+  for (auto& state : states) {
+    Eigen::VectorXd node_mass = state.part.lumped_mass;
+    for (const int node : state.shared_nodes) node_mass[node] = interface_mass_kg[next++];
+    state.set_mass(node_mass);
+  }
+}
+
+void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row) {
+  for (const auto& state : states) fem::append(state.totals, row);
+}
+
+void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
+                  const std::vector<BodyState>& states) {
+  std::vector<const fem::Part*> parts;
+  std::vector<const Eigen::VectorXd*> displacement, velocity;
+  for (const auto& state : states) {
+    parts.push_back(&state.part);
+    displacement.push_back(&state.u);
+    velocity.push_back(&state.v);
+  }
+  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, displacement, velocity);
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::solver {
+
+/// What every solver of ours says of itself: interface nodes body by body with positions and own lumped masses, scene
+/// hash, and the history columns: `<quantity>/<body>` for each body, `energy_interface_j`, and the contact columns if it
+/// owns the contact.
+[[nodiscard]] participant::Description describe(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                                                const std::vector<BodyState>& states, bool contact_owner);
+
+/// Distributes the summed interface masses of a Setup over the states' shared nodes (Eq. 28).
+void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states);
+
+/// Appends the body totals in the order of the columns of `describe`.
+void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row);
+
+/// One VTU file `<directory>/<participant>_<window>.vtu` with all parts of a participant.
+void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
+                  const std::vector<BodyState>& states);
+
+}  // namespace ricochet::solver

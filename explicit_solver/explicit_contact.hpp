@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/solver/body_state.hpp"
+#include "common/solver/pairs.hpp"
+#include "common/solver/surface_stress.hpp"
+
+/// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
+///
+/// The contact force r of window n is the one that closes the gap at n + 1 exactly. With a diagonal mass and node pairs
+/// that is one closed-form scalar per pair:
+///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
+/// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9, 14).
+/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
+namespace ricochet::explicit_solver {
+
+
+class ExplicitContact {
+ public:
+  ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, double dt);
+
+  /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
+  /// penetrate.
+  void start(std::vector<solver::BodyState>& states);
+  /// Adds the contact accelerations of window n to state.a, given u_n in state.u, u_{n-1} in `u_before` and the elastic
+  /// acceleration in state.a; accounts the work of the contact forces over the window that ended at n.
+  void apply(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+
+  /// Contact quantities at the present displacement (principal stress and energies included).
+  [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] int pairs_closed() const;
+  [[nodiscard]] double gap_min(const std::vector<solver::BodyState>& states) const;       ///< [m]
+  [[nodiscard]] double gap_rate_min(const std::vector<solver::BodyState>& states) const;  ///< [m/s]
+
+ private:
+  struct Force {
+    double normal = 0.0, tangential = 0.0;  ///< on B along n and t [N]
+    solver::State state = solver::State::open;
+  };
+  /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
+  Force find_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
+                   double acting_time) const;
+  [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
+                                    const Eigen::Vector2d& direction) const;
+  [[nodiscard]] double friction_force(double normal, double slip_rate, double impulse_mass) const;
+  void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
+  void account(const solver::Pair& pair, const Force& old, const Force& now, std::vector<solver::BodyState>& states,
+               const std::vector<const Eigen::VectorXd*>& u_before);
+  [[nodiscard]] double staggered_correction(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] double gap(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
+
+  const scene::Contact* law_;
+  Eigen::Vector2d normal_, tangent_;
+  int components_;
+  double dt_;
+  std::vector<solver::Pair> pairs_;
+  std::vector<Force> forces_;
+  solver::SurfaceStress stress_;
+  double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
+};
+
+}  // namespace ricochet::explicit_solver

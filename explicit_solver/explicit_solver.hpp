@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+#include "common/solver/separation.hpp"
+#include "explicit_solver/explicit_contact.hpp"
+
+namespace ricochet::explicit_solver {
+
+/// Central difference method on the explicit elements of its bodies (Newmark, beta = 0, gamma = 1/2; Eq. 3-6):
+///   u_{n+1} = u_n + dt v_n + dt^2/2 a_n,   a_{n+1} = M^-1 (f_{n+1} - K u_{n+1}),   v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
+/// Stable for dt <= 2/omega_max(K_E, M). Shared nodes take the displacement the link gives; the answer is P = K u - f there.
+/// As the only participant (`all_explicit`) it also enforces the contact.
+///
+/// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
+/// which the method conserves energy exactly.
+class ExplicitSolver final : public participant::Participant {
+ public:
+  ExplicitSolver(scene::Problem problem, const std::string& name);
+
+  participant::Description describe() override;
+  void initialize(const participant::Setup& setup, participant::Link& output) override;
+  void synchronise(participant::Integration integration, const std::vector<double>& link_input,
+                   participant::Link& output) override;
+  void advance(std::int64_t window, const std::vector<double>& link_input, participant::Link& output) override;
+  void accept() override;
+  [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
+  void record(std::vector<double>& row) override;
+  void write_fields(std::int64_t window) override;
+
+  [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
+
+ private:
+  /// Per part: the window being tried, and what the last accepted one left.
+  struct Window {
+    Eigen::VectorXd u;                       ///< trial displacement; after `accept` the one before
+    Eigen::VectorXd internal, internal_old;  ///< K u at n + 1 and n
+    Eigen::VectorXd external, external_old;  ///< f at n + 1 and n, reactions at constrained dofs included
+  };
+  void take_link(const solver::BodyState& state, const std::vector<double>& link_input, std::size_t& next,
+                 Eigen::VectorXd& u) const;
+  void interface_force(participant::Link& output) const;
+  void find_accelerations(double time_s);
+  void account();
+  void account_interface(std::size_t part, const Eigen::VectorXd& u_old, const Eigen::VectorXd& u_new);
+  void update_status();
+
+  scene::Problem problem_;
+  const scene::ParticipantSpec* spec_;
+  std::vector<solver::BodyState> states_;
+  std::vector<Window> windows_;
+  std::vector<const Eigen::VectorXd*> u_before_;
+  std::optional<ExplicitContact> contact_;
+  participant::Setup setup_;
+  std::int64_t window_ = 0;
+  bool trial_ = false;          ///< a trial of window_ + 1 exists: the old forces are already set aside
+  double interface_work_j_ = 0.0;
+  solver::SeparationWatch separation_;
+  participant::ContactStatus status_;
+};
+
+}  // namespace ricochet::explicit_solver

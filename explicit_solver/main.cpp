@@ -1,0 +1,33 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "common/participant/participant.hpp"
+#include "common/scene/problem.hpp"
+#include "explicit_solver/explicit_solver.hpp"
+
+/// explicit_solver --scene SCENE --name NAME --connect ENDPOINT: takes part in the run that a coupler serves at ENDPOINT.
+int main(int argc, char** argv) {
+  CLI::App app{"Explicit participant of ricochet."};
+  std::string scene, name;
+  ricochet::participant::ServeOptions options;
+  app.add_option("--scene", scene, "scene file (TOML)")->required();
+  app.add_option("--name", name, "name of the participant in the scene")->required();
+  app.add_option("--connect", options.endpoint, "endpoint of the coupler, ipc://... or tcp://address:port")->required();
+  app.add_flag("--watch-stdin", options.watch_stdin, "end at once when standard input closes");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ricochet::ExitCode::config);
+  }
+  try {
+    options.timeout_s = 60.0;
+    ricochet::explicit_solver::ExplicitSolver solver(ricochet::scene::build_problem(ricochet::scene::load_scene(scene)), name);
+    return ricochet::participant::serve(solver, options);
+  } catch (const ricochet::Error& error) {
+    std::fprintf(stderr, "%s: error: %s\n", name.c_str(), error.what());
+    return static_cast<int>(error.code());
+  }
+}

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+#include "common/scene/scene.hpp"
+#include "common/solver/pairs.hpp"
+
+namespace ricochet::implicit_solver {
+
+/// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with friction,
+/// tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
+///   gap_i  = gap_free_i  + (D x)_i          [m]   gap at n + 1
+///   slip_i = slip_free_i + (D x)_{n+i}      [m]   slip increment of the window
+/// multiplier: lambda >= 0, gap >= 0, lambda gap = 0.         penalty: lambda = alpha w max(0, -gap) (Eq. 8-10)
+/// return mapping: |tau| <= mu lambda; stick: slip = 0 (penalty: tau = tau_n - alpha w slip); slip: tau = s mu lambda with
+/// s opposing the slip (Eq. 21-24).                            regularised: tau = -mu lambda tanh(xi v_t) (Eq. 14, 15),
+/// with v_t = 2 slip / dt - v_t,n the relative tangential velocity at n + 1.
+///
+/// States are found by the criteria (17)-(24), starting from those of the last window; the matrix of a set of states is
+/// kept factored while the states do not change. If they cycle, projected Gauss-Seidel finishes the job.
+class RootProblem {
+ public:
+  /// `compliance` D [m/N], symmetric positive definite, n x n without friction, 2n x 2n with; `area_m2` w per pair.
+  RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, std::vector<double> area_m2, double dt);
+
+  struct Solution {
+    Eigen::VectorXd force;              ///< x of the class comment
+    std::vector<solver::State> states;  ///< per pair
+    int iterations = 0;
+  };
+
+  /// `slip_free` and `slip_velocity` (v_t,n [m/s]) are ignored without friction. `last` is the accepted solution of the
+  /// window before (states to start from, tangential forces of the penalty law).
+  const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
+                        const Solution& last);
+
+  [[nodiscard]] Solution open() const;  ///< all pairs open, no force
+  [[nodiscard]] bool friction() const { return friction_; }
+  [[nodiscard]] int pairs() const { return pairs_; }
+
+ private:
+  enum class Tangent : char { none, stick, slip_plus, slip_minus, regularised };
+  struct PairState {
+    bool closed = false;
+    Tangent tangent = Tangent::none;
+    bool operator==(const PairState&) const = default;
+  };
+  void start_from(const Solution& last);
+  void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
+                    const Solution& last);
+  void assemble();
+  [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
+  void projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
+  void finish();
+  /// No tangential unknown: no friction, or supports hold both nodes (on the axis r = 0).
+  [[nodiscard]] bool held(int pair) const;
+  [[nodiscard]] double slack(int pair) const;  ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
+
+  scene::Contact law_;
+  bool friction_, regularised_;
+  int pairs_;
+  double dt_;
+  Eigen::MatrixXd compliance_, matrix_;
+  std::vector<double> area_m2_;
+  std::vector<PairState> states_, factored_states_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd rhs_, motion_;
+  Solution solution_;
+};
+
+}  // namespace ricochet::implicit_solver

@@ -1,0 +1,362 @@
+#include "implicit_solver/implicit_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/fem/newmark.hpp"
+#include "common/solver/describe.hpp"
+
+namespace ricochet::implicit_solver {
+
+using participant::Integration;
+using participant::Link;
+
+namespace {
+
+fem::SparseMatrix block_diagonal(const std::vector<solver::BodyState>& states, const std::vector<Eigen::Index>& offsets) {
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::Index size = 0;
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto& k = states[b].part.stiffness;
+    for (int row = 0; row < k.outerSize(); ++row) {
+      for (fem::SparseMatrix::InnerIterator it(k, row); it; ++it) {
+        entries.emplace_back(static_cast<int>(offsets[b]) + row, static_cast<int>(offsets[b] + it.col()), it.value());
+      }
+    }
+    size += k.rows();
+  }
+  fem::SparseMatrix all(size, size);
+  all.setFromTriplets(entries.begin(), entries.end());
+  return all;
+}
+
+}  // namespace
+
+ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
+    : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)) {
+  if (spec_->role != scene::Role::implicit_solver) {
+    throw ConfigError(fmt::format("{}: participant '{}' has role \"explicit\"; start explicit_solver for it, or set its role "
+                                  "to \"implicit\"", problem_.scene.path, name));
+  }
+  states_ = solver::initial_states(problem_, *spec_, true);
+  Eigen::Index offset = 0;
+  for (const auto& state : states_) {
+    offsets_.push_back(offset);
+    for (const int dof : state.shared_dofs) shared_dofs_.push_back(static_cast<int>(offset) + dof);
+    offset += state.part.dofs();
+  }
+  stiffness_ = block_diagonal(states_, offsets_);
+}
+
+participant::Description ImplicitSolver::describe() {
+  auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
+  description.solver = "ricochet implicit_solver";
+  description.capabilities = {"repeat_window", "switch_integration"};
+  return description;
+}
+
+void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
+  setup_ = setup;
+  separation_ = solver::SeparationWatch(setup.separation_windows, setup.window_size_s);
+  solver::take_interface_mass(setup.interface_mass_kg, states_);
+  if (!problem_.contact.pairs.empty()) {
+    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
+  }
+  const auto size = stiffness_.rows();
+  for (auto* vector : {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
+                       &trial_.residual, &trial_.external, &trial_.link, &trial_.bracket, &trial_.jump,
+                       &trial_.mean_velocity}) {
+    vector->setZero(size);
+  }
+  factorise();
+  put_output(trial_, output);
+}
+
+/// A = M + dt^2/4 K on the dofs that are free.
+void ImplicitSolver::factorise() {
+  const double dt = setup_.window_size_s;
+  fem::SparseMatrix a = (0.25 * dt * dt) * stiffness_;
+  std::vector<bool> active(static_cast<std::size_t>(a.rows()));
+  Eigen::VectorXd mass(a.rows());
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    segment(mass, b) = states_[b].mass;
+    for (int dof = 0; dof < states_[b].part.dofs(); ++dof) {
+      active[static_cast<std::size_t>(offsets_[b] + dof)] = states_[b].inverse_mass[dof] > 0.0;
+    }
+  }
+  a += fem::SparseMatrix(mass.asDiagonal());
+  factor_.emplace(a, active, contact_ ? contact_->root_dofs() : std::vector<int>{});
+  if (!contact_) return;
+  contact_->prepare(factor_->root_inverse(), dt);
+  for (const int dof : contact_->root_dofs()) {
+    std::size_t part = states_.size() - 1;
+    while (dof < offsets_[part]) --part;
+    roots_.push_back({dof, part, dof - static_cast<int>(offsets_[part])});
+  }
+}
+
+void ImplicitSolver::external_force(double time_s, Eigen::VectorXd& external) {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    if (states_[b].external.zero()) continue;
+    Eigen::VectorXd force(states_[b].part.dofs());
+    states_[b].external.at(time_s, force);
+    segment(external, b) = force;
+  }
+}
+
+void ImplicitSolver::take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const {
+  for (std::size_t i = 0; i < shared_dofs_.size(); ++i) link[shared_dofs_[i]] = link_input[i];
+}
+
+/// Motion of the shared nodes at the end of a window.
+void ImplicitSolver::put_output(const Window& window, Link& output) const {
+  output.value.clear();
+  output.velocity_m_s.clear();
+  output.acceleration_m_s2.clear();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    for (const int dof : states_[b].shared_dofs) {
+      output.value.push_back(states_[b].u[dof] + window.increment[offsets_[b] + dof]);
+      output.velocity_m_s.push_back(window.velocity[offsets_[b] + dof]);
+      output.acceleration_m_s2.push_back(window.acceleration[offsets_[b] + dof]);
+    }
+  }
+}
+
+void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, Link& output) {
+  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
+  integration_ = integration;
+  take_link(link_input, link_);
+  external_force(time_s, external_);
+  trial_.increment.setZero();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    auto q = segment(residual_, b);
+    q = segment(external_, b) - state.part.stiffness * state.u - segment(link_, b);
+    state.a = state.inverse_mass.cwiseProduct(q);
+    state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
+    state.constrain_velocity(time_s, setup_.window_size_s, state.v);
+    for (const auto& c : state.constrained) {  // reactions join f, so that q = M a there too
+      const double inertia = state.mass[c.dof] * state.a[c.dof];
+      external_[offsets_[b] + c.dof] += inertia - q[c.dof];
+      q[c.dof] = inertia;
+    }
+    segment(trial_.velocity, b) = state.v;
+    segment(trial_.acceleration, b) = state.a;
+  }
+  if (contact_) contact_->open();
+  put_output(trial_, output);
+  update_status();
+}
+
+void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, Link& output) {
+  if (window != window_ + 1) throw ProtocolError(fmt::format("asked for window {} after window {}", window, window_));
+  const double time_s = static_cast<double>(window) * setup_.window_size_s;
+  take_link(link_input, trial_.link);
+  external_force(time_s, trial_.external);
+  if (integration_ == Integration::implicit_newmark) {
+    advance_implicit(time_s);
+  } else {
+    advance_explicit(time_s);
+  }
+  put_output(trial_, output);
+}
+
+void ImplicitSolver::advance_implicit(double time_s) {
+  const double dt = setup_.window_size_s, quarter = 0.25 * dt * dt;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    segment(rhs_, b) = state.mass.cwiseProduct(dt * state.v + quarter * state.a) + quarter * segment(residual_, b);
+    if (!state.external.zero()) segment(rhs_, b) += quarter * (segment(trial_.external, b) - segment(external_, b));
+  }
+  for (const int dof : shared_dofs_) rhs_[dof] -= quarter * (trial_.link[dof] - link_[dof]);
+  constrain_increment(time_s);
+  solve_increment();
+  find_rates();
+  constrain_rates(time_s);
+}
+
+/// Given increments of the constrained dofs, and what they push on the free ones: b_f -= dt^2/4 K_fc du_c.
+void ImplicitSolver::constrain_increment(double time_s) {
+  const double quarter = 0.25 * setup_.window_size_s * setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    for (const auto& c : states_[b].constrained) {
+      const double du = c.at(time_s) - states_[b].u[c.dof];
+      const auto row = static_cast<int>(offsets_[b]) + c.dof;
+      trial_.increment[row] = du;
+      if (du == 0.0) continue;
+      for (fem::SparseMatrix::InnerIterator it(stiffness_, row); it; ++it) rhs_[it.col()] -= quarter * it.value() * du;
+    }
+  }
+}
+
+void ImplicitSolver::solve_increment() {
+  factor_->forward(rhs_);
+  root_increment_.noalias() = factor_->root_inverse() * factor_->root_rhs();
+  if (contact_) {
+    const auto& root = contact_->root_dofs();
+    for (std::size_t i = 0; i < root.size(); ++i) trial_.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
+    contact_->solve(states_, trial_.increment);
+    const double scale = contact_->kappa() * 0.25 * setup_.window_size_s * setup_.window_size_s;
+    root_increment_.noalias() += scale * (factor_->root_inverse() * contact_->root_force());
+  }
+  factor_->backward(root_increment_, trial_.increment);
+}
+
+/// a*, v* and q of the class comment; the velocity and acceleration of closed pairs; the bracket of the contact work.
+void ImplicitSolver::find_rates() {
+  const double dt = setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    auto a = segment(trial_.acceleration, b);
+    a = (4.0 / (dt * dt)) * (segment(trial_.increment, b) - dt * state.v) - state.a;
+    segment(trial_.velocity, b) = fem::corrected_velocity(state.v, state.a, a, dt);
+    segment(trial_.residual, b) = state.mass.cwiseProduct(a);
+  }
+  if (contact_) find_contact_rates();
+}
+
+/// Takes the contact forces out of q (and, where the law does not remember them, out of a), then applies Eq. 25.
+void ImplicitSolver::find_contact_rates() {
+  const Eigen::VectorXd& force = contact_->root_force();
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const auto& [dof, part, local] = roots_[i];
+    const auto& state = states_[part];
+    const double applied = contact_->kappa() * force[static_cast<Eigen::Index>(i)];
+    trial_.bracket[dof] = state.mass[local] * state.a[local] - residual_[dof] + applied;
+    trial_.residual[dof] -= applied;
+    trial_.mean_velocity[dof] = trial_.velocity[dof];
+    if (!contact_->remembered()) trial_.acceleration[dof] = trial_.residual[dof] * state.inverse_mass[local];
+  }
+  contact_->update_rates(states_, trial_.velocity, trial_.acceleration);
+  for (const auto& [dof, part, local] : roots_) {
+    const double before = trial_.mean_velocity[dof];
+    trial_.jump[dof] = states_[part].mass[local] * (trial_.velocity[dof] - before);
+    trial_.mean_velocity[dof] = 0.5 * (before + trial_.velocity[dof]);
+  }
+}
+
+/// Motion of the constrained dofs at the window's end, and the reactions R = M a + K u + L - f there, which join f.
+void ImplicitSolver::constrain_rates(double time_s) {
+  const double dt = setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    for (const auto& c : state.constrained) {
+      const auto dof = static_cast<int>(offsets_[b]) + c.dof;
+      double internal = external_[dof] - residual_[dof] - link_[dof];
+      for (fem::SparseMatrix::InnerIterator it(stiffness_, dof); it; ++it) internal += it.value() * trial_.increment[it.col()];
+      trial_.velocity[dof] = c.velocity(time_s, dt);
+      trial_.acceleration[dof] = c.acceleration(time_s, dt);
+      trial_.residual[dof] = state.mass[c.dof] * trial_.acceleration[dof];
+      trial_.external[dof] = trial_.residual[dof] + internal + trial_.link[dof];
+    }
+  }
+}
+
+/// Central difference step with the same lumped masses, without contact.
+void ImplicitSolver::advance_explicit(double time_s) {
+  const double dt = setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    segment(trial_.increment, b) = dt * state.v + (0.5 * dt * dt) * state.a;
+    for (const auto& c : state.constrained) trial_.increment[offsets_[b] + c.dof] = c.at(time_s) - state.u[c.dof];
+    segment(rhs_, b) = state.u + segment(trial_.increment, b);
+  }
+  trial_.residual.noalias() = -(stiffness_ * rhs_);
+  trial_.residual += trial_.external - trial_.link;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    segment(trial_.acceleration, b) = state.inverse_mass.cwiseProduct(segment(trial_.residual, b));
+    segment(trial_.velocity, b) = fem::corrected_velocity(state.v, state.a, segment(trial_.acceleration, b), dt);
+  }
+  constrain_rates(time_s);
+}
+
+void ImplicitSolver::accept() {
+  ++window_;
+  account();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    state.u += segment(trial_.increment, b);
+    state.v = segment(trial_.velocity, b);
+    state.a = segment(trial_.acceleration, b);
+  }
+  residual_.swap(trial_.residual);
+  external_.swap(trial_.external);
+  link_.swap(trial_.link);
+  if (contact_) contact_->accept();
+  const int every = problem_.scene.coupling.resynchronise_every;
+  if (every > 0 && window_ % every == 0) resynchronise_residual();
+  update_status();
+}
+
+/// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise add up
+/// like window^(3/2) in the momentum.
+void ImplicitSolver::resynchronise_residual() {
+  double drift = 0.0, scale = 0.0;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    rhs_.head(state.part.dofs()).noalias() = state.part.stiffness * state.u;
+    for (int i = 0; i < state.part.dofs(); ++i) {
+      const auto dof = offsets_[b] + i;
+      const double residual = external_[dof] - rhs_[i] - link_[dof];
+      scale = std::max(scale, std::abs(rhs_[i]));
+      drift = std::max(drift, std::abs(residual - residual_[dof]));
+      if (state.inverse_mass[i] > 0.0) residual_[dof] = residual;
+    }
+  }
+  if (scale > 0.0) largest_drift_ = std::max(largest_drift_, drift / scale);
+}
+
+void ImplicitSolver::account() {
+  const double dt = setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto at = offsets_[b];
+    states_[b].account_external(
+        dt, [&](int dof) { return 0.5 * (external_[at + dof] + trial_.external[at + dof]); },
+        [&](int dof) { return trial_.increment[at + dof]; });
+  }
+  for (const int dof : shared_dofs_) interface_work_j_ -= 0.5 * (link_[dof] + trial_.link[dof]) * trial_.increment[dof];
+  if (contact_ && integration_ == Integration::implicit_newmark) {
+    contact_->account(states_, trial_.bracket, trial_.increment, trial_.jump, trial_.mean_velocity, dt);
+  }
+}
+
+void ImplicitSolver::update_status() {
+  if (!contact_) return;
+  status_.pairs_closed = contact_->pairs_closed();
+  status_.gap_min_m = contact_->gap_min(states_);
+  status_.gap_rate_min_m_s = contact_->gap_rate_min(states_);
+  separation_.update(window_, status_.pairs_closed, status_.gap_min_m);
+  status_.separated = separation_.separated();
+  status_.separation_time_s = separation_.separation_time_s();
+  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
+  status_.finished = setup_.until_separated_plus_s >= 0.0 && status_.separated &&
+                     time_s >= status_.separation_time_s + setup_.until_separated_plus_s;
+}
+
+void ImplicitSolver::record(std::vector<double>& row) {
+  const double dt = setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    solver::require_finite(state, state.u, window_);
+    state.update_momentum();
+    double kinetic = (state.mass.array() * state.v.array().square()).sum();
+    if (integration_ == Integration::explicit_central) {
+      kinetic -= 0.25 * dt * dt * (state.mass.array() * state.a.array().square()).sum();
+    }
+    state.totals.energy_kinetic_j = 0.5 * kinetic;
+    state.totals.energy_strain_j = 0.5 * state.u.dot(segment(external_, b) - segment(residual_, b) - segment(link_, b));
+  }
+  solver::record_bodies(states_, row);
+  row.push_back(interface_work_j_);
+  if (contact_) solver::append(contact_->report(states_), row);
+}
+
+void ImplicitSolver::write_fields(std::int64_t window) {
+  solver::write_fields(setup_.output_directory, spec_->name, window, states_);
+}
+
+}  // namespace ricochet::implicit_solver
