@@ -181,9 +181,10 @@ void refuse_coincident_nodes(const GmshFile& file, const std::map<GmshTag, int>&
     for (std::size_t j = i + 1; j < nodes.size() && nodes[j].second[0] - nodes[i].second[0] <= tolerance; ++j) {
       if (std::abs(nodes[j].second[1] - nodes[i].second[1]) > tolerance) continue;
       const auto [first, second] = std::minmax(nodes[i].first, nodes[j].first);
-      throw ConfigError(fmt::format("{}: nodes {} and {} of one body lie at the same place ({:.6g}, {:.6g}) m: the "
-                                    "mesh is cut there; merge the geometry with 'Coherence;'",
-                                    file.path, first, second, nodes[i].second[0], nodes[i].second[1]));
+      throw ConfigError(
+          fmt::format("{}: nodes {} and {} of one body lie at the same place ({:.6g}, {:.6g}) m: the "
+                      "mesh is cut there; merge the geometry with 'Coherence;'",
+                      file.path, first, second, nodes[i].second[0], nodes[i].second[1]));
     }
   }
 }

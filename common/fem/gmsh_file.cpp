@@ -147,7 +147,7 @@ void read_nodes(Words& words, GmshFile& file) {
     std::vector<GmshTag> tags;  // grows, for the announced number may be nonsense
     for (int left = words.count("the number of nodes of a block"); left > 0; --left) {
       tags.push_back(words.number<GmshTag>("a node tag"));
-      if (file.nodes.insert({tags.back(), {}}).second) continue;
+      if (file.nodes.insert({tags.back(), Eigen::Vector3d::Zero()}).second) continue;
       words.fail(fmt::format("node {} is defined twice", tags.back()));
     }
     for (const GmshTag tag : tags) {
@@ -169,17 +169,25 @@ ElementType element_type(const Words& words, int type, const GmshEntity& entity)
   constexpr std::string_view allowed = "2-node lines and 4-node quadrilaterals (types 1 and 3) can be used";
   const std::string where = fmt::format("in entity {} of dimension {}", entity.second, entity.first);
   switch (type) {
-    case 1: return {1, 2};
-    case 3: return {2, 4};
-    case 15: return {0, 1};
+    case 1:
+      return {1, 2};
+    case 3:
+      return {2, 4};
+    case 15:
+      return {0, 1};
     case 2:
-      words.fail(fmt::format("triangles (type 2) {}; only {}: recombine with 'Recombine Surface {{{}}};' or "
-                             "Mesh.RecombineAll = 1",
-                             where, allowed, entity.second));
-    case 8: case 9: case 10: case 16:
-      words.fail(fmt::format("second-order elements (type {}) {}; only {}: set Mesh.ElementOrder = 1", type, where,
-                             allowed));
-    default: words.fail(fmt::format("element type {} {}; only {}", type, where, allowed));
+      words.fail(
+          fmt::format("triangles (type 2) {}; only {}: recombine with 'Recombine Surface {{{}}};' or "
+                      "Mesh.RecombineAll = 1",
+                      where, allowed, entity.second));
+    case 8:
+    case 9:
+    case 10:
+    case 16:
+      words.fail(
+          fmt::format("second-order elements (type {}) {}; only {}: set Mesh.ElementOrder = 1", type, where, allowed));
+    default:
+      words.fail(fmt::format("element type {} {}; only {}", type, where, allowed));
   }
 }
 

@@ -24,10 +24,10 @@ struct GmshElement {
 
 struct GmshFile {
   std::string path;
-  std::map<GmshEntity, std::string> group_name;         ///< (dimension, physical tag) -> name
-  std::map<GmshEntity, std::vector<int>> entity_groups; ///< geometric entity -> its physical tags
-  std::map<GmshTag, Eigen::Vector3d> nodes;             ///< [m]
-  std::vector<GmshElement> elements;                    ///< points, lines and quadrilaterals (dimension 0, 1, 2)
+  std::map<GmshEntity, std::string> group_name;          ///< (dimension, physical tag) -> name
+  std::map<GmshEntity, std::vector<int>> entity_groups;  ///< geometric entity -> its physical tags
+  std::map<GmshTag, Eigen::Vector3d> nodes;              ///< [m]
+  std::vector<GmshElement> elements;                     ///< points, lines and quadrilaterals (dimension 0, 1, 2)
 };
 
 /// Reads the sections MeshFormat, PhysicalNames, Entities, Nodes and Elements and skips the others. Throws ConfigError

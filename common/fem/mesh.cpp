@@ -13,16 +13,17 @@ namespace ricochet::fem {
 
 std::vector<double> graded_coordinates(double start, double length, int count, double grading) {
   if (count < 1 || !(length > 0.0) || !(grading > 0.0) || !std::isfinite(start + length + grading)) {
-    throw ConfigError(fmt::format("graded coordinates: {} elements over {} m from {} m with grading {}; needed are at "
-                                  "least one element, a positive length and a positive grading",
-                                  count, length, start, grading));
+    throw ConfigError(
+        fmt::format("graded coordinates: {} elements over {} m from {} m with grading {}; needed are at "
+                    "least one element, a positive length and a positive grading",
+                    count, length, start, grading));
   }
   // Sizes h q^i, q^(count-1) = grading; their partial sums are (q^i - 1)/(q^count - 1) of the length.
   const double log_ratio = count > 1 ? std::log(grading) / (count - 1) : 0.0;
   std::vector<double> coordinates(static_cast<std::size_t>(count) + 1, start);
   for (int i = 1; i < count; ++i) {
-    const double fraction = log_ratio == 0.0 ? static_cast<double>(i) / count
-                                             : std::expm1(i * log_ratio) / std::expm1(count * log_ratio);
+    const double fraction =
+        log_ratio == 0.0 ? static_cast<double>(i) / count : std::expm1(i * log_ratio) / std::expm1(count * log_ratio);
     coordinates[static_cast<std::size_t>(i)] = start + length * fraction;
   }
   coordinates.back() = start + length;

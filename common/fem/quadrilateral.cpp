@@ -9,10 +9,10 @@ constexpr double gauss = 0.57735026918962576451;  // 1/sqrt(3); the weights are 
 
 /// What the integrands need at one point of the element.
 struct Point {
-  Eigen::Vector4d shape;                  // N_i
-  Eigen::Matrix<double, 4, 2> gradient;   // N_i,x  N_i,y
-  double radius = 0.0;                    // first coordinate
-  double determinant = 0.0;               // det J
+  Eigen::Vector4d shape;                 // N_i
+  Eigen::Matrix<double, 4, 2> gradient;  // N_i,x  N_i,y
+  double radius = 0.0;                   // first coordinate
+  double determinant = 0.0;              // det J
 };
 
 Eigen::Matrix<double, 4, 2> natural_gradient(double xi, double eta) {

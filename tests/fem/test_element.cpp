@@ -29,8 +29,8 @@ Eigen::Vector2d linear_displacement(Model model, const Eigen::Vector2d& x) {
 
 StressVector exact_stress(Model model) {
   if (model == Model::bar) return StressVector::Constant(1, steel.youngs_modulus_pa * 1e-3);
-  const Eigen::Vector4d strain = model == Model::axisymmetric ? Eigen::Vector4d(1e-3, -4e-4, 1e-3, 0.0)
-                                                              : Eigen::Vector4d(1e-3, -4e-4, 0.0, 1e-4);
+  const Eigen::Vector4d strain =
+      model == Model::axisymmetric ? Eigen::Vector4d(1e-3, -4e-4, 1e-3, 0.0) : Eigen::Vector4d(1e-3, -4e-4, 0.0, 1e-4);
   return elasticity(model, steel) * strain;
 }
 

@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
-#include "tests/fem/test_help.hpp"
 #include "tests/fem/sample_elements.hpp"
+#include "tests/fem/test_help.hpp"
 
 namespace ricochet::fem {
 namespace {

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "common/fem/gmsh_file.hpp"
-#include "tests/fem/test_help.hpp"
 #include "tests/fem/sample_elements.hpp"
+#include "tests/fem/test_help.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -166,8 +166,7 @@ class BrokenMesh : public testing::TestWithParam<Broken> {};
 TEST_P(BrokenMesh, IsRefusedByName) {
   const Broken& broken = GetParam();
   const TemporaryMesh file(replaced(text_of(cylinders), broken.from, broken.to));
-  const std::string text =
-      sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, broken.body); });
+  const std::string text = sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, broken.body); });
   EXPECT_THAT(text, HasSubstr(file.path()));
   for (const std::string& expected : broken.expected) EXPECT_THAT(text, HasSubstr(expected));
 }
@@ -178,17 +177,27 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"version_2", "4.1 0 8", "2.2 0 8", {":2: MSH format 2.2, needed is 4.1", "gmsh -format msh41"}},
         Broken{"binary", "4.1 0 8", "4.1 1 8", {":2: the file is binary, needed is ASCII", "Mesh.Binary = 0"}},
         Broken{"not_gmsh", "$MeshFormat", "solid cube", {":1: expected a section like $Nodes, found \"solid\""}},
-        Broken{"no_format", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "", {":1: $MeshFormat must come before $PhysicalNames"}},
-        Broken{"letters_for_a_number", "0.00250000000000661 -0.004 0", "0.0025 minus 0",
+        Broken{"no_format",
+               "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n",
+               "",
+               {":1: $MeshFormat must come before $PhysicalNames"}},
+        Broken{"letters_for_a_number",
+               "0.00250000000000661 -0.004 0",
+               "0.0025 minus 0",
                {":111: expected a node coordinate, found \"minus\""}},
-        Broken{"nan", "0.00250000000000661 -0.004 0", "nan -0.004 0", {":111: expected a node coordinate, found \"nan\""}},
-        Broken{"coordinate_missing", "0.00250000000000661 -0.004 0", "0.0025 -0.004", {"found"}},
+        Broken{
+            "nan", "0.00250000000000661 -0.004 0", "nan -0.004 0", {":111: expected a node coordinate, found \"nan\""}},
+        Broken{"coordinate_missing",
+               "0.00250000000000661 -0.004 0",
+               "0.0025 -0.004",
+               {":114: expected a node tag, found"}},
         Broken{"negative_count", "\n26 34 1 34\n", "\n26 -34 1 34\n", {":45: expected the number of nodes, found -34"}},
         Broken{"huge_block", "\n2 1 0 7\n", "\n2 1 0 2000000000\n", {":123: expected a node tag"}},
         Broken{"node_count", "\n26 34 1 34\n", "\n26 35 1 34\n", {":139: 35 nodes are announced, the blocks hold 34"}},
         Broken{"element_count", "\n11 37 1 37\n", "\n11 38 1 37\n", {"38 elements are announced, the blocks hold 37"}},
         Broken{"name_without_quote", "\"axis\"", "\"axis", {":9: the name of a physical group has no closing quote"}},
-        Broken{"name_without_quotes", "\"axis\"", "axis", {":9: expected the name of a physical group in double quotes"}},
+        Broken{
+            "name_without_quotes", "\"axis\"", "axis", {":9: expected the name of a physical group in double quotes"}},
         Broken{"group_named_twice", "2 2 \"contact zone\"", "2 2 \"striker\"", {":11: physical group 2 \"striker\""}},
         Broken{"section_twice", "$Nodes\n", "$Entities\n0 0 0 0\n$EndEntities\n$Nodes\n", {":44: a second $Entities"}},
         Broken{"section_end_missing", "$EndEntities\n", "", {":43: expected $EndEntities, found \"$Nodes\""}}),
@@ -197,29 +206,54 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Content, BrokenMesh,
     testing::Values(
-        Broken{"triangles", "\n2 2 3 6\n", "\n2 2 2 6\n",
-               {":179: triangles (type 2) in entity 2 of dimension 2", "Recombine Surface {2}", "Mesh.RecombineAll = 1"}},
-        Broken{"second_order", "\n2 2 3 6\n", "\n2 2 16 6\n", {"second-order elements (type 16)", "Mesh.ElementOrder = 1"}},
+        Broken{
+            "triangles",
+            "\n2 2 3 6\n",
+            "\n2 2 2 6\n",
+            {":179: triangles (type 2) in entity 2 of dimension 2", "Recombine Surface {2}", "Mesh.RecombineAll = 1"}},
+        Broken{"second_order",
+               "\n2 2 3 6\n",
+               "\n2 2 16 6\n",
+               {"second-order elements (type 16)", "Mesh.ElementOrder = 1"}},
         Broken{"tetrahedra", "\n2 2 3 6\n", "\n3 2 4 6\n", {"element type 4 in entity 2 of dimension 3; only 2-node"}},
         Broken{"unknown_entity", "\n2 2 3 6\n", "\n2 9 3 6\n", {"entity 9 of dimension 2 is not in $Entities"}},
         Broken{"type_of_another_dimension", "\n2 2 3 6\n", "\n2 2 1 6\n", {"does not fit its elements"}},
-        Broken{"no_group_of_that_name", "2 1 \"striker\"", "2 1 \"stricker\"",
+        Broken{"no_group_of_that_name",
+               "2 1 \"striker\"",
+               "2 1 \"stricker\"",
                {"no physical surface \"striker\"", "stricker, contact zone, target", "did you mean \"stricker\"?"}},
         Broken{"group_of_another_dimension", "2 1 \"striker\"", "1 1 \"striker\"", {"(it is a physical curve)"}},
         Broken{"group_without_elements", "2 3 \"target\"", "2 9 \"target\"", {"\"target\" has no elements"}, "target"},
-        Broken{"element_without_group", "2 0 0.004 0 0.005 0.008 0 1 1 4", "2 0 0.004 0 0.005 0.008 0 0 4",
+        Broken{"element_without_group",
+               "2 0 0.004 0 0.005 0.008 0 1 1 4",
+               "2 0 0.004 0 0.005 0.008 0 0 4",
                {":180: element 28 in entity 2 belongs to no physical group"}},
-        Broken{"unknown_node", "\n28 17 6 18 32 ", "\n28 17 6 18 99 ", {":180: element 28 uses node 99, which is not defined"}},
+        Broken{"unknown_node",
+               "\n28 17 6 18 32 ",
+               "\n28 17 6 18 99 ",
+               {":180: element 28 uses node 99, which is not defined"}},
         Broken{"node_defined_twice", "\n26\n27\n28\n", "\n26\n26\n28\n", {":119: node 26 is defined twice"}},
         Broken{"element_defined_twice", "\n29 17 32 15 4 ", "\n28 17 32 15 4 ", {":181: element 28 is defined twice"}},
         Broken{"node_used_twice", "\n28 17 6 18 32 ", "\n28 17 6 18 18 ", {":180: element 28 uses a node twice"}},
-        Broken{"crossed", "\n28 17 6 18 32 ", "\n28 17 18 6 32 ", {":180: element 28 is inverted, not convex", "(r, z) ="}},
+        Broken{"crossed",
+               "\n28 17 6 18 32 ",
+               "\n28 17 18 6 32 ",
+               {":180: element 28 is inverted, not convex", "(r, z) ="}},
         Broken{"same_element_twice", "\n29 17 32 15 4 ", "\n29 17 6 18 32 ", {":181: element 29 overlaps element 28"}},
-        Broken{"off_the_plane", "0.00250000000000661 -0.004 0", "0.0025 -0.004 1e-5",
-               {"node 22 has z = 1e-05 m; the mesh must lie in z = 0"}, "target"},
-        Broken{"across_the_axis", "0 -0.002000000000004911 0", "-1e-4 -0.002 0", {"reaches across the axis", "element 34"},
+        Broken{"off_the_plane",
+               "0.00250000000000661 -0.004 0",
+               "0.0025 -0.004 1e-5",
+               {"node 22 has z = 1e-05 m; the mesh must lie in z = 0"},
                "target"},
-        Broken{"surface_inside", "\n1 1 12 \n", "\n1 27 24 \n", {":144: element 1 of \"striker_face\" lies inside the body"}}),
+        Broken{"across_the_axis",
+               "0 -0.002000000000004911 0",
+               "-1e-4 -0.002 0",
+               {"reaches across the axis", "element 34"},
+               "target"},
+        Broken{"surface_inside",
+               "\n1 1 12 \n",
+               "\n1 27 24 \n",
+               {":144: element 1 of \"striker_face\" lies inside the body"}}),
     [](const auto& tested) { return tested.param.name; });
 
 TEST(ReadGmsh, RefusesACrackThatNobodySees) {
@@ -238,8 +272,7 @@ TEST(ReadGmsh, RefusesAFileCutOffAnywhere) {
   int refused = 0;
   for (std::size_t length = 0; length < last + 11; length += 7) {
     const TemporaryMesh file(whole.substr(0, length));
-    const std::string text =
-        sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, "striker"); });
+    const std::string text = sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, "striker"); });
     EXPECT_THAT(text, HasSubstr(file.path())) << "cut off after " << length << " bytes";
     if (text.find("was it cut off?") != std::string::npos) ++refused;
   }

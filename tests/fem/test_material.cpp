@@ -24,8 +24,8 @@ TEST(Elasticity, InvertsHookesLaw) {
 
 TEST(PrincipalStresses, AreTheEigenvaluesOfTheStressTensor) {
   // Order of a stress: the shear couples the first two axes, in both plane models.
-  const std::vector<Eigen::Vector4d> cases = {{1.0, 2.0, 3.0, 0.5}, {-5.0, 4.0, 0.1, -7.0}, {2.0, 2.0, 2.0, 0.0},
-                                              {1.0, -1.0, -9.0, 3.0}, {0.0, 0.0, 8.0, 1.0}};
+  const std::vector<Eigen::Vector4d> cases = {
+      {1.0, 2.0, 3.0, 0.5}, {-5.0, 4.0, 0.1, -7.0}, {2.0, 2.0, 2.0, 0.0}, {1.0, -1.0, -9.0, 3.0}, {0.0, 0.0, 8.0, 1.0}};
   for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
     for (const Eigen::Vector4d& s : cases) {
       Eigen::Matrix3d tensor;

@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "tests/fem/test_help.hpp"
 #include "tests/fem/sample_elements.hpp"
+#include "tests/fem/test_help.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -37,7 +37,10 @@ TEST(GradedCoordinates, OfOneElementIgnoreTheGrading) {
 }
 
 TEST(GradedCoordinates, RefuseWhatMakesNoMesh) {
-  for (const auto& [length, count, grading] : {std::tuple{1.0, 0, 1.0}, {0.0, 2, 1.0}, {-1.0, 2, 1.0}, {1.0, 2, 0.0},
+  for (const auto& [length, count, grading] : {std::tuple{1.0, 0, 1.0},
+                                               {0.0, 2, 1.0},
+                                               {-1.0, 2, 1.0},
+                                               {1.0, 2, 0.0},
                                                {std::numeric_limits<double>::quiet_NaN(), 2, 1.0}}) {
     EXPECT_THAT(message_of([&] { (void)graded_coordinates(0.0, length, count, grading); }),
                 HasSubstr("at least one element, a positive length and a positive grading"));
@@ -119,10 +122,14 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 INSTANTIATE_TEST_SUITE_P(
     Meshes, CheckOneElement,
     testing::Values(
-        BadMesh{"clockwise", Model::plane_strain, {{0, 0}, {0, 1}, {1, 1}, {1, 0}}, {"element 0 is inverted", "(0.5, 0.5)"}},
+        BadMesh{"clockwise",
+                Model::plane_strain,
+                {{0, 0}, {0, 1}, {1, 1}, {1, 0}},
+                {"element 0 is inverted", "(0.5, 0.5)"}},
         BadMesh{"concave", Model::plane_strain, {{0, 0}, {4, 0}, {1, 1}, {0, 4}}, {"not convex", "(x, y)"}},
         BadMesh{"crossed", Model::plane_strain, {{0, 0}, {1, 0}, {0, 1}, {1, 1}}, {"inverted"}},
-        BadMesh{"two_nodes_at_one_place", Model::axisymmetric, {{0, 0}, {1, 0}, {1, 0}, {0, 1}}, {"has no area", "(r, z)"}},
+        BadMesh{
+            "two_nodes_at_one_place", Model::axisymmetric, {{0, 0}, {1, 0}, {1, 0}, {0, 1}}, {"has no area", "(r, z)"}},
         BadMesh{"flat", Model::plane_strain, {{0, 0}, {1, 0}, {2, 0}, {3, 0}}, {"has no area"}},
         BadMesh{"across_the_axis", Model::axisymmetric, {{-0.1, 0}, {1, 0}, {1, 1}, {0, 1}}, {"r = -0.1 m"}},
         BadMesh{"not_finite", Model::plane_strain, {{0, 0}, {1, 0}, {not_a_number, 1}, {0, 1}}, {"node 2", "finite"}},

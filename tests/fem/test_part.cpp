@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "tests/fem/test_help.hpp"
 #include "tests/fem/sample_elements.hpp"
+#include "tests/fem/test_help.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -161,7 +161,9 @@ TEST(Part, TakesNoLoadOfANodeWhoseElementIsElsewhere) {
 
 TEST(Part, RefusesTractionOnAnUnknownSurface) {
   const Part part = sample::distorted_part(Model::plane_strain);
-  EXPECT_THAT(sample::message_of([&] { (void)traction_force(part, "stat", {1.0, 0.0}); }),
+  EXPECT_THAT(sample::message_of([&] {
+                (void)traction_force(part, "stat", {1.0, 0.0});
+              }),
               HasSubstr("did you mean \"start\"?"));
 }
 

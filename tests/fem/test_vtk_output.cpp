@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "common/fem/vtk_output.hpp"
-#include "tests/fem/test_help.hpp"
 #include "tests/fem/sample_elements.hpp"
+#include "tests/fem/test_help.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -99,7 +99,8 @@ std::map<std::string, std::vector<double>> read_with_meshio(const std::string& p
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   std::string text;
   std::array<char, 4096> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get())) text.append(buffer.data(), count);
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
+    text.append(buffer.data(), count);
   std::map<std::string, std::vector<double>> arrays;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -124,7 +125,8 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
     for (const Part& part : written.parts) {
       for (const Eigen::Vector2d& x : part.mesh.position) points.insert(points.end(), {x[0], x[1], 0.0});
       for (const auto& element : part.mesh.elements) {
-        for (int i = 0; i < nodes_per_element(model); ++i) cells.push_back(first_node + element[static_cast<std::size_t>(i)]);
+        for (int i = 0; i < nodes_per_element(model); ++i)
+          cells.push_back(first_node + element[static_cast<std::size_t>(i)]);
       }
       first_node += part.nodes();
     }

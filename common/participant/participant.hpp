@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What a solver must be to take part in a coupled run. A C++ solver implements `Participant` and calls `serve`; this
+/// header needs neither Eigen nor finite elements. All vectors are row-major, one row per interface node in the order
+/// of `Description`, `components` columns. SI units.
+///
+/// Two roles. An *explicit* participant is given the displacement of its interface nodes [m] and answers with the force
+/// its elements exert *on* being moved there, P = K u, the internal force [N] (positive: resists positive motion).
+/// An *implicit* participant integrates the interface nodes: it is given the sum of those internal forces [N] and
+/// answers with displacement [m], velocity [m/s] and acceleration [m/s^2] of its interface nodes.
+/// Incremental transfer (Eq. 6), accumulation and resynchronisation are done by `serve`: here everything is absolute.
+namespace ricochet::participant {
+
+struct Description {
+  std::string name;
+  std::string role;                         ///< "explicit" | "implicit"
+  std::string solver;                       ///< e.g. "ricochet explicit_solver"
+  std::string solver_version;
+  std::string scene_sha256;                 ///< empty if it reads no scene
+  int components = 1;                       ///< displacement components per node
+  std::vector<std::string> bodies;          ///< bodies it has elements of
+  std::vector<int> interface_body;          ///< per interface node, index into `bodies`
+  std::vector<double> interface_position_m; ///< nodes x components, reference configuration
+  std::vector<double> interface_mass_kg;    ///< per node, own lumped mass
+  double critical_time_step_s = 0;          ///< of its own explicit integration; 0: none needed
+  std::vector<std::string> capabilities;    ///< "repeat_window": may be asked to advance the same window again before accept
+  std::vector<std::string> record_columns;  ///< names of the history quantities `records` returns
+  bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
+};
+
+struct Setup {
+  std::string run_id, protocol, output_directory;
+  double window_size_s = 0;                 ///< Delta t of one window
+  std::vector<double> interface_mass_kg;    ///< per node, summed over all participants (Eq. 28)
+  int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
+  double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
+  int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
+  std::int64_t last_window = 0;             ///< the run ends here at the latest
+};
+
+enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 | beta = 0
+
+/// Link output. Explicit: `value` is the force [N]; velocity and acceleration empty. Implicit: `value` is the displacement.
+struct Link {
+  std::vector<double> value, velocity_m_s, acceleration_m_s2;
+};
+
+struct ContactStatus {
+  int pairs_closed = 0;
+  double gap_min_m = 0;            ///< smallest gap of all pairs
+  double gap_rate_min_m_s = 0;     ///< smallest rate of change of a gap
+  bool separated = false;          ///< separated now (mechanics 5)
+  double separation_time_s = -1;   ///< of the last separation; < 0: none so far
+  bool finished = false;           ///< `until_separated_plus_s` has passed
+};
+
+class Participant {
+ public:
+  virtual ~Participant() = default;
+
+  /// Called once, first. Throws ConfigError if its scene or input is wrong.
+  [[nodiscard]] virtual Description describe() = 0;
+  /// Called once. Returns the link output at t = 0: explicit its force, implicit its displacement (velocity,
+  /// acceleration may be empty here).
+  virtual void initialize(const Setup& setup, Link& output) = 0;
+  /// At the present time: take these absolute link values, recompute the accelerations from them, integrate by
+  /// `integration` from here on. Called after `initialize` and whenever the coupler switches integration.
+  virtual void synchronise(Integration integration, const std::vector<double>& link_input, Link& output) = 0;
+  /// Trial: from the last accepted state compute the window that ends at `window * window_size_s` with this link input
+  /// (explicit: displacement at the window's end; implicit: interface force at its end).
+  virtual void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) = 0;
+  /// Makes the last trial final.
+  virtual void accept() = 0;
+  /// Contact state after the last accepted window (contact owner only).
+  [[nodiscard]] virtual ContactStatus contact_status() const { return {}; }
+  /// Appends one row of history quantities of the last accepted window, in the order of `record_columns`.
+  virtual void record(std::vector<double>& row) = 0;
+  /// Called every `fields_every` accepted windows: write result fields into `output_directory`.
+  virtual void write_fields(std::int64_t /*window*/) {}
+  /// Called once, last.
+  virtual void finish() {}
+};
+
+/// Command line of a served participant: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
+struct ServeOptions {
+  std::string endpoint;       ///< ipc://... or tcp://host:port
+  double timeout_s = 60.0;    ///< longest wait for the coupler until it states its own
+  bool watch_stdin = false;   ///< end at once when stdin closes: the launcher that holds its other end is gone
+};
+
+/// Runs a participant until the coupler says finish (returns 0) or something fails (returns the exit code of
+/// base/error.hpp, after telling the coupler and printing one line to stderr). Never throws.
+int serve(Participant& participant, const ServeOptions& options);
+
+}  // namespace ricochet::participant

@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <new>
+#include <system_error>
+
+#include "common/participant/participant.hpp"
+#include "common/participant/session.hpp"
+#include "common/wire/channel.hpp"
+
+namespace ricochet::participant {
+namespace {
+
+/// Why a participant stops.
+struct Reason {
+  ExitCode code;
+  std::string text;
+};
+
+/// Call in a catch block. What a solver throws without a code of its own is a computation that went wrong, unless it is
+/// the machine that refuses memory, files or the like.
+Reason current_reason() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  } catch (const std::bad_alloc&) {
+    return {ExitCode::participant, "out of memory"};
+  } catch (const std::system_error& error) {
+    return {ExitCode::participant, error.what()};
+  } catch (const std::exception& error) {
+    return {ExitCode::unstable, error.what()};
+  } catch (...) {
+    return {ExitCode::unstable, "the solver threw something that is not a std::exception"};
+  }
+}
+
+int report(const std::string& name, const Reason& reason) {
+  fmt::print(stderr, "{}: error: {}\n", name, reason.text);
+  std::fflush(stderr);
+  return static_cast<int>(reason.code);
+}
+
+/// One request after the other, until the run is over.
+void converse(Session& session, wire::Channel& channel, const ServeOptions& options, wire::Message& reply) {
+  wire::Message request;
+  session.hello(reply);
+  channel.send(reply);
+  while (!session.over()) {
+    const auto begin = wire::Clock::now();
+    const double timeout_s = session.timeout_s() > 0 ? session.timeout_s() : options.timeout_s;
+    channel.receive(request, wire::deadline_in(timeout_s), options.watch_stdin);
+    session.add_wait(std::chrono::duration<double>(wire::Clock::now() - begin).count());
+    if (session.handle(request, reply)) channel.send(reply);
+  }
+}
+
+void tell_coupler(Session& session, wire::Channel& channel, const Reason& reason, wire::Message& message) {
+  try {
+    session.failure(reason.code, reason.text, message);
+    channel.send(message);
+  } catch (const std::exception&) {
+    // The connection may be what failed; the exit code and the line on stderr still tell.
+  }
+}
+
+}  // namespace
+
+int serve(Participant& participant, const ServeOptions& options) {
+  std::string name = "participant";
+  try {
+    Session session(participant);
+    name = session.name();
+    wire::Channel channel(options.endpoint);
+    wire::Message message;
+    try {
+      converse(session, channel, options, message);
+      return static_cast<int>(ExitCode::done);
+    } catch (...) {
+      auto reason = current_reason();
+      if (session.window() > 0) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+      if (!session.over()) tell_coupler(session, channel, reason, message);
+      return report(name, reason);
+    }
+  } catch (...) {
+    return report(name, current_reason());
+  }
+}
+
+}  // namespace ricochet::participant

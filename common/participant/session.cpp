@@ -1,0 +1,151 @@
+#include "common/participant/session.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "common/wire/codec.hpp"
+
+namespace ricochet::participant {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using wire::Kind;
+using wire::Message;
+
+double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+ExitCode exit_code(std::int64_t code) {
+  for (const auto known : {ExitCode::config, ExitCode::unstable, ExitCode::protocol}) {
+    if (code == static_cast<std::int64_t>(known)) return known;
+  }
+  return ExitCode::participant;
+}
+
+Description checked(Description d) {
+  const auto require = [&d](bool holds, const std::string& what) {
+    if (!holds) throw ParticipantError(fmt::format("participant '{}' describes itself wrongly: {}", d.name, what));
+  };
+  require(!d.name.empty(), "it has no name");
+  require(d.role == "explicit" || d.role == "implicit",
+          fmt::format("its role is '{}', allowed are 'explicit', 'implicit'", d.role));
+  require(d.components >= 1 && d.components <= 3,
+          fmt::format("it has {} components per node, allowed are 1 to 3", d.components));
+  const auto count = d.interface_body.size();
+  require(d.interface_position_m.size() == count * static_cast<std::size_t>(d.components) &&
+              d.interface_mass_kg.size() == count,
+          fmt::format("it has {} interface nodes of {} components, but {} coordinates and {} masses", count, d.components,
+                      d.interface_position_m.size(), d.interface_mass_kg.size()));
+  d.record_columns.insert(d.record_columns.begin(), "window");
+  return d;
+}
+
+}  // namespace
+
+Session::Session(Participant& participant)
+    : participant_(participant),
+      description_(checked(participant.describe())),
+      link_(static_cast<int>(description_.interface_body.size()), description_.components),
+      nodes_(static_cast<int>(description_.interface_body.size())) {
+  const auto& capabilities = description_.capabilities;
+  can_repeat_ = std::find(capabilities.begin(), capabilities.end(), "repeat_window") != capabilities.end();
+  spans_.reserve(3 * max_spans);
+}
+
+void Session::hello(Message& message) {
+  wire::clear(message);
+  message.participant = description_.name;
+  message.role = description_.role;
+  message.solver = description_.solver;
+  message.solver_version = description_.solver_version;
+  message.scene_sha256 = description_.scene_sha256;
+  message.process_id = getpid();
+  send(Kind::hello, message);
+}
+
+void Session::failure(ExitCode code, const std::string& text, Message& message) {
+  wire::clear(message);
+  message.error_code = static_cast<std::int64_t>(code);
+  message.error_culprit = description_.name;
+  message.error_text = text;
+  send(Kind::failure, message);
+}
+
+/// Completes a message of this end.
+void Session::send(Kind kind, Message& message) {
+  message.kind = kind;
+  message.run_id = run_id_;
+  message.sequence = sequence_;
+  message.window = window_;
+  wire::require_finite(message);
+  lifecycle_.step(wire::Side::participant, message, description_.name);
+  ++sequence_;
+}
+
+bool Session::handle(const Message& request, Message& reply) {
+  lifecycle_.step(wire::Side::coupler, request, description_.name);
+  if (request.kind == Kind::failure) {
+    throw Error(exit_code(request.error_code), fmt::format("the coupler ended the run: {}", request.error_text));
+  }
+  if (request.kind == Kind::welcome) {
+    welcome(request);
+    return false;
+  }
+  check_run(request);
+  wire::clear(reply);
+  const auto begin = Clock::now();
+  const Kind kind = answer(request, reply);
+  note_time(begin);
+  if (kind == Kind::finished) put_times(reply);
+  send(kind, reply);
+  return true;
+}
+
+void Session::welcome(const Message& request) {
+  if (request.participant != description_.name) {
+    throw ProtocolError(
+        fmt::format("the coupler welcomed participant '{}', this is '{}'", request.participant, description_.name));
+  }
+  if (!(request.timeout_s > 0)) {
+    throw ProtocolError(fmt::format("the coupler set the timeout {} s, expected more than 0", request.timeout_s));
+  }
+  run_id_ = request.run_id;
+  timeout_s_ = request.timeout_s;
+}
+
+void Session::check_run(const Message& request) const {
+  if (request.run_id == run_id_) return;
+  throw ProtocolError(fmt::format("the coupler sent '{}' of run '{}', this is run '{}'", wire::name(request.kind),
+                                  request.run_id, run_id_));
+}
+
+/// Everything between a request and its reply counts as computing.
+void Session::note_time(Instant begin) {
+  const auto end = Clock::now();
+  compute_s_ += seconds(end - begin);
+  if (spans_.size() >= 3 * max_spans) return;
+  spans_.push_back(static_cast<double>(window_));
+  spans_.push_back(seconds(begin.time_since_epoch()));
+  spans_.push_back(seconds(end.time_since_epoch()));
+}
+
+Kind Session::answer(const Message& request, Message& reply) {
+  switch (request.kind) {
+    case Kind::describe: describe(reply); return Kind::description;
+    case Kind::initialize: initialize(request, reply); return Kind::initialized;
+    case Kind::synchronise: synchronise(request, reply); return Kind::synchronised;
+    case Kind::advance: advance(request, reply); return Kind::advanced;
+    case Kind::accept: accept(request, reply); return Kind::accepted;
+    default: finish(reply); return Kind::finished;  // the lifecycle lets nothing else through
+  }
+}
+
+void Session::put_times(Message& reply) const {
+  reply.compute_s = compute_s_;
+  reply.wait_s = wait_s_;
+  reply.spans_s.resize(static_cast<int>(spans_.size() / 3), 3);
+  reply.spans_s.data = spans_;
+}
+
+}  // namespace ricochet::participant

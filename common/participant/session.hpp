@@ -1,0 +1,92 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/participant/incremental_link.hpp"
+#include "common/participant/participant.hpp"
+#include "common/wire/lifecycle.hpp"
+#include "common/wire/message.hpp"
+
+namespace ricochet::participant {
+
+/// A participant's end of the conversation without the bytes: turns requests of the coupler into calls of `Participant`,
+/// and the results into replies. `serve` drives it over a socket; a coupler in the same process can call it directly.
+class Session {
+ public:
+  /// Asks `participant`, which must outlive the session, for its description. Throws ParticipantError if that contradicts
+  /// itself, and what `describe` throws.
+  explicit Session(Participant& participant);
+
+  /// The first message to send.
+  void hello(wire::Message& message);
+  /// Does what `request` asks and fills in `reply`; true if that is to be sent (`welcome` has no answer). Throws what the
+  /// participant throws; ProtocolError if the request is illegal now or its numbers make no sense; ParticipantError if the
+  /// participant's results have the wrong size, SolverError if they are not finite; for a `failure` of the coupler an Error
+  /// of its code. After an error only `failure` makes sense.
+  bool handle(const wire::Message& request, wire::Message& reply);
+  /// Fills in the message that tells the coupler why this end stops; ends the conversation.
+  void failure(ExitCode code, const std::string& text, wire::Message& message);
+
+  [[nodiscard]] const std::string& name() const { return description_.name; }
+  /// Finished or failed: nothing more is to be sent or received.
+  [[nodiscard]] bool over() const { return lifecycle_.done(); }
+  /// Longest wait for the coupler [s]; < 0: it has not said yet.
+  [[nodiscard]] double timeout_s() const { return timeout_s_; }
+  /// The window that was computed last, or is being computed.
+  [[nodiscard]] std::int64_t window() const { return window_; }
+  /// Notes time spent waiting for the coupler [s], for the `finished` message.
+  void add_wait(double time_s) { wait_s_ += time_s; }
+
+  static constexpr std::size_t max_spans = 2000;
+
+ private:
+  using Instant = std::chrono::steady_clock::time_point;
+
+  void send(wire::Kind kind, wire::Message& message);
+  void check_run(const wire::Message& request) const;
+  /// Calls the participant and fills in the reply except its header; returns the kind of the reply.
+  wire::Kind answer(const wire::Message& request, wire::Message& reply);
+  void note_time(Instant begin);
+
+  void welcome(const wire::Message& request);
+  void describe(wire::Message& reply) const;
+  void initialize(const wire::Message& request, wire::Message& reply);
+  void synchronise(const wire::Message& request, wire::Message& reply);
+  void advance(const wire::Message& request, wire::Message& reply);
+  void accept(const wire::Message& request, wire::Message& reply);
+  void finish(wire::Message& reply);
+
+  void check_advance(const wire::Message& request) const;
+  void accept_window();
+  void record();
+  void write_fields();
+  void put_absolute(wire::Array& absolute) const;
+  void put_rates(wire::Message& reply) const;
+  void put_contact(wire::Message& reply) const;
+  void put_records(bool requested, wire::Message& reply);
+  void put_times(wire::Message& reply) const;
+  void require_rows(const wire::Array& array, std::string_view field, int columns) const;
+  void require_output(bool rates_needed) const;
+
+  Participant& participant_;
+  Description description_;
+  Setup setup_;
+  wire::Lifecycle lifecycle_;
+  IncrementalLink link_;
+  Link output_;
+  ContactStatus contact_;
+  std::string run_id_;
+  std::int64_t sequence_ = 0, window_ = 0, accepted_window_ = 0, fields_window_ = -1;
+  double timeout_s_ = -1.0;
+  bool can_repeat_ = false, tried_ = false, started_ = false;  ///< tried: a trial window is not accepted yet
+  int nodes_ = 0;
+  std::vector<double> rows_;   ///< history rows not sent yet
+  std::vector<double> spans_;  ///< window, begin, end of each computing span
+  double compute_s_ = 0.0, wait_s_ = 0.0;
+};
+
+}  // namespace ricochet::participant

@@ -1,0 +1,207 @@
+// What a session does at each request of the coupler.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/participant/session.hpp"
+
+namespace ricochet::participant {
+namespace {
+
+using wire::Message;
+
+void set(wire::Array& array, const std::vector<double>& values, int rows, int columns) {
+  array.rows = rows;
+  array.columns = columns;
+  array.data.assign(values.begin(), values.end());
+}
+
+void require(bool holds, const std::string& text) {
+  if (!holds) throw ProtocolError(text);
+}
+
+Integration integration_of(const std::string& text) {
+  if (text == "implicit_newmark") return Integration::implicit_newmark;
+  if (text == "explicit_central") return Integration::explicit_central;
+  throw ProtocolError(fmt::format("the coupler asked for the integration '{}', expected one of 'implicit_newmark', "
+                                  "'explicit_central'", text));
+}
+
+void check_setup(const Message& request) {
+  require(request.window_size_s > 0, fmt::format("the coupler set window_size_s = {}, expected > 0", request.window_size_s));
+  require(request.history_every >= 1, fmt::format("the coupler set history_every = {}, expected >= 1", request.history_every));
+  require(request.fields_every >= 0, fmt::format("the coupler set fields_every = {}, expected >= 0", request.fields_every));
+  require(request.separation_windows >= 0,
+          fmt::format("the coupler set separation_windows = {}, expected >= 0", request.separation_windows));
+}
+
+}  // namespace
+
+void Session::describe(Message& reply) const {
+  const auto& d = description_;
+  reply.components = d.components;
+  reply.bodies = d.bodies;
+  reply.interface_body.resize(nodes_, 1);
+  std::copy(d.interface_body.begin(), d.interface_body.end(), reply.interface_body.data.begin());
+  set(reply.interface_position_m, d.interface_position_m, nodes_, d.components);
+  set(reply.interface_mass_kg, d.interface_mass_kg, nodes_, 1);
+  reply.critical_time_step_s = d.critical_time_step_s;
+  reply.capabilities = d.capabilities;
+  reply.record_columns = d.record_columns;
+  reply.contact_owner = d.contact_owner;
+}
+
+void Session::initialize(const Message& request, Message& reply) {
+  check_setup(request);
+  require_rows(request.interface_mass_kg, "interface_mass_kg", 1);
+  setup_.run_id = run_id_;
+  setup_.protocol = request.protocol;
+  setup_.output_directory = request.output_directory;
+  setup_.window_size_s = request.window_size_s;
+  setup_.interface_mass_kg = request.interface_mass_kg.data;
+  setup_.history_every = static_cast<int>(request.history_every);
+  setup_.fields_every = static_cast<int>(request.fields_every);
+  setup_.until_separated_plus_s = request.until_separated_plus_s;
+  setup_.separation_windows = static_cast<int>(request.separation_windows);
+  setup_.last_window = request.last_window;
+  const auto begin = std::chrono::steady_clock::now();
+  participant_.initialize(setup_, output_);
+  reply.setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  require_output(false);
+  put_absolute(reply.absolute);
+}
+
+void Session::synchronise(const Message& request, Message& reply) {
+  const auto integration = integration_of(request.integration);
+  require_rows(request.link_absolute, "link_absolute", description_.components);
+  link_.set_input(request.link_absolute);
+  participant_.synchronise(integration, link_.input(), output_);
+  require_output(true);
+  link_.set_output(output_.value);
+  put_absolute(reply.absolute);
+  put_rates(reply);
+  const bool first = !started_;
+  started_ = true;
+  if (first) record();
+  if (first && setup_.fields_every > 0) write_fields();
+  put_records(first, reply);
+}
+
+void Session::check_advance(const Message& request) const {
+  const auto next = accepted_window_ + 1;
+  require(request.window == next,
+          fmt::format("the coupler asked for window {}, the next one is window {}", request.window, next));
+  require(next <= setup_.last_window,
+          fmt::format("the coupler asked for window {}, the last one is window {}", next, setup_.last_window));
+  require(request.windows >= 1, fmt::format("the coupler asked for {} windows, expected >= 1", request.windows));
+  require(request.windows == 1 || (nodes_ == 0 && request.accept_at_once),
+          fmt::format("the coupler asked for {} windows at once: that needs a participant without interface nodes (this one "
+                      "has {}) and accept_at_once", request.windows, nodes_));
+  require(!tried_ || can_repeat_, fmt::format("the coupler asked to repeat window {}, but participant '{}' lacks the "
+                                              "capability 'repeat_window'", next, description_.name));
+  require_rows(request.link_increment, "link_increment", description_.components);
+  if (request.link_absolute.rows != 0) require_rows(request.link_absolute, "link_absolute", description_.components);
+}
+
+void Session::advance(const Message& request, Message& reply) {
+  check_advance(request);
+  const auto last = accepted_window_ + std::min(request.windows, setup_.last_window - accepted_window_);
+  link_.receive(request.link_increment, request.link_absolute);
+  do {
+    window_ = accepted_window_ + 1;
+    participant_.advance(window_, link_.input(), output_);
+    require_output(true);
+    link_.send(output_.value, request.absolute_requested, reply.increment, reply.absolute);
+    tried_ = true;
+    if (request.accept_at_once) accept_window();
+  } while (request.accept_at_once && window_ < last && !contact_.finished);
+  put_rates(reply);
+  put_contact(reply);
+  put_records(request.records_requested, reply);
+}
+
+void Session::accept(const Message& request, Message& reply) {
+  require(request.window == window_,
+          fmt::format("the coupler accepted window {}, the trial was of window {}", request.window, window_));
+  accept_window();
+  put_contact(reply);
+  put_records(request.records_requested, reply);
+}
+
+void Session::accept_window() {
+  participant_.accept();
+  link_.accept();
+  tried_ = false;
+  accepted_window_ = window_;
+  contact_ = participant_.contact_status();
+  if (window_ % setup_.history_every == 0) record();
+  const bool due = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
+  if (due) write_fields();
+}
+
+void Session::finish(Message& reply) {
+  if (setup_.fields_every > 0 && fields_window_ != accepted_window_) write_fields();  // the run ended before its last window
+  participant_.finish();
+  reply.largest_drift = link_.largest_drift();
+  put_records(true, reply);
+}
+
+void Session::record() {
+  rows_.push_back(static_cast<double>(accepted_window_));
+  const auto before = rows_.size();
+  participant_.record(rows_);
+  const auto expected = description_.record_columns.size() - 1;
+  if (rows_.size() - before == expected) return;
+  throw ParticipantError(fmt::format("participant '{}' recorded {} numbers, it announced {} columns", description_.name,
+                                     rows_.size() - before, expected));
+}
+
+void Session::write_fields() {
+  participant_.write_fields(accepted_window_);
+  fields_window_ = accepted_window_;
+}
+
+void Session::put_absolute(wire::Array& absolute) const { set(absolute, output_.value, nodes_, description_.components); }
+
+void Session::put_rates(Message& reply) const {
+  const int rows = description_.role == "implicit" ? nodes_ : 0;
+  set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
+  set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
+}
+
+void Session::put_contact(Message& reply) const {
+  reply.pairs_closed = contact_.pairs_closed;
+  reply.gap_min_m = contact_.gap_min_m;
+  reply.gap_rate_min_m_s = contact_.gap_rate_min_m_s;
+  reply.separated = contact_.separated;
+  reply.separation_time_s = contact_.separation_time_s;
+  reply.finished_early = contact_.finished;
+}
+
+void Session::put_records(bool requested, Message& reply) {
+  const int columns = static_cast<int>(description_.record_columns.size());
+  reply.records.resize(0, columns);
+  if (!requested) return;
+  reply.records.rows = static_cast<int>(rows_.size()) / columns;
+  reply.records.data.swap(rows_);
+}
+
+void Session::require_rows(const wire::Array& array, std::string_view field, int columns) const {
+  require(array.rows == nodes_ && array.columns == columns,
+          fmt::format("the coupler sent '{}' with {} x {} numbers, the interface of participant '{}' has {} x {}", field,
+                      array.rows, array.columns, description_.name, nodes_, columns));
+}
+
+void Session::require_output(bool rates_needed) const {
+  const bool implicit = description_.role == "implicit";
+  const auto check = [&](const std::vector<double>& values, std::string_view what, bool may_be_full, bool may_be_empty) {
+    if ((may_be_full && values.size() == link_.size()) || (may_be_empty && values.empty())) return;
+    throw ParticipantError(fmt::format("participant '{}' ({}) answered with {} numbers as {}, expected {}", description_.name,
+                                       description_.role, values.size(), what, may_be_full ? link_.size() : 0));
+  };
+  check(output_.value, implicit ? "displacement" : "force", true, false);
+  check(output_.velocity_m_s, "velocity_m_s", implicit, !implicit || !rates_needed);
+  check(output_.acceleration_m_s2, "acceleration_m_s2", implicit, !implicit || !rates_needed);
+}
+
+}  // namespace ricochet::participant

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/problem.hpp"
+
+/// The steps of build_problem, in their order. Internal to common/scene.
+namespace ricochet::scene {
+
+/// Mesh of a body, structured or read, checked.
+[[nodiscard]] fem::Mesh build_mesh(const Scene& scene, const Body& body);
+
+/// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.
+/// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support.
+void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);
+
+/// Initial displacement (linear along the axis) and velocity. Throws ConfigError where it moves a support.
+void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body);
+
+/// Node pairs of the contact surfaces. Throws ConfigError for unknown, curved, not opposite or not matching surfaces,
+/// for bodies that overlap, and for a pair that is held in the normal direction on every side.
+[[nodiscard]] ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies);
+
+/// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
+void set_partition(Problem& problem);
+
+/// The contact nodes of a body, ascending; empty if it takes no part in the contact.
+[[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
+
+/// Per node: belongs to an element whose implicit_element equals `implicit`.
+[[nodiscard]] std::vector<bool> touched_nodes(const BodyProblem& body, bool implicit);
+
+/// Throws ConfigError, led by file, line and key, if `surface` is not in the mesh.
+void require_surface(const Scene& scene, const std::string& key, const fem::Mesh& mesh, const std::string& surface);
+
+[[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace ricochet::scene

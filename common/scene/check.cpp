@@ -1,0 +1,125 @@
+#include "common/scene/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/scene/build.hpp"
+#include "common/scene/check_contact.hpp"
+#include "common/scene/critical_step.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// At Courant 1 the shortest wave of the mesh grows linearly once the contact has released it.
+constexpr double courant_one = 0.999;
+constexpr double poisson_locking = 0.49;
+
+int count_unknowns(const Problem& problem, const ParticipantPart& part, bool implicit) {
+  const int components = problem.scene.components();
+  const BodyProblem& body = problem.bodies[at(part.body)];
+  int free = 0;
+  for (int node = 0; node < part.part.nodes(); ++node) {
+    if (!implicit && std::binary_search(part.shared.begin(), part.shared.end(), node)) continue;
+    for (int c = 0; c < components; ++c)
+      if (!body.fixed_dof[at(part.part.body_node[at(node)] * components + c)]) ++free;
+  }
+  return free;
+}
+
+ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
+  const bool implicit = participant.role == Role::implicit_solver;
+  ParticipantPlan plan;
+  plan.name = participant.name;
+  plan.role = implicit ? "implicit" : "explicit";
+  plan.critical_time_step_s = infinity;
+  for (const ParticipantPart& part : participant_parts(problem, participant)) {
+    plan.nodes += part.part.nodes();
+    plan.elements += static_cast<int>(part.part.mesh.elements.size());
+    plan.interface_nodes += static_cast<int>(part.shared.size());
+    plan.unknowns += count_unknowns(problem, part, implicit);
+    if (implicit) continue;
+    const BodyProblem& body = problem.bodies[at(part.body)];
+    std::vector<bool> is_explicit = body.implicit_element;
+    is_explicit.flip();
+    plan.critical_time_step_s = std::min(plan.critical_time_step_s, critical_time_step(body, is_explicit));
+  }
+  return plan;
+}
+
+/// "time.step_s", or "time" if the step follows from the safety factor.
+std::string step_place(const Scene& scene) { return scene.where(scene.time.step_s ? "time.step_s" : "time"); }
+
+void check_critical_step(const Problem& problem, const ParticipantPlan& participant,
+                         std::vector<std::string>& warnings) {
+  const double window = problem.window_size_s, critical = participant.critical_time_step_s;
+  const double ratio = window / critical;
+  if (ratio > 1.0 + 1e-9)
+    throw ConfigError(fmt::format(
+        "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
+        "step_s = {:.3g} or less, or a larger implicit part",
+        step_place(problem.scene), window, ratio, critical, participant.name, 0.9 * critical));
+  if (ratio > courant_one)
+    warnings.push_back(fmt::format(
+        "the step is {:.5g} times the critical time step of \"{}\": the shortest wave of the mesh may grow linearly; "
+        "step_s = {:.3g} leaves room", ratio, participant.name, 0.9 * critical));
+}
+
+void check_materials(const Problem& problem, std::vector<std::string>& warnings) {
+  if (problem.scene.model == Model::bar) return;
+  for (const BodyProblem& body : problem.bodies)
+    if (body.material.poisson_ratio > poisson_locking)
+      warnings.push_back(fmt::format(
+          "body \"{}\": poisson_ratio = {} is nearly incompressible: elements lock and the wave speed, {:.4g} m/s, "
+          "asks for small steps", body.name, body.material.poisson_ratio,
+          fem::longitudinal_wave_speed(problem.scene.model, body.material)));
+}
+
+}  // namespace
+
+Plan plan(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  Plan plan;
+  plan.window_size_s = problem.window_size_s;
+  plan.windows = static_cast<long long>(std::ceil(scene.time.end_s / problem.window_size_s - 1e-9));
+  plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
+  const std::string& protocol_warning = protocol_traits(scene.coupling.protocol).warning;
+  if (!protocol_warning.empty()) plan.warnings.push_back(protocol_warning);
+  for (const ParticipantSpec& participant : scene.participants) {
+    plan.participants.push_back(plan_participant(problem, participant));
+    check_critical_step(problem, plan.participants.back(), plan.warnings);
+  }
+  check_materials(problem, plan.warnings);
+  check_penalty(problem, plan);
+  check_friction(problem, plan);
+  return plan;
+}
+
+std::string to_text(const Plan& plan) {
+  std::string text = fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", "participant", "role", "nodes",
+                                 "elements", "unknowns", "interface", "critical step [s]");
+  for (const ParticipantPlan& p : plan.participants) {
+    const std::string critical =
+        std::isfinite(p.critical_time_step_s) ? fmt::format("{:.6g}", p.critical_time_step_s) : "none";
+    text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, p.role, p.nodes, p.elements,
+                        p.unknowns, p.interface_nodes, critical);
+  }
+  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", plan.window_size_s, plan.windows,
+                      plan.contact_pairs);
+  if (plan.penalty_step_ratio > 0.0)
+    text += fmt::format("penalty: sqrt(2 alpha_n/m) dt = {:.4g}, alpha_n/k = {:.4g}\n", plan.penalty_step_ratio,
+                        plan.penalty_stiffness_ratio);
+  if (plan.penalty_delay_s > 0.0)
+    text += fmt::format("penalty: contact lasts about {:.4g} s too long (1.678 tau)\n", plan.penalty_delay_s);
+  if (plan.penalty_critical_s > 0.0)
+    text += fmt::format("penalty: critical step in contact {:.6g} s\n", plan.penalty_critical_s);
+  for (const std::string& warning : plan.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "common/scene/check.hpp"
+
+/// What `plan` says of the contact. Internal to common/scene.
+namespace ricochet::scene {
+
+/// Penalty against the step: fills the penalty members of the plan, warns, and throws ConfigError if central
+/// difference with the penalty exceeds its critical step. Nothing to do for the multiplier.
+void check_penalty(const Problem& problem, Plan& plan);
+
+/// Warns where the regularised friction law oscillates: its velocity scale 1/xi below mu N dt / (2 m), with N from
+/// one-dimensional impact theory, p = v Z_a Z_b / (Z_a + Z_b).
+void check_friction(const Problem& problem, Plan& plan);
+
+}  // namespace ricochet::scene

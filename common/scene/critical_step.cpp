@@ -1,0 +1,98 @@
+#include "common/scene/critical_step.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "common/scene/build.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr double frequency_tolerance = 1e-9;
+
+double step_of(double frequency_squared) {
+  return frequency_squared > 0.0 ? 2.0 / std::sqrt(frequency_squared) : std::numeric_limits<double>::infinity();
+}
+
+fem::Part part_of(const BodyProblem& body, const std::vector<bool>& of_element) {
+  std::vector<int> elements;
+  for (std::size_t e = 0; e < of_element.size(); ++e)
+    if (of_element[e]) elements.push_back(static_cast<int>(e));
+  return fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
+}
+
+/// Stiffness, mass and supports of all bodies side by side, and the first node of each.
+struct Whole {
+  std::vector<Eigen::Triplet<double>> stiffness;
+  std::vector<double> mass;
+  std::vector<bool> fixed_dof;
+  std::vector<int> first_node;
+};
+
+Whole assemble(const Problem& problem) {
+  Whole whole;
+  const int components = problem.scene.components();
+  for (const BodyProblem& body : problem.bodies) {
+    const fem::Part part = part_of(body, std::vector<bool>(body.mesh.elements.size(), true));
+    const int first = static_cast<int>(whole.mass.size());
+    whole.first_node.push_back(first);
+    for (int row = 0; row < part.stiffness.outerSize(); ++row)
+      for (fem::SparseMatrix::InnerIterator entry(part.stiffness, row); entry; ++entry)
+        whole.stiffness.emplace_back(first * components + static_cast<int>(entry.row()),
+                                     first * components + static_cast<int>(entry.col()), entry.value());
+    whole.mass.insert(whole.mass.end(), part.lumped_mass.begin(), part.lumped_mass.end());
+    whole.fixed_dof.insert(whole.fixed_dof.end(), body.fixed_dof.begin(), body.fixed_dof.end());
+  }
+  return whole;
+}
+
+/// alpha_n n n^T between the two nodes of each pair.
+void add_springs(const Problem& problem, Whole& whole) {
+  const ContactGeometry& contact = problem.contact;
+  const int components = problem.scene.components();
+  for (const ContactPair& pair : contact.pairs) {
+    std::vector<std::pair<int, double>> ends{{whole.first_node[at(contact.body_a)] + pair.node_a, -1.0}};
+    if (contact.body_b >= 0) ends.emplace_back(whole.first_node[at(contact.body_b)] + pair.node_b, 1.0);
+    const double stiffness = problem.scene.contact->penalty_pa_m * pair.area_m2;
+    for (const auto& [p, sign_p] : ends)
+      for (const auto& [q, sign_q] : ends)
+        for (int i = 0; i < components; ++i)
+          for (int j = 0; j < components; ++j)
+            whole.stiffness.emplace_back(p * components + i, q * components + j,
+                                         stiffness * sign_p * sign_q * contact.normal[i] * contact.normal[j]);
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
+  return part_of(body, std::vector<bool>(body.mesh.elements.size(), true)).lumped_mass;
+}
+
+double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
+  const fem::Part part = part_of(body, of_element);
+  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
+  const int components = fem::components(body.section.model);
+  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
+  Eigen::VectorXd mass(part.nodes());
+  std::vector<bool> fixed_dof;
+  for (int i = 0; i < part.nodes(); ++i) {
+    const int node = part.body_node[at(i)];
+    mass[i] = whole_mass[node];
+    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
+  }
+  return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance));
+}
+
+double penalty_critical_time_step(const Problem& problem) {
+  Whole whole = assemble(problem);
+  add_springs(problem, whole);
+  const int components = problem.scene.components();
+  const auto nodes = static_cast<Eigen::Index>(whole.mass.size());
+  fem::SparseMatrix stiffness(nodes * components, nodes * components);
+  stiffness.setFromTriplets(whole.stiffness.begin(), whole.stiffness.end());
+  const Eigen::VectorXd mass = Eigen::Map<const Eigen::VectorXd>(whole.mass.data(), nodes);
+  return step_of(fem::max_frequency_squared(stiffness, mass, components, whole.fixed_dof, frequency_tolerance));
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "common/scene/problem.hpp"
+
+namespace ricochet::scene {
+
+/// Critical time step of central difference on some elements of a body with the full nodal masses of the whole body:
+///   dt = 2 / omega_max(K_E, M)  [s],
+/// the stability limit of a coupling with shared summed masses (Hughes and Liu 1978): it does not depend on the
+/// stiffness of the other elements. Supported degrees of freedom are left out; infinity without elements.
+[[nodiscard]] double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
+
+/// Critical time step of central difference on all bodies with every contact pair closed by a penalty spring of
+/// alpha * area [N/m]. For two equal bars, or one against a rigid plane, of element size h:
+///   dt = (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha_n/k)^2))),  k = E A/h,  s = 2 for two bars, 1 against a plane.
+[[nodiscard]] double penalty_critical_time_step(const Problem& problem);
+
+/// Lumped mass of every node of the whole body [kg].
+[[nodiscard]] Eigen::VectorXd body_lumped_mass(const BodyProblem& body);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+
+#include "common/scene/loaders.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr int most_elements = 1'000'000;  // of a body
+/// With fewer, an element would meet its own image: nodes lie within half a period of each other.
+constexpr int fewest_periodic_elements = 3;
+
+Material load_material(TableReader table, Model model) {
+  Material material;
+  material.youngs_modulus_pa = table.number("youngs_modulus_pa", above(0.0));
+  const Range poisson{-1.0, 0.5, false, false};
+  // A bar has no lateral strain: its Poisson ratio may be given but need not be.
+  material.poisson_ratio =
+      model == Model::bar ? table.number("poisson_ratio", poisson, 0.0) : table.number("poisson_ratio", poisson);
+  material.density_kg_m3 = table.number("density_kg_m3", above(0.0));
+  table.finish();
+  return material;
+}
+
+GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
+  for (const char* key : {"length_m", "radius_m", "height_m", "elements", "start_m", "grading", "periodic_across"})
+    table.only_if(false, key, "a structured mesh; this one is read from a Gmsh file");
+  const std::string given = table.text("gmsh");
+  const std::filesystem::path path = (std::filesystem::path(folder) / given).lexically_normal();
+  if (!std::filesystem::is_regular_file(path))
+    table.refuse("gmsh", "\"" + given + "\", and there is no file " + path.string(),
+                 "a Gmsh MSH 4.1 file, relative to the scene file");
+  return {path.string()};
+}
+
+/// elements = 20 for a bar, [across, along] in two dimensions; grading likewise.
+void load_divisions(TableReader& table, Model model, StructuredMesh& mesh) {
+  if (model == Model::bar) {
+    mesh.elements_along = table.integer("elements", 1, most_elements);
+    mesh.grading_along = table.number("grading", above(0.0), 1.0);
+    return;
+  }
+  const std::vector<int> elements = table.integers("elements", 1, most_elements, 2);
+  mesh.elements_across = elements[0];
+  mesh.elements_along = elements[1];
+  if (static_cast<long long>(elements[0]) * elements[1] > most_elements)
+    table.refuse("elements", fmt::format("{} x {}", elements[0], elements[1]),
+                 fmt::format("at most {} elements in a body", most_elements));
+  if (!table.has("grading")) return;
+  const std::vector<double> grading = table.numbers("grading", above(0.0), 2);
+  mesh.grading_across = grading[0];
+  mesh.grading_along = grading[1];
+}
+
+std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
+  if (table.has("gmsh")) return load_gmsh(table, folder);
+  StructuredMesh mesh;
+  mesh.length_m = table.number("length_m", above(0.0));
+  mesh.start_m = table.number("start_m", any_number(), 0.0);
+  table.only_if(model == Model::axisymmetric, "radius_m", "model = \"axisymmetric\"");
+  table.only_if(model == Model::plane_strain, "height_m", "model = \"plane_strain\"");
+  table.only_if(model == Model::plane_strain, "periodic_across", "model = \"plane_strain\"");
+  if (model == Model::axisymmetric) mesh.across_m = table.number("radius_m", above(0.0));
+  if (model == Model::plane_strain) mesh.across_m = table.number("height_m", above(0.0));
+  if (model == Model::plane_strain) mesh.periodic_across = table.boolean("periodic_across", false);
+  load_divisions(table, model, mesh);
+  if (mesh.periodic_across && mesh.elements_across < fewest_periodic_elements)
+    table.refuse("elements", fmt::format("{} across", mesh.elements_across), "3 or more across a periodic mesh");
+  if (mesh.periodic_across && mesh.grading_across != 1.0)
+    table.refuse("grading", fmt::format("{} across", mesh.grading_across), "1 across a periodic mesh");
+  table.finish();
+  return mesh;
+}
+
+/// A surface named by the key "surface" of a table.
+std::string load_surface(TableReader& table, const std::vector<std::string>& known) {
+  return known.empty() ? table.text("surface") : table.word("surface", known);
+}
+
+Amplitude load_amplitude(TableReader& owner) {
+  Amplitude amplitude;
+  if (!owner.has("amplitude")) return amplitude;
+  TableReader table = owner.table("amplitude", "amplitude");
+  amplitude.time_s = table.numbers("time_s", any_number(), 0);
+  amplitude.factor = table.numbers("factor", any_number(), amplitude.time_s.size());
+  if (std::adjacent_find(amplitude.time_s.begin(), amplitude.time_s.end(), std::greater_equal<>()) !=
+      amplitude.time_s.end())
+    table.refuse("time_s", "times that do not grow", "times, each later than the one before");
+  table.finish();
+  return amplitude;
+}
+
+Support load_support(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
+  Support support{load_surface(table, surfaces), {}};
+  const std::vector<std::string> names = component_names(model);
+  for (const std::string& fixed : table.words("fixed", names))
+    support.components.push_back(static_cast<int>(std::find(names.begin(), names.end(), fixed) - names.begin()));
+  table.finish();
+  return support;
+}
+
+Traction load_traction(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
+  Traction traction{load_surface(table, surfaces), {}, {}};
+  traction.traction_pa = table.numbers("traction_pa", any_number(), component_names(model).size());
+  traction.amplitude = load_amplitude(table);
+  table.finish();
+  return traction;
+}
+
+PrescribedDisplacement load_prescribed(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
+  PrescribedDisplacement prescribed;
+  prescribed.surface = load_surface(table, surfaces);
+  const std::vector<std::string> names = component_names(model);
+  const std::string component = table.word("component", names);
+  prescribed.component = static_cast<int>(std::find(names.begin(), names.end(), component) - names.begin());
+  prescribed.displacement_m = table.number("displacement_m", any_number());
+  prescribed.amplitude = load_amplitude(table);
+  table.finish();
+  return prescribed;
+}
+
+void load_initial_state(TableReader& table, std::size_t components, Body& body) {
+  const auto vector = [&](TableReader& from, const std::string& key) {
+    return from.has(key) ? from.numbers(key, any_number(), components) : std::vector<double>(components, 0.0);
+  };
+  body.initial_velocity_m_s = vector(table, "initial_velocity_m_s");
+  body.gravity_m_s2 = vector(table, "gravity_m_s2");
+  body.initial_displacement_start_m.assign(components, 0.0);
+  body.initial_displacement_end_m.assign(components, 0.0);
+  if (!table.has("initial_displacement_m")) return;
+  TableReader displacement = table.table("initial_displacement_m", "initial_displacement_m");
+  body.initial_displacement_start_m = displacement.numbers("start", any_number(), components);
+  body.initial_displacement_end_m = displacement.numbers("end", any_number(), components);
+  displacement.finish();
+}
+
+}  // namespace
+
+std::vector<std::string> component_names(Model model) {
+  if (model == Model::bar) return {"x"};
+  if (model == Model::plane_strain) return {"x", "y"};
+  return {"r", "z"};
+}
+
+std::vector<std::string> surface_names(Model model, const Body& body) {
+  const auto* mesh = std::get_if<StructuredMesh>(&body.mesh);
+  if (mesh == nullptr) return {};
+  if (model == Model::bar || mesh->periodic_across) return {"start", "end"};
+  return {"start", "end", "inner", "outer"};
+}
+
+Body load_body(TableReader& table, Model model, const std::string& folder) {
+  Body body;
+  body.name = table.name("name");
+  table.rename("body." + body.name);
+  body.material = load_material(table.table("material", "material"), model);
+  body.mesh = load_mesh(table.table("mesh", "mesh"), model, folder);
+  table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
+  table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");
+  if (model == Model::bar) body.area_m2 = table.number("area_m2", above(0.0), 1.0);
+  if (model == Model::plane_strain) body.thickness_m = table.number("thickness_m", above(0.0), 1.0);
+  load_initial_state(table, component_names(model).size(), body);
+  const std::vector<std::string> surfaces = surface_names(model, body);
+  for (TableReader& entry : table.tables("support", "support"))
+    body.supports.push_back(load_support(entry, model, surfaces));
+  for (TableReader& entry : table.tables("traction", "traction"))
+    body.tractions.push_back(load_traction(entry, model, surfaces));
+  for (TableReader& entry : table.tables("prescribed", "prescribed"))
+    body.prescribed.push_back(load_prescribed(entry, model, surfaces));
+  table.finish();
+  return body;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/names.hpp"
+#include "common/scene/loaders.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+const std::string rigid_plane = "rigid_plane";
+
+/// "steel.end" -> steel, end.
+SurfaceName load_surface_name(const TableReader& table, const std::string& text, const Scene& scene) {
+  const std::size_t dot = text.find('.');
+  const std::string found = "\"" + text + "\"";
+  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size())
+    table.refuse("surfaces", found, "\"body.surface\", or \"rigid_plane\" as the second");
+  const SurfaceName name{text.substr(0, dot), text.substr(dot + 1)};
+  std::vector<std::string> bodies;
+  for (const Body& body : scene.bodies) bodies.push_back(body.name);
+  if (std::find(bodies.begin(), bodies.end(), name.body) == bodies.end())
+    table.refuse("surfaces", fmt::format("{} of an unknown body{}", found, did_you_mean(name.body, bodies)),
+                 "a surface of " + one_of(bodies));
+  const std::vector<std::string> surfaces = surface_names(scene.model, scene.body(name.body));
+  const bool known = surfaces.empty() || std::find(surfaces.begin(), surfaces.end(), name.surface) != surfaces.end();
+  if (!known) table.refuse("surfaces", found + did_you_mean(name.surface, surfaces), one_of(surfaces));
+  return name;
+}
+
+void load_surfaces(TableReader& table, const Scene& scene, Contact& contact) {
+  const std::vector<std::string> names = table.texts("surfaces");
+  if (names.size() != 2) table.refuse("surfaces", fmt::format("{} surfaces", names.size()), "two surfaces");
+  contact.first = load_surface_name(table, names[0], scene);
+  if (names[1] == rigid_plane) return;
+  contact.second = load_surface_name(table, names[1], scene);
+  if (contact.first.body == contact.second->body)
+    table.refuse("surfaces", "two surfaces of body \"" + contact.first.body + "\"", "surfaces of two bodies");
+}
+
+void load_enforcement(TableReader& table, Contact& contact) {
+  contact.enforcement = table.choice<Enforcement>(
+      "enforcement", {{"multiplier", Enforcement::multiplier}, {"penalty", Enforcement::penalty}}, contact.enforcement);
+  const bool penalty = contact.enforcement == Enforcement::penalty;
+  table.only_if(!penalty, "multiplier_update", "enforcement = \"multiplier\"");
+  table.only_if(penalty, "penalty_pa_m", "enforcement = \"penalty\"");
+  table.only_if(penalty, "impact_update", "enforcement = \"penalty\"");
+  contact.multiplier_update =
+      table.choice<MultiplierUpdate>("multiplier_update",
+                                     {{"fully_implicit", MultiplierUpdate::fully_implicit},
+                                      {"trapezoidal_reset", MultiplierUpdate::trapezoidal_reset}},
+                                     contact.multiplier_update);
+  if (penalty) contact.penalty_pa_m = table.number("penalty_pa_m", above(0.0));
+  contact.impact_update = table.choice<ImpactUpdate>(
+      "impact_update",
+      {{"none", ImpactUpdate::none}, {"impedance", ImpactUpdate::impedance}, {"mass", ImpactUpdate::mass}},
+      contact.impact_update);
+}
+
+void load_friction(TableReader& table, Model model, Contact& contact) {
+  table.only_if(model != Model::bar, "friction_coefficient", "a two-dimensional model: a bar has no tangential motion");
+  contact.friction_coefficient = table.number("friction_coefficient", at_least(0.0), 0.0);
+  table.only_if(table.has("friction_coefficient"), "friction_law", "friction_coefficient");
+  contact.friction_law = table.choice<FrictionLaw>(
+      "friction_law", {{"return_mapping", FrictionLaw::return_mapping}, {"regularised", FrictionLaw::regularised}},
+      contact.friction_law);
+  const bool regularised = contact.friction_law == FrictionLaw::regularised;
+  table.only_if(regularised, "friction_regularisation_s_m", "friction_law = \"regularised\"");
+  contact.friction_regularisation_s_m =
+      table.number("friction_regularisation_s_m", {0.0, 1.0, false, true}, contact.friction_regularisation_s_m);
+}
+
+std::vector<std::string> contact_bodies(const Scene& scene) {
+  std::vector<std::string> names;
+  if (!scene.contact) return names;
+  names.push_back(scene.contact->first.body);
+  if (scene.contact->second) names.push_back(scene.contact->second->body);
+  return names;
+}
+
+void load_implicit_length(TableReader& table, const Scene& scene, Partition& partition) {
+  table.only_if(scene.contact.has_value(), "implicit_length_m",
+                "a [contact] table: the length is measured from the contact surface; use implicit_groups");
+  const std::vector<std::string> bodies = contact_bodies(scene);
+  partition.rule = PartitionRule::implicit_length;
+  partition.implicit_length_m = table.numbers_by_name("implicit_length_m", at_least(0.0), bodies);
+  for (const std::string& body : bodies)
+    if (partition.implicit_length_m.count(body) == 0)
+      table.refuse("implicit_length_m", "no length for body \"" + body + "\"",
+                   "a length for each body in contact; 0 keeps only its contact nodes implicit");
+}
+
+void load_implicit_groups(TableReader& table, const Scene& scene, Partition& partition) {
+  std::vector<std::string> bodies;
+  for (const Body& body : scene.bodies) bodies.push_back(body.name);
+  partition.rule = PartitionRule::implicit_groups;
+  partition.implicit_groups = table.texts_by_name("implicit_groups", bodies);
+  for (const auto& [body, groups] : partition.implicit_groups)
+    if (std::holds_alternative<StructuredMesh>(scene.body(body).mesh))
+      table.refuse("implicit_groups", "groups of body \"" + body + "\", whose structured mesh has none",
+                   "bodies read from a Gmsh file; use implicit_length_m");
+}
+
+}  // namespace
+
+Contact load_contact(TableReader& table, const Scene& scene) {
+  Contact contact;
+  load_surfaces(table, scene, contact);
+  contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
+  table.only_if(scene.model != Model::bar, "nose_radius_m", "a two-dimensional model");
+  if (table.has("nose_radius_m")) contact.nose_radius_m = table.number("nose_radius_m", above(0.0));
+  load_enforcement(table, contact);
+  load_friction(table, scene.model, contact);
+  table.finish();
+  return contact;
+}
+
+Partition load_partition(TableReader& table, const Scene& scene) {
+  Partition partition;
+  const int rules = static_cast<int>(table.has("implicit_length_m")) + static_cast<int>(table.has("implicit_groups")) +
+                    static_cast<int>(table.has("rule"));
+  if (rules != 1)
+    table.refuse("", fmt::format("{} of its keys", rules), "exactly one of implicit_length_m, implicit_groups, rule");
+  if (table.has("implicit_length_m")) load_implicit_length(table, scene, partition);
+  if (table.has("implicit_groups")) load_implicit_groups(table, scene, partition);
+  partition.rule = table.choice<PartitionRule>("rule", {{"auto", PartitionRule::automatic}}, partition.rule);
+  table.finish();
+  return partition;
+}
+
+}  // namespace ricochet::scene

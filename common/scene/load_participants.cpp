@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "common/scene/loaders.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+std::vector<std::string> body_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Body& body : scene.bodies) names.push_back(body.name);
+  return names;
+}
+
+/// A name with a '/' is a file beside the scene; one without is looked up on PATH.
+std::string resolve_executable(const std::string& given, const Scene& scene) {
+  if (given.find('/') == std::string::npos) return given;
+  return (std::filesystem::path(scene.path).parent_path() / given).lexically_normal().string();
+}
+
+ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
+  ParticipantSpec participant;
+  participant.name = table.name("name");
+  table.rename("participant." + participant.name);
+  const bool is_explicit = table.word("role", {"explicit", "implicit"}) == "explicit";
+  participant.role = is_explicit ? Role::explicit_solver : Role::implicit_solver;
+  table.only_if(is_explicit, "bodies", "role = \"explicit\": the implicit participant owns all implicit elements");
+  if (is_explicit) participant.bodies = table.words("bodies", body_names(scene));
+  if (table.has("executable")) participant.executable = resolve_executable(table.text("executable"), scene);
+  participant.start =
+      table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
+  table.finish();
+  return participant;
+}
+
+/// The first entry of a role, or the shipped solver of that name.
+ParticipantSpec first_of(const std::vector<ParticipantSpec>& given, Role role, const std::string& name) {
+  for (const ParticipantSpec& participant : given)
+    if (participant.role == role) return participant;
+  ParticipantSpec shipped;
+  shipped.name = name;
+  shipped.role = role;
+  return shipped;
+}
+
+}  // namespace
+
+std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene) {
+  std::vector<ParticipantSpec> participants;
+  std::map<std::string, std::string> owner;  // body -> explicit participant
+  for (TableReader& table : tables) {
+    const ParticipantSpec participant = load_participant(table, scene);
+    const bool implicit = participant.role == Role::implicit_solver;
+    for (const ParticipantSpec& other : participants) {
+      if (other.name == participant.name) table.refuse("name", "\"" + other.name + "\" a second time", "a new name");
+      if (implicit && other.role == participant.role)
+        table.refuse("role", "a second implicit participant", "one implicit participant: \"" + other.name + "\"");
+    }
+    for (const std::string& body : participant.bodies)
+      if (!owner.emplace(body, participant.name).second)
+        table.refuse("bodies", fmt::format("\"{}\", which \"{}\" has already", body, owner.at(body)),
+                     "each body in one explicit participant");
+    participants.push_back(participant);
+  }
+  const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
+  const auto is_implicit = [](const ParticipantSpec& p) { return p.role == Role::implicit_solver; };
+  if (hybrid && !tables.empty() && std::none_of(participants.begin(), participants.end(), is_implicit))
+    tables.back().refuse("role", "no implicit participant", "one [[participant]] with role = \"implicit\"");
+  return participants;
+}
+
+std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vector<ParticipantSpec>& given) {
+  const Layout layout = protocol_traits(scene.coupling.protocol).layout;
+  if (layout == Layout::hybrid && !given.empty()) return given;
+  ParticipantSpec all_explicit = first_of(given, Role::explicit_solver, "explicit");
+  all_explicit.name = "explicit";
+  all_explicit.bodies = body_names(scene);
+  const ParticipantSpec implicit = first_of(given, Role::implicit_solver, "implicit");
+  if (layout == Layout::all_explicit) return {all_explicit};
+  if (layout == Layout::all_implicit) return {implicit};
+  return {all_explicit, implicit};
+}
+
+}  // namespace ricochet::scene

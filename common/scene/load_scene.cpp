@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <toml.hpp>
+
+#include "common/base/sha256.hpp"
+#include "common/scene/loaders.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw ConfigError(path + ": cannot be read");
+  return text.str();
+}
+
+toml::value parse(const std::string& path, const std::string& text) {
+  std::istringstream stream(text);
+  try {
+    return toml::parse(stream, path);
+  } catch (const std::exception& error) {  // toml11 throws several kinds, each with the underlined source
+    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", path, error.what()));
+  }
+}
+
+Model load_model(TableReader& root) {
+  const std::string model = root.word("model", {"bar", "plane_strain", "axisymmetric"});
+  return model == "bar" ? Model::bar : model == "plane_strain" ? Model::plane_strain : Model::axisymmetric;
+}
+
+void load_bodies(TableReader& root, Scene& scene) {
+  const std::string folder = std::filesystem::path(scene.path).parent_path().string();
+  if (!root.has("body")) root.missing("body", "one [[body]] table or more");
+  for (TableReader& table : root.tables("body", "body")) {
+    Body body = load_body(table, scene.model, folder);
+    for (const Body& other : scene.bodies)
+      if (other.name == body.name) table.refuse("name", "\"" + body.name + "\" a second time", "a new name");
+    scene.bodies.push_back(std::move(body));
+  }
+}
+
+/// The automatic partition asks which elements the step is too long for.
+void check_automatic_partition(const TableReader& root, const Scene& scene) {
+  const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
+  if (hybrid && scene.partition.rule == PartitionRule::automatic && !scene.time.step_s)
+    root.refuse("time", "no step_s, which the automatic partition needs",
+                "step_s, or a [partition] by implicit_length_m or implicit_groups");
+}
+
+void load_tables(TableReader& root, Scene& scene) {
+  scene.model = load_model(root);
+  load_bodies(root, scene);
+  if (root.has("contact")) {
+    TableReader table = root.table("contact", "contact");
+    scene.contact = load_contact(table, scene);
+  }
+  if (root.has("partition")) {
+    TableReader table = root.table("partition", "partition");
+    scene.partition = load_partition(table, scene);
+  }
+  TableReader time = root.table("time", "time");
+  scene.time = load_time(time, scene.contact.has_value());
+  if (root.has("coupling")) {
+    TableReader table = root.table("coupling", "coupling");
+    scene.coupling = load_coupling(table, scene.contact.has_value());
+  }
+  check_automatic_partition(root, scene);
+  std::vector<TableReader> participants = root.tables("participant", "participant");
+  scene.participants = participants_of(scene, load_participants(participants, scene));
+  if (root.has("output")) {
+    TableReader table = root.table("output", "output");
+    scene.output = load_output(table);
+  }
+  root.finish();
+}
+
+/// Digest of everything the scene is made of.
+std::string digest(const std::string& text, const Scene& scene) {
+  std::string all = text;
+  for (const Body& body : scene.bodies)
+    if (const auto* mesh = std::get_if<GmshMesh>(&body.mesh)) all += read_text(mesh->path);
+  return sha256_hex(all);
+}
+
+}  // namespace
+
+Scene load_scene(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) throw ConfigError(path + ": no such scene file");
+  Scene scene;
+  scene.path = std::filesystem::absolute(path).lexically_normal().string();
+  const std::string text = read_text(path);
+  const toml::value file = parse(scene.path, text);
+  if (file.as_table().empty())
+    throw ConfigError(scene.path + ":1: the scene file is empty; allowed: model, [[body]], [time] and more");
+  TableReader root(file, "scene", "", {scene.path, scene.lines});
+  load_tables(root, scene);
+  scene.sha256 = digest(text, scene);
+  return scene;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/reader.hpp"
+#include "common/scene/scene.hpp"
+
+/// The tables of a scene file, one loader each; `load_scene` calls them in this order. Internal to common/scene.
+namespace ricochet::scene {
+
+/// Names of the displacement components, in order: x | x, y | r, z.
+[[nodiscard]] std::vector<std::string> component_names(Model model);
+/// Surfaces of a structured mesh; empty for a Gmsh mesh, whose surfaces are known only once it is read.
+[[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
+
+[[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder);
+[[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene);
+[[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
+[[nodiscard]] Time load_time(TableReader& table, bool has_contact);
+[[nodiscard]] Coupling load_coupling(TableReader& table, bool has_contact);
+[[nodiscard]] Output load_output(TableReader& table);
+/// Entries of [[participant]], checked one by one and against each other.
+[[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);
+
+/// The participants that run the scene's protocol: `given` where they fit, else the shipped solvers.
+[[nodiscard]] std::vector<ParticipantSpec> participants_of(const Scene& scene,
+                                                           const std::vector<ParticipantSpec>& given);
+
+}  // namespace ricochet::scene

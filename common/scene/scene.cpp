@@ -1,0 +1,51 @@
+#include "common/scene/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// The entry of `list` called `name`; `what` says what it is in the error.
+template <typename Entry>
+const Entry& find_by_name(const std::vector<Entry>& list, const std::string& name, const std::string& what,
+                          const std::string& path) {
+  std::vector<std::string> names;
+  for (const Entry& entry : list) {
+    if (entry.name == name) return entry;
+    names.push_back(entry.name);
+  }
+  throw ConfigError(fmt::format("{}: no {} is called \"{}\"{}", path, what, name, did_you_mean(name, names)));
+}
+
+}  // namespace
+
+double Amplitude::at(double t) const {
+  if (time_s.empty()) return 1.0;
+  const auto next = std::upper_bound(time_s.begin(), time_s.end(), t);
+  if (next == time_s.begin()) return factor.front();
+  if (next == time_s.end()) return factor.back();
+  const auto i = static_cast<std::size_t>(next - time_s.begin());
+  const double part = (t - time_s[i - 1]) / (time_s[i] - time_s[i - 1]);
+  return factor[i - 1] + part * (factor[i] - factor[i - 1]);
+}
+
+std::string Scene::where(const std::string& key) const {
+  for (std::string at = key;; at.resize(at.find_last_of(".["))) {
+    const auto found = lines.find(at);
+    if (found != lines.end()) return fmt::format("{}:{}: {}", path, found->second, key);
+    if (at.find_first_of(".[") == std::string::npos) return fmt::format("{}: {}", path, key);
+  }
+}
+
+const Body& Scene::body(const std::string& name) const { return find_by_name(bodies, name, "body", path); }
+
+const ParticipantSpec& Scene::participant(const std::string& name) const {
+  return find_by_name(participants, name, "participant", path);
+}
+
+}  // namespace ricochet::scene

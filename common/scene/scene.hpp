@@ -1,0 +1,170 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/fem/model.hpp"
+
+/// The scene file as plain structs: one struct per table, one member per key, SI units in the names.
+/// `load_scene` is strict; what these structs hold has passed every check that needs no mesh.
+namespace ricochet::scene {
+
+using fem::Material;
+using fem::Model;
+
+/// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry.
+/// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer".
+struct StructuredMesh {
+  double start_m = 0.0;          ///< axis coordinate of the low end
+  double length_m = 0.0;         ///< extent along the axis
+  double across_m = 0.0;         ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (plane strain, from x = 0)
+  int elements_along = 0;
+  int elements_across = 1;
+  double grading_along = 1.0;    ///< size of the last element over size of the first, geometric in between
+  double grading_across = 1.0;
+  bool periodic_across = false;  ///< plane strain: "outer" is "inner" moved by across_m; both surfaces vanish
+};
+
+/// Gmsh MSH 4.1 file; the physical surface named like the body holds its elements (physical curve in 1D), other
+/// physical groups name surfaces and element groups.
+struct GmshMesh {
+  std::string path;  ///< absolute, resolved against the scene file's folder
+};
+
+/// Piecewise linear factor over time, constant outside the given times. Empty: factor 1.
+struct Amplitude {
+  std::vector<double> time_s;
+  std::vector<double> factor;
+  [[nodiscard]] double at(double time_s) const;
+};
+
+struct Support {
+  std::string surface;
+  std::vector<int> components;  ///< fixed components, 0-based (scene: "x", "y", "r", "z")
+};
+
+struct Traction {
+  std::string surface;
+  std::vector<double> traction_pa;  ///< one entry per component, force per area of the reference surface
+  Amplitude amplitude;
+};
+
+struct PrescribedDisplacement {
+  std::string surface;
+  int component = 0;
+  double displacement_m = 0.0;
+  Amplitude amplitude;
+};
+
+struct Body {
+  std::string name;
+  Material material;
+  double area_m2 = 1.0;       ///< `bar`: cross section
+  double thickness_m = 1.0;   ///< `plane_strain`: thickness
+  std::variant<StructuredMesh, GmshMesh> mesh;
+  std::vector<double> initial_velocity_m_s;           ///< one entry per component
+  std::vector<double> initial_displacement_start_m;   ///< at the low end of the axis, linear along it
+  std::vector<double> initial_displacement_end_m;     ///< at the high end of the axis
+  std::vector<double> gravity_m_s2;                   ///< body force per unit mass, one entry per component
+  std::vector<Support> supports;
+  std::vector<Traction> tractions;
+  std::vector<PrescribedDisplacement> prescribed;
+};
+
+struct SurfaceName {
+  std::string body;
+  std::string surface;
+};
+
+enum class Enforcement { multiplier, penalty };
+/// How the implicit side takes the contact force of the multiplier (mechanics: two momentum-exact ways).
+enum class MultiplierUpdate { fully_implicit, trapezoidal_reset };
+enum class ImpactUpdate { none, impedance, mass };
+enum class FrictionLaw { return_mapping, regularised };
+
+struct Contact {
+  SurfaceName first;                    ///< n points out of this surface
+  std::optional<SurfaceName> second;    ///< empty: rigid plane
+  double initial_gap_m = 0.0;           ///< added to the distance of the two meshes along n
+  double nose_radius_m = 0.0;           ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
+  Enforcement enforcement = Enforcement::multiplier;
+  MultiplierUpdate multiplier_update = MultiplierUpdate::trapezoidal_reset;
+  double penalty_pa_m = 0.0;            ///< traction per penetration, Eq. 8-10
+  ImpactUpdate impact_update = ImpactUpdate::none;
+  double friction_coefficient = 0.0;
+  FrictionLaw friction_law = FrictionLaw::return_mapping;
+  double friction_regularisation_s_m = 1.0;  ///< xi of Eq. 15
+};
+
+enum class PartitionRule { implicit_length, implicit_groups, automatic };
+
+struct Partition {
+  PartitionRule rule = PartitionRule::automatic;
+  std::map<std::string, double> implicit_length_m;                 ///< per body, measured from its contact surface
+  std::map<std::string, std::vector<std::string>> implicit_groups; ///< per body
+};
+
+struct Time {
+  std::optional<double> step_s;          ///< else safety_factor times the critical time step of what is explicit
+  double safety_factor = 0.9;
+  double end_s = 0.0;                    ///< latest end
+  std::optional<double> until_separated_plus_s;
+};
+
+enum class AfterSeparation { switch_to_explicit, stay_implicit };
+
+struct Coupling {
+  std::string protocol = "hughes_liu";
+  int resynchronise_every = 100;         ///< windows between exchanges of absolute values; 0: never
+  AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
+  int separation_windows = 10;           ///< windows with every pair open and gaps growing that count as separated
+  double timeout_s = 60.0;               ///< longest wait for any peer
+  std::string transport = "ipc";         ///< "ipc" | "tcp"
+  std::string address = "127.0.0.1";     ///< tcp: address to bind
+  int port = 0;                          ///< tcp: 0 picks a free one
+  double energy_growth_limit = 0.05;     ///< relative growth of the energy balance that stops the run
+};
+
+enum class Role { explicit_solver, implicit_solver };
+enum class Start { launch, by_hand };
+
+struct ParticipantSpec {
+  std::string name;
+  Role role = Role::explicit_solver;
+  std::vector<std::string> bodies;       ///< explicit participants: whose explicit elements they own
+  std::string executable;                ///< empty: the solver shipped with ricochet
+  Start start = Start::launch;
+};
+
+struct Output {
+  int history_every = 1;                 ///< windows per row of history.csv
+  int fields_every = 0;                  ///< windows per VTU snapshot; 0: none
+};
+
+struct Scene {
+  std::string path;                      ///< absolute path of the scene file
+  std::string sha256;                    ///< of its text (and of the mesh files it names), hex
+  Model model = Model::bar;
+  std::vector<Body> bodies;
+  std::optional<Contact> contact;
+  Partition partition;
+  Time time;
+  Coupling coupling;
+  std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
+  Output output;
+  std::map<std::string, int> lines;           ///< key ("body.steel.support[0].surface") -> line of the file
+
+  /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
+  [[nodiscard]] std::string where(const std::string& key) const;
+  [[nodiscard]] int components() const { return model == Model::bar ? 1 : 2; }
+  [[nodiscard]] const Body& body(const std::string& name) const;  ///< ConfigError if unknown
+  [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown
+};
+
+/// Reads and checks a scene file. Throws ConfigError that shows file, line, key, what was found and what is allowed.
+[[nodiscard]] Scene load_scene(const std::string& path);
+
+}  // namespace ricochet::scene

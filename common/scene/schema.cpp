@@ -1,0 +1,33 @@
+#include "common/scene/schema.hpp"
+
+namespace ricochet::scene {
+
+const std::map<std::string, std::vector<std::string>>& schema() {
+  static const std::map<std::string, std::vector<std::string>> tables{
+      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output"}},
+      {"body",
+       {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
+        "gravity_m_s2", "support", "traction", "prescribed"}},
+      {"material", {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3"}},
+      {"mesh",
+       {"length_m", "radius_m", "height_m", "elements", "start_m", "grading", "periodic_across", "gmsh"}},
+      {"initial_displacement_m", {"start", "end"}},
+      {"support", {"surface", "fixed"}},
+      {"traction", {"surface", "traction_pa", "amplitude"}},
+      {"prescribed", {"surface", "component", "displacement_m", "amplitude"}},
+      {"amplitude", {"time_s", "factor"}},
+      {"contact",
+       {"surfaces", "initial_gap_m", "nose_radius_m", "enforcement", "multiplier_update", "penalty_pa_m",
+        "impact_update", "friction_coefficient", "friction_law", "friction_regularisation_s_m"}},
+      {"partition", {"implicit_length_m", "implicit_groups", "rule"}},
+      {"time", {"step_s", "safety_factor", "end_s", "until_separated_plus_s"}},
+      {"coupling",
+       {"protocol", "resynchronise_every", "after_separation", "separation_windows", "timeout_s", "transport",
+        "address", "port", "energy_growth_limit"}},
+      {"participant", {"name", "role", "bodies", "executable", "start"}},
+      {"output", {"history_every", "fields_every"}},
+  };
+  return tables;
+}
+
+}  // namespace ricochet::scene

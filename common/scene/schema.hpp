@@ -1,0 +1,13 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace ricochet::scene {
+
+/// Every table of a scene file and the keys it may hold: the one list that the reader enforces and that docs/scene.md
+/// is tested against. `partition.implicit_length_m` and `partition.implicit_groups` hold body names instead.
+[[nodiscard]] const std::map<std::string, std::vector<std::string>>& schema();
+
+}  // namespace ricochet::scene

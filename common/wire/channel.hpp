@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/wire/message.hpp"
+
+/// Bytes between processes over ZeroMQ. The coupler has one `Listener` (ROUTER), each participant a `Channel` (DEALER).
+/// A message is one frame. Whoever closes its end waits at most `linger` for what it said last to get out.
+namespace ricochet::wire {
+
+using Clock = std::chrono::steady_clock;
+using Deadline = Clock::time_point;
+
+inline constexpr std::chrono::milliseconds linger{500};
+
+/// The instant `timeout_s` from now; a negative timeout counts as none, one beyond a year as a year.
+[[nodiscard]] Deadline deadline_in(double timeout_s);
+
+/// Participant's end.
+class Channel {
+ public:
+  /// Throws ConfigError if `endpoint` is none. Connecting goes on in the background: the coupler may come later.
+  explicit Channel(const std::string& endpoint);
+  ~Channel();
+  /// Throws SolverError if a number of the message is not finite (`encode`).
+  void send(const Message& message);
+  /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and
+  /// "the coupler is gone" as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from decoding.
+  void receive(Message& message, Deadline deadline, bool watch_stdin);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Coupler's end: many participants on one socket.
+class Listener {
+ public:
+  /// `endpoint` "ipc://@name" (abstract socket: leaves no file), "ipc://path" or "tcp://address:port" ("tcp://address:*").
+  /// Throws ConfigError if it is none, or taken.
+  explicit Listener(const std::string& endpoint);
+  ~Listener();
+  [[nodiscard]] std::string endpoint() const;  ///< with the port that was picked
+  /// Routing identity of the sender and the message; false at the deadline or when one of `file_descriptors` became
+  /// readable (then `ready` is called with its index, and waiting goes on while it returns true). ProtocolError from
+  /// decoding: `identity` then is the sender's.
+  bool receive(std::string& identity, Message& message, Deadline deadline, const std::vector<int>& file_descriptors,
+               const std::function<bool(std::size_t)>& ready);
+  /// To a peer that is gone it does nothing: its silence is noticed by who waits for its answer.
+  void send(const std::string& identity, const Message& message);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ricochet::wire

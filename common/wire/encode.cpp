@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "common/base/error.hpp"
+#include "common/wire/codec.hpp"
+
+namespace ricochet::wire {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "array data travel as they lie in memory");
+
+using Packer = msgpack::packer<msgpack::sbuffer>;
+
+void pack(Packer& packer, std::string_view text) {
+  packer.pack_str(static_cast<std::uint32_t>(text.size()));
+  packer.pack_str_body(text.data(), static_cast<std::uint32_t>(text.size()));
+}
+
+void pack(Packer& packer, const std::string& text) { pack(packer, std::string_view(text)); }
+void pack(Packer& packer, Kind value) { pack(packer, name(value)); }
+void pack(Packer& packer, std::int64_t value) { packer.pack_int64(value); }
+void pack(Packer& packer, double value) { packer.pack_double(value); }
+
+void pack(Packer& packer, bool value) {
+  if (value) {
+    packer.pack_true();
+  } else {
+    packer.pack_false();
+  }
+}
+
+void pack(Packer& packer, const std::vector<std::string>& texts) {
+  packer.pack_array(static_cast<std::uint32_t>(texts.size()));
+  for (const auto& text : texts) pack(packer, text);
+}
+
+void pack(Packer& packer, const Array& array) {
+  const std::size_t bytes = array.data.size() * sizeof(double);
+  if (bytes > max_array_bytes) {
+    throw SolverError(fmt::format("an array of {} numbers is too large for one message", array.data.size()));
+  }
+  packer.pack_map(2);
+  pack(packer, std::string_view("shape"));
+  packer.pack_array(2);
+  packer.pack_int64(array.rows);
+  packer.pack_int64(array.columns);
+  pack(packer, std::string_view("data"));
+  packer.pack_bin(static_cast<std::uint32_t>(bytes));
+  packer.pack_bin_body(reinterpret_cast<const char*>(array.data.data()), static_cast<std::uint32_t>(bytes));
+}
+
+}  // namespace
+
+std::optional<std::string> not_finite(double value) {
+  if (std::isfinite(value)) return std::nullopt;
+  return fmt::format("{}", value);
+}
+
+std::optional<std::string> not_finite(const Array& array) {
+  const auto found = std::find_if(array.data.begin(), array.data.end(), [](double x) { return !std::isfinite(x); });
+  if (found == array.data.end()) return std::nullopt;
+  const auto index = found - array.data.begin();
+  const auto columns = std::max(array.columns, 1);
+  return fmt::format("{} at row {}, column {}", *found, index / columns, index % columns);
+}
+
+void require_finite(const Message& message) {
+  for (const auto& field : fields_of(message.kind)) {
+    const auto found = std::visit([&](auto member) { return not_finite(message.*member); }, field.member);
+    if (!found) continue;
+    throw SolverError(fmt::format("'{}' of '{}' is not finite: {}", field.name, name(message.kind), *found));
+  }
+}
+
+void encode(const Message& message, msgpack::sbuffer& buffer) {
+  require_finite(message);
+  buffer.clear();
+  Packer packer(buffer);
+  const auto& header = header_fields();
+  const auto& fields = fields_of(message.kind);
+  packer.pack_map(static_cast<std::uint32_t>(header.size() + fields.size()));
+  for (const auto* list : {&header, &fields}) {
+    for (const auto& field : *list) {
+      pack(packer, field.name);
+      std::visit([&](auto member) { pack(packer, message.*member); }, field.member);
+    }
+  }
+}
+
+}  // namespace ricochet::wire

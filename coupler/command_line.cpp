@@ -1,0 +1,90 @@
+#include "coupler/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+#include "coupler/run.hpp"
+#include "coupler/starter_scene.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+const char* const exit_codes =
+    "Exit codes: 0 done, 2 the scene or the command line is wrong, 3 unstable, 4 a participant failed,\n"
+    "            5 the coupling protocol was broken, 130 interrupted (Ctrl-C; 128 + signal).";
+
+struct Arguments {
+  std::string scene, out, name;
+};
+
+void define(CLI::App& app, Arguments& arguments) {
+  app.name("ricochet");
+  app.description("Hybrid implicit-explicit analysis of dynamic contact by impact.");
+  app.footer(exit_codes);
+  app.set_version_flag("--version", std::string("ricochet ") + RICOCHET_VERSION);
+  app.require_subcommand(0, 1);
+  auto* run = app.add_subcommand("run", "Compute a scene: start its participants, couple them, write the results");
+  run->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  run->add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
+  auto* check = app.add_subcommand("check", "Report and refuse all that can be known before a process starts");
+  check->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  auto* init = app.add_subcommand("init", "Write a commented starter scene NAME.toml");
+  init->add_option("NAME", arguments.name, "Name of the new scene")->required();
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* option : app.get_options()) {
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// What CLI11 could not place: an unknown command, or an unknown option of the command that was given.
+[[noreturn]] void refuse_extra(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  const CLI::App& command = given.empty() ? app : *given.front();
+  auto extras = command.remaining();
+  if (extras.empty()) extras = app.remaining();
+  const std::string extra = extras.empty() ? "" : extras.front();
+  if (given.empty() && extra.rfind('-', 0) != 0) {
+    std::vector<std::string> commands;
+    for (const auto* sub : app.get_subcommands(nullptr)) commands.push_back(sub->get_name());
+    throw ConfigError(fmt::format("unknown command \"{}\", allowed are {}{}", extra, fmt::join(commands, ", "),
+                                  did_you_mean(extra, commands)));
+  }
+  const auto known = option_names(command);
+  throw ConfigError(fmt::format("unexpected argument \"{}\", allowed options are {}{}", extra, fmt::join(known, ", "),
+                                did_you_mean(extra, known)));
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app;
+  Arguments arguments;
+  define(app, arguments);
+  // Extras are collected, not thrown by CLI11: its errors know no suggestions.
+  app.allow_extras();
+  for (auto* sub : app.get_subcommands(nullptr)) sub->allow_extras();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    throw ConfigError(std::string(error.what()) + " (ricochet --help)");
+  }
+  if (app.remaining_size(true) > 0) refuse_extra(app);
+  if (app.got_subcommand("run")) run_scene(arguments.scene, arguments.out);
+  if (app.got_subcommand("check")) check_scene(arguments.scene);
+  if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
+  if (app.get_subcommands().empty()) fmt::print("{}", app.help());
+  return app.get_subcommands().empty() ? static_cast<int>(ExitCode::config) : 0;
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,242 @@
+#include "coupler/coupled_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "coupler/executable.hpp"
+#include "coupler/run_id.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+std::string role_name(scene::Role role) { return role == scene::Role::implicit_solver ? "implicit" : "explicit"; }
+
+std::vector<std::string> body_names(const scene::Scene& scene) {
+  std::vector<std::string> names;
+  for (const auto& body : scene.bodies) names.push_back(body.name);
+  return names;
+}
+
+std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene) {
+  std::vector<ExpectedPeer> expected;
+  for (const auto& participant : scene.participants)
+    expected.push_back({participant.name, role_name(participant.role)});
+  return expected;
+}
+
+Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
+  Summary summary;
+  summary.scene_path = scene.path;
+  summary.scene_sha256 = scene.sha256;
+  summary.protocol = scene.coupling.protocol;
+  summary.transport = scene.coupling.transport;
+  summary.run_id = make_run_id();
+  summary.windows = plan.windows;
+  summary.window_size_s = plan.window_size_s;
+  return summary;
+}
+
+}  // namespace
+
+std::vector<std::string> find_executables(const scene::Scene& scene) {
+  std::vector<std::string> paths;
+  for (const auto& participant : scene.participants) {
+    paths.push_back(participant.start == scene::Start::launch ? find_executable(scene, participant) : "");
+  }
+  return paths;
+}
+
+CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results)
+    : problem_(problem),
+      scene_(problem.scene),
+      plan_(plan),
+      results_(results),
+      protocol_entry_(find_protocol(scene_.coupling.protocol)),
+      summary_(first_summary(scene_, plan)),
+      tally_(impact_theory(problem)),
+      history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
+      progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
+      listener_(listen_endpoint(scene_.coupling, summary_.run_id)),
+      peers_(listener_, launcher_, expected_peers(scene_),
+             {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s}) {
+  write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
+}
+
+void CoupledRun::run(const std::vector<std::string>& executables) {
+  try {
+    phases(executables);
+  } catch (const Error& error) {
+    // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
+    const std::string text = error.what();
+    if (error.code() != ExitCode::unstable || text.find("likely cause") != std::string::npos) throw;
+    throw SolverError(text + "; " + likely_cause(suspicion_, 0.0, 0.0));
+  }
+}
+
+void CoupledRun::phases(const std::vector<std::string>& executables) {
+  auto mark = Clock::now();
+  const auto lap = [&mark](double& phase_s) {
+    const auto now = Clock::now();
+    phase_s = std::chrono::duration<double>(now - mark).count();
+    mark = now;
+  };
+  start(executables);
+  lap(summary_.phases.start_s);
+  setup();
+  lap(summary_.phases.setup_s);
+  step();
+  lap(summary_.phases.stepping_s);
+  finish();
+  lap(summary_.phases.finish_s);
+  summary_.status = "done";
+  write_files();
+}
+
+void CoupledRun::start(const std::vector<std::string>& executables) {
+  for (std::size_t p = 0; p < executables.size(); ++p) launch(scene_.participants[p], executables[p]);
+  peers_.handshake();
+}
+
+void CoupledRun::launch(const scene::ParticipantSpec& participant, const std::string& executable) {
+  const std::string bound = listener_.endpoint();
+  const bool by_hand = participant.start == scene::Start::by_hand;
+  const std::vector<std::string> arguments = {"--scene",   scene_.path,
+                                              "--name",    participant.name,
+                                              "--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound)};
+  if (by_hand) {
+    const std::string shipped =
+        participant.role == scene::Role::implicit_solver ? "implicit_solver" : "explicit_solver";
+    fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", participant.name,
+               scene_.coupling.timeout_s, participant.executable.empty() ? shipped : participant.executable,
+               fmt::join(arguments, " "));
+    return;
+  }
+  LaunchRequest request{participant.name, executable, arguments, results_.log(participant.name)};
+  request.arguments.emplace_back("--watch-stdin");
+  launcher_.launch(request);
+}
+
+void CoupledRun::setup() {
+  const auto descriptions = describe();
+  check_capabilities(protocol_entry_, descriptions);
+  InterfaceMap map(descriptions);
+  std::vector<Link> links;
+  std::vector<History::Source> sources;
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    links.emplace_back(peers_.peer(p), descriptions[p], map.rows(p));
+    sources.push_back({peers_.name(p), descriptions[p].record_columns});
+  }
+  prepare_watch(descriptions);
+  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(std::move(links), std::move(map), plan_.window_size_s);
+  protocol_ = protocol_entry_.make();
+  coupling_->initialize(initialize_request());
+}
+
+std::vector<wire::Message> CoupledRun::describe() {
+  std::vector<Peer> peers;
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    peers.push_back(peers_.peer(p));
+    wire::Message request;
+    request.kind = wire::Kind::describe;
+    peers.back().post(request);
+  }
+  std::vector<wire::Message> descriptions;
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    auto& description = descriptions.emplace_back(peers[p].wait());
+    description.participant = peers_.name(p);
+    description.role = role_name(scene_.participants[p].role);
+  }
+  return descriptions;
+}
+
+void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
+  suspicion_.protocol = protocol_entry_.name;
+  suspicion_.protocol_trouble = protocol_entry_.known_trouble;
+  suspicion_.window_size_s = plan_.window_size_s;
+  suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
+  std::vector<std::string> names;
+  for (const auto& description : descriptions) {
+    names.push_back(description.participant);
+    if (description.role == "explicit")
+      suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
+  }
+  watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, suspicion_, names, body_names(scene_));
+}
+
+wire::Message CoupledRun::initialize_request() const {
+  wire::Message request;
+  request.window_size_s = plan_.window_size_s;
+  request.output_directory = results_.file("fields");
+  request.protocol = protocol_entry_.name;
+  request.history_every = scene_.output.history_every;
+  request.fields_every = scene_.output.fields_every;
+  request.until_separated_plus_s = scene_.time.until_separated_plus_s.value_or(-1.0);
+  request.separation_windows = scene_.coupling.separation_windows;
+  request.last_window = plan_.windows;
+  request.timeout_s = scene_.coupling.timeout_s;
+  return request;
+}
+
+/// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.
+bool CoupledRun::may_switch() {
+  const auto* implicit = coupling_->implicit_link();
+  const bool wanted = scene_.coupling.after_separation == scene::AfterSeparation::switch_to_explicit;
+  if (!protocol_entry_.coupled || !wanted || !implicit || implicit->description().contact_owner == 0) return false;
+  const auto& capabilities = implicit->description().capabilities;
+  const double critical = implicit->description().critical_time_step_s;
+  std::string obstacle;
+  if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
+    obstacle = "it lacks the capability \"switch_integration\"";
+  } else if (critical < plan_.window_size_s) {
+    obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
+  }
+  if (obstacle.empty()) return true;
+  summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));
+  return false;
+}
+
+void CoupledRun::step() {
+  const LoopSettings settings{plan_.windows, plan_.window_size_s, scene_.coupling.resynchronise_every,
+                              protocol_entry_.coupled, may_switch()};
+  loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
+                                     [this](std::int64_t window) { take_records(window); });
+  loop_->run();
+}
+
+void CoupledRun::take_records(std::int64_t window) {
+  for (std::size_t p = 0; p < peers_.size(); ++p) history_->add(p, coupling_->links()[p].take_records());
+  while (const auto row = history_->next()) {
+    history_file_.add(*row);
+    tally_.add(*row);
+    watch_->check(*row, history_->errors());
+    progress_.show(window, *row);
+  }
+}
+
+void CoupledRun::finish() {
+  for (auto& link : coupling_->links()) link.post_finish();
+  std::vector<wire::Message> last_words;
+  for (auto& link : coupling_->links()) last_words.push_back(link.wait_finished());
+  take_records(loop_->window());
+  check_exit_codes();
+  take_times(last_words);
+}
+
+void CoupledRun::check_exit_codes() {
+  const double patience_s = std::min(scene_.coupling.timeout_s, 10.0);
+  const bool ended = launcher_.wait_all(std::chrono::milliseconds(static_cast<long>(1000 * patience_s)));
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    const auto end = launcher_.end_of(peers_.name(p));
+    if (!launcher_.launched(peers_.name(p)) || (end && end->signal == 0 && end->exit_status == 0)) continue;
+    throw ParticipantError(fmt::format("participant '{}' finished its work but {}; see {}", peers_.name(p),
+                                       ended && end ? end->text() : "did not end by itself",
+                                       launcher_.log_path(peers_.name(p))));
+  }
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/scene/check.hpp"
+#include "coupler/energy_watch.hpp"
+#include "coupler/history_file.hpp"
+#include "coupler/launcher.hpp"
+#include "coupler/peers.hpp"
+#include "coupler/progress.hpp"
+#include "coupler/results_directory.hpp"
+#include "coupler/summary.hpp"
+#include "coupler/time_loop.hpp"
+#include "coupler/trace.hpp"
+
+namespace ricochet::coupler {
+
+/// Program per participant, in the scene's order; empty for one that is started by hand.
+[[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
+
+/// One run of a scene from the first process to the last file. The phases, in order: start the participants, set the
+/// coupling up, step, finish. Stateless about mechanics.
+class CoupledRun {
+ public:
+  /// The arguments must outlive the run.
+  CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results);
+
+  /// To the end. Throws what ended it early; then call `fail`.
+  void run(const std::vector<std::string>& executables);
+  /// Ends all participants and writes what there is.
+  void fail(const std::string& status, int exit_code, const std::string& error);
+  [[nodiscard]] std::string table() const { return to_table(summary_, tally_); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void phases(const std::vector<std::string>& executables);
+  void start(const std::vector<std::string>& executables);
+  void launch(const scene::ParticipantSpec& participant, const std::string& executable);
+  void setup();
+  [[nodiscard]] std::vector<wire::Message> describe();
+  void prepare_watch(const std::vector<wire::Message>& descriptions);
+  [[nodiscard]] wire::Message initialize_request() const;
+  [[nodiscard]] bool may_switch();
+  void step();
+  void take_records(std::int64_t window);
+  void finish();
+  void check_exit_codes();
+  void take_times(const std::vector<wire::Message>& last_words);
+  void write_files();
+
+  const scene::Problem& problem_;
+  const scene::Scene& scene_;
+  const scene::Plan& plan_;
+  const ResultsDirectory& results_;
+  const ProtocolEntry& protocol_entry_;
+  const Clock::time_point begin_ = Clock::now();
+  Summary summary_;
+  Tally tally_;
+  HistoryFile history_file_;
+  Progress progress_;
+  Suspicion suspicion_;
+  std::vector<TraceTrack> tracks_;
+  Launcher launcher_;
+  wire::Listener listener_;
+  Peers peers_;
+  std::unique_ptr<Protocol> protocol_;
+  std::unique_ptr<Coupling> coupling_;
+  std::unique_ptr<History> history_;
+  std::unique_ptr<EnergyWatch> watch_;
+  std::unique_ptr<TimeLoop> loop_;
+};
+
+}  // namespace ricochet::coupler

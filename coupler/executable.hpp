@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "common/scene/scene.hpp"
+
+namespace ricochet::coupler {
+
+/// Path of the program of a participant: the scene's `executable` (relative to the folder of the scene file; a name
+/// without a slash is looked up in PATH), or the solver shipped beside this program.
+/// Throws ParticipantError naming the path and what to do if it is missing or may not be executed.
+[[nodiscard]] std::string find_executable(const scene::Scene& scene, const scene::ParticipantSpec& participant);
+
+}  // namespace ricochet::coupler

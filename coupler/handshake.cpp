@@ -1,0 +1,95 @@
+// The part of Peers that meets participants: who is let in, who is turned away and with what words.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+#include "coupler/peers.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using wire::Clock;
+
+}  // namespace
+
+void Peers::handshake() {
+  const auto begin = Clock::now();
+  const auto deadline =
+      begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run_.timeout_s));
+  const auto missing = [this] {
+    return std::find_if(peers_.begin(), peers_.end(), [](const State& peer) { return peer.identity.empty(); });
+  };
+  while (missing() != peers_.end()) {
+    if (receive_one(deadline)) continue;
+    const auto& peer = *missing();
+    throw ParticipantError(fmt::format(
+        "participant '{}' has not said hello within {} s{}{}", peer.expected.name, run_.timeout_s,
+        peer.refusal.empty() ? "" : "; a peer of that name was turned away: " + peer.refusal, log_tail(peer)));
+  }
+}
+
+/// A message from someone who is not (yet) a peer.
+void Peers::admit() {
+  const int config = static_cast<int>(ExitCode::config);
+  const int protocol = static_cast<int>(ExitCode::protocol);
+  if (scratch_.kind == wire::Kind::failure) return;
+  if (scratch_.kind != wire::Kind::hello) {
+    refuse(fmt::format("the first message must be 'hello', not '{}'", wire::name(scratch_.kind)), protocol);
+    return;
+  }
+  std::vector<std::string> names;
+  for (const auto& peer : peers_) names.push_back(peer.expected.name);
+  const auto found = std::find(names.begin(), names.end(), scratch_.participant);
+  if (found == names.end()) {
+    refuse(fmt::format("this run has no participant '{}', allowed are {}{}", scratch_.participant,
+                       fmt::join(names, ", "), did_you_mean(scratch_.participant, names)),
+           config);
+    return;
+  }
+  auto& peer = peers_[static_cast<std::size_t>(found - names.begin())];
+  std::string objection;
+  if (!peer.identity.empty()) {
+    objection = fmt::format("participant '{}' already takes part in this run (process {})", *found, peer.process_id);
+  } else if (scratch_.role != peer.expected.role) {
+    objection =
+        fmt::format("participant '{}' says it is {}, the scene wants {}", *found, scratch_.role, peer.expected.role);
+  } else if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
+    objection = fmt::format(
+        "participant '{}' read another scene (SHA-256 {:.12}..., this run has {:.12}...); give both the "
+        "same file",
+        *found, scratch_.scene_sha256, run_.scene_sha256);
+  }
+  if (!objection.empty()) {
+    const bool launched_here =
+        peer.identity.empty() && launcher_.launched(*found) && scratch_.process_id == launcher_.process_id(*found);
+    refuse(objection, config);
+    if (peer.identity.empty()) peer.refusal = objection;
+    if (launched_here) throw ConfigError(objection);  // no second one will come
+    return;
+  }
+  peer.lifecycle.step(wire::Side::participant, scratch_, peer.expected.name);
+  peer.identity = scratch_identity_;
+  peer.process_id = scratch_.process_id;
+  peer.last_heard = Clock::now();
+  wire::Message welcome;
+  welcome.kind = wire::Kind::welcome;
+  welcome.participant = peer.expected.name;
+  // The coupler may wait for one peer after another while this one has nothing to do.
+  welcome.timeout_s = 2.0 * run_.timeout_s;
+  post(peer, welcome);
+  peer.busy = false;
+}
+
+void Peers::refuse(const std::string& text, int code) {
+  wire::Message message;
+  message.kind = wire::Kind::failure;
+  message.run_id = run_.run_id;
+  message.error_code = code;
+  message.error_text = text;
+  message.error_culprit = scratch_.kind == wire::Kind::hello ? scratch_.participant : "";
+  listener_.send(scratch_identity_, message);
+}
+
+}  // namespace ricochet::coupler

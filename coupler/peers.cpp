@@ -1,0 +1,199 @@
+#include "coupler/peers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "coupler/interrupted.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using wire::Clock;
+
+Clock::duration seconds(double value) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
+}
+
+double since_epoch_s(Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
+
+constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
+constexpr std::size_t log_lines = 8;
+
+}  // namespace
+
+Peers::Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run)
+    : listener_(listener), launcher_(launcher), run_(std::move(run)), descriptors_{launcher.file_descriptor()} {
+  peers_.resize(expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    peers_[i].expected = std::move(expected[i]);
+    peers_[i].last_heard = Clock::now();
+    peers_[i].idle_while_s.assign(peers_.size(), 0.0);
+  }
+}
+
+Peer Peers::peer(std::size_t index) {
+  return {peers_[index].expected.name, [this, index](wire::Message& message) { post(peers_[index], message); },
+          [this, index]() -> const wire::Message& { return wait(index); }};
+}
+
+void Peers::post(State& peer, wire::Message& message) {
+  message.version = wire::protocol_version;
+  message.run_id = run_.run_id;
+  message.sequence = peer.sequence++;
+  peer.lifecycle.step(wire::Side::coupler, message, peer.expected.name);
+  peer.asked = wire::name(message.kind);
+  peer.window = message.window;
+  peer.busy = true;
+  listener_.send(peer.identity, message);
+}
+
+const wire::Message& Peers::wait(std::size_t index) {
+  auto& peer = peers_[index];
+  const auto begin = Clock::now();
+  while (!peer.has_message) {
+    if (!receive_one(begin + seconds(run_.timeout_s))) throw_silent(peer);
+  }
+  peer.has_message = false;
+  note_wait(index, begin);
+  return peer.inbox;
+}
+
+void Peers::note_wait(std::size_t index, Clock::time_point begin) {
+  auto& peer = peers_[index];
+  const auto end = Clock::now();
+  const double waited = std::chrono::duration<double>(end - begin).count();
+  peer.waited_s += waited;
+  for (auto& other : peers_) {
+    if (!other.busy) other.idle_while_s[index] += waited;
+  }
+  peer.busy = false;
+  if (peer.spans.size() < max_spans) peer.spans.push_back({peer.window, since_epoch_s(begin), since_epoch_s(end)});
+}
+
+/// One message or one event of the processes; false at the deadline.
+bool Peers::receive_one(wire::Deadline deadline) {
+  launcher_.poll();
+  attend();
+  if (receive_into_scratch(deadline, true)) {
+    deliver();
+    return true;
+  }
+  return launcher_.events() != seen_events_;
+}
+
+bool Peers::receive_into_scratch(wire::Deadline deadline, bool watch_processes) {
+  scratch_identity_.clear();
+  const auto ready = [this](std::size_t) {
+    launcher_.poll();
+    return launcher_.events() == seen_events_;
+  };
+  static const std::vector<int> nothing;
+  try {
+    return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
+  } catch (const ProtocolError& error) {
+    const auto* peer = find(scratch_identity_);
+    if (peer)
+      throw ProtocolError(fmt::format("participant '{}' {}: {}", peer->expected.name, place(*peer), error.what()));
+    if (scratch_identity_.empty()) throw;
+    refuse(error.what(), static_cast<int>(ExitCode::protocol));  // a stranger's nonsense is not the run's trouble
+    return receive_into_scratch(deadline, watch_processes);
+  }
+}
+
+void Peers::deliver() {
+  auto* peer = find(scratch_identity_);
+  if (!peer) {
+    admit();
+    return;
+  }
+  peer->lifecycle.step(wire::Side::participant, scratch_, peer->expected.name);
+  if (scratch_.kind != wire::Kind::failure && scratch_.run_id != run_.run_id) {
+    throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'",
+                                    peer->expected.name, scratch_.run_id, run_.run_id));
+  }
+  std::swap(peer->inbox, scratch_);
+  peer->last_heard = Clock::now();
+  if (peer->inbox.kind == wire::Kind::failure) throw_failure(*peer);
+  peer->has_message = true;
+}
+
+Peers::State* Peers::find(const std::string& identity) {
+  if (identity.empty()) return nullptr;
+  for (auto& peer : peers_) {
+    if (peer.identity == identity) return &peer;
+  }
+  return nullptr;
+}
+
+/// Processes that ended and signals that came since the last call.
+void Peers::attend() {
+  if (launcher_.events() == seen_events_) return;
+  seen_events_ = launcher_.events();
+  if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
+  for (auto& peer : peers_) check_end(peer);
+}
+
+void Peers::check_end(State& peer) {
+  const auto end = launcher_.end_of(peer.expected.name);
+  if (!end || peer.end_handled) return;
+  peer.end_handled = true;
+  const auto deadline = Clock::now() + seconds(drain_s);
+  while (!peer.lifecycle.done() && receive_into_scratch(deadline, false)) deliver();
+  if (peer.lifecycle.done()) return;
+  const std::string why = peer.refusal.empty() ? "" : fmt::format("; it had been turned away: {}", peer.refusal);
+  throw ParticipantError(
+      fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer), why, log_tail(peer)));
+}
+
+void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
+  for (auto& peer : peers_) {
+    if (peer.identity.empty() || peer.lifecycle.done()) continue;
+    wire::Message message;
+    message.kind = wire::Kind::failure;
+    message.error_code = code;
+    message.error_text = text;
+    message.error_culprit = culprit;
+    message.window = peer.window;
+    try {
+      post(peer, message);
+    } catch (const std::exception&) {
+      // It may be the peer that is gone; the run already fails for a better reason.
+    }
+  }
+}
+
+void Peers::throw_failure(const State& peer) const {
+  const auto& message = peer.inbox;
+  const bool known = message.error_code == static_cast<int>(ExitCode::config) ||
+                     message.error_code == static_cast<int>(ExitCode::unstable) ||
+                     message.error_code == static_cast<int>(ExitCode::protocol);
+  const auto code = known ? static_cast<ExitCode>(message.error_code) : ExitCode::participant;
+  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), message.error_text));
+}
+
+void Peers::throw_silent(const State& peer) const {
+  const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
+  throw ParticipantError(
+      fmt::format("participant '{}' is silent since {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
+                  "is stopped, or "
+                  "needs a longer timeout{}",
+                  peer.expected.name, silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));
+}
+
+std::string Peers::place(const State& peer) const {
+  if (peer.identity.empty()) return "before it said hello";
+  if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
+  return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);
+}
+
+std::string Peers::log_tail(const State& peer) const {
+  const std::string path = launcher_.log_path(peer.expected.name);
+  if (path.empty()) return "";
+  const std::string lines = last_lines(path, log_lines);
+  return lines.empty() ? fmt::format("\n  its log {} is empty", path)
+                       : fmt::format("\n  end of its log {}:\n{}", path, lines);
+}
+
+}  // namespace ricochet::coupler

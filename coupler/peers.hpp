@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/wire/channel.hpp"
+#include "common/wire/lifecycle.hpp"
+#include "coupler/launcher.hpp"
+#include "coupler/protocols/peer.hpp"
+
+namespace ricochet::coupler {
+
+/// A participant that the scene names.
+struct ExpectedPeer {
+  std::string name;
+  std::string role;  ///< "explicit" | "implicit"
+};
+
+/// What all peers of a run have in common.
+struct RunIdentity {
+  std::string run_id;
+  std::string scene_sha256;
+  double timeout_s = 60.0;     ///< longest wait for any peer
+  double window_size_s = 0.0;  ///< for the times in error texts
+};
+
+/// Time that the coupler waited for a peer, on the steady clock [s].
+struct WaitSpan {
+  std::int64_t window = 0;
+  double begin_s = 0.0, end_s = 0.0;
+};
+
+/// The participants of a run as remote processes: who is connected, whose turn it is, who is late, who died.
+///
+/// Every wait has a deadline. A launched process that ends before it has said `finished`, a silent peer, an illegal or
+/// malformed message and a failure message end the run with one error that names the participant and the window.
+/// Strangers (unknown names, second participants of a name, other scenes) are told why and turned away; the run goes
+/// on.
+class Peers {
+ public:
+  Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run);
+
+  /// Waits until every expected participant has said hello and welcomes it.
+  void handshake();
+  /// The participant in the form the protocols use; refers to this object.
+  [[nodiscard]] Peer peer(std::size_t index);
+  /// Tells every peer that still listens that the run is over, and why.
+  void announce_failure(int code, const std::string& text, const std::string& culprit);
+
+  [[nodiscard]] std::size_t size() const { return peers_.size(); }
+  [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
+  [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
+  /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
+  [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }
+  [[nodiscard]] const std::vector<WaitSpan>& wait_spans(std::size_t index) const { return peers_[index].spans; }
+  /// Time that participant `idle` had nothing to do while the coupler waited for `busy` [s].
+  [[nodiscard]] double idle_while_s(std::size_t idle, std::size_t busy) const {
+    return peers_[idle].idle_while_s[busy];
+  }
+
+  static constexpr std::size_t max_spans = 100'000;
+
+ private:
+  struct State {
+    ExpectedPeer expected;
+    std::string identity;  ///< routing identity; empty until its hello
+    wire::Lifecycle lifecycle;
+    wire::Message inbox;
+    std::string asked;    ///< what it was asked last, for error texts
+    std::string refusal;  ///< why a peer of this name was turned away
+    std::int64_t process_id = 0;
+    std::int64_t sequence = 0, window = 0;
+    wire::Clock::time_point last_heard;
+    bool has_message = false, busy = false, end_handled = false;
+    double waited_s = 0.0;
+    std::vector<double> idle_while_s;
+    std::vector<WaitSpan> spans;
+  };
+
+  void post(State& peer, wire::Message& message);
+  const wire::Message& wait(std::size_t index);
+  void note_wait(std::size_t index, wire::Clock::time_point begin);
+  bool receive_one(wire::Deadline deadline);
+  bool receive_into_scratch(wire::Deadline deadline, bool watch_processes);
+  void deliver();
+  void admit();
+  void refuse(const std::string& text, int code);
+  void attend();
+  void check_end(State& peer);
+  State* find(const std::string& identity);
+  [[noreturn]] void throw_failure(const State& peer) const;
+  [[noreturn]] void throw_silent(const State& peer) const;
+  [[nodiscard]] std::string place(const State& peer) const;
+  [[nodiscard]] std::string log_tail(const State& peer) const;
+
+  wire::Listener& listener_;
+  Launcher& launcher_;
+  RunIdentity run_;
+  std::vector<State> peers_;
+  std::vector<int> descriptors_;
+  wire::Message scratch_;
+  std::string scratch_identity_;
+  int seen_events_ = 0;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/wire/message.hpp"
+
+namespace ricochet::coupler {
+
+/// One participant's rows in the shared numbering.
+struct InterfaceRows {
+  std::vector<int> shared;  ///< per own interface node: its shared node
+  int components = 1;
+
+  /// own[i] = shared[rows[i]]; both row-major, `components` columns.
+  void gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const;
+  /// shared[rows[i]] = own[i]: for the one participant that integrates the shared nodes.
+  void scatter(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
+  /// shared[rows[i]] += own[i]: forces of all participants that meet at a node.
+  void add(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
+};
+
+/// Which nodes of the participants are one node of the structure, and its mass (Eq. 28: the sum of the lumped masses of
+/// all partitions that share it). Nodes are the same if they belong to the same body and lie within 1e-9 of the extent
+/// of all interface nodes. The shared numbering is that of the first implicit participant, and masses are summed in the
+/// order of the participants, so that neither depends on how explicit bodies are spread over processes.
+class InterfaceMap {
+ public:
+  /// `descriptions`: one message of kind `description` per participant, in the scene's order.
+  /// Throws ProtocolError naming participant, body and position where a node has no partner, two nodes of one
+  /// participant coincide, no participant (or more than one) integrates it, or components differ.
+  explicit InterfaceMap(const std::vector<wire::Message>& descriptions);
+
+  [[nodiscard]] int nodes() const { return static_cast<int>(mass_kg_.size()); }
+  [[nodiscard]] int components() const { return components_; }
+  [[nodiscard]] const InterfaceRows& rows(std::size_t participant) const { return rows_[participant]; }
+  [[nodiscard]] const std::vector<double>& mass_kg() const { return mass_kg_; }
+
+ private:
+  std::vector<InterfaceRows> rows_;
+  std::vector<double> mass_kg_;
+  int components_ = 1;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,168 @@
+#include "coupler/protocols/link.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+void set(wire::Array& array, const std::vector<double>& values, int columns) {
+  array.rows = static_cast<int>(values.size()) / columns;
+  array.columns = columns;
+  array.data.assign(values.begin(), values.end());
+}
+
+/// Zero rows, as many columns as the interface has: "not given".
+void clear(wire::Array& array, int columns) {
+  array.rows = 0;
+  array.columns = columns;
+  array.data.clear();
+}
+
+double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute) {
+  double difference = 0.0, scale = 0.0;
+  for (std::size_t i = 0; i < absolute.size(); ++i) {
+    difference = std::max(difference, std::abs(accumulated[i] - absolute[i]));
+    scale = std::max(scale, std::abs(absolute[i]));
+  }
+  return scale > 0.0 ? difference / scale : difference;
+}
+
+}  // namespace
+
+Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& rows)
+    : peer_(std::move(peer)), description_(description), rows_(rows) {
+  const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
+  for (auto* values : {&received_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
+}
+
+void Link::post_initialize(wire::Message request, const std::vector<double>& masses) {
+  request.kind = wire::Kind::initialize;
+  InterfaceRows per_node{rows_.shared, 1};
+  std::vector<double> own;
+  per_node.gather(masses, own);
+  set(request.interface_mass_kg, own, 1);
+  peer_.post(request);
+}
+
+void Link::wait_initialized() {
+  const auto& answer = wait(wire::Kind::initialized);
+  setup_s_ = answer.setup_s;
+  take_absolute(answer);
+}
+
+void Link::post_synchronise(const std::string& integration, const std::vector<double>& input) {
+  rows_.gather(input, received_input_);
+  request_.kind = wire::Kind::synchronise;
+  request_.integration = integration;
+  set(request_.link_absolute, received_input_, rows_.components);
+  peer_.post(request_);
+}
+
+void Link::wait_synchronised() {
+  const auto& answer = wait(wire::Kind::synchronised);
+  take_absolute(answer);
+  take_rates(answer);
+  take_records_of(answer);
+}
+
+void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
+  acceptance_ = acceptance;
+  rows_.gather(input, own_input_);
+  request_.kind = wire::Kind::advance;
+  request_.window = step.window + 1;
+  request_.windows = step.windows;
+  request_.accept_at_once = acceptance == Acceptance::at_once ? 1 : 0;
+  request_.absolute_requested = step.absolute ? 1 : 0;
+  request_.records_requested = step.records ? 1 : 0;
+  set(request_.link_increment, own_input_, rows_.components);
+  for (std::size_t i = 0; i < own_input_.size(); ++i) request_.link_increment.data[i] -= received_input_[i];
+  if (step.absolute) {
+    set(request_.link_absolute, own_input_, rows_.components);
+  } else {
+    clear(request_.link_absolute, rows_.components);
+  }
+  peer_.post(request_);
+  if (acceptance == Acceptance::trial) return;
+  for (std::size_t i = 0; i < own_input_.size(); ++i) {
+    received_input_[i] = step.absolute ? own_input_[i] : received_input_[i] + request_.link_increment.data[i];
+  }
+}
+
+void Link::wait_advanced() {
+  const auto& answer = wait(wire::Kind::advanced);
+  require_rows(answer.increment, "increment");
+  for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
+  if (answer.absolute.rows > 0) {
+    require_rows(answer.absolute, "absolute");
+    largest_drift_ = std::max(largest_drift_, relative_difference(output_, answer.absolute.data));
+    output_ = answer.absolute.data;
+  }
+  take_rates(answer);
+  if (acceptance_ == Acceptance::trial) return;
+  output_accepted_ = output_;
+  window_ = answer.window;
+  contact_ = {answer.pairs_closed,   answer.gap_min_m,         answer.gap_rate_min_m_s,
+              answer.separated != 0, answer.separation_time_s, answer.finished_early != 0};
+  take_records_of(answer);
+}
+
+void Link::post_finish() {
+  request_.kind = wire::Kind::finish;
+  peer_.post(request_);
+}
+
+const wire::Message& Link::wait_finished() {
+  const auto& answer = wait(wire::Kind::finished);
+  take_records_of(answer);
+  largest_drift_ = std::max(largest_drift_, answer.largest_drift);
+  return answer;
+}
+
+std::vector<double> Link::take_records() { return std::exchange(records_, {}); }
+
+const wire::Message& Link::wait(wire::Kind expected) {
+  const auto& answer = peer_.wait();
+  if (answer.kind != expected) {
+    throw ProtocolError(fmt::format("participant '{}' answered '{}' in window {}, expected '{}'", name(),
+                                    wire::name(answer.kind), request_.window, wire::name(expected)));
+  }
+  return answer;
+}
+
+void Link::take_absolute(const wire::Message& answer) {
+  require_rows(answer.absolute, "absolute");
+  output_ = answer.absolute.data;
+  output_accepted_ = output_;
+}
+
+void Link::take_rates(const wire::Message& answer) {
+  if (!implicit() || answer.velocity_m_s.rows == 0) return;
+  require_rows(answer.velocity_m_s, "velocity_m_s");
+  require_rows(answer.acceleration_m_s2, "acceleration_m_s2");
+  velocity_.assign(answer.velocity_m_s.data.begin(), answer.velocity_m_s.data.end());
+  acceleration_.assign(answer.acceleration_m_s2.data.begin(), answer.acceleration_m_s2.data.end());
+}
+
+void Link::take_records_of(const wire::Message& answer) {
+  if (answer.records.rows == 0) return;
+  if (answer.records.columns != static_cast<int>(description_.record_columns.size())) {
+    throw ProtocolError(fmt::format("participant '{}' sent history rows of {} numbers, it announced {} columns", name(),
+                                    answer.records.columns, description_.record_columns.size()));
+  }
+  records_.insert(records_.end(), answer.records.data.begin(), answer.records.data.end());
+}
+
+void Link::require_rows(const wire::Array& array, const char* field) const {
+  if (array.data.size() == output_.size()) return;
+  throw ProtocolError(
+      fmt::format("participant '{}' answered window {} with {} x {} numbers in '{}', its interface has {} x {}", name(),
+                  request_.window, array.rows, array.columns, field, rows_.shared.size(), rows_.components));
+}
+
+}  // namespace ricochet::coupler

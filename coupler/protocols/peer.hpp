@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/wire/message.hpp"
+
+namespace ricochet::coupler {
+
+/// The other end of one link, wherever it runs: another process behind a socket, or an object in this one. At most one
+/// message is under way: `post`, then `wait`.
+struct Peer {
+  std::string name;
+  /// Sends; stamps the header fields version, run_id and sequence.
+  std::function<void(wire::Message&)> post;
+  /// The answer to the last `post`, valid until the next `wait`. Throws if the peer fails, dies or is silent too long.
+  std::function<const wire::Message&()> wait;
+};
+
+}  // namespace ricochet::coupler

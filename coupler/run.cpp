@@ -1,0 +1,67 @@
+#include "coupler/run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "common/base/error.hpp"
+#include "coupler/coupled_run.hpp"
+#include "coupler/interrupted.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+void print_warnings(const scene::Plan& plan) {
+  for (const auto& warning : plan.warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
+std::string status_of(const std::exception& error) {
+  if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
+  const auto* known = dynamic_cast<const Error*>(&error);
+  switch (known ? known->code() : ExitCode::participant) {
+    case ExitCode::config:
+      return "scene_wrong";
+    case ExitCode::unstable:
+      return "unstable";
+    case ExitCode::protocol:
+      return "protocol_broken";
+    default:
+      return "participant_failed";
+  }
+}
+
+}  // namespace
+
+int exit_code_of(const std::exception& error) {
+  if (const auto* interrupted = dynamic_cast<const Interrupted*>(&error)) return interrupted->exit_code();
+  const auto* known = dynamic_cast<const Error*>(&error);
+  return known ? static_cast<int>(known->code()) : 1;
+}
+
+void run_scene(const std::string& scene_path, const std::string& out) {
+  const auto problem = scene::build_problem(scene::load_scene(scene_path));
+  const auto plan = scene::plan(problem);
+  print_warnings(plan);
+  const auto executables = find_executables(problem.scene);
+  const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out);
+  CoupledRun run(problem, plan, results);
+  try {
+    run.run(executables);
+  } catch (const std::exception& error) {
+    run.fail(status_of(error), exit_code_of(error), error.what());
+    fmt::print(stderr, "results so far: {}\n", results.path());
+    throw;
+  }
+  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}\n", run.table(),
+             results.path(), problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "");
+}
+
+void check_scene(const std::string& scene_path) {
+  const auto plan = scene::plan(scene::build_problem(scene::load_scene(scene_path)));
+  fmt::print("{}", scene::to_text(plan));
+}
+
+}  // namespace ricochet::coupler

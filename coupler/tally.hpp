@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "coupler/history.hpp"
+#include "coupler/theory.hpp"
+
+namespace ricochet::coupler {
+
+/// What is kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
+/// from 15 % to 65 % of 2L/c after the first contact.
+class Tally {
+ public:
+  explicit Tally(std::optional<ImpactTheory> theory) : theory_(std::move(theory)) {}
+
+  void add(const HistoryRow& row) {
+    ++rows;
+    energy_error_last = row.energy_error;
+    energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
+    energy_error_highest = std::max(energy_error_highest, row.energy_error);
+    momentum_error_max = std::max(momentum_error_max, row.momentum_error);
+    peak_contact_force_n = std::max(peak_contact_force_n, row.contact.contact_force_n);
+    if (!first_contact_s && row.contact.contact_force_n > 0) first_contact_s = row.time_s;
+    if (!theory_ || !first_contact_s) return;
+    const double phase = (row.time_s - *first_contact_s) / theory_->contact_duration_s;
+    if (phase < 0.15 || phase > 0.65) return;
+    plateau_sum_pa_ += row.contact.contact_pressure_mean_pa;
+    ++plateau_rows_;
+  }
+
+  [[nodiscard]] double energy_error_max() const { return std::max(energy_error_highest, -energy_error_lowest); }
+  /// Empty if no row lies on the plateau.
+  [[nodiscard]] std::optional<double> plateau_stress_pa() const {
+    if (plateau_rows_ == 0) return std::nullopt;
+    return plateau_sum_pa_ / static_cast<double>(plateau_rows_);
+  }
+  [[nodiscard]] const std::optional<ImpactTheory>& theory() const { return theory_; }
+
+  std::int64_t rows = 0;
+  double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;
+  double peak_contact_force_n = 0;
+  std::optional<double> first_contact_s;
+
+ private:
+  std::optional<ImpactTheory> theory_;
+  double plateau_sum_pa_ = 0;
+  std::int64_t plateau_rows_ = 0;
+};
+
+}  // namespace ricochet::coupler

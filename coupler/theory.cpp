@@ -1,0 +1,63 @@
+#include "coupler/theory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+namespace ricochet::coupler {
+namespace {
+
+bool periodic(const scene::Body& body) {
+  const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
+  return mesh && mesh->periodic_across;
+}
+
+double wave_speed(const scene::Problem& problem, std::size_t body) {
+  const auto& m = problem.bodies[body].material;
+  const double nu = m.poisson_ratio;
+  const double bar = m.youngs_modulus_pa / m.density_kg_m3;
+  if (problem.scene.model != scene::Model::plane_strain) return std::sqrt(bar);
+  const bool confined = periodic(problem.scene.bodies[body]);
+  return std::sqrt(bar * (confined ? (1 - nu) / ((1 + nu) * (1 - 2 * nu)) : 1 / (1 - nu * nu)));
+}
+
+double length_along(const scene::BodyProblem& body, const Eigen::Vector2d& normal) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const auto& x : body.mesh.position) {
+    low = std::min(low, x.dot(normal));
+    high = std::max(high, x.dot(normal));
+  }
+  return high - low;
+}
+
+double velocity_along(const scene::Body& body, const Eigen::Vector2d& normal) {
+  double velocity = 0.0;
+  for (std::size_t c = 0; c < body.initial_velocity_m_s.size(); ++c) {
+    velocity += normal[static_cast<Eigen::Index>(c)] * body.initial_velocity_m_s[c];
+  }
+  return velocity;
+}
+
+}  // namespace
+
+std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
+  const auto& contact = problem.contact;
+  if (contact.pairs.empty() || contact.body_b < 0) return std::nullopt;
+  const auto a = static_cast<std::size_t>(contact.body_a);
+  const auto b = static_cast<std::size_t>(contact.body_b);
+  const double closing =
+      velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
+  if (closing <= 0) return std::nullopt;
+  const double c_a = wave_speed(problem, a), c_b = wave_speed(problem, b);
+  const double transit_a = 2 * length_along(problem.bodies[a], contact.normal) / c_a;
+  const double transit_b = 2 * length_along(problem.bodies[b], contact.normal) / c_b;
+  const double impedance_a = problem.bodies[a].material.density_kg_m3 * c_a;
+  const double impedance_b = problem.bodies[b].material.density_kg_m3 * c_b;
+  ImpactTheory theory;
+  theory.contact_duration_s = std::min(transit_a, transit_b);
+  theory.body = problem.bodies[transit_a <= transit_b ? a : b].name;
+  theory.stress_pa = impedance_a * impedance_b / (impedance_a + impedance_b) * closing;
+  return theory;
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,234 @@
+// Files of a run: results folder, field index, summary, trace, starter scene; and the command line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/error.hpp"
+#include "coupler/command_line.hpp"
+#include "coupler/interrupted.hpp"
+#include "coupler/results_directory.hpp"
+#include "coupler/run.hpp"
+#include "coupler/run_id.hpp"
+#include "coupler/starter_scene.hpp"
+#include "coupler/summary.hpp"
+#include "coupler/trace.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class ResultsTest : public testing::Test {
+ protected:
+  std::string folder_ = testing::TempDir() + "results_" + std::to_string(getpid());
+  void SetUp() override { fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  void touch(const std::string& name) const {
+    fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
+    std::ofstream(folder_ + "/" + name) << "old";
+  }
+};
+
+TEST_F(ResultsTest, FormerResultsGoOtherFilesStay) {
+  for (const auto* name : {"history.csv", "summary.json", "fields/implicit_00000001.vtu", "fields/x.pvd", "logs/a.log",
+                           "notes.txt", "fields/mine.png"}) {
+    touch(name);
+  }
+  const ResultsDirectory results(folder_ + "/");
+  EXPECT_EQ(results.path(), folder_);
+  EXPECT_FALSE(fs::exists(results.file("history.csv")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
+  EXPECT_FALSE(fs::exists(results.file("fields/x.pvd")));
+  EXPECT_FALSE(fs::exists(results.log("a")));
+  EXPECT_TRUE(fs::exists(results.file("notes.txt")));
+  EXPECT_TRUE(fs::exists(results.file("fields/mine.png")));
+}
+
+TEST_F(ResultsTest, TwoRunsInOneFolderAreRefusedButOneAfterTheOtherIsFine) {
+  {
+    const ResultsDirectory first(folder_);
+    EXPECT_THROW(ResultsDirectory second(folder_), ConfigError);
+  }
+  EXPECT_NO_THROW(ResultsDirectory again(folder_));
+}
+
+TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
+  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent"), ConfigError);
+}
+
+TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
+  const ResultsDirectory results(folder_);
+  for (const auto* name : {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
+    touch(std::string("fields/") + name);
+  }
+  write_pvd(results, "scene", {"explicit", "implicit"}, 0.5);
+  const std::string text = read(results.file("fields/scene.pvd"));
+  const auto first = text.find(R"(timestep="1" part="0" file="explicit_00000002.vtu")");
+  const auto second = text.find(R"(timestep="5" part="0" file="explicit_00000010.vtu")");
+  const auto third = text.find(R"(timestep="5" part="1" file="implicit_00000010.vtu")");
+  EXPECT_LT(first, second);
+  EXPECT_LT(second, third);
+  EXPECT_NE(third, std::string::npos);
+  EXPECT_EQ(text.find("explicit_x"), std::string::npos);
+}
+
+TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
+  {
+    const ResultsDirectory results(folder_);
+    write_pvd(results, "scene", {"explicit"}, 0.5);
+  }
+  EXPECT_FALSE(fs::exists(folder_ + "/fields"));
+}
+
+Summary finished() {
+  Summary summary;
+  summary.status = "done";
+  summary.protocol = "hughes_liu";
+  summary.steps = 42;
+  summary.window_size_s = 1e-6;
+  summary.separation_time_s = 31e-6;
+  summary.scene_sha256 = "abc";
+  summary.switches = {{32e-6, "explicit"}};
+  summary.processes = {{"coupler", "coupler", 1, 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
+                       {"implicit", "implicit", 2, 1.0, std::nullopt, std::nullopt, {}}};
+  return summary;
+}
+
+Tally tally_on_plateau() {
+  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6});
+  HistoryRow row;
+  for (int i = 0; i <= 30; ++i) {
+    row.time_s = i * 1e-6;
+    row.energy_error = i == 10 ? -2e-3 : 1e-4;
+    row.contact.contact_force_n = i > 0 ? 100.0 + i : 0.0;
+    row.contact.contact_pressure_mean_pa = i < 5 || i > 22 ? 0.0 : 840e6;
+    tally.add(row);
+  }
+  return tally;
+}
+
+TEST(Summary, HasTheKeysOfTheIssue) {
+  const auto json = nlohmann::json::parse(to_json(finished(), tally_on_plateau()));
+  for (const auto* key : {"status", "protocol", "steps", "wall_s", "separation_time_s", "energy_error_max",
+                          "momentum_error_max", "peak_contact_force_n", "processes", "scene_sha256", "version", "phases",
+                          "largest_drift", "switches", "windows", "window_size_s", "error"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["steps"], 42);
+  EXPECT_DOUBLE_EQ(json["energy_error_max"], 2e-3);
+  EXPECT_DOUBLE_EQ(json["peak_contact_force_n"], 130.0);
+  EXPECT_DOUBLE_EQ(json["processes"][0]["wait_s"], 0.8);
+  EXPECT_TRUE(json["processes"][1]["compute_s"].is_null());
+  EXPECT_EQ(json["switches"][0]["to"], "explicit");
+  EXPECT_NEAR(json["plateau_stress_pa"].get<double>(), 840e6, 1.0);
+}
+
+TEST(Summary, TableSetsResultsBesideTheory) {
+  const std::string table = to_table(finished(), tally_on_plateau());
+  EXPECT_THAT(table, AllOf(HasSubstr("31.0000 us"), HasSubstr("2L/c of 'striker': 32.2000 us"), HasSubstr("840.00 MPa"),
+                           HasSubstr("impedance theory: 850.00 MPa"), HasSubstr("implicit 0.800")));
+}
+
+TEST(Summary, WithoutContactNoContactRows) {
+  const std::string table = to_table(finished(), Tally(std::nullopt));
+  EXPECT_EQ(table.find("separation"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(to_json(Summary{}, Tally(std::nullopt)))["separation_time_s"].is_null());
+}
+
+TEST(Trace, IsChromeTraceJson) {
+  const auto json = nlohmann::json::parse(to_trace(
+      {{"coupler", "waits for a", {{1, 10.0, 10.5}}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}}}, 10.0));
+  const auto& events = json["traceEvents"];
+  ASSERT_EQ(events.size(), 7U);
+  EXPECT_EQ(events[2]["ph"], "X");
+  EXPECT_DOUBLE_EQ(events[2]["dur"], 5e5);
+  EXPECT_EQ(events[5]["args"]["window"], 1);
+  EXPECT_TRUE(nlohmann::json::parse(to_trace({}, 0.0))["traceEvents"].empty());
+}
+
+TEST(RunId, EndpointsPerTransport) {
+  EXPECT_NE(make_run_id(), make_run_id());
+  scene::Coupling coupling;
+  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  coupling.transport = "tcp";
+  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://127.0.0.1:*");
+  coupling.port = 5555;
+  coupling.address = "::1";
+  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://[::1]:5555");
+  EXPECT_EQ(local_endpoint("tcp://0.0.0.0:5555"), "tcp://127.0.0.1:5555");
+  EXPECT_EQ(local_endpoint("tcp://10.0.0.7:5555"), "tcp://10.0.0.7:5555");
+  EXPECT_EQ(local_endpoint("ipc://@x"), "ipc://@x");
+  EXPECT_THAT(remote_endpoint("tcp://0.0.0.0:5555"), testing::Not(HasSubstr("0.0.0.0")));
+}
+
+std::string command_line_error(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "ricochet");
+  try {
+    run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CommandLine, UnknownCommandsAndOptionsSuggestTheNearest) {
+  EXPECT_THAT(command_line_error({"rum", "x.toml"}), AllOf(HasSubstr("\"rum\""), HasSubstr("did you mean \"run\"")));
+  EXPECT_THAT(command_line_error({"run", "x.toml", "--oout", "d"}),
+              AllOf(HasSubstr("--oout"), HasSubstr("did you mean \"--out\"")));
+  EXPECT_THAT(command_line_error({"--versoin"}), HasSubstr("did you mean \"--version\""));
+  EXPECT_THAT(command_line_error({"check", "x.toml", "y.toml"}), HasSubstr("y.toml"));
+  EXPECT_THAT(command_line_error({"run"}), HasSubstr("SCENE"));
+  EXPECT_THAT(command_line_error({"run", "x.toml", "--out"}), HasSubstr("--out"));
+}
+
+TEST(CommandLine, MissingSceneIsAConfigError) {
+  EXPECT_THAT(command_line_error({"run", "/nonexistent/scene.toml"}), HasSubstr("/nonexistent/scene.toml"));
+  EXPECT_THAT(command_line_error({"check", "/nonexistent/scene.toml"}), HasSubstr("/nonexistent/scene.toml"));
+}
+
+TEST(CommandLine, VersionAndHelp) {
+  const char* version[] = {"ricochet", "--version"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run_command_line(2, version), 0);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("ricochet " RICOCHET_VERSION));
+  const char* nothing[] = {"ricochet"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run_command_line(1, nothing), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), AllOf(HasSubstr("Exit codes"), HasSubstr("init")));
+}
+
+TEST(CommandLine, ExitCodes) {
+  EXPECT_EQ(exit_code_of(ConfigError("")), 2);
+  EXPECT_EQ(exit_code_of(SolverError("")), 3);
+  EXPECT_EQ(exit_code_of(ParticipantError("")), 4);
+  EXPECT_EQ(exit_code_of(ProtocolError("")), 5);
+  EXPECT_EQ(exit_code_of(Interrupted(SIGINT)), 130);
+  EXPECT_EQ(exit_code_of(Interrupted(SIGTERM)), 143);
+  EXPECT_EQ(exit_code_of(std::runtime_error("")), 1);
+}
+
+TEST_F(ResultsTest, StarterSceneIsAcceptedByCheckAndNeverOverwrites) {
+  fs::create_directories(folder_);
+  const std::string path = write_starter_scene(folder_ + "/impact");
+  EXPECT_EQ(path, folder_ + "/impact.toml");
+  EXPECT_EQ(command_line_error({"check", path.c_str()}), "");
+  EXPECT_THROW(write_starter_scene(path), ConfigError);
+}
+
+}  // namespace
+}  // namespace ricochet::coupler

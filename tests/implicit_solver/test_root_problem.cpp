@@ -1,0 +1,139 @@
+#include "implicit_solver/contact/root_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace ricochet::implicit_solver {
+namespace {
+
+using solver::State;
+
+Eigen::MatrixXd random_compliance(int size, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return normal(random); });
+  return a * a.transpose() + 0.5 * Eigen::MatrixXd::Identity(size, size);
+}
+
+Eigen::VectorXd random_vector(int size, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Eigen::VectorXd::NullaryExpr(size, [&] { return normal(random); });
+}
+
+scene::Contact frictional(double mu) {
+  scene::Contact law;
+  law.friction_coefficient = mu;
+  return law;
+}
+
+const Eigen::VectorXd none;
+
+TEST(RootProblem, SolvesTheComplementarityProblemOfRandomCompliances) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + trial % 9;
+    const Eigen::MatrixXd compliance = random_compliance(n, random);
+    RootProblem root(scene::Contact{}, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    const Eigen::VectorXd gap_free = random_vector(n, random);
+    const auto& solution = root.solve(gap_free, none, none, root.open());
+    const Eigen::VectorXd gap = gap_free + compliance * solution.force;
+    for (int i = 0; i < n; ++i) {
+      EXPECT_GE(solution.force[i], -1e-10);
+      EXPECT_GE(gap[i], -1e-10);
+      EXPECT_NEAR(solution.force[i] * gap[i], 0.0, 1e-9);
+      EXPECT_EQ(solution.states[static_cast<std::size_t>(i)] == State::open, solution.force[i] == 0.0);
+    }
+  }
+}
+
+TEST(RootProblem, FrictionStaysInTheConeAndOpposesTheSlip) {
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + trial % 6;
+    // Weak coupling between pairs, as lumped masses give; there the frictional problem has one solution.
+    const Eigen::MatrixXd compliance = 0.05 * random_compliance(2 * n, random) + 3.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n);
+    const double mu = 0.3;
+    RootProblem root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    const Eigen::VectorXd gap_free = random_vector(n, random), slip_free = random_vector(n, random);
+    const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
+    const Eigen::VectorXd motion = compliance * solution.force;
+    for (int i = 0; i < n; ++i) {
+      const double normal = solution.force[i], tangential = solution.force[n + i];
+      const double slip = slip_free[i] + motion[n + i];
+      EXPECT_GE(gap_free[i] + motion[i], -1e-9);
+      EXPECT_LE(std::abs(tangential), mu * normal + 1e-9);
+      switch (solution.states[static_cast<std::size_t>(i)]) {
+        case State::open: EXPECT_EQ(normal, 0.0); break;
+        case State::stick: EXPECT_NEAR(slip, 0.0, 1e-9); break;
+        case State::slip:
+          EXPECT_NEAR(std::abs(tangential), mu * normal, 1e-9);
+          EXPECT_LE(tangential * slip, 1e-9);
+          break;
+      }
+    }
+  }
+}
+
+TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {
+  const Eigen::MatrixXd compliance = 2.0 * Eigen::MatrixXd::Identity(2, 2);
+  RootProblem root(frictional(0.5), compliance, {1.0}, 1e-3);
+  const Eigen::VectorXd gap = Eigen::VectorXd::Constant(1, -4.0), still = Eigen::VectorXd::Zero(1);
+  auto solution = root.solve(gap, Eigen::VectorXd::Constant(1, 1.9), still, root.open());
+  EXPECT_EQ(solution.states[0], State::stick);
+  EXPECT_DOUBLE_EQ(solution.force[0], 2.0);
+  EXPECT_DOUBLE_EQ(solution.force[1], -0.95);
+  solution = root.solve(gap, Eigen::VectorXd::Constant(1, 2.1), still, solution);
+  EXPECT_EQ(solution.states[0], State::slip);
+  EXPECT_DOUBLE_EQ(solution.force[1], -1.0);
+  solution = root.solve(gap, Eigen::VectorXd::Constant(1, -2.1), still, solution);
+  EXPECT_DOUBLE_EQ(solution.force[1], 1.0);
+}
+
+TEST(RootProblem, APairHeldByItsSupportsSticksWithoutATangentialUnknown) {
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(2, 2);
+  compliance(0, 0) = 2.0;
+  RootProblem root(frictional(0.1), compliance, {1.0}, 1e-3);
+  const auto& solution = root.solve(Eigen::VectorXd::Constant(1, -4.0), Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1),
+                                    root.open());
+  EXPECT_DOUBLE_EQ(solution.force[0], 2.0);
+  EXPECT_EQ(solution.force[1], 0.0);
+  EXPECT_EQ(solution.states[0], State::stick);
+}
+
+TEST(RootProblem, PenaltyForceIsPenaltyTimesAreaTimesPenetration) {
+  scene::Contact law = frictional(0.4);
+  law.enforcement = scene::Enforcement::penalty;
+  law.penalty_pa_m = 3.0;
+  const double area = 0.7;
+  const Eigen::MatrixXd compliance = 0.2 * Eigen::MatrixXd::Identity(2, 2);
+  RootProblem root(law, compliance, {area}, 1e-3);
+  RootProblem::Solution last = root.open();
+  const auto& solution = root.solve(Eigen::VectorXd::Constant(1, -1.0), Eigen::VectorXd::Constant(1, 0.1),
+                                    Eigen::VectorXd::Zero(1), last);
+  const double gap = -1.0 + 0.2 * solution.force[0], slip = 0.1 + 0.2 * solution.force[1];
+  EXPECT_NEAR(solution.force[0], -3.0 * area * gap, 1e-14);
+  EXPECT_EQ(solution.states[0], State::stick);
+  EXPECT_NEAR(solution.force[1], -3.0 * area * slip, 1e-14);
+}
+
+TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
+  scene::Contact law = frictional(0.25);
+  law.friction_law = scene::FrictionLaw::regularised;
+  law.friction_regularisation_s_m = 0.8;
+  const double dt = 0.1;
+  Eigen::MatrixXd compliance(4, 4);
+  compliance << 2, .1, .2, 0, .1, 2, 0, .2, .2, 0, 1.5, .1, 0, .2, .1, 1.5;
+  RootProblem root(law, 0.01 * compliance, {1.0, 1.0}, dt);
+  const Eigen::Vector2d gap_free(-0.05, -0.03), slip_free(0.02, -0.3), slip_velocity(0.4, -2.0);
+  const auto& solution = root.solve(gap_free, slip_free, slip_velocity, root.open());
+  const Eigen::VectorXd motion = 0.01 * compliance * solution.force;
+  for (int i = 0; i < 2; ++i) {
+    const double velocity = 2.0 * (slip_free[i] + motion[2 + i]) / dt - slip_velocity[i];
+    EXPECT_GT(solution.force[i], 0.0);
+    EXPECT_NEAR(solution.force[2 + i], -0.25 * solution.force[i] * std::tanh(0.8 * velocity), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace ricochet::implicit_solver
