@@ -77,6 +77,7 @@ int run_command_line(int argc, const char* const* argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
+    if (app.remaining_size(true) > 0) refuse_extra(app);  // a mistyped option is more likely than a missing one
     throw ConfigError(std::string(error.what()) + " (ricochet --help)");
   }
   if (app.remaining_size(true) > 0) refuse_extra(app);

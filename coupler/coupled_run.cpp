@@ -131,7 +131,8 @@ void CoupledRun::setup() {
     sources.push_back({peers_.name(p), descriptions[p].record_columns});
   }
   prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s);
+  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s,
+                                       scene_.model != scene::Model::axisymmetric);
   coupling_ = std::make_unique<Coupling>(std::move(links), std::move(map), plan_.window_size_s);
   protocol_ = protocol_entry_.make();
   coupling_->initialize(initialize_request());
@@ -186,7 +187,7 @@ wire::Message CoupledRun::initialize_request() const {
 bool CoupledRun::may_switch() {
   const auto* implicit = coupling_->implicit_link();
   const bool wanted = scene_.coupling.after_separation == scene::AfterSeparation::switch_to_explicit;
-  if (!protocol_entry_.coupled || !wanted || !implicit || implicit->description().contact_owner == 0) return false;
+  if (!protocol_entry_.coupled || !wanted || !implicit || !implicit->description().contact_owner) return false;
   const auto& capabilities = implicit->description().capabilities;
   const double critical = implicit->description().critical_time_step_s;
   std::string obstacle;

@@ -54,7 +54,7 @@ void add_to(BodyRow& sum, const BodyRow& row) {
 void Errors::add(HistoryRow& row) {
   const double energy = row.sum.energy_kinetic_j + row.sum.energy_strain_j;
   const double n = row.sum.momentum_n_kg_m_s - row.sum.impulse_n_kg_m_s;
-  const double t = row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s;
+  const double t = tangential_conserved_ ? row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s : 0.0;
   if (first_) {
     first_energy_j_ = reference_energy_j_ = energy;
     first_n_ = n;
@@ -66,14 +66,17 @@ void Errors::add(HistoryRow& row) {
   row.energy_error = reference_energy_j_ > 0 ? created / reference_energy_j_ : created;
 
   double momentum = 0;
-  for (const auto& body : row.bodies) momentum += std::hypot(body.momentum_n_kg_m_s, body.momentum_t_kg_m_s);
+  for (const auto& body : row.bodies) {
+    momentum += std::hypot(body.momentum_n_kg_m_s, tangential_conserved_ ? body.momentum_t_kg_m_s : 0.0);
+  }
   largest_momentum_ = std::max(largest_momentum_, momentum);
   const double lost = std::max(std::abs(n - first_n_), std::abs(t - first_t_));
   row.momentum_error = largest_momentum_ > 0 ? lost / largest_momentum_ : lost;
 }
 
-History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s)
-    : bodies_(bodies), window_size_s_(window_size_s) {
+History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
+                 bool tangential_conserved)
+    : bodies_(bodies), window_size_s_(window_size_s), errors_(tangential_conserved) {
   for (const auto& source : sources) {
     auto& stream = streams_.emplace_back();
     stream.participant = source.participant;

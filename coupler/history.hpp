@@ -41,17 +41,19 @@ struct HistoryRow {
 /// Relative errors of the balances, from row to row.
 ///   energy_error   = (kinetic + strain + friction - external - E_0) / E_ref,  E_0 kinetic + strain of the first row,
 ///                    E_ref = max(E_0, largest |external| so far)
-///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, the larger of the normal
-///   and the
-///                    tangential component
+///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far,
+///                    the larger of the normal and, where it is a momentum at all, the tangential component
 /// Zero where the reference is zero.
 class Errors {
  public:
+  /// `tangential_conserved`: false in axisymmetry, where the tangent is radial and the sum over the ring no momentum.
+  explicit Errors(bool tangential_conserved) : tangential_conserved_(tangential_conserved) {}
   void add(HistoryRow& row);
   [[nodiscard]] double reference_energy_j() const { return reference_energy_j_; }
   [[nodiscard]] double first_energy_j() const { return first_energy_j_; }
 
  private:
+  bool tangential_conserved_;
   bool first_ = true;
   double first_energy_j_ = 0, reference_energy_j_ = 0;
   double first_n_ = 0, first_t_ = 0, largest_momentum_ = 0;
@@ -70,7 +72,9 @@ class History {
     std::vector<std::string> columns;
   };
   /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing.
-  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s);
+  /// `tangential_conserved`: see Errors.
+  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
+          bool tangential_conserved = true);
 
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);

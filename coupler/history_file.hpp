@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/write_file.hpp"
 #include "coupler/history.hpp"
 
 namespace ricochet::coupler {
@@ -31,8 +32,5 @@ class HistoryFile {
   std::string pending_;
   std::chrono::steady_clock::time_point flushed_;
 };
-
-/// Writes a whole file under a temporary name and renames it: readers see the old or the new one, never half of it.
-void write_atomically(const std::string& path, const std::string& text);
 
 }  // namespace ricochet::coupler

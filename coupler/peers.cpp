@@ -75,7 +75,7 @@ void Peers::note_wait(std::size_t index, Clock::time_point begin) {
 /// One message or one event of the processes; false at the deadline.
 bool Peers::receive_one(wire::Deadline deadline) {
   launcher_.poll();
-  attend();
+  if (attend()) return true;  // which may have brought what the caller waits for
   if (receive_into_scratch(deadline, true)) {
     deliver();
     return true;
@@ -103,6 +103,7 @@ bool Peers::receive_into_scratch(wire::Deadline deadline, bool watch_processes) 
 }
 
 void Peers::deliver() {
+  ++delivered_;
   auto* peer = find(scratch_identity_);
   if (!peer) {
     admit();
@@ -127,12 +128,13 @@ Peers::State* Peers::find(const std::string& identity) {
   return nullptr;
 }
 
-/// Processes that ended and signals that came since the last call.
-void Peers::attend() {
-  if (launcher_.events() == seen_events_) return;
+/// Processes that ended and signals that came since the last call; false if there were none.
+bool Peers::attend() {
+  if (launcher_.events() == seen_events_) return false;
   seen_events_ = launcher_.events();
   if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
   for (auto& peer : peers_) check_end(peer);
+  return true;
 }
 
 void Peers::check_end(State& peer) {
@@ -176,7 +178,7 @@ void Peers::throw_failure(const State& peer) const {
 void Peers::throw_silent(const State& peer) const {
   const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
   throw ParticipantError(
-      fmt::format("participant '{}' is silent since {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
+      fmt::format("participant '{}' has been silent for {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
                   "is stopped, or "
                   "needs a longer timeout{}",
                   peer.expected.name, silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));

@@ -86,7 +86,7 @@ class Peers {
   void deliver();
   void admit();
   void refuse(const std::string& text, int code);
-  void attend();
+  bool attend();
   void check_end(State& peer);
   State* find(const std::string& identity);
   [[noreturn]] void throw_failure(const State& peer) const;
@@ -101,6 +101,7 @@ class Peers {
   std::vector<int> descriptors_;
   wire::Message scratch_;
   std::string scratch_identity_;
+  std::uint64_t delivered_ = 0;  ///< messages delivered so far
   int seen_events_ = 0;
 };
 

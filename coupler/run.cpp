@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "coupler/coupled_run.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/report/report.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -32,6 +33,15 @@ std::string status_of(const std::exception& error) {
   }
 }
 
+/// A page that cannot be written changes nothing about the run.
+void try_report(const std::string& results) {
+  try {
+    report::write_report(results);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "ricochet: no report.html: {}\n", error.what());
+  }
+}
+
 }  // namespace
 
 int exit_code_of(const std::exception& error) {
@@ -52,10 +62,12 @@ void run_scene(const std::string& scene_path, const std::string& out) {
     run.run(executables);
   } catch (const std::exception& error) {
     run.fail(status_of(error), exit_code_of(error), error.what());
+    try_report(results.path());
     fmt::print(stderr, "results so far: {}\n", results.path());
     throw;
   }
-  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}\n", run.table(),
+  try_report(results.path());
+  fmt::print("{}results in {}: report.html, history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}\n", run.table(),
              results.path(), problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "");
 }
 

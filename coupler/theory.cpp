@@ -21,6 +21,12 @@ double wave_speed(const scene::Problem& problem, std::size_t body) {
   return std::sqrt(bar * (confined ? (1 - nu) / ((1 + nu) * (1 - 2 * nu)) : 1 / (1 - nu * nu)));
 }
 
+double impedance(const scene::Problem& problem, std::size_t body) {
+  const bool bar = problem.scene.model == scene::Model::bar;
+  return problem.bodies[body].material.density_kg_m3 * wave_speed(problem, body) *
+         (bar ? problem.scene.bodies[body].area_m2 : 1.0);
+}
+
 double length_along(const scene::BodyProblem& body, const Eigen::Vector2d& normal) {
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const auto& x : body.mesh.position) {
@@ -48,15 +54,16 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   const double closing =
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;
-  const double c_a = wave_speed(problem, a), c_b = wave_speed(problem, b);
-  const double transit_a = 2 * length_along(problem.bodies[a], contact.normal) / c_a;
-  const double transit_b = 2 * length_along(problem.bodies[b], contact.normal) / c_b;
-  const double impedance_a = problem.bodies[a].material.density_kg_m3 * c_a;
-  const double impedance_b = problem.bodies[b].material.density_kg_m3 * c_b;
+  const double transit_a = 2 * length_along(problem.bodies[a], contact.normal) / wave_speed(problem, a);
+  const double transit_b = 2 * length_along(problem.bodies[b], contact.normal) / wave_speed(problem, b);
+  const double z_a = impedance(problem, a), z_b = impedance(problem, b);
+  const bool equal = std::abs(z_a - z_b) <= 1e-9 * z_a;
+  const bool a_decides = equal ? transit_a <= transit_b : z_a < z_b;
+  const bool bar = problem.scene.model == scene::Model::bar;
   ImpactTheory theory;
-  theory.contact_duration_s = std::min(transit_a, transit_b);
-  theory.body = problem.bodies[transit_a <= transit_b ? a : b].name;
-  theory.stress_pa = impedance_a * impedance_b / (impedance_a + impedance_b) * closing;
+  theory.contact_duration_s = a_decides ? transit_a : transit_b;
+  theory.body = problem.bodies[a_decides ? a : b].name;
+  theory.stress_pa = z_a * z_b / (z_a + z_b) * closing / (bar ? contact.pairs.front().area_m2 : 1.0);
   return theory;
 }
 

@@ -64,9 +64,10 @@ void ExplicitSolver::interface_force(Link& output) const {
 /// Work the link does on the explicit elements while it moves their shared nodes: 1/2 (P_old + P_new) . du.
 void ExplicitSolver::account_interface(std::size_t b, const Eigen::VectorXd& u_old, const Eigen::VectorXd& u_new) {
   const auto& w = windows_[b];
+  auto& totals = states_[b].totals;
   for (const int dof : states_[b].shared_dofs) {
     const double force = (w.internal_old[dof] - w.external_old[dof]) + (w.internal[dof] - w.external[dof]);
-    interface_work_j_ += 0.5 * force * (u_new[dof] - u_old[dof]);
+    totals.energy_interface_j += 0.5 * force * (u_new[dof] - u_old[dof]);
   }
 }
 
@@ -176,7 +177,6 @@ void ExplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_strain_j = 0.5 * state.u.dot(windows_[b].internal);
   }
   solver::record_bodies(states_, row);
-  row.push_back(interface_work_j_);
   if (contact_) solver::append(contact_->report(states_), row);
 }
 

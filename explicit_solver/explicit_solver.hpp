@@ -59,7 +59,6 @@ class ExplicitSolver final : public participant::Participant {
   participant::Setup setup_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< a trial of window_ + 1 exists: the old forces are already set aside
-  double interface_work_j_ = 0.0;
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;
 };

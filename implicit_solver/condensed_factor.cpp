@@ -59,6 +59,11 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   return matrix;
 }
 
+[[noreturn]] void refuse_indefinite() {
+  throw SolverError("the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
+                    "implicit partition");
+}
+
 /// Fill-reducing order that keeps the root unknowns last.
 std::vector<int> constrained_order(cholmod_sparse* matrix, const std::vector<int>& group, cholmod_common& common) {
   std::vector<int> order(group.size());
@@ -99,15 +104,15 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   }
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
   cholmod_factorize(cholmod.matrix, cholmod.factor, &common);
-  if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) {
-    throw SolverError("the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
-                      "implicit partition");
-  }
+  if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
   cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common);
 
   const auto* start = static_cast<const int*>(cholmod.factor->p);
   const auto* rows = static_cast<const int*>(cholmod.factor->i);
   const auto* values = static_cast<const double*>(cholmod.factor->x);
+  for (int j = 0; j < unknowns; ++j) {  // L D L^T exists for indefinite matrices, too
+    if (!(values[start[j]] > 0.0)) refuse_indefinite();
+  }
   column_.push_back(0);
   for (int j = 0; j < interior_; ++j) {
     diagonal_.push_back(values[start[j]]);

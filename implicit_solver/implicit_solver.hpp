@@ -65,6 +65,7 @@ class ImplicitSolver final : public participant::Participant {
   void find_contact_rates();
   void constrain_rates(double time_s);
   void account();
+  [[nodiscard]] double shared_staggered_energy(std::size_t part) const;
   void resynchronise_residual();
   void update_status();
 
@@ -89,7 +90,7 @@ class ImplicitSolver final : public participant::Participant {
   participant::Setup setup_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
-  double interface_work_j_ = 0.0;
+  std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
   double largest_drift_ = 0.0;
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;

@@ -14,20 +14,21 @@ struct BodyTotals {
   double energy_kinetic_j = 0.0;
   double energy_strain_j = 0.0;
   double energy_external_j = 0.0;     ///< work done so far by loads, supports and prescribed motion
+  double energy_interface_j = 0.0;    ///< work done so far by the link
   double momentum_n_kg_m_s = 0.0;     ///< along the contact normal (without contact: the axis)
   double momentum_t_kg_m_s = 0.0;
   double impulse_n_kg_m_s = 0.0;      ///< given so far by loads, supports, prescribed motion and a rigid plane
   double impulse_t_kg_m_s = 0.0;
 };
 
-inline constexpr std::array<std::string_view, 8> body_quantities = {
-    "mass_kg",           "energy_kinetic_j",  "energy_strain_j",  "energy_external_j",
+inline constexpr std::array<std::string_view, 9> body_quantities = {
+    "mass_kg",           "energy_kinetic_j",  "energy_strain_j",  "energy_external_j", "energy_interface_j",
     "momentum_n_kg_m_s", "momentum_t_kg_m_s", "impulse_n_kg_m_s", "impulse_t_kg_m_s"};
 
 /// Appends the totals in the order of `body_quantities`.
 inline void append(const BodyTotals& totals, std::vector<double>& row) {
   row.insert(row.end(), {totals.mass_kg, totals.energy_kinetic_j, totals.energy_strain_j, totals.energy_external_j,
-                         totals.momentum_n_kg_m_s, totals.momentum_t_kg_m_s, totals.impulse_n_kg_m_s,
+                         totals.energy_interface_j, totals.momentum_n_kg_m_s, totals.momentum_t_kg_m_s, totals.impulse_n_kg_m_s,
                          totals.impulse_t_kg_m_s});
 }
 

@@ -6,12 +6,13 @@
 
 namespace ricochet::participant {
 
-/// Link input and output of one participant: absolute here, increments since the last accepted window on the wire (Eq. 6).
-/// With x the link input, y the link output, and X, Y what both ends have accumulated up to the last accepted window:
+/// Link input and output of one participant: absolute here, increments since the last accepted window on the wire (Eq.
+/// 6). With x the link input, y the link output, and X, Y what both ends have accumulated up to the last accepted
+/// window:
 ///   received:  x = X + d,             X = x when the window is accepted
 ///   sent:      d = y - Y,  y' = Y + d,  Y = y' when the window is accepted    (the coupler does the same sum)
-/// so that no rounding piles up, and a repeated window starts from the same values. A resynchronisation replaces x or y'
-/// by the absolute values that travel with the increments.
+/// so that no rounding piles up, and a repeated window starts from the same values. A resynchronisation replaces x or
+/// y' by the absolute values that travel with the increments.
 class IncrementalLink {
  public:
   IncrementalLink(int nodes, int components);

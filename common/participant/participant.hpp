@@ -17,18 +17,19 @@ namespace ricochet::participant {
 
 struct Description {
   std::string name;
-  std::string role;                         ///< "explicit" | "implicit"
-  std::string solver;                       ///< e.g. "ricochet explicit_solver"
+  std::string role;    ///< "explicit" | "implicit"
+  std::string solver;  ///< e.g. "ricochet explicit_solver"
   std::string solver_version;
-  std::string scene_sha256;                 ///< empty if it reads no scene
-  int components = 1;                       ///< displacement components per node
-  std::vector<std::string> bodies;          ///< bodies it has elements of
-  std::vector<int> interface_body;          ///< per interface node, index into `bodies`
-  std::vector<double> interface_position_m; ///< nodes x components, reference configuration
-  std::vector<double> interface_mass_kg;    ///< per node, own lumped mass
-  double critical_time_step_s = 0;          ///< of its own explicit integration; 0: none needed
-  std::vector<std::string> capabilities;    ///< "repeat_window": may be asked to advance the same window again before accept
-  std::vector<std::string> record_columns;  ///< names of the history quantities `records` returns
+  std::string scene_sha256;                  ///< empty if it reads no scene
+  int components = 1;                        ///< displacement components per node
+  std::vector<std::string> bodies;           ///< bodies it has elements of
+  std::vector<int> interface_body;           ///< per interface node, index into `bodies`
+  std::vector<double> interface_position_m;  ///< nodes x components, reference configuration
+  std::vector<double> interface_mass_kg;     ///< per node, own lumped mass
+  double critical_time_step_s = 0;           ///< of its own explicit integration; 0: none needed
+  /// "repeat_window": may be asked to advance the same window again before accept; "switch_integration": knows both.
+  std::vector<std::string> capabilities;
+  std::vector<std::string> record_columns;  ///< names of the history quantities `record` appends
   bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
 };
 
@@ -44,18 +45,19 @@ struct Setup {
 
 enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 | beta = 0
 
-/// Link output. Explicit: `value` is the force [N]; velocity and acceleration empty. Implicit: `value` is the displacement.
+/// Link output. Explicit: `value` is the force [N]; velocity and acceleration empty. Implicit: `value` is the
+/// displacement.
 struct Link {
   std::vector<double> value, velocity_m_s, acceleration_m_s2;
 };
 
 struct ContactStatus {
   int pairs_closed = 0;
-  double gap_min_m = 0;            ///< smallest gap of all pairs
-  double gap_rate_min_m_s = 0;     ///< smallest rate of change of a gap
-  bool separated = false;          ///< separated now (mechanics 5)
-  double separation_time_s = -1;   ///< of the last separation; < 0: none so far
-  bool finished = false;           ///< `until_separated_plus_s` has passed
+  double gap_min_m = 0;           ///< smallest gap of all pairs
+  double gap_rate_min_m_s = 0;    ///< smallest rate of change of a gap
+  bool separated = false;         ///< separated now (mechanics 5)
+  double separation_time_s = -1;  ///< of the last separation; < 0: none so far
+  bool finished = false;          ///< `until_separated_plus_s` has passed
 };
 
 class Participant {
@@ -87,9 +89,9 @@ class Participant {
 
 /// Command line of a served participant: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
 struct ServeOptions {
-  std::string endpoint;       ///< ipc://... or tcp://host:port
-  double timeout_s = 60.0;    ///< longest wait for the coupler until it states its own
-  bool watch_stdin = false;   ///< end at once when stdin closes: the launcher that holds its other end is gone
+  std::string endpoint;      ///< ipc://... or tcp://host:port
+  double timeout_s = 60.0;   ///< longest wait for the coupler until it states its own
+  bool watch_stdin = false;  ///< end at once when stdin closes: the launcher that holds its other end is gone
 };
 
 /// Runs a participant until the coupler says finish (returns 0) or something fails (returns the exit code of

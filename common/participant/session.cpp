@@ -35,8 +35,8 @@ Description checked(Description d) {
   const auto count = d.interface_body.size();
   require(d.interface_position_m.size() == count * static_cast<std::size_t>(d.components) &&
               d.interface_mass_kg.size() == count,
-          fmt::format("it has {} interface nodes of {} components, but {} coordinates and {} masses", count, d.components,
-                      d.interface_position_m.size(), d.interface_mass_kg.size()));
+          fmt::format("it has {} interface nodes of {} components, but {} coordinates and {} masses", count,
+                      d.components, d.interface_position_m.size(), d.interface_mass_kg.size()));
   d.record_columns.insert(d.record_columns.begin(), "window");
   return d;
 }

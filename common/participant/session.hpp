@@ -13,20 +13,21 @@
 
 namespace ricochet::participant {
 
-/// A participant's end of the conversation without the bytes: turns requests of the coupler into calls of `Participant`,
-/// and the results into replies. `serve` drives it over a socket; a coupler in the same process can call it directly.
+/// A participant's end of the conversation without the bytes: turns requests of the coupler into calls of
+/// `Participant`, and the results into replies. `serve` drives it over a socket; a coupler in the same process can call
+/// it directly.
 class Session {
  public:
-  /// Asks `participant`, which must outlive the session, for its description. Throws ParticipantError if that contradicts
-  /// itself, and what `describe` throws.
+  /// Asks `participant`, which must outlive the session, for its description. Throws ParticipantError if that
+  /// contradicts itself, and what `describe` throws.
   explicit Session(Participant& participant);
 
   /// The first message to send.
   void hello(wire::Message& message);
-  /// Does what `request` asks and fills in `reply`; true if that is to be sent (`welcome` has no answer). Throws what the
-  /// participant throws; ProtocolError if the request is illegal now or its numbers make no sense; ParticipantError if the
-  /// participant's results have the wrong size, SolverError if they are not finite; for a `failure` of the coupler an Error
-  /// of its code. After an error only `failure` makes sense.
+  /// Does what `request` asks and fills in `reply`; true if that is to be sent (`welcome` has no answer). Throws what
+  /// the participant throws; ProtocolError if the request is illegal now or its numbers make no sense; ParticipantError
+  /// if the participant's results have the wrong size, SolverError if they are not finite; for a `failure` of the
+  /// coupler an Error of its code. After an error only `failure` makes sense.
   bool handle(const wire::Message& request, wire::Message& reply);
   /// Fills in the message that tells the coupler why this end stops; ends the conversation.
   void failure(ExitCode code, const std::string& text, wire::Message& message);

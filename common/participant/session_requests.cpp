@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/participant/session.hpp"
 
@@ -16,23 +17,27 @@ void set(wire::Array& array, const std::vector<double>& values, int rows, int co
   array.data.assign(values.begin(), values.end());
 }
 
-void require(bool holds, const std::string& text) {
-  if (!holds) throw ProtocolError(text);
+/// The text is made only if it is needed: the stepping loop comes by here.
+template <class... Values>
+void require(bool holds, fmt::format_string<Values...> text, Values&&... values) {
+  if (!holds) throw ProtocolError(fmt::format(text, std::forward<Values>(values)...));
 }
 
 Integration integration_of(const std::string& text) {
   if (text == "implicit_newmark") return Integration::implicit_newmark;
   if (text == "explicit_central") return Integration::explicit_central;
-  throw ProtocolError(fmt::format("the coupler asked for the integration '{}', expected one of 'implicit_newmark', "
-                                  "'explicit_central'", text));
+  throw ProtocolError(
+      fmt::format("the coupler asked for the integration '{}', expected one of 'implicit_newmark', "
+                  "'explicit_central'",
+                  text));
 }
 
 void check_setup(const Message& request) {
-  require(request.window_size_s > 0, fmt::format("the coupler set window_size_s = {}, expected > 0", request.window_size_s));
-  require(request.history_every >= 1, fmt::format("the coupler set history_every = {}, expected >= 1", request.history_every));
-  require(request.fields_every >= 0, fmt::format("the coupler set fields_every = {}, expected >= 0", request.fields_every));
-  require(request.separation_windows >= 0,
-          fmt::format("the coupler set separation_windows = {}, expected >= 0", request.separation_windows));
+  require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
+  require(request.history_every >= 1, "the coupler set history_every = {}, expected >= 1", request.history_every);
+  require(request.fields_every >= 0, "the coupler set fields_every = {}, expected >= 0", request.fields_every);
+  require(request.separation_windows >= 0, "the coupler set separation_windows = {}, expected >= 0",
+          request.separation_windows);
 }
 
 }  // namespace
@@ -89,16 +94,18 @@ void Session::synchronise(const Message& request, Message& reply) {
 
 void Session::check_advance(const Message& request) const {
   const auto next = accepted_window_ + 1;
-  require(request.window == next,
-          fmt::format("the coupler asked for window {}, the next one is window {}", request.window, next));
-  require(next <= setup_.last_window,
-          fmt::format("the coupler asked for window {}, the last one is window {}", next, setup_.last_window));
-  require(request.windows >= 1, fmt::format("the coupler asked for {} windows, expected >= 1", request.windows));
+  require(request.window == next, "the coupler asked for window {}, the next one is window {}", request.window, next);
+  require(next <= setup_.last_window, "the coupler asked for window {}, the last one is window {}", next,
+          setup_.last_window);
+  require(request.windows >= 1, "the coupler asked for {} windows, expected >= 1", request.windows);
   require(request.windows == 1 || (nodes_ == 0 && request.accept_at_once),
-          fmt::format("the coupler asked for {} windows at once: that needs a participant without interface nodes (this one "
-                      "has {}) and accept_at_once", request.windows, nodes_));
-  require(!tried_ || can_repeat_, fmt::format("the coupler asked to repeat window {}, but participant '{}' lacks the "
-                                              "capability 'repeat_window'", next, description_.name));
+          "the coupler asked for {} windows at once: that needs a participant without interface nodes (this one "
+          "has {}) and accept_at_once",
+          request.windows, nodes_);
+  require(!tried_ || can_repeat_,
+          "the coupler asked to repeat window {}, but participant '{}' lacks the "
+          "capability 'repeat_window'",
+          next, description_.name);
   require_rows(request.link_increment, "link_increment", description_.components);
   if (request.link_absolute.rows != 0) require_rows(request.link_absolute, "link_absolute", description_.components);
 }
@@ -121,8 +128,8 @@ void Session::advance(const Message& request, Message& reply) {
 }
 
 void Session::accept(const Message& request, Message& reply) {
-  require(request.window == window_,
-          fmt::format("the coupler accepted window {}, the trial was of window {}", request.window, window_));
+  require(request.window == window_, "the coupler accepted window {}, the trial was of window {}", request.window,
+          window_);
   accept_window();
   put_contact(reply);
   put_records(request.records_requested, reply);
@@ -140,7 +147,8 @@ void Session::accept_window() {
 }
 
 void Session::finish(Message& reply) {
-  if (setup_.fields_every > 0 && fields_window_ != accepted_window_) write_fields();  // the run ended before its last window
+  if (setup_.fields_every > 0 && fields_window_ != accepted_window_)
+    write_fields();  // the run ended before its last window
   participant_.finish();
   reply.largest_drift = link_.largest_drift();
   put_records(true, reply);
@@ -161,7 +169,9 @@ void Session::write_fields() {
   fields_window_ = accepted_window_;
 }
 
-void Session::put_absolute(wire::Array& absolute) const { set(absolute, output_.value, nodes_, description_.components); }
+void Session::put_absolute(wire::Array& absolute) const {
+  set(absolute, output_.value, nodes_, description_.components);
+}
 
 void Session::put_rates(Message& reply) const {
   const int rows = description_.role == "implicit" ? nodes_ : 0;
@@ -188,16 +198,18 @@ void Session::put_records(bool requested, Message& reply) {
 
 void Session::require_rows(const wire::Array& array, std::string_view field, int columns) const {
   require(array.rows == nodes_ && array.columns == columns,
-          fmt::format("the coupler sent '{}' with {} x {} numbers, the interface of participant '{}' has {} x {}", field,
-                      array.rows, array.columns, description_.name, nodes_, columns));
+          "the coupler sent '{}' with {} x {} numbers, the interface of participant '{}' has {} x {}", field,
+          array.rows, array.columns, description_.name, nodes_, columns);
 }
 
 void Session::require_output(bool rates_needed) const {
   const bool implicit = description_.role == "implicit";
-  const auto check = [&](const std::vector<double>& values, std::string_view what, bool may_be_full, bool may_be_empty) {
+  const auto check = [&](const std::vector<double>& values, std::string_view what, bool may_be_full,
+                         bool may_be_empty) {
     if ((may_be_full && values.size() == link_.size()) || (may_be_empty && values.empty())) return;
-    throw ParticipantError(fmt::format("participant '{}' ({}) answered with {} numbers as {}, expected {}", description_.name,
-                                       description_.role, values.size(), what, may_be_full ? link_.size() : 0));
+    throw ParticipantError(fmt::format("participant '{}' ({}) answered with {} numbers as {}, expected {}",
+                                       description_.name, description_.role, values.size(), what,
+                                       may_be_full ? link_.size() : 0));
   };
   check(output_.value, implicit ? "displacement" : "force", true, false);
   check(output_.velocity_m_s, "velocity_m_s", implicit, !implicit || !rates_needed);

@@ -50,7 +50,6 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
     }
     for (const auto quantity : fem::body_quantities) d.record_columns.push_back(fmt::format("{}/{}", quantity, state.name));
   }
-  d.record_columns.emplace_back("energy_interface_j");
   if (contact_owner) {
     for (auto& column : report_columns()) d.record_columns.push_back(std::move(column));
   }

@@ -46,8 +46,9 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<sce
         const auto [xi, eta] = edge_midpoint(part.mesh, element, a, b);
         if (xi > 1.5) continue;
         Edge edge;
-        edge.area_m2 = fem::edge_area(part.section, part.mesh.position[static_cast<std::size_t>(a)],
-                                      part.mesh.position[static_cast<std::size_t>(b)]).sum();
+        const auto& first_end = part.mesh.position[static_cast<std::size_t>(a)];
+        const auto second_end = fem::nearest_image(part.mesh, part.mesh.position[static_cast<std::size_t>(b)], first_end);
+        edge.area_m2 = fem::edge_area(part.section, first_end, second_end).sum();
         const auto x = fem::element_coordinates(part.mesh, element);
         const int size = fem::nodes_per_element(model_) * components;
         edge.stress_of_displacement.resize(fem::stress_components(model_), size);

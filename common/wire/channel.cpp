@@ -27,8 +27,8 @@ zmq::socket_t make_socket(zmq::context_t& context, zmq::socket_type type) {
 }
 
 [[noreturn]] void refuse_endpoint(const std::string& endpoint, const char* what, const zmq::error_t& error) {
-  throw ConfigError(fmt::format("cannot {} '{}': {}; expected ipc://@name, ipc://path or tcp://address:port", what, endpoint,
-                                error.what()));
+  throw ConfigError(fmt::format("cannot {} '{}': {}; expected ipc://@name, ipc://path or tcp://address:port", what,
+                                endpoint, error.what()));
 }
 
 /// zmq::poll until the deadline; false if it has passed. Signals do not end the wait.
@@ -92,13 +92,14 @@ Deadline deadline_in(double timeout_s) {
 struct Channel::Impl {
   static constexpr const char* monitor_endpoint = "inproc://connection";
 
-  Impl()
-      : socket(make_socket(context, zmq::socket_type::dealer)), monitor(context, zmq::socket_type::pair) {
+  Impl() : socket(make_socket(context, zmq::socket_type::dealer)), monitor(context, zmq::socket_type::pair) {
     // A connection that breaks does not come back: messages may be lost, and the coupler would know us no more.
     zmq_socket_monitor(socket.handle(), monitor_endpoint, ZMQ_EVENT_DISCONNECTED);
     monitor.set(zmq::sockopt::linger, 0);
     monitor.connect(monitor_endpoint);
-    items = {{socket.handle(), 0, ZMQ_POLLIN, 0}, {monitor.handle(), 0, ZMQ_POLLIN, 0}, {nullptr, STDIN_FILENO, ZMQ_POLLERR, 0}};
+    items = {{socket.handle(), 0, ZMQ_POLLIN, 0},
+             {monitor.handle(), 0, ZMQ_POLLIN, 0},
+             {nullptr, STDIN_FILENO, ZMQ_POLLERR, 0}};
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -139,8 +140,10 @@ void Channel::receive(Message& message, Deadline deadline, bool watch_stdin) {
   if (watch_stdin) items[2] = {nullptr, STDIN_FILENO, ZMQ_POLLERR, 0};
   while (!receive_frame(impl_->socket, impl_->frame)) {
     if (!poll(items, deadline)) {
-      throw ParticipantError(fmt::format("the coupler has not answered within {:.3g} s: it hangs, is stopped, or its address "
-                                         "is wrong", seconds_between(begin, deadline)));
+      throw ParticipantError(
+          fmt::format("the coupler has not answered within {:.3g} s: it hangs, is stopped, or its address "
+                      "is wrong",
+                      seconds_between(begin, deadline)));
     }
     const char* broken = impl_->broken();
     if (!broken) continue;
@@ -172,8 +175,8 @@ Listener::~Listener() = default;
 
 std::string Listener::endpoint() const { return impl_->socket.get(zmq::sockopt::last_endpoint); }
 
-bool Listener::receive(std::string& identity, Message& message, Deadline deadline, const std::vector<int>& file_descriptors,
-                       const std::function<bool(std::size_t)>& ready) {
+bool Listener::receive(std::string& identity, Message& message, Deadline deadline,
+                       const std::vector<int>& file_descriptors, const std::function<bool(std::size_t)>& ready) {
   auto& items = impl_->items;
   items.assign(1, {impl_->socket.handle(), 0, ZMQ_POLLIN, 0});
   for (const int descriptor : file_descriptors) items.push_back({nullptr, descriptor, ZMQ_POLLIN | ZMQ_POLLERR, 0});
@@ -185,7 +188,8 @@ bool Listener::receive(std::string& identity, Message& message, Deadline deadlin
   }
   identity.assign(impl_->identity.data<char>(), impl_->identity.size());
   // The frames of a message come together; one of an identity alone is not one of ours.
-  if (!impl_->identity.more() || !receive_frame(impl_->socket, impl_->frame)) throw ProtocolError("the peer sent no message");
+  if (!impl_->identity.more() || !receive_frame(impl_->socket, impl_->frame))
+    throw ProtocolError("the peer sent no message");
   decode_frame(impl_->socket, impl_->frame, "the peer", message);
   return true;
 }

@@ -29,7 +29,8 @@ class Channel {
   /// Throws SolverError if a number of the message is not finite (`encode`).
   void send(const Message& message);
   /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and
-  /// "the coupler is gone" as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from decoding.
+  /// "the coupler is gone" as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from
+  /// decoding.
   void receive(Message& message, Deadline deadline, bool watch_stdin);
 
  private:
@@ -40,8 +41,8 @@ class Channel {
 /// Coupler's end: many participants on one socket.
 class Listener {
  public:
-  /// `endpoint` "ipc://@name" (abstract socket: leaves no file), "ipc://path" or "tcp://address:port" ("tcp://address:*").
-  /// Throws ConfigError if it is none, or taken.
+  /// `endpoint` "ipc://@name" (abstract socket: leaves no file), "ipc://path" or "tcp://address:port"
+  /// ("tcp://address:*"). Throws ConfigError if it is none, or taken.
   explicit Listener(const std::string& endpoint);
   ~Listener();
   [[nodiscard]] std::string endpoint() const;  ///< with the port that was picked

@@ -12,8 +12,10 @@ namespace {
 
 using Object = msgpack::object;
 
-/// A message has five to twenty fields and texts by the dozen. The limits keep a few wrong bytes from asking for gigabytes.
-const msgpack::unpack_limit limits(/*array*/ 1U << 16, /*map*/ 256, /*str*/ 1U << 24, /*bin*/ max_array_bytes, /*ext*/ 0,
+/// A message has five to twenty fields and texts by the dozen. The limits keep a few wrong bytes from asking for
+/// gigabytes.
+const msgpack::unpack_limit limits(/*array*/ 1U << 16, /*map*/ 256, /*str*/ 1U << 24, /*bin*/ max_array_bytes,
+                                   /*ext*/ 0,
                                    /*depth*/ 4);
 
 /// Raised with what is wrong with a value; `decode` adds who sent it, in which kind and field.
@@ -54,16 +56,15 @@ void require_type(const Object& object, msgpack::type::object_type type, std::st
 
 void read(const Object& object, Kind& value) {
   require_type(object, msgpack::type::STR, "a text");
-  std::vector<std::string> names;
   for (const Kind kind : all_kinds()) {
-    if (text_of(object) == name(kind)) {
-      value = kind;
-      return;
-    }
-    names.emplace_back(name(kind));
+    value = kind;
+    if (text_of(object) == name(kind)) return;
   }
+  std::vector<std::string> names;
+  for (const Kind kind : all_kinds()) names.emplace_back(name(kind));
   const auto found = quotable(text_of(object));
-  throw WrongValue{fmt::format("is '{}', expected one of {}{}", found, fmt::join(names, ", "), did_you_mean(found, names))};
+  throw WrongValue{
+      fmt::format("is '{}', expected one of {}{}", found, fmt::join(names, ", "), did_you_mean(found, names))};
 }
 
 void read(const Object& object, bool& value) {
@@ -113,23 +114,25 @@ const Object* find(const Object& map, std::string_view key) {
   return nullptr;
 }
 
-int read_extent(const Object& object) {
-  std::int64_t extent = -1;
-  read(object, extent);
-  if (extent >= 0 && extent <= std::numeric_limits<int>::max()) return static_cast<int>(extent);
-  throw WrongValue{fmt::format("has the extent {} in its shape", extent)};
+/// One of the two numbers of a shape.
+int extent(const Object& object) {
+  if (object.type == msgpack::type::POSITIVE_INTEGER && object.via.u64 <= std::numeric_limits<int>::max()) {
+    return static_cast<int>(object.via.u64);
+  }
+  throw WrongValue{"has a shape that is not two integers from 0 to 2^31 - 1"};
 }
 
 void read(const Object& object, Array& array) {
   require_type(object, msgpack::type::MAP, "a map of 'shape' and 'data'");
   const Object* shape = find(object, "shape");
   const Object* data = find(object, "data");
-  if (!shape || !data || object.via.map.size != 2) throw WrongValue{"is a map of something else than 'shape' and 'data'"};
+  if (!shape || !data || object.via.map.size != 2)
+    throw WrongValue{"is a map of something else than 'shape' and 'data'"};
   if (shape->type != msgpack::type::ARRAY || shape->via.array.size != 2) {
     throw WrongValue{"has a shape that is not [rows, columns]"};
   }
-  const int rows = read_extent(shape->via.array.ptr[0]);
-  const int columns = read_extent(shape->via.array.ptr[1]);
+  const int rows = extent(shape->via.array.ptr[0]);
+  const int columns = extent(shape->via.array.ptr[1]);
   if (data->type != msgpack::type::BIN) {
     throw WrongValue{fmt::format("has data that are {}, expected binary data", type_name(*data))};
   }
@@ -151,6 +154,31 @@ void read_field(const Object& object, const Field& field, Message& message) {
       field.member);
 }
 
+/// Fields of the header and of one kind as one list.
+class FieldList {
+ public:
+  explicit FieldList(Kind kind) : header_(header_fields()), own_(fields_of(kind)) {}
+  [[nodiscard]] std::size_t size() const { return header_.size() + own_.size(); }
+  const Field& operator[](std::size_t i) const { return i < header_.size() ? header_[i] : own_[i - header_.size()]; }
+  /// Index of a field; size() if there is none. Looks at `first` first: there it is if the sender keeps our order.
+  [[nodiscard]] std::size_t find(std::string_view key, std::size_t first) const {
+    for (std::size_t n = 0; n < size(); ++n) {
+      const std::size_t i = (first + n) % size();
+      if ((*this)[i].name == key) return i;
+    }
+    return size();
+  }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < size(); ++i) all.emplace_back((*this)[i].name);
+    return all;
+  }
+
+ private:
+  const std::vector<Field>& header_;
+  const std::vector<Field>& own_;
+};
+
 /// One decoding: knows whom and what to name in an error.
 class Decoder {
  public:
@@ -162,7 +190,9 @@ class Decoder {
   void read_all(const Object& map, Kind kind, Message& message) const;
 
  private:
-  [[noreturn]] void refuse(const std::string& what) const { throw ProtocolError(fmt::format("{} sent {}", sender_, what)); }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw ProtocolError(fmt::format("{} sent {}", sender_, what));
+  }
 
   std::string_view sender_;
 };
@@ -170,7 +200,9 @@ class Decoder {
 Object Decoder::unpack(std::string_view bytes, msgpack::zone& zone) const {
   std::size_t end = 0;
   bool referenced = false;
-  const auto refer = [](msgpack::type::object_type, std::size_t, void*) { return true; };  // texts and data stay in `bytes`
+  const auto refer = [](msgpack::type::object_type, std::size_t, void*) {
+    return true;
+  };  // texts and data stay in `bytes`
   Object object;
   try {
     object = msgpack::unpack(zone, bytes.data(), bytes.size(), end, referenced, refer, nullptr, limits);
@@ -179,7 +211,8 @@ Object Decoder::unpack(std::string_view bytes, msgpack::zone& zone) const {
   } catch (const msgpack::unpack_error& error) {
     refuse(fmt::format("{} bytes that are no message of this protocol ({})", bytes.size(), error.what()));
   }
-  if (object.type != msgpack::type::MAP) refuse(fmt::format("{}, expected a message, which is a map", type_name(object)));
+  if (object.type != msgpack::type::MAP)
+    refuse(fmt::format("{}, expected a message, which is a map", type_name(object)));
   if (end != bytes.size()) refuse(fmt::format("{} bytes after the end of a message", bytes.size() - end));
   return object;
 }
@@ -195,8 +228,10 @@ void Decoder::check_version(const Object& map) const {
     refuse("a message whose field 'version' " + wrong.text);
   }
   if (version == protocol_version) return;
-  throw ProtocolError(fmt::format("{} speaks version {} of the wire protocol, this program speaks version {}: use the same "
-                                  "release of ricochet on both ends", sender_, version, protocol_version));
+  throw ProtocolError(
+      fmt::format("{} speaks version {} of the wire protocol, this program speaks version {}: use the same "
+                  "release of ricochet on both ends",
+                  sender_, version, protocol_version));
 }
 
 Kind Decoder::kind_of(const Object& map) const {
@@ -212,36 +247,30 @@ Kind Decoder::kind_of(const Object& map) const {
 }
 
 void Decoder::read_all(const Object& map, Kind kind, Message& message) const {
-  const auto& header = header_fields();
-  const auto& own = fields_of(kind);
-  const std::size_t size = header.size() + own.size();
-  const auto field = [&](std::size_t i) -> const Field& { return i < header.size() ? header[i] : own[i - header.size()]; };
+  const FieldList fields(kind);
   std::uint64_t seen = 0;
-  std::size_t i = 0;
+  std::size_t next = 0;
   for (const auto* pair = map.via.map.ptr; pair != map.via.map.ptr + map.via.map.size; ++pair) {
     if (pair->key.type != msgpack::type::STR) {
       refuse(fmt::format("'{}' with a field whose name is {}", name(kind), type_name(pair->key)));
     }
     const auto key = text_of(pair->key);
-    std::size_t tried = 0;  // from the place after the last field on: that is where it is, whoever encoded in our order
-    while (tried < size && field(i % size).name != key) ++i, ++tried;
-    if (tried == size) {
-      std::vector<std::string> names;
-      for (std::size_t n = 0; n < size; ++n) names.emplace_back(field(n).name);
-      refuse(fmt::format("'{}' with the unknown field '{}'{}", name(kind), quotable(key), did_you_mean(quotable(key), names)));
+    const std::size_t i = fields.find(key, next);
+    if (i == fields.size()) {
+      refuse(fmt::format("'{}' with the unknown field '{}'{}", name(kind), quotable(key),
+                         did_you_mean(quotable(key), fields.names())));
     }
-    i %= size;
     if ((seen >> i & 1U) != 0) refuse(fmt::format("'{}' with the field '{}' twice", name(kind), key));
     seen |= std::uint64_t{1} << i;
+    next = i + 1;
     try {
-      read_field(pair->val, field(i), message);
+      read_field(pair->val, fields[i], message);
     } catch (const WrongValue& wrong) {
       refuse(fmt::format("'{}' whose field '{}' {}", name(kind), key, wrong.text));
     }
-    ++i;
   }
-  for (std::size_t n = 0; n < size; ++n) {
-    if ((seen >> n & 1U) == 0) refuse(fmt::format("'{}' without the field '{}'", name(kind), field(n).name));
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if ((seen >> i & 1U) == 0) refuse(fmt::format("'{}' without the field '{}'", name(kind), fields[i].name));
   }
 }
 

@@ -106,16 +106,17 @@ void Lifecycle::step(Side sender, const Message& message, std::string_view parti
     if (!fits(row, state_, sender, message)) continue;
     auto& next = next_sequence_[static_cast<std::size_t>(sender)];
     if (message.sequence != next) {
-      throw ProtocolError(fmt::format("{} sent '{}' as message number {}, expected number {}: one was lost or sent twice",
-                                      who(sender, participant), name(message.kind), message.sequence, next));
+      throw ProtocolError(
+          fmt::format("{} sent '{}' as message number {}, expected number {}: one was lost or sent twice",
+                      who(sender, participant), name(message.kind), message.sequence, next));
     }
     ++next;
     state_ = row.next;
     return;
   }
   const auto addressee = sender == Side::coupler ? fmt::format(" to participant '{}'", participant) : "";
-  throw ProtocolError(fmt::format("{} sent '{}'{} while {}; {}", who(sender, participant), name(message.kind), addressee,
-                                  phrase(state_), expected(state_, sender)));
+  throw ProtocolError(fmt::format("{} sent '{}'{} while {}; {}", who(sender, participant), name(message.kind),
+                                  addressee, phrase(state_), expected(state_, sender)));
 }
 
 }  // namespace ricochet::wire

@@ -7,22 +7,25 @@ using M = Message;
 
 // Fields that several kinds carry with the same meaning.
 constexpr Field absolute_output{"absolute", &M::absolute, "N or m",
-                            "link output, n x components: internal force (explicit), displacement (implicit)"};
-constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s", "of the interface nodes, n x components; explicit: 0 rows"};
-constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
+                                "link output, n x components: internal force (explicit), displacement (implicit)"};
+constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s",
                          "of the interface nodes, n x components; explicit: 0 rows"};
+constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
+                             "of the interface nodes, n x components; explicit: 0 rows"};
 constexpr Field records{"records", &M::records, "", "history rows not sent before, rows x record columns"};
-constexpr Field records_requested{"records_requested", &M::records_requested, "", "the answer is to bring the history rows"};
+constexpr Field records_requested{"records_requested", &M::records_requested, "",
+                                  "the answer is to bring the history rows"};
 
 // Contact after the last accepted window; all zero, and -1 for the time, from who does not own the contact.
 constexpr Field pairs_closed{"pairs_closed", &M::pairs_closed, "", "contact owner: closed contact pairs"};
 constexpr Field gap_min{"gap_min_m", &M::gap_min_m, "m", "contact owner: smallest gap of all pairs"};
-constexpr Field gap_rate_min{"gap_rate_min_m_s", &M::gap_rate_min_m_s, "m/s", "contact owner: smallest rate of change of a gap"};
+constexpr Field gap_rate_min{"gap_rate_min_m_s", &M::gap_rate_min_m_s, "m/s",
+                             "contact owner: smallest rate of change of a gap"};
 constexpr Field separated{"separated", &M::separated, "", "contact owner: the bodies are separated now"};
 constexpr Field separation_time{"separation_time_s", &M::separation_time_s, "s",
-                            "contact owner: time of the last separation; < 0: none so far"};
+                                "contact owner: time of the last separation; < 0: none so far"};
 constexpr Field finished_early{"finished_early", &M::finished_early, "",
-                           "contact owner: `until_separated_plus_s` has passed, nothing more to compute"};
+                               "contact owner: `until_separated_plus_s` has passed, nothing more to compute"};
 
 struct KindEntry {
   Kind kind;
@@ -33,28 +36,34 @@ struct KindEntry {
 /// The schema: in the order of `Kind`.
 const std::vector<KindEntry>& schema() {
   static const std::vector<KindEntry> table{
-      {Kind::hello, "hello",
+      {Kind::hello,
+       "hello",
        {{"participant", &M::participant, "", "name of the participant, as in the scene"},
         {"role", &M::role, "", "`explicit` or `implicit`"},
         {"solver", &M::solver, "", "program that speaks"},
         {"solver_version", &M::solver_version, "", "its version"},
-        {"scene_sha256", &M::scene_sha256, "", "SHA-256 of the scene file it read, 64 hexadecimal digits; empty: it reads none"},
+        {"scene_sha256", &M::scene_sha256, "",
+         "SHA-256 of the scene file it read, 64 hexadecimal digits; empty: it reads none"},
         {"process_id", &M::process_id, "", "its process on its machine"}}},
-      {Kind::welcome, "welcome",
+      {Kind::welcome,
+       "welcome",
        {{"participant", &M::participant, "", "name of the participant that is welcome"},
         {"timeout_s", &M::timeout_s, "s", "longest time it is to wait for the coupler from here on, > 0"}}},
       {Kind::describe, "describe", {}},
-      {Kind::description, "description",
+      {Kind::description,
+       "description",
        {{"components", &M::components, "", "displacement components per node, 1 to 3"},
         {"bodies", &M::bodies, "", "bodies it has elements of"},
         {"interface_body", &M::interface_body, "", "n x 1, per interface node an index into `bodies`, from 0"},
         {"interface_position_m", &M::interface_position_m, "m", "n x components, in the reference configuration"},
         {"interface_mass_kg", &M::interface_mass_kg, "kg", "n x 1, lumped mass of its own elements"},
-        {"critical_time_step_s", &M::critical_time_step_s, "s", "limit of its own explicit integration; 0: none needed"},
+        {"critical_time_step_s", &M::critical_time_step_s, "s",
+         "limit of its own explicit integration; 0: none needed"},
         {"capabilities", &M::capabilities, "", "any of `repeat_window`, `switch_integration`"},
         {"record_columns", &M::record_columns, "", "names of the history columns; the first is `window`"},
         {"contact_owner", &M::contact_owner, "", "it enforces the scene's contact and reports its states"}}},
-      {Kind::initialize, "initialize",
+      {Kind::initialize,
+       "initialize",
        {{"protocol", &M::protocol, "", "coupling protocol, as in the scene"},
         {"output_directory", &M::output_directory, "", "absolute path for its result files"},
         {"window_size_s", &M::window_size_s, "s", "size of one window, > 0"},
@@ -67,11 +76,13 @@ const std::vector<KindEntry>& schema() {
          "contact owner: this long open with growing gaps is separated"},
         {"last_window", &M::last_window, "", "the run ends here at the latest"}}},
       {Kind::initialized, "initialized", {{"setup_s", &M::setup_s, "s", "wall time it took"}, absolute_output}},
-      {Kind::synchronise, "synchronise",
+      {Kind::synchronise,
+       "synchronise",
        {{"integration", &M::integration, "", "`implicit_newmark` or `explicit_central`, from here on"},
         {"link_absolute", &M::link_absolute, "m or N", "link input at the present time, n x components"}}},
       {Kind::synchronised, "synchronised", {absolute_output, velocity, acceleration, records}},
-      {Kind::advance, "advance",
+      {Kind::advance,
+       "advance",
        {{"windows", &M::windows, "", "how many windows from the header's on; more than 1 only without interface nodes"},
         {"link_increment", &M::link_increment, "m or N",
          "change of the link input since the last accepted window, n x components"},
@@ -79,15 +90,27 @@ const std::vector<KindEntry>& schema() {
         {"accept_at_once", &M::accept_at_once, "", "true: the window is final; false: a trial"},
         {"absolute_requested", &M::absolute_requested, "", "the answer is to bring `absolute`, too"},
         records_requested}},
-      {Kind::advanced, "advanced",
-       {{"increment", &M::increment, "N or m", "change of the link output since the last accepted window, n x components"},
+      {Kind::advanced,
+       "advanced",
+       {{"increment", &M::increment, "N or m",
+         "change of the link output since the last accepted window, n x components"},
         {"absolute", &M::absolute, "N or m", "the link output itself, n x components; 0 rows unless requested"},
-        velocity, acceleration, records, pairs_closed, gap_min, gap_rate_min, separated, separation_time, finished_early}},
+        velocity,
+        acceleration,
+        records,
+        pairs_closed,
+        gap_min,
+        gap_rate_min,
+        separated,
+        separation_time,
+        finished_early}},
       {Kind::accept, "accept", {records_requested}},
-      {Kind::accepted, "accepted",
+      {Kind::accepted,
+       "accepted",
        {records, pairs_closed, gap_min, gap_rate_min, separated, separation_time, finished_early}},
       {Kind::finish, "finish", {}},
-      {Kind::finished, "finished",
+      {Kind::finished,
+       "finished",
        {{"compute_s", &M::compute_s, "s", "wall time spent in the solver"},
         {"wait_s", &M::wait_s, "s", "wall time spent waiting for the coupler"},
         {"largest_drift", &M::largest_drift, "",
@@ -95,7 +118,8 @@ const std::vector<KindEntry>& schema() {
         {"spans_s", &M::spans_s, "s",
          "rows x 3: window, begin and end of each time it computed, on its steady clock; the first 2000"},
         records}},
-      {Kind::failure, "failure",
+      {Kind::failure,
+       "failure",
        {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol"},
         {"error_culprit", &M::error_culprit, "", "who failed: name of a participant, or `coupler`"},
         {"error_text", &M::error_text, "", "what happened, and where"}}},
@@ -109,7 +133,9 @@ void reset(std::string& value, const std::string&) { value.clear(); }
 void reset(std::vector<std::string>& value, const std::vector<std::string>&) { value.clear(); }
 void reset(Array& value, const Array&) { value.resize(0, 0); }
 template <class Number>
-void reset(Number& value, Number initial) { value = initial; }
+void reset(Number& value, Number initial) {
+  value = initial;
+}
 
 }  // namespace
 
@@ -127,7 +153,8 @@ const std::vector<Field>& header_fields() {
       {"version", &M::version, "", "of this protocol; both ends must speak the same"},
       {"run_id", &M::run_id, "", "the run's name; empty in `hello`, whose sender learns it from `welcome`"},
       {"sequence", &M::sequence, "", "counts the sender's messages on this link from 0"},
-      {"window", &M::window, "", "the window it is about, at its end: window n ends at n x `window_size_s`; 0: the start"},
+      {"window", &M::window, "",
+       "the window it is about, at its end: window n ends at n x `window_size_s`; 0: the start"},
       {"substep", &M::substep, "", "within the window; 0: the whole window"},
   };
   return fields;

@@ -23,21 +23,22 @@ struct Array {
 };
 
 enum class Kind {
-  hello,          ///< participant: I am ...
-  welcome,        ///< coupler: you are part of run ...
-  describe,       ///< coupler asks
-  description,    ///< participant: interface nodes, masses, capabilities, critical time step
-  initialize,     ///< coupler: window size, summed masses, output
-  initialized,    ///< participant: link values at t = 0
-  synchronise,    ///< coupler: absolute link values; recompute accelerations here; integrate implicitly | explicitly from here on
+  hello,        ///< participant: I am ...
+  welcome,      ///< coupler: you are part of run ...
+  describe,     ///< coupler asks
+  description,  ///< participant: interface nodes, masses, capabilities, critical time step
+  initialize,   ///< coupler: window size, summed masses, output
+  initialized,  ///< participant: link values at t = 0
+  synchronise,  ///< coupler: absolute link values; recompute accelerations here; integrate implicitly | explicitly from
+                ///< here on
   synchronised,
-  advance,        ///< coupler: link increment; compute window(s); accept at once or on request
+  advance,  ///< coupler: link increment; compute window(s); accept at once or on request
   advanced,
-  accept,         ///< coupler: the last trial window is final
+  accept,  ///< coupler: the last trial window is final
   accepted,
-  finish,         ///< coupler: no more windows
+  finish,  ///< coupler: no more windows
   finished,
-  failure,        ///< either: I stop, and why
+  failure,  ///< either: I stop, and why
 };
 
 /// Which members a message of a kind carries says `fields_of`; what they mean, the table behind it (and docs/wire.md).
@@ -65,15 +66,15 @@ struct Message {
   // arrays, one row per interface node (in the participant's own order) unless said otherwise
   Array interface_body;        ///< n x 1, index into `bodies`
   Array interface_position_m;  ///< n x components
-  Array interface_mass_kg;     ///< n x 1: own lumped mass in `description`, the sum over all participants in `initialize`
-  Array link_increment;        ///< to a participant: change of its link input since its last accepted window [m or N]
-  Array link_absolute;         ///< the same, absolute; empty (0 x components) unless resynchronising
-  Array increment;             ///< from a participant: change of its link output since its last accepted window [N or m]
-  Array absolute;              ///< the same, absolute; empty unless requested
-  Array velocity_m_s;          ///< implicit participant: n x components; explicit: empty
-  Array acceleration_m_s2;     ///< as velocity
-  Array records;               ///< history rows (rows x record_columns)
-  Array spans_s;               ///< rows x 3: window, begin, end of each computing span on the steady clock
+  Array interface_mass_kg;  ///< n x 1: own lumped mass in `description`, the sum over all participants in `initialize`
+  Array link_increment;     ///< to a participant: change of its link input since its last accepted window [m or N]
+  Array link_absolute;      ///< the same, absolute; empty (0 x components) unless resynchronising
+  Array increment;          ///< from a participant: change of its link output since its last accepted window [N or m]
+  Array absolute;           ///< the same, absolute; empty unless requested
+  Array velocity_m_s;       ///< implicit participant: n x components; explicit: empty
+  Array acceleration_m_s2;  ///< as velocity
+  Array records;            ///< history rows (rows x record_columns)
+  Array spans_s;            ///< rows x 3: window, begin, end of each computing span on the steady clock
 };
 
 [[nodiscard]] std::string_view name(Kind kind);
@@ -93,8 +94,8 @@ struct Field {
 [[nodiscard]] const std::vector<Field>& fields_of(Kind kind);
 [[nodiscard]] const std::vector<Kind>& all_kinds();
 
-/// Every member as in a new message; vectors and strings keep their capacity, so that a message can be used again without
-/// allocating.
+/// Every member as in a new message; vectors and strings keep their capacity, so that a message can be used again
+/// without allocating.
 void clear(Message& message);
 
 }  // namespace ricochet::wire

@@ -83,7 +83,7 @@ const Link* Coupling::implicit_link() const { return implicit_; }
 const ContactReport& Coupling::contact() const {
   static const ContactReport none;
   for (const auto& link : links_) {
-    if (link.description().contact_owner != 0) return link.contact();
+    if (link.description().contact_owner) return link.contact();
   }
   return none;
 }

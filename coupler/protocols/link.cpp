@@ -77,9 +77,9 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
   request_.kind = wire::Kind::advance;
   request_.window = step.window + 1;
   request_.windows = step.windows;
-  request_.accept_at_once = acceptance == Acceptance::at_once ? 1 : 0;
-  request_.absolute_requested = step.absolute ? 1 : 0;
-  request_.records_requested = step.records ? 1 : 0;
+  request_.accept_at_once = acceptance == Acceptance::at_once;
+  request_.absolute_requested = step.absolute;
+  request_.records_requested = step.records;
   set(request_.link_increment, own_input_, rows_.components);
   for (std::size_t i = 0; i < own_input_.size(); ++i) request_.link_increment.data[i] -= received_input_[i];
   if (step.absolute) {
@@ -108,7 +108,7 @@ void Link::wait_advanced() {
   output_accepted_ = output_;
   window_ = answer.window;
   contact_ = {answer.pairs_closed,   answer.gap_min_m,         answer.gap_rate_min_m_s,
-              answer.separated != 0, answer.separation_time_s, answer.finished_early != 0};
+              answer.separated,    answer.separation_time_s, answer.finished_early};
   take_records_of(answer);
 }
 

@@ -201,6 +201,8 @@ void RootProblem::projected_gauss_seidel(const Eigen::VectorXd& gap_free, const 
 void RootProblem::finish() {
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
+    if (!state.closed) solution_.force[i] = 0.0;  // what the dense solve leaves of its identity row is round-off
+    if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
     const bool stick = state.tangent == Tangent::stick || (friction_ && held(i));
     solution_.states[static_cast<std::size_t>(i)] = !state.closed ? State::open : stick ? State::stick : State::slip;
   }

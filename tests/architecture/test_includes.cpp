@@ -27,7 +27,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"implicit_solver",
        {"implicit_solver/contact", "common/solver", "common/fem", "common/scene", "common/participant", "common/base"}},
       {"coupler/protocols", {"common/wire", "common/base"}},
-      {"coupler", {"coupler/protocols", "common/wire", "common/scene", "common/base"}},
+      {"coupler/report", {"common/base"}},
+      {"coupler", {"coupler/protocols", "coupler/report", "common/wire", "common/scene", "common/base"}},
   };
   return table;
 }
@@ -72,7 +73,8 @@ TEST(Architecture, EveryIncludeStaysWithinTheTableOfRooms) {
     const std::string from = room_of(file), to = room_of(target);
     ASSERT_FALSE(from.empty()) << file << " lies in no room of the table";
     ASSERT_FALSE(to.empty()) << file << " includes \"" << target << "\", which is no path from the root into a room";
-    if (from != to) EXPECT_THAT(allowed().at(from), testing::Contains(to)) << file << " includes \"" << target << '"';
+    if (from == to) continue;
+    EXPECT_THAT(allowed().at(from), testing::Contains(to)) << file << " includes \"" << target << '"';
   }
 }
 
@@ -86,7 +88,8 @@ TEST(Architecture, RoomsDoNotIncludeEachOtherInACycle) {
 
 TEST(Architecture, TheCouplerKnowsNoElements) {
   for (const auto& [file, target] : project_includes()) {
-    if (file.rfind("coupler/", 0) == 0) EXPECT_NE(room_of(target), "common/fem") << file;
+    if (file.rfind("coupler/", 0) != 0) continue;
+    EXPECT_NE(room_of(target), "common/fem") << file;
   }
 }
 

@@ -58,7 +58,7 @@ class FakeParticipant {
     d.components = 1;
     d.bodies = {"chain"};
     d.record_columns = {"window"};
-    d.contact_owner = implicit_ ? 1 : 0;
+    d.contact_owner = implicit_;
     const int n = static_cast<int>(shared_.size());
     d.interface_body = {n, 1, std::vector<double>(shared_.size(), 0.0)};
     d.interface_position_m = {n, 1, {}};
@@ -145,10 +145,10 @@ class FakeParticipant {
     answer_.window = m.window + m.windows - 1;
     set(answer_.increment, output_ - output_accepted_);
     for (auto& value : answer_.increment.data) value += corrupt_increment;
-    if (m.absolute_requested != 0) set(answer_.absolute, output_);
-    answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at ? 1 : 0;
-    if (m.records_requested != 0) answer_.records = {1, 1, {static_cast<double>(answer_.window)}};
-    if (m.accept_at_once == 0) return;
+    if (m.absolute_requested) set(answer_.absolute, output_);
+    answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at;
+    if (m.records_requested) answer_.records = {1, 1, {static_cast<double>(answer_.window)}};
+    if (!m.accept_at_once) return;
     u = u1, v = v1, a = a1;
     if (implicit_) answer_motion();
     link_accepted_ = link_trial_;

@@ -41,7 +41,7 @@ History two_participants() {
                   {"implicit",
                    {"window", "energy_kinetic_j/striker", "momentum_n_kg_m_s/striker", "gap_min_m", "energy_friction_j",
                     "energy_interface_j"}}},
-                 bodies, 0.5);
+                 bodies, 0.5, true);
 }
 
 TEST(History, MergesByWindowAndSumsOverBodiesAndParticipants) {
@@ -80,10 +80,10 @@ TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
   const std::vector<double> e = {0.1, 0.7, 1.0 / 3.0, 1e-9};  // striker explicit, target explicit, implicit parts
   History one({{"explicit", {"window", "energy_strain_j/striker", "energy_strain_j/target", "energy_interface_j/striker",
                              "energy_interface_j/target"}},
-               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}}, bodies, 1.0);
+               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}}, bodies, 1.0, true);
   History two({{"b", {"window", "energy_strain_j/target", "energy_interface_j/target"}},
                {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}},
-               {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}}, bodies, 1.0);
+               {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}}, bodies, 1.0, true);
   one.add(0, {0, e[0], e[1], 0.3, 1e-17});
   one.add(1, {0, e[2], e[3]});
   two.add(0, {0, e[1], 1e-17});
@@ -95,7 +95,7 @@ TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
 }
 
 TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
-  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies, 1.0); };
+  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies, 1.0, true); };
   EXPECT_THAT(text_of([&] { make({"window", "energy_kinetic_j/other"}); }),
               AllOf(HasSubstr("'implicit'"), HasSubstr("energy_kinetic_j/other"), HasSubstr("striker, target")));
   EXPECT_THAT(text_of([&] { make({"window", "temperature_k"}); }), HasSubstr("temperature_k"));
@@ -121,7 +121,7 @@ HistoryRow row_of(double kinetic, double external, double friction, double momen
 }
 
 TEST(Errors, EnergyAndMomentumAgainstTheirReferences) {
-  Errors errors;
+  Errors errors(true);
   auto row = row_of(10, 0, 0, 2, 0);
   errors.add(row);
   EXPECT_EQ(row.energy_error, 0.0);
@@ -135,8 +135,19 @@ TEST(Errors, EnergyAndMomentumAgainstTheirReferences) {
   EXPECT_DOUBLE_EQ(row.momentum_error, 0.0);
 }
 
+TEST(Errors, TangentialMomentumCountsOnlyWhereItIsOne) {
+  Errors plane(true), axisymmetric(false);
+  for (auto* errors : {&plane, &axisymmetric}) {
+    auto row = row_of(1, 0, 0, 3, 0);
+    errors->add(row);
+    row.sum.momentum_t_kg_m_s = row.bodies[0].momentum_t_kg_m_s = 4;
+    errors->add(row);
+    EXPECT_DOUBLE_EQ(row.momentum_error, errors == &plane ? 0.8 : 0.0);
+  }
+}
+
 TEST(Errors, StartAtRestHasNoReferenceAtFirst) {
-  Errors errors;
+  Errors errors(true);
   auto row = row_of(0, 0, 0, 0, 0);
   errors.add(row);
   EXPECT_EQ(row.energy_error, 0.0);
@@ -171,7 +182,7 @@ TEST(HistoryFile, UnwritableFolderIsNamed) {
 }
 
 struct Watched {
-  Errors errors;
+  Errors errors{true};
   EnergyWatch watch;
   explicit Watched(Suspicion suspicion = {}) : watch(0.05, std::move(suspicion), {"explicit", "implicit"}, {"rod"}) {}
   void row(double kinetic, double external, std::vector<double> created = {0, 0}, double interface = 0) {

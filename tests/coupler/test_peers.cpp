@@ -104,7 +104,7 @@ TEST_F(PeersTest, EveryoneIsWelcomedAndStrangersAreTurnedAwayWithTheReason) {
   other_scene.hello("explicit", "explicit", another_scene);
   wrong_role.hello("explicit", "implicit");
   std::string trouble;
-  std::thread meeting([&] { trouble = failure([&] { peers_.handshake(); }).second; });
+  std::jthread meeting([&] { trouble = failure([&] { peers_.handshake(); }).second; });
   EXPECT_THAT(stranger.receive().error_text,
               AllOf(HasSubstr("'explict'"), HasSubstr("explicit, implicit"), HasSubstr("did you mean \"explicit\"")));
   EXPECT_THAT(other_scene.receive().error_text, HasSubstr("another scene"));
@@ -170,7 +170,7 @@ TEST_F(Connected, SilenceIsNoticedAtTheDeadline) {
   describe(0);
   const auto [code, text] = failure([&] { (void)peers_.peer(0).wait(); });
   EXPECT_EQ(code, 4);
-  EXPECT_THAT(text, AllOf(HasSubstr("'explicit' is silent since 1."), HasSubstr("asked to 'describe'")));
+  EXPECT_THAT(text, AllOf(HasSubstr("'explicit' has been silent for 1."), HasSubstr("asked to 'describe'")));
 }
 
 TEST_F(Connected, FailureMessageKeepsItsExitCodeAlsoFromAnotherPeer) {
@@ -216,6 +216,30 @@ TEST_F(Connected, LastWordsOfADyingProcessCount) {
   const auto [code, text] = failure([&] { (void)peers_.peer(0).wait(); });
   EXPECT_EQ(code, 3);
   EXPECT_THAT(text, HasSubstr("diverged"));
+}
+
+/// A participant that has answered 'finished' may end before its answer is read; nobody is then waited for in vain.
+TEST_F(Connected, EndsNoticedBeforeTheLastWordsAreRead) {
+  Client* clients[] = {explicit_.get(), implicit_.get()};
+  const std::pair<Kind, Kind> exchanges[] = {{Kind::describe, Kind::description},
+                                             {Kind::initialize, Kind::initialized},
+                                             {Kind::synchronise, Kind::synchronised},
+                                             {Kind::finish, Kind::finished}};
+  for (const auto& [question, answer] : exchanges) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      Message message;
+      message.kind = question;
+      peers_.peer(i).post(message);
+      (void)clients[i]->receive();
+      clients[i]->answer(answer);
+      if (question != Kind::finish) (void)peers_.peer(i).wait();
+    }
+  }
+  launch("explicit", "exit 0");
+  launch("implicit", "exit 0");
+  while (launcher_.events() < 2) launcher_.poll();
+  EXPECT_EQ(peers_.peer(0).wait().kind, Kind::finished);
+  EXPECT_EQ(peers_.peer(1).wait().kind, Kind::finished);
 }
 
 TEST_F(Connected, CtrlCInterruptsAWait) {

@@ -192,6 +192,7 @@ TEST(CommandLine, UnknownCommandsAndOptionsSuggestTheNearest) {
               AllOf(HasSubstr("--oout"), HasSubstr("did you mean \"--out\"")));
   EXPECT_THAT(command_line_error({"--versoin"}), HasSubstr("did you mean \"--version\""));
   EXPECT_THAT(command_line_error({"check", "x.toml", "y.toml"}), HasSubstr("y.toml"));
+  EXPECT_THAT(command_line_error({"run", "--ot"}), HasSubstr("did you mean \"--out\""));
   EXPECT_THAT(command_line_error({"run"}), HasSubstr("SCENE"));
   EXPECT_THAT(command_line_error({"run", "x.toml", "--out"}), HasSubstr("--out"));
 }

@@ -54,7 +54,7 @@ TEST(TimeLoop, BaselineIsAskedForManyWindowsAtOnce) {
 TEST(TimeLoop, SwitchesAwayAfterSeparationAndBackBeforeContact) {
   Setting s;
   auto& status = s.implicit_side.status;
-  status.separated = 1;
+  status.separated = true;
   status.gap_min_m = 1.0;
   std::vector<bool> all_explicit;
   TimeLoop loop(*s.coupling, *s.protocol, {200, 0.1, 0, true, true}, [&](std::int64_t window) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <fstream>
-#include <sstream>
 
 #include "common/fem/gmsh_file.hpp"
 #include "tests/fem/sample_elements.hpp"
@@ -20,13 +19,6 @@ using testing::Pair;
 
 const std::string cylinders = RICOCHET_SOURCE "/tests/fem/data/two_cylinders.msh";
 const std::string rod = RICOCHET_SOURCE "/tests/fem/data/rod.msh";
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t position = text.find(from);
@@ -128,7 +120,8 @@ TEST(ReadGmsh, ReadsABarWhoseCurvesRunEitherWay) {
 }
 
 TEST(ReadGmsh, SkipsSectionsItDoesNotNeedAndTakesWindowsLineEnds) {
-  std::string text = replaced(text_of(rod), "$Entities", "$Comments\nmade by hand: $Nodes 3\n$EndComments\n$Entities");
+  std::string text =
+      replaced(sample::file_text(rod), "$Entities", "$Comments\nmade by hand: $Nodes 3\n$EndComments\n$Entities");
   std::string windows;
   for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
   const TemporaryMesh file(windows);
@@ -140,10 +133,17 @@ TEST(ReadGmsh, SkipsSectionsItDoesNotNeedAndTakesWindowsLineEnds) {
 }
 
 TEST(ReadGmsh, PutsNodesOnTheAxisThatGmshLeftBesideIt) {
-  const TemporaryMesh file(replaced(text_of(cylinders), "\n0 -0.002000000000004911 0\n", "\n-6.1e-19 -0.002 0\n"));
+  const TemporaryMesh file(
+      replaced(sample::file_text(cylinders), "\n0 -0.002000000000004911 0\n", "\n-6.1e-19 -0.002 0\n"));
   const Mesh mesh = read_gmsh(file.path(), Model::axisymmetric, "target");
   for (const Eigen::Vector2d& x : mesh.position) EXPECT_GE(x[0], 0.0);
   EXPECT_EQ(surface_nodes(mesh, "axis").size(), 3U);
+}
+
+TEST(ReadGmsh, TakesAPhysicalTagOfReversedOrientation) {
+  const TemporaryMesh file(replaced(sample::file_text(cylinders), "0.004 0 0 1 4 2 1 -2", "0.004 0 0 1 -4 2 1 -2"));
+  EXPECT_EQ(read_gmsh(file.path(), Model::axisymmetric, "striker").surfaces,
+            read_gmsh(cylinders, Model::axisymmetric, "striker").surfaces);
 }
 
 TEST(ReadGmsh, SaysWhichFileItCannotRead) {
@@ -165,7 +165,7 @@ class BrokenMesh : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenMesh, IsRefusedByName) {
   const Broken& broken = GetParam();
-  const TemporaryMesh file(replaced(text_of(cylinders), broken.from, broken.to));
+  const TemporaryMesh file(replaced(sample::file_text(cylinders), broken.from, broken.to));
   const std::string text = sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, broken.body); });
   EXPECT_THAT(text, HasSubstr(file.path()));
   for (const std::string& expected : broken.expected) EXPECT_THAT(text, HasSubstr(expected));
@@ -258,7 +258,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ReadGmsh, RefusesACrackThatNobodySees) {
   // Element 33 gets a node of its own at the place of node 33, which its neighbours share.
-  const std::string moved = replaced(text_of(cylinders), "\n0.00250000000000661 -0.004 0\n",
+  const std::string moved = replaced(sample::file_text(cylinders), "\n0.00250000000000661 -0.004 0\n",
                                      "\n0.001205995708118331 0.00634011713973302 0\n");
   const TemporaryMesh file(replaced(moved, "\n33 5 31 33 19 ", "\n33 5 31 22 19 "));
   EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(file.path(), Model::axisymmetric, "striker"); }),
@@ -267,7 +267,7 @@ TEST(ReadGmsh, RefusesACrackThatNobodySees) {
 }
 
 TEST(ReadGmsh, RefusesAFileCutOffAnywhere) {
-  const std::string whole = text_of(cylinders);
+  const std::string whole = sample::file_text(cylinders);
   const std::size_t last = whole.find("$EndElements");
   int refused = 0;
   for (std::size_t length = 0; length < last + 11; length += 7) {
@@ -280,10 +280,10 @@ TEST(ReadGmsh, RefusesAFileCutOffAnywhere) {
 }
 
 TEST(ReadGmsh, RefusesABarOffItsAxisOrWithASurfaceInside) {
-  const TemporaryMesh off(replaced(text_of(rod), "\n0.25 0 0\n", "\n0.25 1e-3 0\n"));
+  const TemporaryMesh off(replaced(sample::file_text(rod), "\n0.25 0 0\n", "\n0.25 1e-3 0\n"));
   EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(off.path(), Model::bar, "rod"); }),
               HasSubstr("node 3 has y = 0.001 m; bars lie on the x axis"));
-  const TemporaryMesh inside(replaced(text_of(rod), "\n0 3 15 1\n2 3 \n", "\n0 3 15 1\n2 12 \n"));
+  const TemporaryMesh inside(replaced(sample::file_text(rod), "\n0 3 15 1\n2 3 \n", "\n0 3 15 1\n2 12 \n"));
   EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(inside.path(), Model::bar, "rod"); }),
               HasSubstr("element 2 of \"impact_end\" lies inside the body"));
   EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(rod, Model::axisymmetric, "rod"); }),

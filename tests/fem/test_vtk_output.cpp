@@ -135,13 +135,6 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
   }
 }
 
-std::string file_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 std::string decode_base64(const std::string& text) {
   static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
@@ -161,7 +154,7 @@ std::string decode_base64(const std::string& text) {
 TEST(WriteVtu, HoldsLengthAndValuesInOneBase64String) {
   for (const Model model : sample::every_model) {
     const Written written(model);
-    const std::string text = file_text(written.path());
+    const std::string text = sample::file_text(written.path());
     EXPECT_THAT(text, HasSubstr("byte_order=\"LittleEndian\" header_type=\"UInt64\""));
     const std::size_t tag = text.find("Name=\"velocity\" NumberOfComponents=\"3\" format=\"binary\">");
     ASSERT_NE(tag, std::string::npos);

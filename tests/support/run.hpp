@@ -35,7 +35,7 @@ inline History read_history(const std::string& path) {
   return history;
 }
 
-struct Run {
+struct RunResult {
   Outcome outcome;
   std::string folder;
   History history;
@@ -86,9 +86,9 @@ struct Run {
 inline std::string ricochet_binary() { return std::string(RICOCHET_BUILD) + "/ricochet"; }
 
 /// Runs a scene file into `folder`/out and reads what it left, whether it succeeded or not.
-inline Run run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out = "out",
+inline RunResult run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out = "out",
                     double timeout_s = 120.0) {
-  Run run;
+  RunResult run;
   run.folder = (folder.path() / out).string();
   run.outcome = run_command({ricochet_binary(), "run", scene, "--out", run.folder}, folder.path().string(), timeout_s);
   run.history = read_history(run.folder + "/history.csv");
@@ -98,8 +98,8 @@ inline Run run_file(const std::string& scene, const TemporaryFolder& folder, con
 }
 
 /// Runs a scene given as text and expects it to be done.
-inline Run run_text(const std::string& text, const TemporaryFolder& folder, const std::string& name = "scene") {
-  Run run = run_file(folder.write(text, name + ".toml"), folder, name);
+inline RunResult run_text(const std::string& text, const TemporaryFolder& folder, const std::string& name = "scene") {
+  RunResult run = run_file(folder.write(text, name + ".toml"), folder, name);
   EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
   return run;
 }

@@ -15,7 +15,9 @@ inline void fill(bool& value, int) { value = true; }
 inline void fill(std::int64_t& value, int n) { value = n % 2 == 0 ? 1000 + n : -7'000'000'000 - n; }
 inline void fill(double& value, int n) { value = -1.0 / (3 + n); }
 inline void fill(std::string& value, int n) { value = "text \xc3\xa9 " + std::to_string(n); }
-inline void fill(std::vector<std::string>& values, int n) { values = {"", "one", std::string(300, static_cast<char>('a' + n % 26))}; }
+inline void fill(std::vector<std::string>& values, int n) {
+  values = {"", "one", std::string(300, static_cast<char>('a' + n % 26))};
+}
 inline void fill(Array& array, int n) {
   array.resize(n % 4, 3);
   for (std::size_t i = 0; i < array.data.size(); ++i) array.data[i] = 1e-300 * n + 0.1 * static_cast<double>(i);
@@ -33,9 +35,13 @@ inline Message sample(Kind kind) {
   return message;
 }
 
-inline bool same(const Array& a, const Array& b) { return a.rows == b.rows && a.columns == b.columns && a.data == b.data; }
+inline bool same(const Array& a, const Array& b) {
+  return a.rows == b.rows && a.columns == b.columns && a.data == b.data;
+}
 template <class Value>
-bool same(const Value& a, const Value& b) { return a == b; }
+bool same(const Value& a, const Value& b) {
+  return a == b;
+}
 
 /// Compares every member of the schema, not only those of the kind.
 inline void expect_same(const Message& a, const Message& b) {

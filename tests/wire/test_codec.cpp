@@ -35,7 +35,7 @@ TEST_P(EveryKind, DoesNotTravelWithANumberThatIsNotFinite) {
     for (const double value : wrong) {
       Message message = sample(GetParam());
       if (const auto* number = std::get_if<double Message::*>(&field.member)) {
-        message.**number = value;
+        message.** number = value;
       } else if (const auto* array = std::get_if<Array Message::*>(&field.member)) {
         (message.**array).resize(4, 3);
         (message.**array).data[7] = value;
@@ -89,6 +89,16 @@ TEST(Decode, UsesTheMemoryOfTheMessageAgain) {
   const auto* before = received.increment.data.data();
   decode(encoded(sent), "x", received);
   EXPECT_EQ(received.increment.data.data(), before);
+}
+
+TEST(Decode, TakesWholeNumbersThatTravelAsIntegers) {
+  for (const double value : {0.0, 1.0, -3.0, 1e15, -1e15, 1e19, 0.5}) {
+    Message sent, received;
+    sent.kind = Kind::welcome;
+    sent.timeout_s = value;
+    decode(encoded(sent), "x", received);
+    EXPECT_EQ(received.timeout_s, value);
+  }
 }
 
 TEST(Encode, IsTheSameForTheSameMessage) {

@@ -28,8 +28,8 @@ std::string section(const std::string& name) {
 
 /// The text belongs into the page; a failure leaves it in the build directory to copy from.
 void expect_section(const std::string& name, const std::string& expected) {
-  EXPECT_EQ(section(name), expected) << "docs/wire.md differs from the code; the right text is in " << RICOCHET_BUILD << "/wire_"
-                                     << name << ".md";
+  EXPECT_EQ(section(name), expected) << "docs/wire.md differs from the code; the right text is in " << RICOCHET_BUILD
+                                     << "/wire_" << name << ".md";
   if (section(name) != expected) std::ofstream(fmt::format("{}/wire_{}.md", RICOCHET_BUILD, name)) << expected;
 }
 
@@ -113,7 +113,8 @@ TEST(WirePage, HasAnExampleThatIsTrue) {
   const std::string bytes = encoded(message);
   std::string text = "```\n" + json(msgpack::unpack(bytes.data(), bytes.size()).get()) + "\n```\n\n```\n";
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    text += fmt::format("{:02x}{}", static_cast<unsigned char>(bytes[i]), i % 32 == 31 || i + 1 == bytes.size() ? "\n" : " ");
+    text += fmt::format("{:02x}{}", static_cast<unsigned char>(bytes[i]),
+                        i % 32 == 31 || i + 1 == bytes.size() ? "\n" : " ");
   }
   expect_section("example", text + "```\n");
 }

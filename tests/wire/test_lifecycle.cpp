@@ -71,14 +71,17 @@ std::map<State, std::vector<Said>> paths() {
   return found;
 }
 
+/// A conversation that has come to `state`.
+Conversation conversation_at(State state) {
+  Conversation conversation;
+  const auto path = paths().at(state);
+  for (const auto& said : path) conversation.say(said);
+  return conversation;
+}
+
 class EveryState : public testing::TestWithParam<State> {
  protected:
-  const std::vector<Said> path_ = paths().at(GetParam());
-  Conversation there() const {
-    Conversation conversation;
-    for (const auto& said : path_) conversation.say(said);
-    return conversation;
-  }
+  [[nodiscard]] Conversation there() const { return conversation_at(GetParam()); }
   [[nodiscard]] bool over() const { return GetParam() == State::finished || GetParam() == State::failed; }
 };
 
@@ -141,28 +144,28 @@ TEST(Lifecycle, EveryKindIsInTheTable) {
 }
 
 TEST(Lifecycle, SaysWhoDidWhatAndWhatWasExpected) {
-  Conversation conversation;
-  for (const auto& said : paths().at(State::initializing)) conversation.say(said);
+  auto conversation = conversation_at(State::initializing);
   try {
     conversation.say({Side::participant, Kind::advanced, false});
     FAIL();
   } catch (const ProtocolError& error) {
     EXPECT_STREQ(error.what(),
-                 "participant 'rod' sent 'advanced' while 'initialize' was outstanding; expected one of 'initialized', 'failure'");
+                 "participant 'rod' sent 'advanced' while 'initialize' was outstanding; expected one of 'initialized', "
+                 "'failure'");
   }
   try {
     conversation.say({Side::coupler, Kind::advance, false});
     FAIL();
   } catch (const ProtocolError& error) {
-    EXPECT_STREQ(error.what(),
-                 "the coupler sent 'advance' to participant 'rod' while 'initialize' was outstanding; it was not its turn");
+    EXPECT_STREQ(
+        error.what(),
+        "the coupler sent 'advance' to participant 'rod' while 'initialize' was outstanding; it was not its turn");
   }
 }
 
 TEST(Lifecycle, NoticesALostAndARepeatedMessage) {
   for (const std::int64_t wrong : {-1, 0, 2, 100}) {
-    Conversation conversation;
-    for (const auto& said : paths().at(State::described)) conversation.say(said);
+    auto conversation = conversation_at(State::described);
     Message message;
     message.kind = Kind::initialize;
     message.sequence = wrong;  // welcome, describe came before: 2 is right
@@ -174,8 +177,10 @@ TEST(Lifecycle, NoticesALostAndARepeatedMessage) {
       conversation.lifecycle.step(Side::coupler, message, "rod");
       FAIL();
     } catch (const ProtocolError& error) {
-      EXPECT_EQ(error.what(), fmt::format("the coupler sent 'initialize' as message number {}, expected number 2: one was lost "
-                                          "or sent twice", wrong));
+      EXPECT_EQ(error.what(),
+                fmt::format("the coupler sent 'initialize' as message number {}, expected number 2: one was lost "
+                            "or sent twice",
+                            wrong));
     }
   }
 }

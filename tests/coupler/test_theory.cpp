@@ -1,0 +1,34 @@
+#include "coupler/theory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ricochet::coupler {
+namespace {
+
+const std::string configs = std::string(RICOCHET_SOURCE) + "/configs/";
+
+std::optional<ImpactTheory> theory_of(const std::string& file) {
+  return impact_theory(scene::build_problem(scene::load_scene(configs + file)));
+}
+
+TEST(ImpactTheory, PaperScene) {
+  const auto theory = theory_of("kim_impact.toml");
+  ASSERT_TRUE(theory);
+  EXPECT_NEAR(theory->stress_pa, 853.8e6, 0.1e6);
+  EXPECT_NEAR(theory->contact_duration_s, 31.18e-6, 0.01e-6);
+  EXPECT_EQ(theory->body, "steel");
+}
+
+TEST(ImpactTheory, EqualBarsOfCarpenter) {
+  const auto theory = theory_of("two_bars.toml");
+  ASSERT_TRUE(theory);
+  EXPECT_NEAR(theory->stress_pa * 6.4516e-4, 1.33453e5, 5.0);
+  EXPECT_NEAR(theory->contact_duration_s, 148.393e-6 - 49.456e-6, 2e-9);
+}
+
+TEST(ImpactTheory, NoneWithARigidPlane) { EXPECT_FALSE(theory_of("rod_on_stop.toml")); }
+
+}  // namespace
+}  // namespace ricochet::coupler
