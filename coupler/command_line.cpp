@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "coupler/report/report.hpp"
 #include "coupler/run.hpp"
 #include "coupler/starter_scene.hpp"
 
@@ -19,7 +20,7 @@ const char* const exit_codes =
     "            5 the coupling protocol was broken, 130 interrupted (Ctrl-C; 128 + signal).";
 
 struct Arguments {
-  std::string scene, out, name;
+  std::string scene, out, name, results;
 };
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -33,6 +34,8 @@ void define(CLI::App& app, Arguments& arguments) {
   run->add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
   auto* check = app.add_subcommand("check", "Report and refuse all that can be known before a process starts");
   check->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  auto* report = app.add_subcommand("report", "Write the charts of a run once more: DIR/report.html");
+  report->add_option("DIR", arguments.results, "Results folder of a run")->required();
   auto* init = app.add_subcommand("init", "Write a commented starter scene NAME.toml");
   init->add_option("NAME", arguments.name, "Name of the new scene")->required();
 }
@@ -83,6 +86,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.remaining_size(true) > 0) refuse_extra(app);
   if (app.got_subcommand("run")) run_scene(arguments.scene, arguments.out);
   if (app.got_subcommand("check")) check_scene(arguments.scene);
+  if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
   if (app.get_subcommands().empty()) fmt::print("{}", app.help());
   return app.get_subcommands().empty() ? static_cast<int>(ExitCode::config) : 0;

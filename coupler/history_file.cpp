@@ -47,6 +47,7 @@ HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodie
       flushed_(std::chrono::steady_clock::now()) {
   if (descriptor_ < 0) throw ConfigError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
   pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies), ","));
+  flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
 
 HistoryFile::~HistoryFile() {

@@ -1,5 +1,5 @@
 // The `ricochet` command:
-//   ricochet run SCENE [--out DIR] | check SCENE | init NAME | --version
+//   ricochet run SCENE [--out DIR] | check SCENE | report DIR | init NAME | --version
 #include <csignal>
 #include <cstdio>
 #include <exception>

@@ -103,7 +103,6 @@ bool Peers::receive_into_scratch(wire::Deadline deadline, bool watch_processes) 
 }
 
 void Peers::deliver() {
-  ++delivered_;
   auto* peer = find(scratch_identity_);
   if (!peer) {
     admit();

@@ -101,7 +101,6 @@ class Peers {
   std::vector<int> descriptors_;
   wire::Message scratch_;
   std::string scratch_identity_;
-  std::uint64_t delivered_ = 0;  ///< messages delivered so far
   int seen_events_ = 0;
 };
 

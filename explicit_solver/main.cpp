@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/participant/participant.hpp"
@@ -23,8 +24,9 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ricochet::ExitCode::config);
   }
   try {
-    options.timeout_s = 60.0;
-    ricochet::explicit_solver::ExplicitSolver solver(ricochet::scene::build_problem(ricochet::scene::load_scene(scene)), name);
+    auto problem = ricochet::scene::build_problem(ricochet::scene::load_scene(scene));
+    options.timeout_s = problem.scene.coupling.timeout_s;  // until the coupler states its own
+    ricochet::explicit_solver::ExplicitSolver solver(std::move(problem), name);
     return ricochet::participant::serve(solver, options);
   } catch (const ricochet::Error& error) {
     std::fprintf(stderr, "%s: error: %s\n", name.c_str(), error.what());

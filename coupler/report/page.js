@@ -1,0 +1,63 @@
+// Draws the charts of <script id="charts">: [{id, link, columns, rows, spec}], see chart.hpp.
+"use strict";
+
+const views = [];  // {link, view, from, to}
+
+function named(columns, row) {
+  return Object.fromEntries(columns.map((column, i) => [column, row[i]]));
+}
+
+function showRange(link, from, to) {
+  for (const other of views) {
+    if (other.link === link) other.view.signal("from", from ?? other.from).signal("to", to ?? other.to).runAsync();
+  }
+}
+
+// A dragged interval is not kept as a selection: it becomes the range of all charts that are linked.
+function enlargeOnDrag(chart, view) {
+  const field = chart.link === "time" ? "zoom_time" : "zoom_begin";
+  let dragged = null;
+  view.addSignalListener(field, (name, range) => { dragged = range; });
+  window.addEventListener("pointerup", () => {
+    if (!dragged || dragged[0] === dragged[1]) return;
+    const [from, to] = dragged[0] < dragged[1] ? dragged : [dragged[1], dragged[0]];
+    dragged = null;
+    view.signal("zoom_x", [0, 0]);
+    showRange(chart.link, from, to);
+  });
+  view.addEventListener("dblclick", () => showRange(chart.link, null, null));
+}
+
+async function draw(chart) {
+  const spec = { ...chart.spec, data: { values: chart.rows.map((row) => named(chart.columns, row)) } };
+  const config = {
+    font: "system-ui, sans-serif",
+    background: "#ffffff",
+    axis: { labelFontSize: 12, titleFontSize: 12, titleFontWeight: "normal", gridColor: "#e4e4e4" },
+    axisY: { minExtent: 60, titlePadding: 8 },
+    legend: { orient: "top", labelFontSize: 12, labelLimit: 300, symbolSize: 900, symbolStrokeWidth: 2 },
+    view: { stroke: "#999999" },
+  };
+  const { view } = await vegaEmbed("#" + chart.id, spec, {
+    mode: "vega-lite",
+    actions: { export: true, source: false, compiled: false, editor: false },
+    downloadFileName: chart.id,
+    config,
+  });
+  views.push({ link: chart.link, view, from: view.signal("from"), to: view.signal("to") });
+  enlargeOnDrag(chart, view);
+}
+
+async function drawAll() {
+  for (const chart of JSON.parse(document.getElementById("charts").textContent)) {
+    try {
+      await draw(chart);
+    } catch (error) {
+      document.getElementById(chart.id).textContent = "This chart could not be drawn: " + error.message;
+      console.error(error);
+    }
+  }
+  document.body.dataset.drawn = "true";
+}
+
+drawAll();

@@ -1,0 +1,119 @@
+#include "coupler/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
+#include "coupler/report/assets.hpp"
+#include "coupler/report/history_charts.hpp"
+#include "coupler/report/history_table.hpp"
+#include "coupler/report/quantity.hpp"
+#include "coupler/report/summary_page.hpp"
+#include "coupler/report/text.hpp"
+#include "coupler/report/timeline.hpp"
+
+namespace ricochet::report {
+namespace {
+
+struct Event {
+  std::string name;
+  double time_s = 0;
+};
+
+std::vector<Event> events_of(const Json& summary) {
+  std::vector<Event> events;
+  if (const auto first = number(summary, "first_contact_s")) events.push_back({"first contact", *first});
+  if (const auto separation = number(summary, "separation_time_s")) events.push_back({"separation", *separation});
+  for (const auto& change : summary.value("switches", Json::array())) {
+    if (const auto time = number(change, "time_s")) events.push_back({"switch to " + change.value("to", ""), *time});
+  }
+  return events;
+}
+
+/// Column theory_contact_stress_pa: the stress of impedance theory while it says that the bodies touch.
+void add_theory(HistoryTable& table, const Json& summary) {
+  const auto first = number(summary, "first_contact_s");
+  const Json theory = summary.value("theory", Json());
+  if (!first || theory.is_null()) return;
+  const double end_s = *first + number(theory, "contact_duration_s").value_or(0.0);
+  const double stress_pa = number(theory, "contact_stress_pa").value_or(0.0);
+  std::vector<double> values;
+  for (const double time : table.columns.front()) {
+    values.push_back(*first <= time && time <= end_s ? stress_pa : std::numeric_limits<double>::quiet_NaN());
+  }
+  table.names.emplace_back("theory_contact_stress_pa");
+  table.columns.push_back(std::move(values));
+}
+
+std::string help_html(const HistoryTable& table, const std::vector<Event>& events) {
+  if (table.rows() < 2) return "<p>The run ended before there was a history to draw.</p>";
+  std::string text =
+      "<p>Point at a chart to read values. Drag over a stretch of time to enlarge it in all charts over time, "
+      "double-click to go back.</p>";
+  if (events.empty()) return text;
+  std::string list;
+  for (const auto& event : events) {
+    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", event.name, quantity(event.time_s, "s"));
+  }
+  return text + "<p>Dotted vertical lines: " + escape_html(list) + ".</p>";
+}
+
+std::string libraries_html() {
+  std::string text;
+  for (const std::string library : {"vega", "vega-lite", "vega-embed"}) {
+    text += fmt::format("<script>/*! {}\n{}*/\n{}</script>\n", library, asset(library + ".license"),
+                        inside_script(asset(library + ".js")));
+  }
+  return text;
+}
+
+std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryTable& table,
+                             const std::vector<Event>& events) {
+  std::vector<double> times;
+  for (const auto& event : events) times.push_back(event.time_s);
+  auto charts = history_charts(table, times);
+  // A run that was killed has written no trace; the rest of the page is worth having all the same.
+  const auto trace = folder / "trace.json";
+  if (std::filesystem::exists(trace)) {
+    if (auto chart = timeline(read_text(trace.string()))) charts.push_back(std::move(*chart));
+  }
+  return charts;
+}
+
+std::string page_of(const std::filesystem::path& folder) {
+  const auto summary = read_summary((folder / "summary.json").string());
+  auto table = read_history((folder / "history.csv").string());
+  add_theory(table, summary);
+  const auto events = events_of(summary);
+  std::string figures, json;
+  for (const auto& chart : charts_of(folder, table, events)) {
+    figures += to_html(chart);
+    json += (json.empty() ? "" : ",\n") + to_json(chart);
+  }
+  return fill_page(asset("page.html"), {{"title", escape_html(scene_name(summary))},
+                                        {"style", std::string(asset("page.css"))},
+                                        {"header", header_html(summary)},
+                                        {"tables", tables_html(summary)},
+                                        {"help", help_html(table, events)},
+                                        {"figures", figures},
+                                        {"libraries", libraries_html()},
+                                        {"charts", inside_script("[" + json + "]")},
+                                        {"script", std::string(asset("page.js"))}});
+}
+
+}  // namespace
+
+std::string write_report(const std::string& directory) {
+  const auto path = (std::filesystem::path(directory) / "report.html").string();
+  try {
+    write_atomically(path, page_of(directory));
+  } catch (const Json::exception& error) {
+    throw ConfigError(fmt::format("{}/summary.json or trace.json is not that of a run: {}", directory, error.what()));
+  }
+  return path;
+}
+
+}  // namespace ricochet::report

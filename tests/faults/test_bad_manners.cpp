@@ -1,0 +1,61 @@
+// Participants that break the wire or the legal order of messages, or that end when they should not.
+#include "tests/faults/fault_run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+struct Habit {
+  const char* name;  ///< of the participant; fake_participant does what its name says
+  int code;
+  const char* status;
+  std::vector<std::string> words;
+};
+
+void PrintTo(const Habit& habit, std::ostream* out) { *out << habit.name; }
+
+constexpr auto broken = "protocol_broken", failed = "participant_failed", wrong = "scene_wrong";
+
+const std::vector<Habit> habits = {
+    {"says_nan", 5, broken, {"in window 40", "'increment' is not finite: nan at row 0"}},
+    {"says_too_few_numbers", 5, broken, {"window 40", "'increment'", "its interface has 2 x 1"}},
+    {"says_another_kind", 5, broken, {"sent 'accepted' while 'advance' was outstanding", "expected one of 'advanced'"}},
+    {"answers_twice", 5, broken, {"sent 'advanced' while"}},
+    {"means_another_run", 5, broken, {"run '20200101-000000-1-deadbeef', this is run '"}},
+    {"says_nonsense", 5, broken, {"in window 40"}},
+    {"says_two_frames", 5, broken, {"in window 40", "a message of 2 frames, expected one"}},
+    {"says_half", 5, broken, {"in window 40", "breaks off after"}},
+    {"loses_a_message", 5, broken, {"as message number", "one was lost or sent twice"}},
+    {"exits_silently", 4, failed, {"ended with exit code 7 in window 40"}},
+    {"exits_badly_after_all", 4, failed, {"finished its work but ended with exit code 9"}},
+    {"greets_in_another_version", 4, failed, {"version 99", "this program speaks version 1", "the same release"}},
+    {"greets_with_nonsense", 4, failed, {"before it said hello"}},
+    {"greets_too_late", 4, failed, {"the first message must be 'hello', not 'description'"}},
+    {"has_another_role", 2, wrong, {"says it is implicit, the scene wants explicit"}},
+    {"read_another_scene", 2, wrong, {"read another scene", "give both the same file"}},
+};
+
+class BadManners : public testing::TestWithParam<Habit> {};
+
+TEST_P(BadManners, ends_the_run_and_names_the_participant) {
+  const auto& habit = GetParam();
+  const TemporaryFolder folder;
+  const std::string executable = "executable = \"" + program("fake_participant") + "\"";
+  FaultRun run(folder, with_participants(bars(few_windows), habit.name, executable));
+  auto words = habit.words;
+  words.push_back(std::string("participant '") + habit.name + "'");
+  expect_failure(run, habit.code, habit.status, words);
+  expect_recovery(run, folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits), [](const auto& test) { return test.param.name; });
+
+TEST(Strangers, nonsense_of_a_stranger_does_not_end_the_run) {
+  const TemporaryFolder folder;
+  const std::string executable = "executable = \"" + program("fake_participant") + "\"";
+  FaultRun run(folder, with_participants(bars(few_windows), "floods", executable));
+  EXPECT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
+  expect_recovery(run, folder);
+}
+
+}  // namespace
+}  // namespace ricochet::test

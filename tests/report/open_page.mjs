@@ -1,0 +1,88 @@
+// node open_page.mjs NODE_MODULES DIR...: opens DIR/report.html of each results folder in headless Chromium, points at
+// every chart and fails if a tooltip is missing, a chart is empty, or the console or the network has anything to say.
+import { createRequire } from "node:module";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [modules, ...folders] = process.argv.slice(2);
+const { chromium } = createRequire(resolve(modules, "package.json"))("playwright-core");
+const flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+function expect(holds, text) {
+  if (!holds) throw new Error(text);
+}
+
+async function centre(chart) {
+  await chart.scrollIntoViewIfNeeded();
+  const box = await chart.locator("canvas").boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2, width: box.width };
+}
+
+async function tooltipOf(page, chart) {
+  const at = await centre(chart);
+  const tooltip = page.locator("#vg-tooltip-element.visible");
+  for (let step = 0; step < 40; ++step) {  // the timeline has no bar everywhere
+    await page.mouse.move(at.x + 4 * step - 80, at.y + step % 3);
+    if (await tooltip.count()) return tooltip.innerText();
+  }
+  return "";
+}
+
+async function dragEnlargesAllChartsOverTime(page) {
+  const at = await centre(page.locator(".chart").first());
+  const range = () => page.evaluate(() => views.filter((v) => v.link === "time")
+    .map((v) => [v.view.signal("from"), v.view.signal("to")]));
+  const before = await range();
+  await page.mouse.move(at.x - 100, at.y);
+  await page.mouse.down();
+  await page.mouse.move(at.x + 100, at.y, { steps: 5 });
+  await page.mouse.up();
+  const enlarged = await range();
+  for (const [from, to] of enlarged) {
+    expect(from === enlarged[0][0] && to === enlarged[0][1], "the charts over time are enlarged differently");
+    expect(to - from < 0.5 * (before[0][1] - before[0][0]), `dragging did not enlarge: ${from} to ${to}`);
+  }
+  await page.mouse.dblclick(at.x, at.y);
+  expect(JSON.stringify(await range()) === JSON.stringify(before), "a double click does not go back");
+}
+
+async function check(browser, folder) {
+  const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
+  const complaints = [];
+  page.on("console", (message) => complaints.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => complaints.push(`error: ${error}`));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`request of ${request.url()}`);
+  });
+  await page.goto(pathToFileURL(resolve(folder, "report.html")).href);
+  await page.waitForSelector("body[data-drawn]", { state: "attached" });
+  const charts = page.locator(".chart");
+  const count = await charts.count();
+  expect(count > 0, "no charts");
+  const ids = await charts.evaluateAll((found) => found.map((chart) => chart.id));
+  for (let i = 0; i < count; ++i) {
+    const text = await tooltipOf(page, charts.nth(i));
+    expect(/\d/.test(text), `no tooltip with a value on ${ids[i]}`);
+    await page.mouse.move(5, 5);
+  }
+  if (ids[0] !== "timeline") await dragEnlargesAllChartsOverTime(page);
+  expect(complaints.length === 0, complaints.join("\n"));
+  console.log(`${folder}: ${ids.join(", ")}`);
+  if (process.env.SCREENSHOT) await page.screenshot({ path: resolve(folder, "report.png"), fullPage: true });
+  await page.close();
+}
+
+const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: flags });
+try {
+  for (const folder of folders) {
+    try {
+      await check(browser, folder);
+    } catch (error) {
+      console.error(`${folder}: ${error.message}`);
+      process.exitCode = 1;
+    }
+  }
+} finally {
+  await browser.close();
+}

@@ -1,0 +1,201 @@
+// An explicit participant with one bad habit; its name says which (`habits` below). The fault tests have it started in
+// place of explicit_solver, with the same arguments. It computes what explicit_solver computes, but speaks to the coupler
+// past the checks of `serve`.
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <zmq.hpp>
+
+#include "common/base/error.hpp"
+#include "common/participant/session.hpp"
+#include "common/scene/problem.hpp"
+#include "common/wire/codec.hpp"
+#include "explicit_solver/explicit_solver.hpp"
+
+namespace ricochet {
+namespace {
+
+using wire::Kind;
+using wire::Message;
+
+/// The wire without any care.
+class Line {
+ public:
+  explicit Line(const std::string& endpoint) {
+    socket_.set(zmq::sockopt::linger, 500);
+    socket_.connect(endpoint);
+  }
+  void say_bytes(std::string_view bytes, zmq::send_flags flags = zmq::send_flags::none) {
+    socket_.send(zmq::const_buffer(bytes.data(), bytes.size()), flags);
+  }
+  void say(const Message& message) { say_bytes(encoded(message)); }
+  [[nodiscard]] static std::string encoded(const Message& message) {
+    msgpack::sbuffer buffer;
+    wire::encode(message, buffer);
+    return {buffer.data(), buffer.size()};
+  }
+  void hear(Message& message) {
+    zmq::message_t frame;
+    if (!socket_.recv(frame)) throw std::runtime_error("no message");
+    wire::decode({frame.data<char>(), frame.size()}, "the coupler", message);
+  }
+
+ private:
+  zmq::context_t context_;
+  zmq::socket_t socket_{context_, zmq::socket_type::dealer};
+};
+
+constexpr int bad_window = 40;
+
+/// `encode` refuses what is not finite: a number is exchanged in the bytes.
+void say_nan(Line& line, Message message) {
+  const double mark = 1.2345e300, nan = std::numeric_limits<double>::quiet_NaN();
+  message.increment.data[0] = mark;
+  std::string bytes = Line::encoded(message);
+  std::memcpy(bytes.data() + bytes.find({reinterpret_cast<const char*>(&mark), sizeof mark}), &nan, sizeof nan);
+  line.say_bytes(bytes);
+}
+
+void say_short(Line& line, Message message) {
+  message.increment.resize(message.increment.rows - 1, message.increment.columns);
+  line.say(message);
+}
+
+void say_other_kind(Line& line, Message message) {
+  message.kind = Kind::accepted;
+  line.say(message);
+}
+
+void say_twice(Line& line, Message message) {
+  line.say(message);
+  ++message.sequence;
+  line.say(message);
+}
+
+void say_of_another_run(Line& line, Message message) {
+  message.run_id = "20200101-000000-1-deadbeef";
+  line.say(message);
+}
+
+void say_nonsense(Line& line, const Message&) { line.say_bytes("\xff\x00 what is this"); }
+
+void say_two_frames(Line& line, const Message& message) {
+  line.say_bytes("one", zmq::send_flags::sndmore);
+  line.say(message);
+}
+
+void say_half(Line& line, const Message& message) {
+  const std::string bytes = Line::encoded(message);
+  line.say_bytes(bytes.substr(0, bytes.size() / 2));
+}
+
+void lose_one(Line& line, Message message) {
+  ++message.sequence;
+  line.say(message);
+}
+
+void say_another_version(Line& line, Message message) {
+  message.version = 99;
+  line.say(message);
+}
+
+void say_another_role(Line& line, Message message) {
+  message.role = "implicit";
+  line.say(message);
+}
+
+void say_another_scene(Line& line, Message message) {
+  message.scene_sha256 = std::string(64, 'f');
+  line.say(message);
+}
+
+void say_first_thing_wrong(Line& line, Message message) {
+  message.kind = Kind::description;
+  line.say(message);
+}
+
+/// Nonsense by the thousand, then properly: what strangers say must not bring a run down.
+void flood(Line& line, const Message& message) {
+  for (int i = 0; i < 50'000; ++i) line.say_bytes("nonsense");
+  line.say(message);
+}
+
+void exit_silently(Line&, const Message&) { _exit(7); }
+
+void exit_badly_after(Line& line, const Message& message) {
+  line.say(message);
+  usleep(100'000);  // time for the message to get out
+  _exit(9);
+}
+
+struct Habit {
+  Kind when;
+  std::function<void(Line&, const Message&)> say;
+};
+
+const std::map<std::string, Habit> habits = {
+    {"says_nan", {Kind::advanced, say_nan}},
+    {"says_too_few_numbers", {Kind::advanced, say_short}},
+    {"says_another_kind", {Kind::advanced, say_other_kind}},
+    {"answers_twice", {Kind::advanced, say_twice}},
+    {"means_another_run", {Kind::advanced, say_of_another_run}},
+    {"says_nonsense", {Kind::advanced, say_nonsense}},
+    {"says_two_frames", {Kind::advanced, say_two_frames}},
+    {"says_half", {Kind::advanced, say_half}},
+    {"loses_a_message", {Kind::advanced, lose_one}},
+    {"exits_silently", {Kind::advanced, exit_silently}},
+    {"exits_badly_after_all", {Kind::finished, exit_badly_after}},
+    {"greets_in_another_version", {Kind::hello, say_another_version}},
+    {"greets_with_nonsense", {Kind::hello, say_nonsense}},
+    {"greets_too_late", {Kind::hello, say_first_thing_wrong}},
+    {"has_another_role", {Kind::hello, say_another_role}},
+    {"read_another_scene", {Kind::hello, say_another_scene}},
+    {"floods", {Kind::hello, flood}},
+};
+
+std::string argument(int argc, char** argv, std::string_view option) {
+  for (int i = 1; i + 1 < argc; ++i) {
+    if (argv[i] == option) return argv[i + 1];
+  }
+  throw ConfigError("no " + std::string(option));
+}
+
+void take_part(participant::Session& session, Line& line, const Habit& habit) {
+  const auto say = [&](const Message& message) {
+    const bool now = message.kind == habit.when && (message.kind != Kind::advanced || message.window == bad_window);
+    if (now) habit.say(line, message);
+    if (!now) line.say(message);
+  };
+  Message request, reply;
+  session.hello(reply);
+  say(reply);
+  while (!session.over()) {
+    line.hear(request);
+    if (session.handle(request, reply)) say(reply);
+  }
+}
+
+}  // namespace
+}  // namespace ricochet
+
+int main(int argc, char** argv) {
+  using namespace ricochet;
+  try {
+    const std::string name = argument(argc, argv, "--name");
+    explicit_solver::ExplicitSolver solver(scene::build_problem(scene::load_scene(argument(argc, argv, "--scene"))), name);
+    participant::Session session(solver);
+    Line line(argument(argc, argv, "--connect"));
+    take_part(session, line, habits.at(name));
+    return 0;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(error.code());
+  }
+}
