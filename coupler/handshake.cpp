@@ -24,9 +24,8 @@ void Peers::handshake() {
   while (missing() != peers_.end()) {
     if (receive_one(deadline)) continue;
     const auto& peer = *missing();
-    throw ParticipantError(fmt::format(
-        "participant '{}' has not said hello within {} s{}{}", peer.expected.name, run_.timeout_s,
-        peer.refusal.empty() ? "" : "; a peer of that name was turned away: " + peer.refusal, log_tail(peer)));
+    throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s{}{}", peer.expected.name,
+                                       run_.timeout_s, refusal_text(peer), log_tail(peer)));
   }
 }
 
@@ -83,6 +82,7 @@ void Peers::admit() {
 }
 
 void Peers::refuse(const std::string& text, int code) {
+  last_refusal_ = text;
   wire::Message message;
   message.kind = wire::Kind::failure;
   message.run_id = run_.run_id;

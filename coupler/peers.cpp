@@ -90,15 +90,16 @@ bool Peers::receive_into_scratch(wire::Deadline deadline, bool watch_processes) 
     return launcher_.events() == seen_events_;
   };
   static const std::vector<int> nothing;
-  try {
-    return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
-  } catch (const ProtocolError& error) {
-    const auto* peer = find(scratch_identity_);
-    if (peer)
-      throw ProtocolError(fmt::format("participant '{}' {}: {}", peer->expected.name, place(*peer), error.what()));
-    if (scratch_identity_.empty()) throw;
-    refuse(error.what(), static_cast<int>(ExitCode::protocol));  // a stranger's nonsense is not the run's trouble
-    return receive_into_scratch(deadline, watch_processes);
+  for (;;) {
+    try {
+      return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
+    } catch (const ProtocolError& error) {
+      const auto* peer = find(scratch_identity_);
+      if (peer)
+        throw ProtocolError(fmt::format("participant '{}' {}: {}", peer->expected.name, place(*peer), error.what()));
+      if (scratch_identity_.empty()) throw;
+      refuse(error.what(), static_cast<int>(ExitCode::protocol));  // a stranger's nonsense is not the run's trouble
+    }
   }
 }
 
@@ -143,9 +144,8 @@ void Peers::check_end(State& peer) {
   const auto deadline = Clock::now() + seconds(drain_s);
   while (!peer.lifecycle.done() && receive_into_scratch(deadline, false)) deliver();
   if (peer.lifecycle.done()) return;
-  const std::string why = peer.refusal.empty() ? "" : fmt::format("; it had been turned away: {}", peer.refusal);
-  throw ParticipantError(
-      fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer), why, log_tail(peer)));
+  throw ParticipantError(fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer),
+                                     refusal_text(peer), log_tail(peer)));
 }
 
 void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
@@ -187,6 +187,12 @@ std::string Peers::place(const State& peer) const {
   if (peer.identity.empty()) return "before it said hello";
   if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
   return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);
+}
+
+/// Who was turned away may have been meant to be this peer.
+std::string Peers::refusal_text(const State& peer) const {
+  if (!peer.refusal.empty()) return "; a peer of that name was turned away: " + peer.refusal;
+  return peer.identity.empty() && !last_refusal_.empty() ? "; a peer was turned away: " + last_refusal_ : "";
 }
 
 std::string Peers::log_tail(const State& peer) const {

@@ -92,6 +92,7 @@ class Peers {
   [[noreturn]] void throw_failure(const State& peer) const;
   [[noreturn]] void throw_silent(const State& peer) const;
   [[nodiscard]] std::string place(const State& peer) const;
+  [[nodiscard]] std::string refusal_text(const State& peer) const;
   [[nodiscard]] std::string log_tail(const State& peer) const;
 
   wire::Listener& listener_;
@@ -101,6 +102,7 @@ class Peers {
   std::vector<int> descriptors_;
   wire::Message scratch_;
   std::string scratch_identity_;
+  std::string last_refusal_;  ///< what a stranger was told last
   int seen_events_ = 0;
 };
 

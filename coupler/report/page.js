@@ -40,6 +40,7 @@ async function draw(chart) {
   };
   const { view } = await vegaEmbed("#" + chart.id, spec, {
     mode: "vega-lite",
+    renderer: "canvas",
     actions: { export: true, source: false, compiled: false, editor: false },
     downloadFileName: chart.id,
     config,

@@ -6,6 +6,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 
 // The table of rooms and who may include whom (README, "Map of rooms"), checked against the #include lines.
@@ -99,6 +100,29 @@ TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
   ASSERT_FALSE(text.empty());
   EXPECT_EQ(text.find("Eigen/"), std::string::npos);
   EXPECT_EQ(text.find("common/fem"), std::string::npos);
+}
+
+TEST(Architecture, TheReadmesMapOfRoomsIsThisTable) {
+  std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
+  const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\| ([^|]*) \\|$");
+  int rows = 0;
+  for (std::string line; std::getline(file, line);) {
+    std::smatch match;
+    if (!std::regex_match(line, match, row) || !allowed().count(match[1])) continue;
+    ++rows;
+    std::set<std::string> named;
+    std::string word;
+    for (std::istringstream words(match[2]); std::getline(words >> std::ws, word, ',');) named.insert(word);
+    std::set<std::string> expected;
+    for (const auto& target : allowed().at(match[1])) {
+      const bool own_sub_room = target.rfind(match[1].str() + "/", 0) == 0;
+      if (!own_sub_room) expected.insert(target.rfind("common/", 0) == 0 ? target.substr(7) : target);
+    }
+    if (expected.empty()) expected.insert("\u2013 ");
+    for (const auto& room : expected) EXPECT_TRUE(named.count(room) || room == "\u2013 ") << match[1] << " may include " << room;
+    for (const auto& room : named) EXPECT_TRUE(expected.count(room) || room == "\u2013") << match[1] << ": README says " << room;
+  }
+  EXPECT_EQ(rows, 9);
 }
 
 TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {

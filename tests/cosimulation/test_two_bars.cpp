@@ -51,8 +51,8 @@ TEST_P(TwoBars, ReboundAndLoseNoMoreThanTheContactNodesEnergyAtEachImpact) {
   EXPECT_LE(run_.largest("energy_error"), 5e-4);
   EXPECT_LE(run_.last("energy_error"), -0.9 / (2 * elements));
   const double kept = std::sqrt(1.0 + run_.last("energy_error"));
-  EXPECT_NEAR(run_.last("velocity_mean_left_m_s"), -v0 * kept, 0.03 * v0);
-  EXPECT_NEAR(run_.last("velocity_mean_right_m_s"), v0 * kept, 0.03 * v0);
+  EXPECT_NEAR(run_.last("velocity_mean_left_m_s"), -v0 * kept, 0.05 * v0) << "some energy stays as vibration";
+  EXPECT_NEAR(run_.last("velocity_mean_right_m_s"), v0 * kept, 0.05 * v0);
 }
 
 TEST_P(TwoBars, KeepTheirMomentum) { EXPECT_LT(run_.summary.at("momentum_error_max").get<double>(), 1e-12); }

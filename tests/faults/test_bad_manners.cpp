@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits), [](const
 TEST(Strangers, nonsense_of_a_stranger_does_not_end_the_run) {
   const TemporaryFolder folder;
   const std::string executable = "executable = \"" + program("fake_participant") + "\"";
-  FaultRun run(folder, with_participants(bars(few_windows), "floods", executable));
+  FaultRun run(folder, with_participants(bars(few_windows), "brings_a_flood", executable));
   EXPECT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
   expect_recovery(run, folder);
 }

@@ -60,6 +60,7 @@ async function check(browser, folder) {
   const charts = page.locator(".chart");
   const count = await charts.count();
   expect(count > 0, "no charts");
+  expect(await charts.locator("canvas").count() === count, `not all charts are drawn: ${[...new Set(complaints)].join("\n")}`);
   const ids = await charts.evaluateAll((found) => found.map((chart) => chart.id));
   for (let i = 0; i < count; ++i) {
     const text = await tooltipOf(page, charts.nth(i));
@@ -67,7 +68,7 @@ async function check(browser, folder) {
     await page.mouse.move(5, 5);
   }
   if (ids[0] !== "timeline") await dragEnlargesAllChartsOverTime(page);
-  expect(complaints.length === 0, complaints.join("\n"));
+  expect(complaints.length === 0, [...new Set(complaints)].join("\n"));
   console.log(`${folder}: ${ids.join(", ")}`);
   if (process.env.SCREENSHOT) await page.screenshot({ path: resolve(folder, "report.png"), fullPage: true });
   await page.close();
