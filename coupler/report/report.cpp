@@ -28,7 +28,7 @@ std::vector<Event> events_of(const Json& summary) {
   if (const auto first = number(summary, "first_contact_s")) events.push_back({"first contact", *first});
   if (const auto separation = number(summary, "separation_time_s")) events.push_back({"separation", *separation});
   for (const auto& change : summary.value("switches", Json::array())) {
-    if (const auto time = number(change, "time_s")) events.push_back({"switch to " + change.value("to", ""), *time});
+    if (const auto time = number(change, "time_s")) events.push_back({"switch of integration", *time});
   }
   return events;
 }
@@ -54,9 +54,12 @@ std::string help_html(const HistoryTable& table, const std::vector<Event>& event
       "<p>Point at a chart to read values. Drag over a stretch of time to enlarge it in all charts over time, "
       "double-click to go back.</p>";
   if (events.empty()) return text;
-  std::string list;
+  std::string list, last;
   for (const auto& event : events) {
-    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", event.name, quantity(event.time_s, "s"));
+    list += list.empty() ? "" : ", ";
+    if (event.name != last) list += event.name + " ";
+    list += quantity(event.time_s, "s");
+    last = event.name;
   }
   return text + "<p>Dotted vertical lines: " + escape_html(list) + ".</p>";
 }

@@ -69,17 +69,19 @@ std::string course_rows(const Json& summary) {
   std::string text = row("windows", fmt::format("{} of {} each, up to {}", summary.value("steps", 0LL),
                                                 shown(number(summary, "window_size_s"), "s"),
                                                 shown(number(summary, "end_time_s"), "s")));
+  std::string switches;
   for (const auto& event : summary.value("switches", Json::array())) {
-    text += row("integration switched", fmt::format("to {} at {}", event.value("to", ""),
-                                                    shown(number(event, "time_s"), "s")));
+    switches += fmt::format("{}to {} at {}", switches.empty() ? "" : ", ", event.value("to", ""),
+                            shown(number(event, "time_s"), "s"));
   }
+  if (!switches.empty()) text += row("integration switched", switches);
   for (const auto& note : summary.value("notes", Json::array())) text += row("note", note);
   const Json phases = summary.value("phases", Json::object());
+  const auto wall = [](const std::optional<double>& value) { return value ? quantity(*value, "s", 3) : "–"; };
   return text + row("wall time", fmt::format("{} (start {}, set-up {}, stepping {}, end {})",
-                                             shown(number(summary, "wall_s"), "s"),
-                                             shown(number(phases, "start_s"), "s"), shown(number(phases, "setup_s"), "s"),
-                                             shown(number(phases, "stepping_s"), "s"),
-                                             shown(number(phases, "finish_s"), "s")));
+                                             wall(number(summary, "wall_s")), wall(number(phases, "start_s")),
+                                             wall(number(phases, "setup_s")), wall(number(phases, "stepping_s")),
+                                             wall(number(phases, "finish_s"))));
 }
 
 std::string process_rows(const Json& summary) {

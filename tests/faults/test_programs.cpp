@@ -23,9 +23,9 @@ const std::vector<BadProgram> programs = {
     {"exits_at_once_without_error", "#!/bin/sh\n", true, {"ended with exit code 0 before it said hello"}},
     {"complains", "#!/bin/sh\necho no license today >&2\nexit 3\n", true, {"ended with exit code 3", "no license today"}},
     {"killed_by_itself", "#!/bin/sh\nkill -SEGV $$\n", true, {"was killed by signal 11 (SIGSEGV)"}},
-    {"never_connects", "#!/bin/sh\nsleep 300\n", true, {"has not said hello within 1 s"}},
+    {"never_connects", "#!/bin/sh\ntail -f \"$0\"\n", true, {"has not said hello within 1 s"}},
     {"deaf", "#!/bin/sh\ntrap '' TERM\nwhile :; do sleep 0.1; done\n", true, {"has not said hello within 1 s"}},
-    {"leaves_a_child", "#!/bin/sh\nsleep 300 &\nexit 5\n", true, {"ended with exit code 5"}},
+    {"leaves_a_child", "#!/bin/sh\ntail -f \"$0\" &\nexit 5\n", true, {"ended with exit code 5"}},
 };
 
 class Programs : public testing::TestWithParam<BadProgram> {
@@ -55,7 +55,7 @@ TEST_P(Programs, end_the_run_and_are_named) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, Programs, testing::ValuesIn(programs), [](const auto& test) { return test.param.name; });
 
-TEST(Programs, a_wrapper_script_is_fine) {
+TEST(WrapperScripts, work) {
   const TemporaryFolder folder;
   const std::string script = folder.write("#!/bin/sh\n" + program("explicit_solver") + " \"$@\"\n", "solver.sh");
   std::filesystem::permissions(script, std::filesystem::perms::owner_all);
@@ -65,7 +65,7 @@ TEST(Programs, a_wrapper_script_is_fine) {
 }
 
 /// The script waits for its child: when the coupler dies, the child hears it and the script goes with it.
-TEST(Programs, a_wrapper_script_leaves_no_orphan_when_the_coupler_is_killed) {
+TEST(WrapperScripts, leave_no_orphan_when_the_coupler_is_killed) {
   const TemporaryFolder folder;
   const std::string script = folder.write("#!/bin/sh\n" + program("explicit_solver") + " \"$@\"\n", "solver.sh");
   std::filesystem::permissions(script, std::filesystem::perms::owner_all);

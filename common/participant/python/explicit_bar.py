@@ -1,14 +1,11 @@
 #!/usr/bin/python3
 """explicit_bar.py --scene SCENE --name NAME --connect ENDPOINT: explicit participant with one body of a bar scene.
-
 Central differences with two-node bars, k = E A / h [[1, -1], [-1, 1]], lumped mass rho A h / 2 per node:
   u~ = u + dt v + dt^2/2 a,  a = -M^-1 K u~  at its own nodes;  P = K u  at the shared node, whose u is the link's.
 Knows a body on an even built-in mesh, free but for the contact, and a partition by implicit_length_m.
 """
 import numpy as np
-from ricochet_participant import ConfigError, Description, Participant, arguments, read_scene, serve
-
-QUANTITIES = ["mass_kg", "energy_kinetic_j", "energy_strain_j", "energy_interface_j", "momentum_n_kg_m_s"]
+from ricochet_participant import ConfigError, Description, Participant, main, read_scene
 
 class ExplicitBar(Participant):
     def __init__(self, path, name):
@@ -27,12 +24,14 @@ class ExplicitBar(Participant):
         self.m = body["material"]["density_kg_m3"] * body["area_m2"] * h * ends
         self.v = np.full(n + 1, body.get("initial_velocity_m_s", [0])[0])
         self.u, self.a, self.internal, self.work = 0 * self.v, 0 * self.v, 0 * self.v, 0.0
+        self.step = np.sqrt(2 * self.m.max() / self.k.max())  # h / c
 
     def describe(self):
+        quantities = ["mass_kg", "energy_kinetic_j", "energy_strain_j", "energy_interface_j", "momentum_n_kg_m_s"]
         return Description(self.name, "explicit", "explicit_bar.py", scene_sha256=self.sha256, bodies=[self.body],
                            interface_body=[0], interface_position_m=self.x[self.shared],
-                           interface_mass_kg=self.m[self.shared], record_columns=[f"{q}/{self.body}" for q in QUANTITIES],
-                           critical_time_step_s=2 / np.sqrt(2 * max(np.diag(self.k) / self.m)))
+                           interface_mass_kg=self.m[self.shared], critical_time_step_s=self.step,
+                           record_columns=[f"{quantity}/{self.body}" for quantity in quantities])
 
     def initialize(self, setup):
         self.dt = setup["window_size_s"]
@@ -58,5 +57,4 @@ class ExplicitBar(Participant):
         m, v, a = (values[self.own] for values in (self.m, self.v, self.a))
         return [m.sum(), 0.5 * m @ (v**2 - (0.5 * self.dt * a)**2), 0.5 * self.u @ self.internal, self.work, m @ v]
 
-options = arguments()
-raise SystemExit(serve(ExplicitBar(options.scene, options.name), options))
+main(ExplicitBar)

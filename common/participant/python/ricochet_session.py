@@ -1,0 +1,186 @@
+"""The conversation of a participant without the bytes; the Python twin of common/participant/session.cpp."""
+import dataclasses, os, time
+
+import numpy as np
+
+from ricochet_wire import VERSION, ProtocolError, RunError, array
+
+ORDER = {  # what the coupler may ask in each state of this end
+    "greeting": ["welcome"], "welcomed": ["describe"], "described": ["initialize"], "initialized": ["synchronise"],
+    "ready": ["advance", "synchronise", "finish"], "tried": ["advance", "accept"],
+}
+EMPTY = np.zeros((0, 0))
+
+
+class Session:
+    """Requests of the coupler into calls of a participant, results into replies. Like session.cpp."""
+
+    def __init__(self, participant):
+        self.participant, self.description = participant, participant.describe()
+        d = self.description
+        self.shape = (len(d.interface_body), d.components)
+        self.state, self.run_id, self.sequence, self.asked = "greeting", "", 0, 0
+        self.window = self.accepted = 0
+        self.input = self.accepted_input = self.output = self.accepted_output = np.zeros(self.shape)
+        self.rates, self.rows, self.spans = (EMPTY, EMPTY), [], []
+        self.drift = self.compute_s = self.wait_s = 0.0
+        self.fields_window, self.started, self.timeout_s, self.setup = -1, False, 60.0, {}
+
+    def message(self, kind, **fields):
+        fields |= {"kind": kind, "version": VERSION, "run_id": self.run_id, "sequence": self.sequence,
+                   "window": self.window, "substep": 0}
+        self.sequence += 1
+        return fields
+
+    def hello(self):
+        d = self.description
+        return self.message("hello", participant=d.name, role=d.role, solver=d.solver, process_id=os.getpid(),
+                            solver_version=d.solver_version, scene_sha256=d.scene_sha256)
+
+    def handle(self, request):
+        """The reply, or None if there is none."""
+        kind = request["kind"]
+        if kind == "failure":
+            raise RunError(f"the coupler ended the run: {request['error_text']}", request["error_code"])
+        self.require(kind in ORDER[self.state], f"'{kind}' while {self.state}, expected one of {ORDER[self.state]}")
+        self.require(request["sequence"] == self.asked, f"message number {request['sequence']}, expected {self.asked}")
+        self.require(kind == "welcome" or request["run_id"] == self.run_id, f"a message of run '{request['run_id']}'")
+        self.asked += 1
+        begin = time.monotonic()
+        reply = getattr(self, kind)(request)
+        end = time.monotonic()
+        self.compute_s += end - begin
+        if len(self.spans) < 2000:
+            self.spans.append((self.window, begin, end))
+        return reply
+
+    def require(self, holds, what):
+        if not holds:
+            raise ProtocolError(f"the coupler sent {what}")
+
+    def welcome(self, request):
+        self.require(request["participant"] == self.description.name, f"a welcome to '{request['participant']}'")
+        self.require(request["timeout_s"] > 0, f"the timeout {request['timeout_s']} s")
+        self.state, self.run_id, self.timeout_s = "welcomed", request["run_id"], request["timeout_s"]
+
+    def describe(self, request):
+        d, self.state = self.description, "described"
+        return self.message(
+            "description", components=d.components, bodies=list(d.bodies), interface_body=array(d.interface_body, 1),
+            interface_position_m=array(d.interface_position_m, d.components), capabilities=list(d.capabilities),
+            interface_mass_kg=array(d.interface_mass_kg, 1), critical_time_step_s=float(d.critical_time_step_s),
+            record_columns=["window", *d.record_columns], contact_owner=d.contact_owner)
+
+    def initialize(self, request):
+        self.require(request["window_size_s"] > 0 and request["history_every"] >= 1, "a wrong 'initialize'")
+        self.require(request["interface_mass_kg"].shape == (self.shape[0], 1), "masses of another number of nodes")
+        self.setup, self.state, begin = request, "initialized", time.monotonic()
+        self.take(self.participant.initialize(request))
+        return self.message("initialized", setup_s=time.monotonic() - begin, absolute=self.full(self.value))
+
+    def synchronise(self, request):
+        self.require(request["integration"] in ("implicit_newmark", "explicit_central"), "an unknown integration")
+        self.input = self.accepted_input = self.rows_of(request, "link_absolute")
+        self.take(self.participant.synchronise(request["integration"], self.input))
+        self.output = self.accepted_output = self.value
+        first, self.started, self.state = not self.started, True, "ready"
+        if first:
+            self.record(self.setup["fields_every"] > 0)
+        return self.message("synchronised", absolute=self.full(self.value), **self.rates_and_rows(first))
+
+    def advance(self, request):
+        at_once, last = request["accept_at_once"], self.setup["last_window"]
+        self.require(request["window"] == self.accepted + 1 <= last, f"window {request['window']}")
+        self.require(request["windows"] == 1 or (self.shape[0] == 0 and at_once and request["windows"] > 0),
+                     "several windows at once to a participant with interface nodes")
+        self.require(self.state == "ready" or "repeat_window" in self.description.capabilities, "a repeated window")
+        self.receive(request)
+        last = min(last, self.accepted + request["windows"])
+        while True:
+            self.window = self.accepted + 1
+            self.take(self.participant.advance(self.window, self.input))
+            increment = self.value - self.accepted_output
+            self.output = self.value if request["absolute_requested"] else self.accepted_output + increment
+            if at_once:
+                self.accept_window()
+            if not at_once or self.window == last or self.participant.contact_status().finished_early:
+                break
+        self.state = "ready" if at_once else "tried"
+        absolute = self.full(self.value) if request["absolute_requested"] else self.none()
+        return self.message("advanced", increment=self.full(increment), absolute=absolute, **self.contact(),
+                            **self.rates_and_rows(request["records_requested"]))
+
+    def accept(self, request):
+        self.require(request["window"] == self.window, f"'accept' of window {request['window']}")
+        self.accept_window()
+        self.state = "ready"
+        return self.message("accepted", records=self.records(request["records_requested"]), **self.contact())
+
+    def finish(self, request):
+        if self.setup["fields_every"] > 0 and self.fields_window != self.accepted:
+            self.participant.write_fields(self.accepted)
+        self.participant.finish()
+        self.state = "finished"
+        return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
+                            spans_s=array(self.spans, 3), records=self.records(True))
+
+    def receive(self, request):
+        """x = X + d, or the absolute value that came with it."""
+        self.input = self.accepted_input + self.rows_of(request, "link_increment")
+        if len(request["link_absolute"]) == 0:
+            return
+        absolute = self.rows_of(request, "link_absolute")
+        difference, scale = np.max(abs(self.input - absolute), initial=0), np.max(abs(absolute), initial=0)
+        self.drift, self.input = max(self.drift, float(difference / (scale or 1.0))), absolute
+
+    def accept_window(self):
+        self.participant.accept()
+        self.accepted, self.accepted_input, self.accepted_output = self.window, self.input, self.output
+        every = self.setup["fields_every"]
+        fields = every > 0 and (self.window % every == 0 or self.window == self.setup["last_window"])
+        if self.window % self.setup["history_every"] == 0:
+            self.record(fields)
+        elif fields:
+            self.write_fields()
+
+    def record(self, fields):
+        row = list(self.participant.record())
+        if len(row) != len(self.description.record_columns):
+            raise RunError(f"recorded {len(row)} numbers, announced {len(self.description.record_columns)} columns")
+        self.rows.append([self.accepted, *row])
+        if fields:
+            self.write_fields()
+
+    def write_fields(self):
+        self.participant.write_fields(self.accepted)
+        self.fields_window = self.accepted
+
+    def take(self, output):
+        """Checks and copies what the solver returned: it may go on writing into its own arrays."""
+        implicit = self.description.role == "implicit"
+        values = [np.array(x, dtype=float) for x in (output if implicit else [output])]
+        if len(values) != (3 if implicit else 1) or any(x.size != np.prod(self.shape) for x in values):
+            raise RunError(f"the link output has not the shape of {'3 x ' if implicit else ''}{self.shape}")
+        values = [x.reshape(self.shape) for x in values]
+        self.value, self.rates = values[0], tuple(values[1:]) if implicit else (EMPTY, EMPTY)
+
+    def rows_of(self, request, field):
+        self.require(request[field].shape == self.shape, f"'{field}' of shape {request[field].shape}")
+        return request[field]
+
+    def full(self, values):
+        return array(values, self.shape[1])
+
+    def none(self):
+        return array([], self.shape[1])
+
+    def records(self, requested):
+        rows, self.rows = (self.rows, []) if requested else ([], self.rows)
+        return array(rows, 1 + len(self.description.record_columns))
+
+    def rates_and_rows(self, requested):
+        velocity, acceleration = map(self.full, self.rates)
+        return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration, "records": self.records(requested)}
+
+    def contact(self):
+        return dataclasses.asdict(self.participant.contact_status())

@@ -1,0 +1,118 @@
+#include "tests/support/run.hpp"
+#include "tests/support/vtu.hpp"
+
+// What is conserved, and what a constant state must give, through scene files and real processes.
+
+namespace ricochet::test {
+namespace {
+
+class Ledger : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+// kinetic + strain + friction - external - contact - interface is constant to round-off, whatever the method loses: every
+// joule has an owner. (The switch to all-explicit changes the metric of the kinetic energy, so up to there.)
+TEST_P(Ledger, EveryJouleHasAnOwner) {
+  const auto& [scene, protocol] = GetParam();
+  const TemporaryFolder folder;
+  std::string text = with_key(with_protocol(config_text(scene), protocol), "output", "fields_every", "0");
+  if (std::string(protocol) == "hughes_liu") text = with_key(text, "coupling", "after_separation", "\"implicit\"");
+  const RunResult run = run_text(text, folder);
+  std::vector<double> total(run.column("time_s").size());
+  const std::pair<const char*, double> terms[] = {{"kinetic", 1}, {"strain", 1}, {"friction", 1}, {"external", -1}, {"contact", -1}, {"interface", -1}};
+  for (const auto& [term, sign] : terms) {
+    const auto& values = run.column(std::string("energy_") + term + "_j");
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += sign * values[i];
+  }
+  double drift = 0.0;
+  for (const double value : total) drift = std::max(drift, std::abs(value - total[0]));
+  EXPECT_LT(drift / total[0], 1e-10);
+  EXPECT_LT(run.smallest("energy_contact_j"), 0.0) << "an impact costs the contact nodes' energy";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Ledger,
+                         testing::Combine(testing::Values("two_bars", "rod_on_stop", "slipping_plates", "kim_impact"),
+                                          testing::Values("hughes_liu", "all_implicit", "all_explicit")),
+                         [](const auto& test) { return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param); });
+
+struct Shape {
+  const char* name;
+  const char* model;
+  const char* body;
+  double volume_m3;
+};
+
+// rho = 2000: mass and energy of a body in free flight are exact, no force arises, in every model and integrator.
+class FreeFlight : public testing::TestWithParam<std::tuple<Shape, const char*>> {};
+
+TEST_P(FreeFlight, KeepsVelocityMassAndEnergyAndMakesNoStrain) {
+  const auto& [shape, protocol] = GetParam();
+  const TemporaryFolder folder;
+  const std::string text = "model = \"" + std::string(shape.model) + "\"\n[[body]]\nname = \"body\"\n" + shape.body +
+                           "[time]\nsafety_factor = 0.9\nend_s = 1e-3\n[coupling]\nprotocol = \"" + protocol + "\"\n";
+  const RunResult run = run_text(text, folder);
+  const double mass = 2000 * shape.volume_m3;
+  EXPECT_NEAR(run.last("momentum_n_kg_m_s"), 7 * mass, 1e-12 * 7 * mass);
+  EXPECT_NEAR(run.last("velocity_mean_body_m_s"), 7.0, 7e-12);
+  EXPECT_NEAR(run.last("energy_kinetic_j"), 0.5 * mass * 49, 1e-12 * mass * 49);
+  EXPECT_LT(std::abs(run.last("energy_strain_j")), 1e-12 * mass * 49);
+  EXPECT_GT(run.column("time_s").size(), 20U);
+}
+
+const char* const bar = "material = { youngs_modulus_pa = 1e9, density_kg_m3 = 2000.0 }\narea_m2 = 0.02\nmesh = { length_m = 0.5, elements = 20, grading = 3.0 }\ninitial_velocity_m_s = [7.0]\n";
+const char* const plate = "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nthickness_m = 0.1\nmesh = { length_m = 0.5, height_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
+const char* const cylinder = "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nmesh = { length_m = 0.5, radius_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
+
+INSTANTIATE_TEST_SUITE_P(Models, FreeFlight,
+                         testing::Combine(testing::Values(Shape{"bar", "bar", bar, 0.02 * 0.5},
+                                                          Shape{"plane_strain", "plane_strain", plate, 0.5 * 0.2 * 0.1},
+                                                          Shape{"axisymmetric", "axisymmetric", cylinder, M_PI * 0.2 * 0.2 * 0.5}),
+                                          testing::Values("all_explicit", "all_implicit")),
+                         [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
+
+// Patch test: a linear displacement on an unstructured Gmsh mesh is a constant state; axial stress and strain energy are exact.
+TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
+  const TemporaryFolder folder;
+  std::string text = "model = \"axisymmetric\"\n[[body]]\nname = \"striker\"\n"
+      "material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }\n"
+      "mesh = { gmsh = \"" + std::string(RICOCHET_SOURCE) + "/configs/striker.msh\" }\n"
+      "initial_displacement_m = { start = [0.0, 0.0], end = [0.0, 1e-5] }\n"
+      "[time]\nsafety_factor = 0.5\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n[output]\nfields_every = 1\n";
+  const RunResult run = run_text(text, folder);
+  const std::string first = run.folder + "/fields/explicit_00000000.vtu";
+  const auto position = vtu_array(first, "Points"), displacement = vtu_array(first, "displacement");
+  double low = 1e9, high = -1e9, u_low = 0, u_high = 0;
+  for (std::size_t i = 1; i < position.size(); i += 3) {
+    if (position[i] < low) low = position[i], u_low = displacement[i];
+    if (position[i] > high) high = position[i], u_high = displacement[i];
+  }
+  EXPECT_NEAR(u_low, 0.0, 1e-18);
+  EXPECT_NEAR(u_high, 1e-5, 1e-18);
+  const double strain = 1e-5 / (high - low), factor = 200e9 / (1.3 * 0.4);
+  const auto axial = vtu_array(first, "stress_axial"), hoop = vtu_array(first, "stress_hoop"), shear = vtu_array(first, "stress_shear");
+  ASSERT_GT(axial.size(), 100U);
+  for (std::size_t e = 0; e < axial.size(); ++e) {
+    EXPECT_NEAR(axial[e], factor * 0.7 * strain, 1e-9 * factor * strain);
+    EXPECT_NEAR(hoop[e], factor * 0.3 * strain, 1e-9 * factor * strain);
+    EXPECT_NEAR(shear[e], 0.0, 1e-9 * factor * strain);
+  }
+}
+
+TEST(Recontact, TheImplicitSideIsBackBeforeTheyTouch) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(config_text("rod_on_stop"), folder);
+  const auto& switches = run.summary.at("switches");
+  ASSERT_GE(switches.size(), 6U) << "four impacts: to explicit after each, back before the next";
+  for (std::size_t i = 0; i < switches.size(); ++i) EXPECT_EQ(switches[i].at("to"), i % 2 == 0 ? "explicit" : "implicit");
+  EXPECT_GT(run.smallest("gap_min_m"), -1e-12) << "nothing ever penetrates";
+  // Never explicit with a closed pair.
+  const auto& time = run.column("time_s");
+  const auto& open = run.column("pairs_open");
+  for (std::size_t i = 0; i + 1 < switches.size(); i += 2) {
+    const double from = switches[i].at("time_s").get<double>(), to = switches[i + 1].at("time_s").get<double>();
+    for (std::size_t n = 0; n < time.size(); ++n) {
+      EXPECT_TRUE(time[n] <= from || time[n] > to || open[n] == 1.0) << time[n];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ricochet::test

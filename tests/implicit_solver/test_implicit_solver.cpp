@@ -1,0 +1,104 @@
+#include "implicit_solver/implicit_solver.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::implicit_solver {
+namespace {
+
+scene::Problem baseline(const std::string& config, scene::MultiplierUpdate update) {
+  auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+  scene.coupling.protocol = "all_implicit";
+  scene.contact->multiplier_update = update;
+  scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch}};
+  for (const auto& body : scene.bodies) scene.participants[0].bodies.push_back(body.name);
+  return scene::build_problem(scene);
+}
+
+struct Started {
+  Started(const std::string& config, scene::MultiplierUpdate update) : given(baseline(config, update)), solver(given, "implicit") {
+    (void)solver.describe();
+    participant::Setup setup;
+    setup.window_size_s = given.window_size_s;
+    solver.initialize(setup, output);
+    solver.synchronise(participant::Integration::implicit_newmark, {}, output);
+  }
+  void step() {
+    solver.advance(++window, {}, output);
+    solver.accept();
+  }
+  /// 1/2 v^T M v - dt^2/8 a^T M a + 1/2 u^T K u with a = -M^-1 K u: the metric in which central difference conserves energy.
+  [[nodiscard]] double staggered_energy() const {
+    double energy = 0.0;
+    const double dt = given.window_size_s;
+    for (const auto& state : solver.states()) {
+      const Eigen::VectorXd force = state.part.stiffness * state.u;
+      const Eigen::VectorXd a = -state.inverse_mass.cwiseProduct(force);
+      energy += 0.5 * state.mass.dot(state.v.cwiseAbs2()) - dt * dt / 8.0 * state.mass.dot(a.cwiseAbs2()) + 0.5 * state.u.dot(force);
+    }
+    return energy;
+  }
+  scene::Problem given;
+  ImplicitSolver solver;
+  participant::Link output;
+  int window = 0;
+};
+
+class SwitchAtSeparation : public testing::TestWithParam<scene::MultiplierUpdate> {};
+
+TEST_P(SwitchAtSeparation, CostsNoEnergyInTheStaggeredMetric) {
+  Started run("two_bars", GetParam());
+  while (!run.solver.contact_status().separated && run.window < 200) run.step();
+  ASSERT_TRUE(run.solver.contact_status().separated);
+  const double before = run.staggered_energy();
+  run.solver.synchronise(participant::Integration::explicit_central, {}, run.output);
+  EXPECT_NEAR(run.staggered_energy(), before, 1e-10 * before);
+  for (const auto& state : run.solver.states()) {  // no stale contact force in a
+    const Eigen::VectorXd a = -state.inverse_mass.cwiseProduct(Eigen::VectorXd(state.part.stiffness * state.u));
+    EXPECT_LT((state.a - a).cwiseAbs().maxCoeff(), 1e-9 * a.cwiseAbs().maxCoeff());
+  }
+  for (int n = 0; n < 200; ++n) run.step();
+  EXPECT_NEAR(run.staggered_energy(), before, 1e-10 * before) << "central difference conserves it";
+}
+
+INSTANTIATE_TEST_SUITE_P(MultiplierUpdates, SwitchAtSeparation,
+                         testing::Values(scene::MultiplierUpdate::trapezoidal_reset, scene::MultiplierUpdate::fully_implicit));
+
+TEST(ImplicitSolver, TheIncrementalResidualStaysTheResidual) {
+  Started run("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
+  for (int n = 0; n < 300; ++n) run.step();
+  EXPECT_LT(run.solver.largest_drift(), 1e-10);
+  EXPECT_GT(run.solver.largest_drift(), 0.0) << "it was measured";
+}
+
+TEST(ImplicitSolver, ATrialRepeatedGivesTheSameBits) {
+  Started a("kim_impact", scene::MultiplierUpdate::trapezoidal_reset), b("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
+  for (int n = 1; n <= 20; ++n) {
+    a.step();
+    b.solver.advance(n, {}, b.output);
+    b.step();
+  }
+  std::vector<double> row_a, row_b;
+  a.solver.record(row_a);
+  b.solver.record(row_b);
+  EXPECT_EQ(row_a, row_b);
+}
+
+TEST(ImplicitSolver, ClosedPairsMoveTogetherAndNeverPenetrate) {
+  Started run("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
+  for (int n = 0; n < 50; ++n) {
+    run.step();
+    EXPECT_GT(run.solver.contact_status().gap_min_m, -1e-15);
+  }
+  EXPECT_EQ(run.solver.contact_status().pairs_closed, 11);
+}
+
+TEST(ImplicitSolver, RefusesTheRoleOfTheOther) {
+  const auto problem = scene::build_problem(scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml"));
+  EXPECT_THROW(ImplicitSolver(problem, "explicit"), ConfigError);
+}
+
+}  // namespace
+}  // namespace ricochet::implicit_solver

@@ -1,0 +1,146 @@
+// A participant in Python, common/participant/python/explicit_bar.py, in the place of ours.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "common/wire/lifecycle.hpp"
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+const std::string python_folder = RICOCHET_SOURCE "/common/participant/python";
+
+/// A1 with one explicit participant a body; `executable`: what computes them, empty for ours.
+std::string two_bars(const std::string& protocol, const std::string& executable) {
+  std::string text = with_protocol(config_text("two_bars"), protocol);
+  for (const char* body : {"left", "right"}) {
+    text += fmt::format("[[participant]]\nname = \"of_{0}\"\nrole = \"explicit\"\nbodies = [\"{0}\"]\n", body);
+    if (!executable.empty()) text += fmt::format("executable = \"{}\"\n", executable);
+  }
+  return text + "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+}
+
+double largest(const std::vector<double>& values) {
+  double result = 0.0;
+  for (const double value : values) result = std::max(result, std::abs(value));
+  return result;
+}
+
+/// Largest difference of a column, relative to its largest value; where that is a sum that cancels, to what is summed.
+double difference(const RunResult& a, const RunResult& b, const std::string& column) {
+  const auto& x = a.column(column);
+  const auto& y = b.column(column);
+  double scale = largest(y);
+  if (column.find("momentum") == 0) scale = 2.0 * 7844.066 * 6.4516e-4 * 0.254 * 5.13588;
+  if (column == "energy_error") scale = 1.0;
+  double result = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) result = std::max(result, std::abs(x[i] - y[i]));
+  return scale > 0.0 ? result / scale : result;
+}
+
+class PythonBars : public testing::TestWithParam<const char*> {};
+
+TEST_P(PythonBars, GiveTheHistoryOfOurs) {
+  TemporaryFolder folder;
+  const auto python = run_text(two_bars(GetParam(), python_folder + "/explicit_bar.py"), folder, "python");
+  const auto ours = run_text(two_bars(GetParam(), ""), folder, "ours");
+  ASSERT_EQ(python.column("time_s").size(), ours.column("time_s").size());
+  for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
+  EXPECT_NEAR(largest(python.column("contact_force_n")), 3.12e5, 1e4);  // they did meet
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, PythonBars, testing::Values("hughes_liu", "kim"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(PythonBar, ConsistsOfAtMostSixtyLines) {
+  const std::string text = file_text(python_folder + "/explicit_bar.py");
+  EXPECT_GT(text.size(), 0U);
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60);
+}
+
+TEST(PythonBar, RefusesABodyItDoesNotKnow) {
+  TemporaryFolder folder;
+  const std::string scene = replaced(two_bars("hughes_liu", python_folder + "/explicit_bar.py"),
+                                     "elements = 20 }\ninit", "elements = 20, grading = 2 }\ninit");
+  const auto run = run_file(folder.write(scene), folder);
+  EXPECT_EQ(run.outcome.code, 4);
+  EXPECT_THAT(run.outcome.error, testing::HasSubstr("body 'left' has what explicit_bar.py does not know"));
+}
+
+std::string python_says(const std::string& expression, const TemporaryFolder& folder) {
+  const auto outcome = run_command(
+      {"/usr/bin/python3", "-c",
+       fmt::format("import sys; sys.path.insert(0, '{}')\nfrom ricochet_session import ORDER\n"
+                   "from ricochet_wire import *\nprint({})", python_folder, expression)},
+      folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  return outcome.out;
+}
+
+TEST(PythonWire, HasTheFieldsOfTheSchema) {
+  TemporaryFolder folder;
+  const char* types[] = {"text", "boolean", "integer", "float", "text", "texts", "array"};
+  std::string expected;
+  for (const auto kind : wire::all_kinds()) {
+    expected += fmt::format("{}", wire::name(kind));
+    for (const auto& fields : {wire::header_fields(), wire::fields_of(kind)}) {
+      for (const auto& field : fields) expected += fmt::format(" {}:{}", field.name, types[field.member.index()]);
+    }
+    expected += "\n";
+  }
+  EXPECT_EQ(python_says("'\\n'.join(' '.join([k] + [f'{n}:{t}' for n, t in f.items()]) for k, f in FIELDS.items())",
+                        folder),
+            expected);
+  EXPECT_EQ(python_says("VERSION", folder), fmt::format("{}\n", wire::protocol_version));
+}
+
+TEST(PythonWire, KnowsTheLegalOrder) {
+  TemporaryFolder folder;
+  for (const auto state : wire::all_states()) {
+    std::vector<std::string> asked;
+    for (const auto& row : wire::transitions()) {
+      const std::string kind(wire::name(row.kind));
+      if (row.state == state && row.sender == wire::Side::coupler && (asked.empty() || asked.back() != kind)) {
+        asked.push_back(kind);
+      }
+    }
+    const auto said = python_says(fmt::format("' '.join(ORDER.get('{}', []))", wire::name(state)), folder);
+    std::string expected = fmt::format("{}\n", fmt::join(asked, " "));
+    EXPECT_EQ(said, expected) << wire::name(state);
+  }
+}
+
+/// What the Python end says to a message of the coupler that is `welcome` but for one entry.
+TEST(PythonWire, RefusesWhatIsNoMessageByName) {
+  TemporaryFolder folder;
+  const auto refusal = [&](const std::string& change) {
+    const auto outcome = run_command(
+        {"/usr/bin/python3", "-c",
+         fmt::format("import sys; sys.path.insert(0, '{}')\nfrom ricochet_wire import *\n"
+                     "m = dict(kind='welcome', version=VERSION, run_id='r', sequence=0, window=0, substep=0, "
+                     "participant='p', timeout_s=1.0)\ndata = None\n{}\n"
+                     "try:\n  decode(data or msgpack.packb(m)); print('accepted')\n"
+                     "except ProtocolError as error:\n  print(error)", python_folder, change)},
+        folder.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  using testing::HasSubstr;
+  EXPECT_EQ(refusal("pass"), "accepted\n");
+  EXPECT_THAT(refusal("m['version'] = 2"), HasSubstr("speaks version 2 of the wire protocol, this program speaks"));
+  EXPECT_THAT(refusal("del m['timeout_s']"), HasSubstr("'welcome' without the field 'timeout_s'"));
+  EXPECT_THAT(refusal("m['color'] = 1"), HasSubstr("'welcome' with the unknown field 'color'"));
+  EXPECT_THAT(refusal("m['timeout_s'] = float('nan')"), HasSubstr("field 'timeout_s' is not finite"));
+  EXPECT_THAT(refusal("m['sequence'] = True"), HasSubstr("field 'sequence' is not of type int"));
+  EXPECT_THAT(refusal("m['kind'] = 'wellcome'"), HasSubstr("unknown kind 'wellcome'"));
+  EXPECT_THAT(refusal("data = msgpack.packb(m) + b'0'"), HasSubstr("bytes that are no message"));
+  EXPECT_THAT(refusal("data = b'\\x82' + msgpack.packb('kind') * 4"), HasSubstr("a field there twice"));
+  EXPECT_THAT(refusal("m.update(kind='synchronise', integration='x', link_absolute=array([1, 2], 1)); "
+                      "m.pop('participant'); m.pop('timeout_s'); m['link_absolute']['shape'] = [3, 1]"),
+              HasSubstr("field 'link_absolute' has the shape 3 x 1 but other data"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
