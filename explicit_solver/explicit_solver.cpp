@@ -37,7 +37,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& window = windows_[b];
     window.u = states_[b].u;
-    window.internal = states_[b].part.stiffness * states_[b].u;
+    window.internal.resize(states_[b].part.dofs());
+    states_[b].stiffness.multiply(states_[b].u, window.internal);
     window.internal_old = window.internal;
     window.external.setZero(states_[b].part.dofs());
     states_[b].external.at(0.0, window.external);
@@ -79,7 +80,7 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
     window.u = states_[b].u;
     take_link(states_[b], link_input, next, states_[b].u);
     window.internal_old.swap(window.internal);
-    window.internal.noalias() = states_[b].part.stiffness * states_[b].u;
+    states_[b].stiffness.multiply(states_[b].u, window.internal);
     window.external_old = window.external;
     account_interface(b, window.u, states_[b].u);
   }
@@ -104,7 +105,7 @@ void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
     w.u = fem::predicted_displacement(state.u, state.v, state.a, dt, fem::beta_explicit);
     state.constrain_displacement(time_s, w.u);
     take_link(state, link_input, next, w.u);
-    w.internal.noalias() = state.part.stiffness * w.u;
+    state.stiffness.multiply(w.u, w.internal);
     state.external.at(time_s, w.external);
   }
   trial_ = true;

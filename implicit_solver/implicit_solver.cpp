@@ -71,6 +71,10 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
                        &trial_.mean_velocity}) {
     vector->setZero(size);
   }
+  for (const auto& state : states_) {
+    moved_.push_back(state.u);
+    internal_.push_back(state.u);
+  }
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
   factorise();
@@ -136,7 +140,8 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto q = segment(residual_, b);
-    q = segment(external_, b) - state.part.stiffness * state.u - segment(link_, b);
+    state.stiffness.multiply(state.u, internal_[b]);
+    q = segment(external_, b) - internal_[b] - segment(link_, b);
     state.a = state.inverse_mass.cwiseProduct(q);
     state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
     state.constrain_velocity(time_s, setup_.window_size_s, state.v);
@@ -263,12 +268,9 @@ void ImplicitSolver::advance_explicit(double time_s) {
     const auto& state = states_[b];
     segment(trial_.increment, b) = dt * state.v + (0.5 * dt * dt) * state.a;
     for (const auto& c : state.constrained) trial_.increment[offsets_[b] + c.dof] = c.at(time_s) - state.u[c.dof];
-    segment(rhs_, b) = state.u + segment(trial_.increment, b);
-  }
-  trial_.residual.noalias() = -(stiffness_ * rhs_);
-  trial_.residual += trial_.external - trial_.link;
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    const auto& state = states_[b];
+    moved_[b] = state.u + segment(trial_.increment, b);
+    state.stiffness.multiply(moved_[b], internal_[b]);
+    segment(trial_.residual, b) = segment(trial_.external, b) - segment(trial_.link, b) - internal_[b];
     segment(trial_.acceleration, b) = state.inverse_mass.cwiseProduct(segment(trial_.residual, b));
     segment(trial_.velocity, b) = fem::corrected_velocity(state.v, state.a, segment(trial_.acceleration, b), dt);
   }
@@ -299,11 +301,11 @@ void ImplicitSolver::resynchronise_residual() {
   double drift = 0.0, scale = 0.0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
-    rhs_.head(state.part.dofs()).noalias() = state.part.stiffness * state.u;
+    state.stiffness.multiply(state.u, internal_[b]);
     for (int i = 0; i < state.part.dofs(); ++i) {
       const auto dof = offsets_[b] + i;
-      const double residual = external_[dof] - rhs_[i] - link_[dof];
-      scale = std::max(scale, std::abs(rhs_[i]));
+      const double residual = external_[dof] - internal_[b][i] - link_[dof];
+      scale = std::max(scale, std::abs(internal_[b][i]));
       drift = std::max(drift, std::abs(residual - residual_[dof]));
       if (state.inverse_mass[i] > 0.0) residual_[dof] = residual;
     }

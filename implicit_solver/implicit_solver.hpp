@@ -77,6 +77,7 @@ class ImplicitSolver final : public participant::Participant {
   fem::SparseMatrix stiffness_;                  ///< all parts, block diagonal
   Eigen::VectorXd residual_, external_, link_;   ///< q, f (with reactions) and L of the last accepted window
   Eigen::VectorXd rhs_, root_increment_;
+  std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;
   std::optional<ImplicitContact> contact_;
   /// A root dof of the contact: combined number, part, local number.

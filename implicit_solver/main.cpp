@@ -28,8 +28,9 @@ int main(int argc, char** argv) {
     options.timeout_s = problem.scene.coupling.timeout_s;  // until the coupler states its own
     ricochet::implicit_solver::ImplicitSolver solver(std::move(problem), name);
     return ricochet::participant::serve(solver, options);
-  } catch (const ricochet::Error& error) {
+  } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: error: %s\n", name.c_str(), error.what());
-    return static_cast<int>(error.code());
+    const auto* known = dynamic_cast<const ricochet::Error*>(&error);
+    return static_cast<int>(known ? known->code() : ricochet::ExitCode::participant);
   }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -87,7 +89,6 @@ class Participant {
   virtual void finish() {}
 };
 
-/// Command line of a served participant: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
 struct ServeOptions {
   std::string endpoint;      ///< ipc://... or tcp://host:port
   double timeout_s = 60.0;   ///< longest wait for the coupler until it states its own
@@ -97,5 +98,21 @@ struct ServeOptions {
 /// Runs a participant until the coupler says finish (returns 0) or something fails (returns the exit code of
 /// base/error.hpp, after telling the coupler and printing one line to stderr). Never throws.
 int serve(Participant& participant, const ServeOptions& options);
+
+/// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
+struct Arguments {
+  std::string scene;  ///< empty if not given: a participant need not read it
+  std::string name;   ///< of the participant in the scene
+  ServeOptions options;
+};
+
+/// Throws ConfigError naming what is unknown, lacks its value or is missing (--name, --connect).
+[[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);
+
+using MakeParticipant = std::function<std::unique_ptr<Participant>(const Arguments&)>;
+
+/// The main program of a participant: parses the command line, makes the participant and serves it; returns the exit
+/// code. What `make` throws is reported as `serve` reports it. Never throws.
+int participant_main(int argc, const char* const* argv, const MakeParticipant& make);
 
 }  // namespace ricochet::participant

@@ -79,10 +79,11 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   const int components = problem.scene.components();
   const auto index = static_cast<std::size_t>(owned.body);
   scene::ExternalForce external(problem.scene.bodies[index], owned.part);
-  BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part),
+  BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part), .stiffness = {},
                   .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .mass = {},
                   .inverse_mass = {}, .constrained = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
                   .normal = {}, .tangent = {}, .totals = {}};
+  state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
   for (const int node : state.shared_nodes) {
     for (int c = 0; c < components; ++c) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/fem/ledger.hpp"
+#include "common/fem/stiffness_product.hpp"
 #include "common/scene/problem.hpp"
 
 /// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
@@ -29,6 +30,7 @@ struct BodyState {
   int body = -1;                    ///< index into Problem::bodies
   std::string name;
   fem::Part part;
+  fem::StiffnessProduct stiffness;  ///< of the part, for K u in the step
   std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
   std::vector<bool> integrated;     ///< per dof: this participant integrates it

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/fem/part.hpp"
+
+namespace ricochet::fem {
+
+/// K u, the explicit solver's inner loop, for a fixed symmetric K of two components per node (others go row by row).
+///
+/// Four nodes, eight degrees of freedom, are one vector. A *slot* of such a slice holds one neighbour of each of its four nodes
+/// as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy, xx, yy, ...) and those that
+/// multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross * swap(u_neighbour).
+/// Where the four neighbours are numbered in a row, as in most of any well-numbered mesh, u_neighbour is one load; elsewhere
+/// it is put together from four. Sums run in a fixed order: the same part gives the same bits everywhere.
+class StiffnessProduct {
+ public:
+  StiffnessProduct() = default;
+  explicit StiffnessProduct(const SparseMatrix& stiffness, int components);
+
+  /// result = K u [N]; both of K's size, different vectors.
+  void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
+
+  /// Share of the slots whose four neighbours are one load.
+  [[nodiscard]] double contiguous_share() const;
+
+ private:
+  struct Slot {
+    int first = 0;     ///< dof of the first neighbour if they are in a row, else -1
+    int gathered = 0;  ///< else: index of four dofs in `gathered_`
+  };
+  struct Coefficients {
+    alignas(64) double same[8] = {};
+    alignas(64) double cross[8] = {};
+  };
+  void add_slice(const SparseMatrix& stiffness, int slice);
+  void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
+
+  std::vector<int> slice_start_;            ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
+  std::vector<Slot> slots_;
+  std::vector<Coefficients> coefficients_;  ///< one per slot
+  std::vector<int> gathered_;
+  SparseMatrix rows_;                       ///< rows behind the last whole slice, or all of them
+  int first_row_ = 0;                       ///< row of the first of rows_
+};
+
+}  // namespace ricochet::fem

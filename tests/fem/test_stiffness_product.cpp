@@ -1,0 +1,47 @@
+#include "common/fem/stiffness_product.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/fem/part.hpp"
+
+namespace ricochet::fem {
+namespace {
+
+Part whole(const Mesh& mesh) {
+  std::vector<int> elements;
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) elements.push_back(e);
+  return extract_part(mesh, "body", {mesh.model, 0.7}, {2e11, mesh.model == Model::bar ? 0.0 : 0.3, 7800.0}, elements);
+}
+
+double largest_difference(const Part& part) {
+  const StiffnessProduct product(part.stiffness, components(part.mesh.model));
+  Eigen::VectorXd u(part.dofs()), result = Eigen::VectorXd::Constant(part.dofs(), 1e99);
+  for (int i = 0; i < part.dofs(); ++i) u[i] = std::sin(1.7 * i) + 0.3;
+  product.multiply(u, result);
+  const Eigen::VectorXd expected = part.stiffness * u;
+  return (result - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
+}
+
+TEST(StiffnessProduct, EqualsTheSparseProductOnStructuredMeshes) {
+  for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
+    for (const int across : {1, 2, 5, 10}) {  // sizes that do and do not fill whole slices
+      const Part part = whole(quadrilateral_mesh(model, graded_coordinates(0.0, 0.1, across, 2.0), graded_coordinates(0.0, 1.0, 7, 1.0)));
+      EXPECT_LT(largest_difference(part), 1e-14) << across;
+    }
+  }
+  EXPECT_LT(largest_difference(whole(bar_mesh(graded_coordinates(0.0, 1.0, 13, 1.0)))), 1e-14);
+}
+
+TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
+  const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
+  EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);
+  EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "anvil"))), 1e-14);
+}
+
+TEST(StiffnessProduct, ReadsNeighboursInARowOnAWellNumberedMesh) {
+  const Part part = whole(quadrilateral_mesh(Model::axisymmetric, graded_coordinates(0.0, 0.1, 10, 1.0), graded_coordinates(0.0, 1.0, 50, 1.0)));
+  EXPECT_GT(StiffnessProduct(part.stiffness, 2).contiguous_share(), 0.95);
+}
+
+}  // namespace
+}  // namespace ricochet::fem
