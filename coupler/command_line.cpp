@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "coupler/contract_check.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/run.hpp"
 #include "coupler/starter_scene.hpp"
@@ -21,6 +22,8 @@ const char* const exit_codes =
 
 struct Arguments {
   std::string scene, out, name, results;
+  ContractCommand command;
+  double step_s = 0.0;
 };
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -36,6 +39,14 @@ void define(CLI::App& app, Arguments& arguments) {
   check->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
   auto* report = app.add_subcommand("report", "Write the charts of a run once more: DIR/report.html");
   report->add_option("DIR", arguments.results, "Results folder of a run")->required();
+  auto* contract = app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
+  contract->add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
+      ->required();
+  contract->add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step")
+      ->check(CLI::PositiveNumber);
+  contract->add_option("--timeout", arguments.command.timeout_s, "Longest wait for an answer [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   auto* init = app.add_subcommand("init", "Write a commented starter scene NAME.toml");
   init->add_option("NAME", arguments.name, "Name of the new scene")->required();
 }
@@ -88,6 +99,9 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.got_subcommand("check")) check_scene(arguments.scene);
   if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
+  if (app.got_subcommand("check-participant") && !check_participant(arguments.command, arguments.step_s)) {
+    return static_cast<int>(ExitCode::protocol);
+  }
   if (app.get_subcommands().empty()) fmt::print("{}", app.help());
   return app.get_subcommands().empty() ? static_cast<int>(ExitCode::config) : 0;
 }

@@ -1,5 +1,6 @@
 // The `ricochet` command:
-//   ricochet run SCENE [--out DIR] | check SCENE | report DIR | init NAME | --version
+//   ricochet run SCENE [--out DIR] | check SCENE | report DIR | init NAME |
+//            check-participant -- COMMAND ... | --version
 #include <csignal>
 #include <cstdio>
 #include <exception>

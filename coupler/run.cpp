@@ -33,12 +33,14 @@ std::string status_of(const std::exception& error) {
   }
 }
 
-/// A page that cannot be written changes nothing about the run.
-void try_report(const std::string& results) {
+/// False if the page could not be written, which changes nothing about the run.
+bool try_report(const std::string& results) {
   try {
     report::write_report(results);
+    return true;
   } catch (const std::exception& error) {
     fmt::print(stderr, "ricochet: no report.html: {}\n", error.what());
+    return false;
   }
 }
 
@@ -66,9 +68,10 @@ void run_scene(const std::string& scene_path, const std::string& out) {
     fmt::print(stderr, "results so far: {}\n", results.path());
     throw;
   }
-  try_report(results.path());
-  fmt::print("{}results in {}: report.html, history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}\n", run.table(),
-             results.path(), problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "");
+  const bool reported = try_report(results.path());
+  const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
+  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", run.table(),
+             results.path(), fields, reported ? ", report.html" : "");
 }
 
 void check_scene(const std::string& scene_path) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -37,16 +38,20 @@ std::string row(const std::string& label, const std::string& value) {
   return fmt::format("  {:<24} {}\n", label, value);
 }
 
-std::string microseconds(double time_s) { return fmt::format("{:.4f} us", 1e6 * time_s); }
+/// In the unit that shows it best: an impact lasts microseconds, a model problem seconds.
+std::string duration(double time_s) {
+  if (std::abs(time_s) < 1e-3) return fmt::format("{:.4f} us", 1e6 * time_s);
+  return std::abs(time_s) < 1.0 ? fmt::format("{:.4f} ms", 1e3 * time_s) : fmt::format("{:.4f} s", time_s);
+}
 
 std::string contact_rows(const Summary& summary, const Tally& tally) {
   std::string text;
   const auto& theory = tally.theory();
   const double first = tally.first_contact_s.value_or(0.0);
-  std::string separation = summary.separation_time_s ? microseconds(*summary.separation_time_s) : "not within this run";
+  std::string separation = summary.separation_time_s ? duration(*summary.separation_time_s) : "not within this run";
   if (theory) {
     separation += fmt::format("   (first contact + 2L/c of '{}': {})", theory->body,
-                              microseconds(first + theory->contact_duration_s));
+                              duration(first + theory->contact_duration_s));
   }
   text += row("separation", separation);
   if (theory && tally.plateau_stress_pa()) {
@@ -54,6 +59,17 @@ std::string contact_rows(const Summary& summary, const Tally& tally) {
                                                      1e-6 * *tally.plateau_stress_pa(), 1e-6 * theory->stress_pa));
   }
   return text + row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+}
+
+std::string switch_rows(const Summary& summary) {
+  constexpr std::size_t shown = 4;  // a body that bounces switches at every flight
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown, summary.switches.size()); ++i) {
+    const auto& event = summary.switches[i];
+    text += row("integration switched", fmt::format("to {} at {}", event.to, duration(event.time_s)));
+  }
+  const std::size_t more = summary.switches.size() - std::min(shown, summary.switches.size());
+  return more == 0 ? text : text + row("", fmt::format("and {} times more, see summary.json", more));
 }
 
 std::string process_rows(const Summary& summary) {
@@ -119,9 +135,7 @@ std::string to_table(const Summary& s, const Tally& tally) {
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
                                           tally.energy_error_lowest, tally.energy_error_highest));
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
-  for (const auto& event : s.switches) {
-    text += row("integration switched", fmt::format("to {} at {}", event.to, microseconds(event.time_s)));
-  }
+  text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
   return text + process_rows(s);
 }

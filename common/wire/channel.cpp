@@ -148,6 +148,7 @@ void Channel::receive(Message& message, Deadline deadline, bool watch_stdin) {
     const char* broken = impl_->broken();
     if (!broken) continue;
     if (receive_frame(impl_->socket, impl_->frame)) break;  // its last words
+    impl_->socket.set(zmq::sockopt::linger, 0);  // what it has not read must not reach the next run at this address
     throw ParticipantError(fmt::format("the coupler is gone: {}", broken));
   }
   decode_frame(impl_->socket, impl_->frame, "the coupler", message);

@@ -107,7 +107,7 @@ void Link::wait_advanced() {
   if (acceptance_ == Acceptance::trial) return;
   output_accepted_ = output_;
   window_ = answer.window;
-  contact_ = {answer.pairs_closed,   answer.gap_min_m,         answer.gap_rate_min_m_s,
+  contact_ = {answer.pairs_closed, answer.gap_min_m,         answer.gap_rate_min_m_s,
               answer.separated,    answer.separation_time_s, answer.finished_early};
   take_records_of(answer);
 }

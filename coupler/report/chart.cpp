@@ -16,8 +16,9 @@ std::string to_json(const Chart& chart) {
 
 std::string to_html(const Chart& chart) {
   const std::string note = chart.note.empty() ? "" : fmt::format("<p>{}</p>", escape_html(chart.note));
-  return fmt::format("<figure>\n<figcaption><h2>{}</h2>{}</figcaption>\n<div class=\"chart\" id=\"{}\"></div>\n</figure>\n",
-                     escape_html(chart.title), note, escape_html(chart.id));
+  return fmt::format(
+      "<figure>\n<figcaption><h2>{}</h2>{}</figcaption>\n<div class=\"chart\" id=\"{}\"></div>\n</figure>\n",
+      escape_html(chart.title), note, escape_html(chart.id));
 }
 
 Json drawn(double value) {

@@ -1,15 +1,24 @@
 // Draws the charts of <script id="charts">: [{id, link, columns, rows, spec}], see chart.hpp.
 "use strict";
 
-const views = [];  // {link, view, from, to}
+const views = [];  // {link, view, from, to, rows}
 
 function named(columns, row) {
   return Object.fromEntries(columns.map((column, i) => [column, row[i]]));
 }
 
+// Charts over time have the time as their first column, and draw and scale only what lies in the range.
+function hasSomethingIn(chart, from, to) {
+  if (chart.link !== "time") return true;
+  const inside = chart.rows.filter((row) => from <= row[0] && row[0] <= to);
+  return inside.filter((row) => row.slice(1).some((value) => value !== null)).length > 1;
+}
+
 function showRange(link, from, to) {
-  for (const other of views) {
-    if (other.link === link) other.view.signal("from", from ?? other.from).signal("to", to ?? other.to).runAsync();
+  const linked = views.filter((other) => other.link === link);
+  if (from !== null && !linked.every((other) => hasSomethingIn(other, from, to))) return;
+  for (const other of linked) {
+    other.view.signal("from", from ?? other.from).signal("to", to ?? other.to).runAsync();
   }
 }
 
@@ -18,11 +27,12 @@ function enlargeOnDrag(chart, view) {
   const field = chart.link === "time" ? "zoom_time" : "zoom_begin";
   let dragged = null;
   view.addSignalListener(field, (name, range) => { dragged = range; });
-  window.addEventListener("pointerup", () => {
+  window.addEventListener("pointerup", async () => {
     if (!dragged || dragged[0] === dragged[1]) return;
     const [from, to] = dragged[0] < dragged[1] ? dragged : [dragged[1], dragged[0]];
     dragged = null;
-    view.signal("zoom_x", [0, 0]);
+    await view.signal("zoom_x", [0, 0]).runAsync();  // before the range, from which it would be computed anew
+    dragged = null;
     showRange(chart.link, from, to);
   });
   view.addEventListener("dblclick", () => showRange(chart.link, null, null));
@@ -45,7 +55,7 @@ async function draw(chart) {
     downloadFileName: chart.id,
     config,
   });
-  views.push({ link: chart.link, view, from: view.signal("from"), to: view.signal("to") });
+  views.push({ link: chart.link, rows: chart.rows, view, from: view.signal("from"), to: view.signal("to") });
   enlargeOnDrag(chart, view);
 }
 

@@ -14,8 +14,12 @@ namespace {
 
 std::string cell(const std::string& text) { return "<td>" + escape_html(text) + "</td>"; }
 
-std::string row(const std::string& name, const std::string& value, const std::string& theory = "",
-                const std::string& difference = "") {
+std::string row(const std::string& name, const std::string& value) {
+  return "<tr><th scope=\"row\">" + escape_html(name) + "</th><td colspan=\"3\">" + escape_html(value) + "</td></tr>\n";
+}
+
+std::string row(const std::string& name, const std::string& value, const std::string& theory,
+                const std::string& difference) {
   return "<tr><th scope=\"row\">" + escape_html(name) + "</th>" + cell(value) + cell(theory) + cell(difference) +
          "</tr>\n";
 }
@@ -77,7 +81,10 @@ std::string course_rows(const Json& summary) {
   if (!switches.empty()) text += row("integration switched", switches);
   for (const auto& note : summary.value("notes", Json::array())) text += row("note", note);
   const Json phases = summary.value("phases", Json::object());
-  const auto wall = [](const std::optional<double>& value) { return value ? quantity(*value, "s", 3) : "–"; };
+  // A phase that the run did not come to the end of has no time.
+  const auto wall = [](const std::optional<double>& value) {
+    return value && *value > 0 ? quantity(*value, "s", 3) : "–";
+  };
   return text + row("wall time", fmt::format("{} (start {}, set-up {}, stepping {}, end {})",
                                              wall(number(summary, "wall_s")), wall(number(phases, "start_s")),
                                              wall(number(phases, "setup_s")), wall(number(phases, "stepping_s")),

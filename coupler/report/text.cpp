@@ -64,7 +64,7 @@ std::string inside_script(std::string_view code) {
   for (std::size_t i = 0; i < code.size(); ++i) {
     const auto rest = code.substr(i);
     // \u003c is the same character in the strings of JSON and JavaScript.
-    if (code[i] == '<' && (begins_with(rest, "</script") || begins_with(rest, "<script") || begins_with(rest, "<!--"))) {
+    if (begins_with(rest, "</script") || begins_with(rest, "<script") || begins_with(rest, "<!--")) {
       safe += "\\u003c";
     } else {
       safe += code[i];

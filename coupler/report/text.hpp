@@ -9,8 +9,8 @@ namespace ricochet::report {
 /// `text` for HTML content and quoted attributes: & < > " ' become entities.
 [[nodiscard]] std::string escape_html(std::string_view text);
 
-/// JSON or JavaScript for the inside of <script>: where a string of it holds "</script", "<script" or "<!--", which HTML
-/// would take for its own, the < becomes \u003c, the same character to JSON and JavaScript.
+/// JSON or JavaScript for the inside of <script>: where a string of it holds "</script", "<script" or "<!--", which
+/// HTML would take for its own, the < becomes \u003c, the same character to JSON and JavaScript.
 [[nodiscard]] std::string inside_script(std::string_view code);
 
 /// Replaces every {{key}} of an HTML template by its value; values are not searched again.

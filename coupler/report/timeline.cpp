@@ -104,11 +104,12 @@ std::optional<Chart> timeline(const std::string& trace_json) {
                             drawn(factor * (span.end_us - span.begin_us))});
     }
   }
+  const std::string begin = fmt::format("begin [{}]", unit.name), duration = fmt::format("duration [{}]", unit.name);
   const Json tooltip = {{{"field", "process"}},
                         {{"field", "activity"}},
                         {{"field", "window"}},
-                        {{"field", "begin"}, {"title", fmt::format("begin [{}]", unit.name)}, {"format", ".5~g"}},
-                        {{"field", "duration"}, {"title", fmt::format("duration [{}]", unit.name)}, {"format", ".4~g"}}};
+                        {{"field", "begin"}, {"title", begin}, {"format", ".5~g"}},
+                        {{"field", "duration"}, {"title", duration}, {"format", ".4~g"}}};
   chart.spec = fill_json(asset("timeline.json"),
                          {{"description", Json(chart.title).dump()},
                           {"width", Json(chart_width).dump()},

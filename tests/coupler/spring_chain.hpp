@@ -34,8 +34,8 @@ struct Chain {
 };
 
 /// A participant in this process that answers messages as the real ones do: a chain of which some nodes are shared.
-/// Explicit: central difference on the nodes that are not shared. Implicit: trapezoidal rule (or central difference after a
-/// synchronisation that asks for it) on all nodes, with the summed masses.
+/// Explicit: central difference on the nodes that are not shared. Implicit: trapezoidal rule (or central difference
+/// after a synchronisation that asks for it) on all nodes, with the summed masses.
 class FakeParticipant {
  public:
   FakeParticipant(std::string name, bool implicit, Chain chain, std::vector<int> shared, Eigen::VectorXd velocity)
@@ -125,7 +125,8 @@ class FakeParticipant {
   }
 
   void advance(const wire::Message& m) {
-    const Eigen::VectorXd increment = Eigen::Map<const Eigen::VectorXd>(m.link_increment.data.data(), link_accepted_.size());
+    const Eigen::VectorXd increment =
+        Eigen::Map<const Eigen::VectorXd>(m.link_increment.data.data(), link_accepted_.size());
     link_trial_ = link_accepted_ + increment;
     if (m.link_absolute.rows > 0) {
       link_trial_ = Eigen::Map<const Eigen::VectorXd>(m.link_absolute.data.data(), link_accepted_.size());
@@ -174,7 +175,8 @@ class FakeParticipant {
 
   void acceleration_from(const Eigen::VectorXd& at, const Eigen::VectorXd& link, Eigen::VectorXd& result) const {
     Eigen::VectorXd force = -chain_.stiffness * at;
-    for (std::size_t i = 0; implicit_ && i < shared_.size(); ++i) force[shared_[i]] -= link[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; implicit_ && i < shared_.size(); ++i)
+      force[shared_[i]] -= link[static_cast<Eigen::Index>(i)];
     result = force.cwiseQuotient(chain_.mass);
     if (implicit_) return;
     for (const int node : shared_) result[node] = 0.0;

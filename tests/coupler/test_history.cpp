@@ -1,5 +1,3 @@
-#include "coupler/history.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "coupler/energy_watch.hpp"
+#include "coupler/history.hpp"
 #include "coupler/history_file.hpp"
 
 namespace ricochet::coupler {
@@ -78,12 +77,15 @@ TEST(History, CreatedEnergyIsPerParticipant) {
 
 TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
   const std::vector<double> e = {0.1, 0.7, 1.0 / 3.0, 1e-9};  // striker explicit, target explicit, implicit parts
-  History one({{"explicit", {"window", "energy_strain_j/striker", "energy_strain_j/target", "energy_interface_j/striker",
-                             "energy_interface_j/target"}},
-               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}}, bodies, 1.0, true);
+  History one({{"explicit",
+                {"window", "energy_strain_j/striker", "energy_strain_j/target", "energy_interface_j/striker",
+                 "energy_interface_j/target"}},
+               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}},
+              bodies, 1.0, true);
   History two({{"b", {"window", "energy_strain_j/target", "energy_interface_j/target"}},
                {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}},
-               {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}}, bodies, 1.0, true);
+               {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}},
+              bodies, 1.0, true);
   one.add(0, {0, e[0], e[1], 0.3, 1e-17});
   one.add(1, {0, e[2], e[3]});
   two.add(0, {0, e[1], 1e-17});
@@ -95,8 +97,12 @@ TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
 }
 
 TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
-  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies, 1.0, true); };
-  EXPECT_THAT(text_of([&] { make({"window", "energy_kinetic_j/other"}); }),
+  const auto make = [](const std::vector<std::string>& columns) {
+    History({{"implicit", columns}}, bodies, 1.0, true);
+  };
+  EXPECT_THAT(text_of([&] {
+                make({"window", "energy_kinetic_j/other"});
+              }),
               AllOf(HasSubstr("'implicit'"), HasSubstr("energy_kinetic_j/other"), HasSubstr("striker, target")));
   EXPECT_THAT(text_of([&] { make({"window", "temperature_k"}); }), HasSubstr("temperature_k"));
   EXPECT_THAT(text_of([&] { make({"window", "gap_min_m", "gap_min_m"}); }), HasSubstr("twice"));
@@ -169,15 +175,17 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
   std::string header, line;
   std::getline(lines, header);
   std::getline(lines, line);
-  EXPECT_EQ(header,
-            "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
-            "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
-            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,velocity_mean_rod_m_s");
+  EXPECT_EQ(
+      header,
+      "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
+      "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
+      "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,velocity_mean_rod_m_s");
   EXPECT_THAT(line, AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,1.5")));
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {
-  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}, true); }), HasSubstr("/nonexistent/history.csv"));
+  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}, true); }),
+              HasSubstr("/nonexistent/history.csv"));
   EXPECT_THAT(text_of([] { write_atomically("/nonexistent/x", ""); }), HasSubstr("/nonexistent/x"));
 }
 
@@ -221,7 +229,9 @@ TEST(EnergyWatch, InterfacePenaltyAndProtocolAreNamed) {
   suspicion.penalty_step_ratio = 3.0;
   Watched watched(suspicion);
   watched.row(1, 0);
-  EXPECT_THAT(text_of([&] { watched.row(1.2, 0, {0, 0}, 0.2); }),
+  EXPECT_THAT(text_of([&] {
+                watched.row(1.2, 0, {0, 0}, 0.2);
+              }),
               AllOf(HasSubstr("made at the interface"), HasSubstr("kim_predicted is unstable"), HasSubstr("penalty")));
 }
 
@@ -230,7 +240,9 @@ TEST(EnergyWatch, NothingObviousSaysSo) { EXPECT_THAT(likely_cause({}, 0, 1), Ha
 TEST(EnergyWatch, NonFiniteStops) {
   Watched watched;
   watched.row(1, 0);
-  EXPECT_THAT(text_of([&] { watched.row(NAN, 0, {NAN, 0}); }),
+  EXPECT_THAT(text_of([&] {
+                watched.row(NAN, 0, {NAN, 0});
+              }),
               AllOf(HasSubstr("not finite"), HasSubstr("participant 'explicit'")));
 }
 

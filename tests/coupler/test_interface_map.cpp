@@ -1,9 +1,8 @@
-#include "coupler/protocols/interface_map.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
+#include "coupler/protocols/interface_map.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -45,7 +44,8 @@ std::string refusal(const std::vector<wire::Message>& descriptions) {
 }
 
 TEST(InterfaceMap, MatchesByBodyAndPositionInAnyOrderAndSumsMasses) {
-  const auto implicit = description("implicit", "implicit", {{0, 0.0, 1.0, 1.0}, {0, 0.5, 1.0, 2.0}, {1, 0.0, 1.0, 4.0}});
+  const auto implicit =
+      description("implicit", "implicit", {{0, 0.0, 1.0, 1.0}, {0, 0.5, 1.0, 2.0}, {1, 0.0, 1.0, 4.0}});
   const auto a = description("a", "explicit", {{0, 0.5 + 1e-12, 1.0, 0.5}, {0, 0.0, 1.0 - 1e-12, 0.25}});
   const auto b = description("b", "explicit", {{1, 0.0, 1.0, 0.125}});
   const InterfaceMap map({a, implicit, b});

@@ -1,5 +1,3 @@
-#include "coupler/launcher.hpp"
-
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "coupler/executable.hpp"
+#include "coupler/launcher.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -167,7 +166,8 @@ class ExecutableTest : public LauncherTest {
 TEST_F(ExecutableTest, RelativeToTheSceneOrInPath) {
   std::ofstream(folder_ + "/solver.sh") << "#!/bin/sh\n";
   participant_.executable = "./solver.sh";
-  EXPECT_THAT(refusal(), AllOf(HasSubstr("'mine'"), HasSubstr(folder_ + "/solver.sh"), HasSubstr("may not be executed")));
+  EXPECT_THAT(refusal(),
+              AllOf(HasSubstr("'mine'"), HasSubstr(folder_ + "/solver.sh"), HasSubstr("may not be executed")));
   fs::permissions(folder_ + "/solver.sh", fs::perms::owner_all);
   EXPECT_EQ(find_executable(scene_, participant_), folder_ + "/solver.sh");
   participant_.executable = "sh";

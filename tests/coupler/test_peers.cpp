@@ -1,6 +1,5 @@
-// Peers against participants that are threads of this program on a real socket, and processes that are not participants.
-#include "coupler/peers.hpp"
-
+// Peers against participants that are threads of this program on a real socket, and processes that are not
+// participants.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,6 +11,7 @@
 
 #include "common/base/error.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/peers.hpp"
 #include "coupler/run_id.hpp"
 
 namespace ricochet::coupler {
@@ -71,7 +71,8 @@ class PeersTest : public testing::Test {
   std::string run_id_ = make_run_id();
   Launcher launcher_;
   wire::Listener listener_{"ipc://@ricochet-test-" + run_id_};
-  Peers peers_{listener_, launcher_, {{"explicit", "explicit"}, {"implicit", "implicit"}}, {run_id_, this_scene, 1.0, 1e-6}};
+  Peers peers_{
+      listener_, launcher_, {{"explicit", "explicit"}, {"implicit", "implicit"}}, {run_id_, this_scene, 1.0, 1e-6}};
 
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }

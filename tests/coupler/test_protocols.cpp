@@ -94,7 +94,8 @@ TEST(HughesLiu, ConservesMomentumToRoundOff) {
     largest = std::max(largest, std::abs(pair.momentum() - before));
   }
   EXPECT_GT(before, 1.0);
-  EXPECT_LT(largest / before, 1e-12);
+  // The chain travels some 60 m: K u rounds by 40 N/m * 60 m * 1e-16 a window, 500 of them.
+  EXPECT_LT(largest / before, 1e-11);
 }
 
 TEST(Kim, MomentumErrorIsSmallButNotRoundOff) {

@@ -73,7 +73,8 @@ TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
 
 TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
   const ResultsDirectory results(folder_);
-  for (const auto* name : {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
+  for (const auto* name :
+       {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
     touch(std::string("fields/") + name);
   }
   write_pvd(results, "scene", {"explicit", "implicit"}, 0.5);
@@ -125,8 +126,8 @@ Tally tally_on_plateau() {
 TEST(Summary, HasTheKeysOfTheIssue) {
   const auto json = nlohmann::json::parse(to_json(finished(), tally_on_plateau()));
   for (const auto* key : {"status", "protocol", "steps", "wall_s", "separation_time_s", "energy_error_max",
-                          "momentum_error_max", "peak_contact_force_n", "processes", "scene_sha256", "version", "phases",
-                          "largest_drift", "switches", "windows", "window_size_s", "error"}) {
+                          "momentum_error_max", "peak_contact_force_n", "processes", "scene_sha256", "version",
+                          "phases", "largest_drift", "switches", "windows", "window_size_s", "error"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json["steps"], 42);
@@ -142,6 +143,14 @@ TEST(Summary, TableSetsResultsBesideTheory) {
   const std::string table = to_table(finished(), tally_on_plateau());
   EXPECT_THAT(table, AllOf(HasSubstr("31.0000 us"), HasSubstr("2L/c of 'striker': 32.2000 us"), HasSubstr("840.00 MPa"),
                            HasSubstr("impedance theory: 850.00 MPa"), HasSubstr("implicit 0.800")));
+}
+
+TEST(Summary, TimesInTheirUnitAndManySwitchesInShort) {
+  auto summary = finished();
+  summary.separation_time_s = 11.25;
+  summary.switches.assign(7, {2.5e-3, "implicit"});
+  const std::string table = to_table(summary, tally_on_plateau());
+  EXPECT_THAT(table, AllOf(HasSubstr("11.2500 s"), HasSubstr("2.5000 ms"), HasSubstr("and 3 times more")));
 }
 
 TEST(Summary, WithoutContactNoContactRows) {

@@ -1,8 +1,8 @@
-#include "coupler/theory.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "coupler/theory.hpp"
 
 namespace ricochet::coupler {
 namespace {

@@ -1,8 +1,7 @@
-#include "coupler/time_loop.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "coupler/time_loop.hpp"
 #include "tests/coupler/spring_chain.hpp"
 
 namespace ricochet::coupler::test {

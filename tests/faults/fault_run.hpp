@@ -107,11 +107,11 @@ inline void expect_rows_of(const std::string& history, const std::string& undist
 
 /// Nothing half-written and nothing temporary lies in the results.
 inline void expect_whole_files(const std::string& out) {
+  const std::vector<std::string> kinds = {".csv", ".json", ".log", ".vtu", ".pvd", ".html"};
   for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
     if (entry.is_directory()) continue;
     const auto path = entry.path();
-    EXPECT_THAT((std::vector<std::string>{".csv", ".json", ".log", ".vtu", ".pvd", ".html"}), testing::Contains(path.extension()))
-        << path;
+    EXPECT_THAT(kinds, testing::Contains(path.extension())) << path;
     EXPECT_TRUE(path.extension() != ".html" || file_text(path).find("</html>") != std::string::npos) << path;
     const bool fields = path.extension() == ".vtu" || path.extension() == ".pvd";
     EXPECT_TRUE(!fields || file_text(path).find("</VTKFile>") != std::string::npos) << path;
@@ -144,8 +144,8 @@ inline std::string clean_history(const TemporaryFolder& folder) {
   return clean.folder + "/history.csv";
 }
 
-/// What holds after any fault: whole files, rows as without the fault, nothing left, and the next run in the same folder
-/// works as if nothing had been.
+/// What holds after any fault: whole files, rows as without the fault, nothing left, and the next run in the same
+/// folder works as if nothing had been.
 inline void expect_recovery(const FaultRun& run, const TemporaryFolder& folder) {
   const std::string clean = clean_history(folder);
   expect_whole_files(run.out());

@@ -25,6 +25,8 @@ const std::vector<Habit> habits = {
     {"says_two_frames", 5, broken, {"in window 40", "a message of 2 frames, expected one"}},
     {"says_half", 5, broken, {"in window 40", "breaks off after"}},
     {"loses_a_message", 5, broken, {"as message number", "one was lost or sent twice"}},
+    {"diverges", 3, "unstable", {"failed in window 40", ": it diverges; likely cause: "}},
+    {"finds_the_disk_full", 4, failed, {"failed in window 40", ": disk full"}},
     {"exits_silently", 4, failed, {"ended with exit code 7 in window 40"}},
     {"exits_badly_after_all", 4, failed, {"finished its work but ended with exit code 9"}},
     {"greets_in_another_version", 4, failed, {"version 99", "this program speaks version 1", "the same release"}},
@@ -47,9 +49,10 @@ TEST_P(BadManners, ends_the_run_and_names_the_participant) {
   expect_recovery(run, folder);
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits), [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits),
+                         [](const auto& test) { return test.param.name; });
 
-TEST(Strangers, nonsense_of_a_stranger_does_not_end_the_run) {
+TEST(StrangersAmongTheRun, nonsense_of_a_stranger_does_not_end_it) {
   const TemporaryFolder folder;
   const std::string executable = "executable = \"" + program("fake_participant") + "\"";
   FaultRun run(folder, with_participants(bars(few_windows), "brings_a_flood", executable));

@@ -53,12 +53,12 @@ TEST(StartedByHand, before_the_coupler_listens) {
   const std::string text = over_tcp(with_participants(bars(few_windows, 10.0), "explicit", "", by_hand));
   std::string endpoint;
   {
-    FaultRun first(folder, text);  // finds out a free port
+    FaultRun first(folder, text);  // finds out a free port; its participants must not disturb the next run there
     endpoint = offered_endpoint(first);
   }
   const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
   const std::string with_port = replaced(text, tcp, tcp + "port = " + port + "\n");
-  ByHand implicit(folder, "implicit_solver", folder.write(with_port), "implicit", endpoint);
+  ByHand implicit(folder, "implicit_solver", folder.write(with_port, "by_hand.toml"), "implicit", endpoint);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   FaultRun run(folder, with_port);
   EXPECT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
@@ -130,13 +130,14 @@ class Strangers : public testing::TestWithParam<Stranger> {
  protected:
   [[nodiscard]] std::string scene_of_the_stranger() const {
     const auto& stranger = GetParam();
-    if (stranger.scene_role[0] == '\0') return run_.scene();
-    if (stranger.scene_role == std::string("implicit"))
-      return folder_.write(replaced(with_participants(bars(few_windows, 9.0), "explicit", ""), "name = \"implicit\"",
-                                    "name = \"" + std::string(stranger.name) + "\""), "stranger.toml");
-    const std::string text = replaced(with_participants(bars(few_windows, 9.0), "implicit", ""), "name = \"implicit\"\nrole = \"implicit\"",
-                                      "name = \"other\"\nrole = \"implicit\"");
-    return folder_.write(text, "stranger.toml");
+    const std::string role = stranger.scene_role, name = stranger.name;
+    if (role.empty()) return run_.scene();
+    const std::string explicit_name = role == "explicit" ? name : "explicit";
+    const std::string implicit_name = role == "implicit" ? name : "other";
+    const std::string text = with_participants(bars(few_windows, 9.0), explicit_name, "");
+    const std::string after = "\nrole = \"implicit\"";
+    return folder_.write(replaced(text, "name = \"implicit\"" + after, "name = \"" + implicit_name + "\"" + after),
+                         "stranger.toml");
   }
   void be_turned_away(const std::string& endpoint) const {
     const bool is_explicit = GetParam().scene_role != std::string("implicit");
@@ -160,7 +161,8 @@ TEST_P(Strangers, are_turned_away_and_the_run_goes_on) {
   expect_recovery(run_, folder_);
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, Strangers, testing::ValuesIn(strangers), [](const auto& test) { return test.param.what; });
+INSTANTIATE_TEST_SUITE_P(Faults, Strangers, testing::ValuesIn(strangers),
+                         [](const auto& test) { return test.param.what; });
 
 TEST(StrangersAmongTheRun, second_participant_of_a_name_while_windows_are_computed) {
   const TemporaryFolder folder;

@@ -38,7 +38,8 @@ TEST(Refused, a_port_that_is_in_use) {
                                      "[coupling]\ntransport = \"tcp\"\nport = " + port.text() + "\n");
   FaultRun run(folder, scene);
   EXPECT_EQ(run.coupler().wait(10.0), 2);
-  EXPECT_THAT(run.error_text(), HasSubstr("cannot listen at 'tcp://127.0.0.1:" + port.text() + "': Address already in use"));
+  const std::string endpoint = "'tcp://127.0.0.1:" + port.text() + "'";
+  EXPECT_THAT(run.error_text(), HasSubstr("cannot listen at " + endpoint + ": Address already in use"));
   EXPECT_TRUE(run.participants_gone(0.0));
 }
 
@@ -67,21 +68,17 @@ TEST(Refused, a_results_folder_that_another_run_writes_to) {
 
 TEST(Unstable, energy_growth_is_stopped_and_explained) {
   const TemporaryFolder folder;
-  FaultRun run(folder, with_protocol(bars(all_windows), "kim_predicted"));
-  expect_failure(run, 3, "unstable", {"unstable in window ", "the energy balance has grown by", "coupling.energy_growth_limit",
-                                      "likely cause: protocol kim_predicted is unstable"});
-  const RunResult next = run_file(folder.write(bars(few_windows), "next.toml"), folder);
-  EXPECT_EQ(next.outcome.code, 0);
-}
-
-/// Without the watch the numbers overflow; that, too, ends in order and is explained.
-TEST(Unstable, overflow_is_stopped_and_explained) {
-  const TemporaryFolder folder;
-  const std::string scene = with_key(bars(all_windows), "coupling", "energy_growth_limit", "1e308");
-  FaultRun run(folder, with_protocol(scene, "kim_predicted"));
-  expect_failure(run, 3, "unstable", {"finite", "window ", "likely cause: protocol kim_predicted is unstable"});
+  const std::string stays_implicit = with_key(bars(all_windows), "coupling", "after_separation", "\"implicit\"");
+  FaultRun run(folder, with_protocol(stays_implicit, "kim_predicted"));
+  expect_failure(run, 3, "unstable",
+                 {"unstable in window ", "the energy balance has grown by 5", "coupling.energy_growth_limit = 5 %",
+                  "is made at the interface between the participants",
+                  "likely cause: protocol kim_predicted is unstable", "use hughes_liu or kim"});
   expect_whole_files(run.out());
   expect_nothing_left(run);
+  const auto error = read_history(run.out() + "/history.csv").at("energy_error");
+  EXPECT_GT(error.back(), 0.05) << "the row that stopped the run is in the table";
+  EXPECT_LE(*std::max_element(error.begin(), error.end() - 1), 0.05);
 }
 
 /// A process that is stopped for a moment (Ctrl-Z and fg, a busy machine) is no fault.

@@ -1,6 +1,6 @@
 // An explicit participant with one bad habit; its name says which (`habits` below). The fault tests have it started in
-// place of explicit_solver, with the same arguments. It computes what explicit_solver computes, but speaks to the coupler
-// past the checks of `serve`.
+// place of explicit_solver, with the same arguments. It computes what explicit_solver computes, but speaks to the
+// coupler past the checks of `serve`.
 #include <unistd.h>
 
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <zmq.hpp>
 
 #include "common/base/error.hpp"
@@ -130,6 +131,19 @@ void bring_a_flood(Line& line, const Message& message) {
   line.say(message);
 }
 
+void give_up(Line& line, Message message, ExitCode code, const std::string& why) {
+  message.kind = Kind::failure;
+  message.error_code = static_cast<std::int64_t>(code);
+  message.error_text = why;
+  line.say(message);
+  usleep(100'000);  // time for the message to get out
+  _exit(static_cast<int>(code));
+}
+
+void diverge(Line& line, const Message& message) { give_up(line, message, ExitCode::unstable, "it diverges"); }
+
+void find_disk_full(Line& line, const Message& message) { give_up(line, message, ExitCode::participant, "disk full"); }
+
 void exit_silently(Line&, const Message&) { _exit(7); }
 
 void exit_badly_after(Line& line, const Message& message) {
@@ -153,6 +167,8 @@ const std::map<std::string, Habit> habits = {
     {"says_two_frames", {Kind::advanced, say_two_frames}},
     {"says_half", {Kind::advanced, say_half}},
     {"loses_a_message", {Kind::advanced, lose_one}},
+    {"diverges", {Kind::advanced, diverge}},
+    {"finds_the_disk_full", {Kind::advanced, find_disk_full}},
     {"exits_silently", {Kind::advanced, exit_silently}},
     {"exits_badly_after_all", {Kind::finished, exit_badly_after}},
     {"greets_in_another_version", {Kind::hello, say_another_version}},
@@ -192,7 +208,8 @@ int main(int argc, char** argv) {
   using namespace ricochet;
   try {
     const std::string name = argument(argc, argv, "--name");
-    explicit_solver::ExplicitSolver solver(scene::build_problem(scene::load_scene(argument(argc, argv, "--scene"))), name);
+    auto problem = scene::build_problem(scene::load_scene(argument(argc, argv, "--scene")));
+    explicit_solver::ExplicitSolver solver(std::move(problem), name);
     participant::Session session(solver);
     Line line(argument(argc, argv, "--connect"));
     take_part(session, line, habits.at(name));

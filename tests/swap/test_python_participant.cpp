@@ -62,19 +62,20 @@ TEST(PythonBar, ConsistsOfAtMostSixtyLines) {
 
 TEST(PythonBar, RefusesABodyItDoesNotKnow) {
   TemporaryFolder folder;
-  const std::string scene = replaced(two_bars("hughes_liu", python_folder + "/explicit_bar.py"),
-                                     "elements = 20 }\ninit", "elements = 20, grading = 2 }\ninit");
+  const std::string scene = replaced(two_bars("hughes_liu", python_folder + "/explicit_bar.py"), "elements = 20 }",
+                                     "elements = 20, grading = 1.0 }");
   const auto run = run_file(folder.write(scene), folder);
   EXPECT_EQ(run.outcome.code, 4);
   EXPECT_THAT(run.outcome.error, testing::HasSubstr("body 'left' has what explicit_bar.py does not know"));
 }
 
 std::string python_says(const std::string& expression, const TemporaryFolder& folder) {
-  const auto outcome = run_command(
-      {"/usr/bin/python3", "-c",
-       fmt::format("import sys; sys.path.insert(0, '{}')\nfrom ricochet_session import ORDER\n"
-                   "from ricochet_wire import *\nprint({})", python_folder, expression)},
-      folder.path().string());
+  const auto outcome =
+      run_command({"/usr/bin/python3", "-c",
+                   fmt::format("import sys; sys.path.insert(0, '{}')\nfrom ricochet_session import ORDER\n"
+                               "from ricochet_wire import *\nprint({})",
+                               python_folder, expression)},
+                  folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   return outcome.out;
 }
@@ -90,9 +91,9 @@ TEST(PythonWire, HasTheFieldsOfTheSchema) {
     }
     expected += "\n";
   }
-  EXPECT_EQ(python_says("'\\n'.join(' '.join([k] + [f'{n}:{t}' for n, t in f.items()]) for k, f in FIELDS.items())",
-                        folder),
-            expected);
+  EXPECT_EQ(
+      python_says("'\\n'.join(' '.join([k] + [f'{n}:{t}' for n, t in f.items()]) for k, f in FIELDS.items())", folder),
+      expected);
   EXPECT_EQ(python_says("VERSION", folder), fmt::format("{}\n", wire::protocol_version));
 }
 
@@ -112,9 +113,9 @@ TEST(PythonWire, KnowsTheLegalOrder) {
   }
 }
 
-/// What the Python end says to a message of the coupler that is `welcome` but for one entry.
 TEST(PythonWire, RefusesWhatIsNoMessageByName) {
   TemporaryFolder folder;
+  // What the Python end says to a message of the coupler that is `welcome` but for one entry.
   const auto refusal = [&](const std::string& change) {
     const auto outcome = run_command(
         {"/usr/bin/python3", "-c",
@@ -122,7 +123,8 @@ TEST(PythonWire, RefusesWhatIsNoMessageByName) {
                      "m = dict(kind='welcome', version=VERSION, run_id='r', sequence=0, window=0, substep=0, "
                      "participant='p', timeout_s=1.0)\ndata = None\n{}\n"
                      "try:\n  decode(data or msgpack.packb(m)); print('accepted')\n"
-                     "except ProtocolError as error:\n  print(error)", python_folder, change)},
+                     "except ProtocolError as error:\n  print(error)",
+                     python_folder, change)},
         folder.path().string());
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     return outcome.out;

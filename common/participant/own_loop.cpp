@@ -1,0 +1,121 @@
+#include "common/participant/own_loop.hpp"
+
+#include <algorithm>
+#include <semaphore>
+#include <thread>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::participant {
+
+/// The participant that `serve` runs in its thread: it passes each window to the loop and sleeps until that is done.
+/// The two semaphores see to it that only one of the two threads is at work, so nothing else needs a lock.
+class OwnLoop::Relay : public Participant {
+ public:
+  Relay(Description description, ServeOptions options)
+      : description_(std::move(description)), options_(std::move(options)) {}
+
+  Description describe() override { return description_; }
+  void initialize(const Setup& given, Link& output) override {
+    setup = given;
+    output = written;
+  }
+  void synchronise(Integration given, const std::vector<double>& link_input, Link& output) override {
+    integration = given;
+    time_step = 0.0;
+    save = restore = false;
+    pass(link_input, output);
+  }
+  void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) override {
+    time_step = setup.window_size_s;
+    restore = window == window_;
+    const auto& capabilities = description_.capabilities;
+    save = !restore && std::find(capabilities.begin(), capabilities.end(), "repeat_window") != capabilities.end();
+    window_ = window;
+    pass(link_input, output);
+  }
+  void accept() override {}
+  void record(std::vector<double>& row) override { row.insert(row.end(), recorded.begin(), recorded.end()); }
+
+  // for the loop's thread
+  void start() {
+    thread_ = std::thread([this] {
+      exit_code = serve(*this, options_);
+      over = true;
+      to_loop_.release();
+    });
+    wait();
+  }
+  void resume() {
+    to_coupler_.release();
+    wait();
+  }
+  void leave() {
+    if (!thread_.joinable()) return;
+    left_ = !over;
+    if (left_) to_coupler_.release();
+    thread_.join();
+  }
+
+  Setup setup;
+  Integration integration = Integration::implicit_newmark;
+  double time_step = 0.0;
+  bool save = false, restore = false, over = false;
+  std::vector<double> input, recorded;
+  Link written;
+  int exit_code = static_cast<int>(ExitCode::participant);
+
+ private:
+  void pass(const std::vector<double>& link_input, Link& output) {
+    input = link_input;
+    to_loop_.release();
+    to_coupler_.acquire();
+    if (left_) throw ParticipantError("the solver left its time loop before the run was over");
+    output = written;
+  }
+  void wait() {
+    to_loop_.acquire();
+    if (over && exit_code != 0) throw Error(static_cast<ExitCode>(exit_code), "the coupled run failed");
+  }
+
+  Description description_;
+  ServeOptions options_;
+  std::binary_semaphore to_loop_{0}, to_coupler_{0};
+  bool left_ = false;
+  std::int64_t window_ = 0;
+  std::thread thread_;
+};
+
+OwnLoop::OwnLoop(Description description, const ServeOptions& options)
+    : relay_(std::make_unique<Relay>(std::move(description), options)) {}
+
+OwnLoop::~OwnLoop() { relay_->leave(); }
+
+void OwnLoop::initialize(Link output, std::vector<double> record) {
+  relay_->written = std::move(output);
+  relay_->recorded = std::move(record);
+  relay_->start();
+}
+
+const Setup& OwnLoop::setup() const { return relay_->setup; }
+Integration OwnLoop::integration() const { return relay_->integration; }
+bool OwnLoop::ongoing() const { return !relay_->over; }
+double OwnLoop::max_time_step() const { return relay_->time_step; }
+bool OwnLoop::must_save() const { return relay_->save; }
+bool OwnLoop::must_restore() const { return relay_->restore && ongoing(); }
+const std::vector<double>& OwnLoop::read() const { return relay_->input; }
+
+void OwnLoop::write(const Link& output, const std::vector<double>& record) {
+  relay_->written = output;
+  relay_->recorded = record;
+}
+
+void OwnLoop::advance() { relay_->resume(); }
+
+int OwnLoop::finalize() {
+  relay_->leave();
+  return relay_->exit_code;
+}
+
+}  // namespace ricochet::participant

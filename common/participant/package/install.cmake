@@ -1,0 +1,27 @@
+# cmake --install BUILD --prefix DIR: the programs, and the SDK as a package for find_package(ricochet) and for Python.
+# The component `sdk` alone: cmake --install BUILD --prefix DIR --component sdk
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ricochet)
+foreach(room base wire participant)
+  set_target_properties(ricochet_${room} PROPERTIES EXPORT_NAME ${room})
+  target_include_directories(ricochet_${room} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/ricochet>)
+endforeach()
+install(TARGETS ricochet_base ricochet_wire ricochet_participant EXPORT ricochet COMPONENT sdk)
+install(EXPORT ricochet NAMESPACE ricochet:: DESTINATION ${package_folder} FILE ricochet-targets.cmake COMPONENT sdk)
+
+# The headers keep their path in the tree: #include "common/participant/participant.hpp"
+foreach(header common/base/error.hpp common/participant/own_loop.hpp common/participant/participant.hpp)
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet/${folder} COMPONENT sdk)
+endforeach()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ricochet-config.cmake.in ${CMAKE_BINARY_DIR}/ricochet-config.cmake
+  INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/ricochet-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/ricochet-config.cmake ${CMAKE_BINARY_DIR}/ricochet-config-version.cmake
+  DESTINATION ${package_folder} COMPONENT sdk)
+install(DIRECTORY common/participant/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet/python COMPONENT sdk
+  USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+install(TARGETS ricochet explicit_solver implicit_solver COMPONENT programs)

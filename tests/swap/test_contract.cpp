@@ -1,0 +1,140 @@
+// `ricochet check-participant`: sound participants pass, and each flaw fails its clause and no other.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "tests/support/process_table.hpp"
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Outcome check(const TemporaryFolder& folder, std::vector<std::string> command) {
+  std::vector<std::string> words{ricochet_binary(), "check-participant", "--timeout", "3", "--"};
+  words.insert(words.end(), command.begin(), command.end());
+  return run_command(words, folder.path().string());
+}
+
+/// The clauses with a verdict, without the explanations after the colon.
+std::vector<std::string> clauses(const Outcome& outcome, const std::string& verdict) {
+  std::vector<std::string> found;
+  std::istringstream lines(outcome.out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string begin = fmt::format("  {:<8} ", verdict);
+    if (line.rfind(begin, 0) == 0) found.push_back(line.substr(begin.size(), line.find(':') - begin.size()));
+  }
+  return found;
+}
+
+void expect_sound(const Outcome& outcome) {
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+  EXPECT_THAT(clauses(outcome, "FAILED"), IsEmpty()) << outcome.out;
+  EXPECT_GE(clauses(outcome, "passed").size(), 8U) << outcome.out;
+}
+
+std::string program(const std::string& name) { return std::string(RICOCHET_BUILD) + "/" + name; }
+std::string config(const std::string& name) { return fmt::format("{}/configs/{}.toml", RICOCHET_SOURCE, name); }
+
+struct Sound {
+  const char *name, *solver, *scene, *participant;
+};
+
+class SoundSolvers : public testing::TestWithParam<Sound> {};
+
+TEST_P(SoundSolvers, KeepTheContract) {
+  const auto& [name, solver, scene, participant] = GetParam();
+  TemporaryFolder folder;
+  expect_sound(check(folder, {program(solver), "--scene", config(scene), "--name", participant}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, SoundSolvers,
+                         testing::Values(Sound{"ExplicitBars", "explicit_solver", "two_bars", "explicit"},
+                                         Sound{"ImplicitBars", "implicit_solver", "two_bars", "implicit"},
+                                         Sound{"ExplicitCylinders", "explicit_solver", "kim_impact", "explicit"},
+                                         Sound{"ImplicitCylinders", "implicit_solver", "kim_impact", "implicit"}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+/// At rest, every clause applies.
+TEST(Contract, IsKeptAtRestByOurSolvers) {
+  TemporaryFolder folder;
+  std::string text = config_text("two_bars");
+  for (const char* velocity : {"initial_velocity_m_s = [5.13588]\n", "initial_velocity_m_s = [-5.13588]\n"}) {
+    text = replaced(text, velocity, "");
+  }
+  const auto scene = folder.write(text);
+  for (const char* role : {"explicit", "implicit"}) {
+    const auto outcome = check(folder, {program(fmt::format("{}_solver", role)), "--scene", scene, "--name", role});
+    expect_sound(outcome);
+    EXPECT_EQ(clauses(outcome, "passed").size(), 9U) << outcome.out;
+  }
+}
+
+TEST(Contract, IsKeptByThePythonBar) {
+  TemporaryFolder folder;
+  const auto scene = folder.write(config_text("two_bars") +
+                                  "[[participant]]\nname = \"of_left\"\nrole = \"explicit\"\nbodies = [\"left\"]\n");
+  expect_sound(check(
+      folder, {RICOCHET_SOURCE "/common/participant/python/explicit_bar.py", "--scene", scene, "--name", "of_left"}));
+}
+
+struct Flaw {
+  const char *name, *clause, *explanation;
+};
+
+class FlawedParticipants : public testing::TestWithParam<Flaw> {};
+
+TEST_P(FlawedParticipants, FailTheirClauseAndNoOther) {
+  const auto& [name, clause, explanation] = GetParam();
+  TemporaryFolder folder;
+  const auto outcome = check(folder, {program("flawed_participant"), name, "--name", "spring"});
+  EXPECT_EQ(outcome.code, 5) << outcome.out << outcome.error;
+  EXPECT_THAT(clauses(outcome, "FAILED"), ElementsAre(clause)) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr(explanation));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Flaws, FlawedParticipants,
+    testing::Values(Flaw{"negative_mass", "describes itself consistently", "interface node 0 has the mass -1 kg"},
+                    Flaw{"exit_code", "computes 20 windows and ends with exit code 0",
+                         "after 'finish' it ended with exit code 1"},
+                    Flaw{"process_dependent", "a second process gives the same bits", "differs from window 1 on"},
+                    Flaw{"trial_leaks", "a repeated trial of a window gives the same bits",
+                         "window 1: the same input, tried again"},
+                    Flaw{"drifts", "zero input stays zero", "its link output reaches 1e-09"},
+                    Flaw{"wrong_work", "interface work equals force times motion", "force times motion is"},
+                    Flaw{"any_version", "refuses another version of the protocol", "it was silent for 3 s"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Contract, NoticesWhoOutlivesItsCoupler) {
+  TemporaryFolder folder;
+  const auto outcome = check(folder, {program("flawed_participant"), "outlives_coupler", "--name", "spring"});
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_THAT(clauses(outcome, "FAILED"),
+              ElementsAre("ends by itself when the coupler dies", "ends by itself when the coupler falls silent"));
+  EXPECT_TRUE(processes_with("flawed_participant outlives_coupler").empty());
+}
+
+TEST(Contract, IsKeptByTheSameParticipantWithoutAFlaw) {
+  TemporaryFolder folder;
+  const auto outcome = check(folder, {program("flawed_participant"), "sound", "--name", "spring"});
+  expect_sound(outcome);
+  EXPECT_EQ(clauses(outcome, "passed").size(), 9U) << outcome.out;
+}
+
+TEST(Contract, NamesAProgramThatIsNotThereOrNoParticipant) {
+  TemporaryFolder folder;
+  const auto missing = check(folder, {"/nowhere/solver"});
+  EXPECT_EQ(missing.code, 5);
+  EXPECT_THAT(missing.out, HasSubstr("cannot start /nowhere/solver: no such file or directory"));
+  const auto other = check(folder, {"/bin/echo", "hello"});
+  EXPECT_EQ(other.code, 5);
+  EXPECT_THAT(other.out, HasSubstr("asked to 'start' it ended with exit code 0; it printed"));
+}
+
+}  // namespace
+}  // namespace ricochet::test

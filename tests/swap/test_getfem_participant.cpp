@@ -1,0 +1,75 @@
+// An implicit solver that nobody here wrote: GetFEM assembles, common/participant/python/getfem_impact.py takes part.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+const std::string getfem = RICOCHET_SOURCE "/common/participant/python/getfem_impact.py";
+
+/// The first 200 windows of the paper's impact without friction; `executable` for the implicit side, empty for ours.
+std::string short_impact(const std::string& protocol, const std::string& executable) {
+  std::string text = with_protocol(config_text("kim_impact"), protocol);
+  text = replaced(text, "friction_coefficient = 0.1\n", "");
+  text = replaced(text, "until_separated_plus_s = 10e-6\n", "");
+  text = with_key(text, "time", "end_s", "10.8e-6");
+  text = replaced(text, "fields_every = 50", "fields_every = 0");
+  return text + "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"steel\", \"carbide\"]\n" +
+         "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n" +
+         (executable.empty() ? "" : fmt::format("executable = \"{}\"\n", executable));
+}
+
+double largest(const std::vector<double>& values) {
+  double result = 0.0;
+  for (const double value : values) result = std::max(result, std::abs(value));
+  return result;
+}
+
+class GetfemImpact : public testing::TestWithParam<const char*> {};
+
+/// The same elements, quadrature, lumping and integrator: what is left is the order of the sums.
+TEST_P(GetfemImpact, AgreesWithOurImplicitSolverToRoundOff) {
+  TemporaryFolder folder;
+  const auto theirs = run_text(short_impact(GetParam(), getfem), folder, "getfem");
+  const auto ours = run_text(short_impact(GetParam(), ""), folder, "ours");
+  ASSERT_EQ(ours.column("time_s").size(), 201U);
+  ASSERT_EQ(theirs.column("time_s"), ours.column("time_s"));
+  for (const char* name :
+       {"contact_force_n", "contact_pressure_mean_pa", "pairs_slip", "pairs_open", "energy_kinetic_j",
+        "energy_strain_j", "momentum_n_kg_m_s", "velocity_mean_steel_m_s", "velocity_mean_carbide_m_s"}) {
+    const auto &a = theirs.column(name), &b = ours.column(name);
+    double difference = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i]));
+    EXPECT_LE(difference, 1e-10 * largest(b)) << name;
+    RecordProperty(name, fmt::format("{}", difference / std::max(largest(b), 1e-300)));
+  }
+  EXPECT_EQ(largest(ours.column("pairs_slip")), 11.0);  // they did touch
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, GetfemImpact, testing::Values("hughes_liu", "kim"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Getfem, KeepsTheContract) {
+  TemporaryFolder folder;
+  const auto scene = folder.write(short_impact("hughes_liu", ""));
+  const auto outcome =
+      run_command({ricochet_binary(), "check-participant", "--", getfem, "--scene", scene, "--name", "implicit"},
+                  folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+}
+
+TEST(Getfem, RefusesFriction) {
+  TemporaryFolder folder;
+  const auto scene = replaced(short_impact("hughes_liu", getfem), "\"carbide.start\"]",
+                              "\"carbide.start\"]\nfriction_coefficient = 0.1");
+  const auto run = run_file(folder.write(scene), folder);
+  EXPECT_EQ(run.outcome.code, 4);
+  EXPECT_THAT(run.outcome.error, testing::HasSubstr("knows contact of two surfaces without friction"));
+}
+
+}  // namespace
+}  // namespace ricochet::test

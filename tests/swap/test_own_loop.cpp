@@ -1,0 +1,98 @@
+// The second face of the SDK: a solver that owns its time loop gives the history of the one that is called.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "common/participant/own_loop.hpp"
+#include "tests/participant/scripted_coupler.hpp"
+#include "tests/support/private_endpoint.hpp"
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+std::string program(const std::string& name) { return std::string(RICOCHET_BUILD) + "/" + name; }
+
+std::string two_bars(const std::string& protocol, const std::string& executable) {
+  return with_protocol(config_text("two_bars"), protocol) +
+         fmt::format(
+             "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"left\"]\n"
+             "executable = \"{}\"\n",
+             executable) +
+         "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
+         "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+}
+
+class OwnLoops : public testing::TestWithParam<const char*> {};
+
+TEST_P(OwnLoops, GiveTheHistoryOfTheCallbacks) {
+  TemporaryFolder folder;
+  const auto loop = run_text(two_bars(GetParam(), program("own_loop_spring")), folder, "loop");
+  const auto callbacks = run_text(two_bars(GetParam(), program("spring_mass")), folder, "callbacks");
+  ASSERT_EQ(loop.column("time_s").size(), callbacks.column("time_s").size());
+  ASSERT_GT(loop.largest("contact_force_n"), 1e5);
+  for (const auto& [name, values] : callbacks.history) {
+    double scale = 1.0, difference = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      scale = std::max(scale, std::abs(values[i]));
+      difference = std::max(difference, std::abs(values[i] - loop.column(name)[i]));
+    }
+    EXPECT_LE(difference, 1e-12 * scale) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, OwnLoops, testing::Values("hughes_liu", "kim"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(OwnLoop, KeepsTheContract) {
+  TemporaryFolder folder;
+  const auto outcome = run_command(
+      {ricochet_binary(), "check-participant", "--timeout", "3", "--", program("own_loop_spring"), "--name", "spring"},
+      folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+}
+
+TEST(OwnLoop, ExampleIsUnderEightyLines) {
+  const std::string text = file_text(RICOCHET_SOURCE "/tests/support/own_loop_spring.cpp");
+  EXPECT_GT(text.size(), 0U);
+  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 80);
+}
+
+participant::Description spring() {
+  participant::Description d;
+  d.name = "spring";
+  d.role = "explicit";
+  d.bodies = {"rod"};
+  d.interface_body = {0};
+  d.interface_position_m = {0.0};
+  d.interface_mass_kg = {1.0};
+  return d;
+}
+
+TEST(OwnLoop, TellsTheCouplerIfItIsLeftEarly) {
+  participant::OverSocket run(private_endpoint());
+  std::thread solver([&] {
+    participant::OwnLoop loop(spring(), {run.listener.endpoint(), 10.0, false});
+    loop.initialize({{0.0}, {}, {}});
+  });
+  run.meet();
+  run.coupler.ask(wire::Kind::describe);
+  run.coupler.ask(run.coupler.initialize());
+  const auto answer = run.coupler.ask(run.coupler.synchronise());
+  solver.join();
+  EXPECT_EQ(answer.kind, wire::Kind::failure);
+  EXPECT_THAT(answer.error_text, testing::HasSubstr("the solver left its time loop before the run was over"));
+}
+
+TEST(OwnLoop, ThrowsIfThereIsNoCoupler) {
+  participant::OwnLoop loop(spring(), {private_endpoint(), 0.1, false});
+  EXPECT_THROW(loop.initialize({{0.0}, {}, {}}), Error);
+  EXPECT_FALSE(loop.ongoing());
+  EXPECT_EQ(loop.finalize(), static_cast<int>(ExitCode::participant));
+}
+
+}  // namespace
+}  // namespace ricochet::test

@@ -1,0 +1,104 @@
+// docs/participants.md tells what is so: its code stands in the examples, its clauses are those of check-participant,
+// its files exist, its numbers are right.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <regex>
+#include <sstream>
+
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+namespace fs = std::filesystem;
+const std::string root = RICOCHET_SOURCE "/";
+const std::string python = root + "common/participant/python/";
+
+std::string page() { return file_text(root + "docs/participants.md"); }
+
+/// The fenced blocks of a language.
+std::vector<std::string> blocks(const std::string& language) {
+  const std::string text = page(), begin = "\n```" + language + "\n";
+  std::vector<std::string> found;
+  for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
+    const auto first = at + begin.size();
+    found.push_back(text.substr(first, text.find("```\n", first) - first));
+  }
+  return found;
+}
+
+void expect_code(const std::string& language, std::size_t count, const std::vector<std::string>& files) {
+  const auto found = blocks(language);
+  EXPECT_EQ(found.size(), count) << language;
+  std::string code;
+  for (const auto& file : files) code += file_text(file);
+  for (const auto& block : found) EXPECT_THAT(code, testing::HasSubstr(block));
+}
+
+TEST(ParticipantsPage, ShowsCodeOfTheExamples) {
+  const std::string project = root + "tests/support/spring_mass_project/";
+  expect_code("cpp", 3, {project + "spring_mass.cpp", root + "tests/support/own_loop_spring.cpp"});
+  expect_code("cmake", 1, {project + "CMakeLists.txt"});
+  expect_code("python", 4, {python + "explicit_bar.py", python + "getfem_impact.py"});
+}
+
+TEST(ParticipantsPage, ShowsASceneEntryThatRuns) {
+  ASSERT_EQ(blocks("toml").size(), 1U);
+  TemporaryFolder folder;
+  fs::copy_file(std::string(RICOCHET_BUILD) + "/spring_mass", folder.path() / "spring_mass");
+  run_text(config_text("two_bars") + "\n" + blocks("toml")[0] +
+               "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
+               "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n",
+           folder);
+}
+
+TEST(ParticipantsPage, ListsTheClausesOfTheContract) {
+  TemporaryFolder folder;
+  const auto outcome = run_command(
+      {ricochet_binary(), "check-participant", "--", std::string(RICOCHET_BUILD) + "/spring_mass", "--name", "spring"},
+      folder.path().string());
+  std::string text = page(), clauses = "| clause | what is done |\n|---|---|\n";
+  std::istringstream lines(outcome.out);
+  std::vector<std::string> tested, listed;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("  ", 0) == 0) tested.push_back(line.substr(11, line.find(':') - 11));
+  }
+  std::istringstream table(text.substr(text.find(clauses) + clauses.size()));
+  for (std::string line; std::getline(table, line) && line.rfind("| ", 0) == 0;) {
+    listed.push_back(line.substr(2, line.find(" | ") - 2));
+  }
+  EXPECT_EQ(tested.size(), 9U) << outcome.out;
+  EXPECT_EQ(listed, tested);
+}
+
+TEST(ParticipantsPage, NamesFilesThatExist) {
+  const std::string text = page();
+  const std::regex path("`((?:tests|common|configs)/[^` ]+)`");
+  int count = 0;
+  for (std::sregex_iterator found(text.begin(), text.end(), path), end; found != end; ++found, ++count) {
+    EXPECT_TRUE(fs::exists(root + (*found)[1].str())) << (*found)[1];
+  }
+  EXPECT_GE(count, 6);
+}
+
+TEST(ParticipantsPage, CountsLinesRightly) {
+  const auto lines = [](const std::string& name) {
+    const std::string text = file_text(python + name);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_THAT(page(), testing::HasSubstr(fmt::format("`getfem_impact.py` ({} lines)", lines("getfem_impact.py"))));
+  EXPECT_THAT(page(), testing::HasSubstr(fmt::format("explicit_bar.py` ({} lines)", lines("explicit_bar.py"))));
+  EXPECT_LT(lines("ricochet_wire.py") + lines("ricochet_session.py"), 400);
+}
+
+TEST(ParticipantsPage, StatesTheDefaultsOfTheCommand) {
+  TemporaryFolder folder;
+  const auto help = run_command({ricochet_binary(), "check-participant", "--help"}, folder.path().string());
+  EXPECT_THAT(help.out, testing::HasSubstr("--timeout FLOAT:POSITIVE=10 Longest"));
+  EXPECT_THAT(help.out, testing::HasSubstr("default: half of its critical time step"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
