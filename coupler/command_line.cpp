@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ const char* const exit_codes =
 struct Arguments {
   std::string scene, out, name, results;
   ContractCommand command;
-  double step_s = 0.0;
+  std::optional<double> step_s;
 };
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -42,10 +43,8 @@ void define(CLI::App& app, Arguments& arguments) {
   auto* contract = app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
   contract->add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
       ->required();
-  contract->add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step")
-      ->check(CLI::PositiveNumber);
+  contract->add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step");
   contract->add_option("--timeout", arguments.command.timeout_s, "Longest wait for an answer [s]")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   auto* init = app.add_subcommand("init", "Write a commented starter scene NAME.toml");
   init->add_option("NAME", arguments.name, "Name of the new scene")->required();
@@ -77,6 +76,15 @@ std::vector<std::string> option_names(const CLI::App& app) {
                                 did_you_mean(extra, known)));
 }
 
+bool check_contract(const Arguments& arguments) {
+  const auto require_positive = [](const char* option, double value) {
+    if (!(value > 0.0)) throw ConfigError(fmt::format("{}: found {}, allowed: a number of seconds > 0", option, value));
+  };
+  require_positive("--timeout", arguments.command.timeout_s);
+  if (arguments.step_s) require_positive("--step", *arguments.step_s);
+  return check_participant(arguments.command, arguments.step_s.value_or(0.0));
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -99,7 +107,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.got_subcommand("check")) check_scene(arguments.scene);
   if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
-  if (app.got_subcommand("check-participant") && !check_participant(arguments.command, arguments.step_s)) {
+  if (app.got_subcommand("check-participant") && !check_contract(arguments)) {
     return static_cast<int>(ExitCode::protocol);
   }
   if (app.get_subcommands().empty()) fmt::print("{}", app.help());

@@ -31,7 +31,7 @@ ContractPeer::~ContractPeer() {
 }
 
 const wire::Message& ContractPeer::meet() {
-  if (!hear()) throw_ended("start");
+  if (!hear()) throw_ended("before it said hello");
   if (inbox_.kind == wire::Kind::failure) throw ParticipantError("it failed at start: " + inbox_.error_text);
   return inbox_;
 }
@@ -46,7 +46,7 @@ void ContractPeer::tell(wire::Message& message, std::int64_t version) {
 
 const wire::Message& ContractPeer::ask(wire::Message& message) {
   tell(message);
-  if (!hear()) throw_ended(std::string(wire::name(message.kind)));
+  if (!hear()) throw_ended(fmt::format("asked to '{}'", wire::name(message.kind)));
   if (inbox_.kind == wire::Kind::failure) {
     throw ParticipantError(fmt::format("asked to '{}' it failed: {}", wire::name(message.kind), inbox_.error_text));
   }
@@ -84,13 +84,14 @@ std::optional<ProcessEnd> ContractPeer::wait_end() {
 }
 
 std::string ContractPeer::log_tail() const {
-  const auto lines = last_lines(log_, log_lines);
+  auto lines = last_lines(log_, log_lines);
+  while (!lines.empty() && lines.back() == '\n') lines.pop_back();
   return lines.empty() ? "" : "; it printed\n" + lines;
 }
 
-void ContractPeer::throw_ended(const std::string& asked) const {
+void ContractPeer::throw_ended(const std::string& when) const {
   const auto end = launcher_.end_of(participant)->text();
-  throw ParticipantError(fmt::format("asked to '{}' it {}{}", asked, end, log_tail()));
+  throw ParticipantError(fmt::format("{} it {}{}", when, end, log_tail()));
 }
 
 }  // namespace ricochet::coupler

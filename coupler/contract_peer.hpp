@@ -45,7 +45,7 @@ class ContractPeer {
   [[nodiscard]] std::string log_tail() const;
 
  private:
-  [[noreturn]] void throw_ended(const std::string& asked) const;
+  [[noreturn]] void throw_ended(const std::string& when) const;
   std::string run_id_;
   double timeout_s_;
   std::filesystem::path log_;

@@ -133,7 +133,35 @@ TEST(Contract, NamesAProgramThatIsNotThereOrNoParticipant) {
   EXPECT_THAT(missing.out, HasSubstr("cannot start /nowhere/solver: no such file or directory"));
   const auto other = check(folder, {"/bin/echo", "hello"});
   EXPECT_EQ(other.code, 5);
-  EXPECT_THAT(other.out, HasSubstr("asked to 'start' it ended with exit code 0; it printed"));
+  EXPECT_THAT(other.out, HasSubstr("before it said hello it ended with exit code 0; it printed"));
+}
+
+TEST(Contract, RefusesAWrongCommandLine) {
+  TemporaryFolder folder;
+  const auto refusal = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {ricochet_binary(), "check-participant"});
+    const auto outcome = run_command(arguments, folder.path().string());
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.error;
+  };
+  EXPECT_THAT(refusal({}), HasSubstr("COMMAND is required"));
+  EXPECT_THAT(refusal({"--step", "-1", "--", "/bin/true"}),
+              HasSubstr("--step: found -1, allowed: a number of seconds > 0"));
+  EXPECT_THAT(refusal({"--timeout", "0", "--", "/bin/true"}), HasSubstr("--timeout: found 0, allowed"));
+  EXPECT_THAT(refusal({"--tmeout", "1", "--", "/bin/true"}), HasSubstr("did you mean \"--timeout\"?"));
+}
+
+TEST(Contract, LeavesNoProcessWhenInterrupted) {
+  TemporaryFolder folder;
+  const std::string out = folder.path() / "out.txt";
+  Process process(
+      {ricochet_binary(), "check-participant", "--", program("flawed_participant"), "any_version", "--name", "s"}, out,
+      out);
+  const auto running = [] { return !processes_with("flawed_participant any_version --name s").empty(); };
+  ASSERT_TRUE(wait_until([&] { return file_text(out).find("computes 20") != std::string::npos && running(); }, 10.0));
+  kill(process.pid(), SIGINT);
+  EXPECT_EQ(process.wait(10.0), 130);
+  EXPECT_TRUE(wait_until([&] { return !running(); }, 5.0));
 }
 
 }  // namespace
