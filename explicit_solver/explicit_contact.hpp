@@ -3,9 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
-#include "common/solver/pairs.hpp"
-#include "common/solver/surface_stress.hpp"
+#include "common/solver/contact_surface.hpp"
 
 /// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
 ///
@@ -31,33 +29,25 @@ class ExplicitContact {
   /// Contact quantities at the present displacement (principal stress and energies included).
   [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
-  [[nodiscard]] double gap_min(const std::vector<solver::BodyState>& states) const;       ///< [m]
-  [[nodiscard]] double gap_rate_min(const std::vector<solver::BodyState>& states) const;  ///< [m/s]
+  [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
-  struct Force {
-    double normal = 0.0, tangential = 0.0;  ///< on B along n and t [N]
-    solver::State state = solver::State::open;
-  };
+  using Force = solver::PairForce;
   /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
   Force find_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
                    double acting_time) const;
   [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     const Eigen::Vector2d& direction) const;
-  [[nodiscard]] double friction_force(double normal, double slip_rate, double impulse_mass) const;
+  [[nodiscard]] double friction_force(double normal, double slip_rate, double holding) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   void account(const solver::Pair& pair, const Force& old, const Force& now, std::vector<solver::BodyState>& states,
                const std::vector<const Eigen::VectorXd*>& u_before);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
-  [[nodiscard]] double gap(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
 
   const scene::Contact* law_;
-  Eigen::Vector2d normal_, tangent_;
-  int components_;
   double dt_;
-  std::vector<solver::Pair> pairs_;
+  solver::ContactSurface surface_;
   std::vector<Force> forces_;
-  solver::SurfaceStress stress_;
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
 };
 

@@ -155,15 +155,7 @@ void ExplicitSolver::account() {
 
 void ExplicitSolver::update_status() {
   if (!contact_) return;
-  status_.pairs_closed = contact_->pairs_closed();
-  status_.gap_min_m = contact_->gap_min(states_);
-  status_.gap_rate_min_m_s = contact_->gap_rate_min(states_);
-  if (window_ > 0) separation_.update(window_, status_.pairs_closed, status_.gap_min_m);
-  status_.separated = separation_.separated();
-  status_.separation_time_s = separation_.separation_time_s();
-  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
-  status_.finished = setup_.until_separated_plus_s >= 0.0 && status_.separated &&
-                     time_s >= status_.separation_time_s + setup_.until_separated_plus_s;
+  status_ = solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {

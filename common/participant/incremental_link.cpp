@@ -4,18 +4,6 @@
 #include <cmath>
 
 namespace ricochet::participant {
-namespace {
-
-double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute) {
-  double difference = 0.0, scale = 0.0;
-  for (std::size_t i = 0; i < absolute.size(); ++i) {
-    difference = std::max(difference, std::abs(accumulated[i] - absolute[i]));
-    scale = std::max(scale, std::abs(absolute[i]));
-  }
-  return scale > 0.0 ? difference / scale : difference;
-}
-
-}  // namespace
 
 IncrementalLink::IncrementalLink(int nodes, int components) : nodes_(nodes), components_(components) {
   const auto size = static_cast<std::size_t>(nodes) * static_cast<std::size_t>(components);
@@ -29,7 +17,7 @@ void IncrementalLink::set_output(const std::vector<double>& absolute) { accepted
 void IncrementalLink::receive(const wire::Array& increment, const wire::Array& absolute) {
   for (std::size_t i = 0; i < input_.size(); ++i) input_[i] = accepted_input_[i] + increment.data[i];
   if (absolute.rows == 0) return;
-  largest_drift_ = std::max(largest_drift_, relative_difference(input_, absolute.data));
+  largest_drift_ = std::max(largest_drift_, wire::relative_difference(input_, absolute.data));
   input_ = absolute.data;
 }
 

@@ -69,6 +69,14 @@ struct BodyState {
   void update_momentum();
 };
 
+/// Vectors by part, for the functions that take `of_part(part)`.
+inline auto displacement_of(const std::vector<BodyState>& states) {
+  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].u; };
+}
+inline auto velocity_of(const std::vector<BodyState>& states) {
+  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
+}
+
 /// One state per part of the participant, at t = 0. `shared_integrated`: the implicit participant integrates its shared
 /// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
 [[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,

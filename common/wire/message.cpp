@@ -1,5 +1,8 @@
 #include "common/wire/message.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ricochet::wire {
 namespace {
 
@@ -180,6 +183,15 @@ void clear(Message& message) {
   };
   clear_fields(header_fields());
   for (const auto& e : schema()) clear_fields(e.fields);
+}
+
+double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute) {
+  double difference = 0.0, scale = 0.0;
+  for (std::size_t i = 0; i < absolute.size(); ++i) {
+    difference = std::max(difference, std::abs(accumulated[i] - absolute[i]));
+    scale = std::max(scale, std::abs(absolute[i]));
+  }
+  return scale > 0.0 ? difference / scale : difference;
 }
 
 }  // namespace ricochet::wire

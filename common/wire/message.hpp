@@ -22,6 +22,10 @@ struct Array {
   void resize(int new_rows, int new_columns);
 };
 
+/// max |accumulated - absolute| / max |absolute|, by which incremental transfer has drifted; the difference itself where the
+/// absolute values are all zero. Equal sizes.
+[[nodiscard]] double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute);
+
 enum class Kind {
   hello,        ///< participant: I am ...
   welcome,      ///< coupler: you are part of run ...

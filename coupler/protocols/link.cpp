@@ -24,15 +24,6 @@ void clear(wire::Array& array, int columns) {
   array.data.clear();
 }
 
-double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute) {
-  double difference = 0.0, scale = 0.0;
-  for (std::size_t i = 0; i < absolute.size(); ++i) {
-    difference = std::max(difference, std::abs(accumulated[i] - absolute[i]));
-    scale = std::max(scale, std::abs(absolute[i]));
-  }
-  return scale > 0.0 ? difference / scale : difference;
-}
-
 }  // namespace
 
 Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& rows)
@@ -100,7 +91,7 @@ void Link::wait_advanced() {
   for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
   if (answer.absolute.rows > 0) {
     require_rows(answer.absolute, "absolute");
-    largest_drift_ = std::max(largest_drift_, relative_difference(output_, answer.absolute.data));
+    largest_drift_ = std::max(largest_drift_, wire::relative_difference(output_, answer.absolute.data));
     output_ = answer.absolute.data;
   }
   take_rates(answer);

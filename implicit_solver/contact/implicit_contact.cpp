@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 #include "common/fem/element.hpp"
@@ -19,13 +18,6 @@ using solver::State;
 
 namespace {
 
-auto displacement_of(const std::vector<BodyState>& states) {
-  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].u; };
-}
-auto velocity_of(const std::vector<BodyState>& states) {
-  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
-}
-
 double inverse_mass(const PairSide& side, const std::vector<BodyState>& states, const Eigen::Vector2d& direction, int components) {
   if (side.part < 0) return 0.0;
   double sum = 0.0;
@@ -40,23 +32,19 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vecto
                                  const std::vector<BodyState>& states)
     : problem_(&problem),
       law_(&*problem.scene.contact),
-      normal_(problem.contact.normal),
-      tangent_(-problem.contact.normal[1], problem.contact.normal[0]),
-      components_(problem.scene.components()),
-      pairs_(solver::local_pairs(problem, parts)),
-      stress_(problem, parts) {
+      surface_(problem, parts) {
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
     offset += state.part.dofs();
   }
-  for (const auto& pair : pairs_) {
+  for (const auto& pair : surface_.pairs) {
     for (const auto& side : {pair.a, pair.b}) {
       if (side.part < 0) continue;
       const auto& state = states[static_cast<std::size_t>(side.part)];
-      for (int c = 0; c < components_; ++c) {
-        const int dof = side.node * components_ + c;
-        const bool acts = normal_[c] != 0.0 || law_->friction_coefficient > 0.0;
+      for (int c = 0; c < surface_.components; ++c) {
+        const int dof = side.node * surface_.components + c;
+        const bool acts = surface_.normal[c] != 0.0 || law_->friction_coefficient > 0.0;
         if (acts && state.inverse_mass[dof] > 0.0) root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
       }
     }
@@ -70,22 +58,22 @@ double ImplicitContact::kappa() const {
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
-  const int n = static_cast<int>(pairs_.size());
+  const int n = static_cast<int>(surface_.pairs.size());
   const bool friction = law_->friction_coefficient > 0.0;
   gather_.setZero(friction ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));
   std::vector<double> area;
   for (int i = 0; i < n; ++i) {
-    const auto& pair = pairs_[static_cast<std::size_t>(i)];
+    const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
     area.push_back(pair.area_m2);
     for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
       if (side.part < 0) continue;
-      for (int c = 0; c < components_; ++c) {
-        const int dof = offsets_[static_cast<std::size_t>(side.part)] + side.node * components_ + c;
+      for (int c = 0; c < surface_.components; ++c) {
+        const int dof = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c;
         const auto found = std::find(root_dofs_.begin(), root_dofs_.end(), dof);
         if (found == root_dofs_.end()) continue;
         const auto column = found - root_dofs_.begin();
-        gather_(i, column) = sign * normal_[c];
-        if (friction) gather_(n + i, column) = sign * tangent_[c];
+        gather_(i, column) = sign * surface_.normal[c];
+        if (friction) gather_(n + i, column) = sign * surface_.tangent[c];
       }
     }
   }
@@ -99,19 +87,19 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
 }
 
 double ImplicitContact::combined(const Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const {
-  return solver::relative(pair, direction, components_, [&](int part) {
+  return solver::relative(pair, direction, surface_.components, [&](int part) {
     return values.data() + offsets_[static_cast<std::size_t>(part)];
   });
 }
 
 void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const auto& pair = pairs_[i];
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
     const auto k = static_cast<Eigen::Index>(i);
-    gap_free_[k] = pair.gap0_m + relative(pair, normal_, components_, displacement_of(states)) + combined(pair, increment, normal_);
+    gap_free_[k] = surface_.gap(pair, states) + combined(pair, increment, surface_.normal);
     if (!root_->friction()) continue;
-    slip_free_[k] = combined(pair, increment, tangent_);
-    slip_velocity_[k] = relative(pair, tangent_, components_, velocity_of(states));
+    slip_free_[k] = combined(pair, increment, surface_.tangent);
+    slip_velocity_[k] = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, accepted_);
   root_force_.noalias() = gather_.transpose() * trial_.force;
@@ -119,15 +107,15 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
 
 ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::vector<BodyState>& states,
                                                    const Eigen::Vector2d& direction) const {
-  const double wa = inverse_mass(pair.a, states, direction, components_);
-  const double wb = inverse_mass(pair.b, states, direction, components_);
+  const double wa = inverse_mass(pair.a, states, direction, surface_.components);
+  const double wb = inverse_mass(pair.b, states, direction, surface_.components);
   if (wa + wb == 0.0) return {0.0, 0.0};
   const bool paper = law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::impedance;
   if (!paper || wa == 0.0 || wb == 0.0) return {wa / (wa + wb), wb / (wa + wb)};
   // Eq. 25-27: weights rho C, longitudinal along n, shear along t
   const auto impedance = [&](int part) {
     const auto& body = problem_->bodies[static_cast<std::size_t>(states[static_cast<std::size_t>(part)].body)];
-    const bool along_normal = direction == normal_;
+    const bool along_normal = direction == surface_.normal;
     const double speed = along_normal ? fem::longitudinal_wave_speed(problem_->scene.model, body.material)
                                       : fem::shear_wave_speed(body.material);
     return body.material.density_kg_m3 * speed;
@@ -142,8 +130,8 @@ void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& s
   const Mean share = mean_shares(pair, states, direction);
   for (const auto& [side, amount] : {std::pair{pair.a, share.share_a * difference}, std::pair{pair.b, -share.share_b * difference}}) {
     if (side.part < 0) continue;
-    for (int c = 0; c < components_; ++c) {
-      values[offsets_[static_cast<std::size_t>(side.part)] + side.node * components_ + c] += amount * direction[c];
+    for (int c = 0; c < surface_.components; ++c) {
+      values[offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c] += amount * direction[c];
     }
   }
 }
@@ -152,36 +140,36 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, Eigen::
                                    Eigen::VectorXd& acceleration) {
   const bool never = law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::none;
   if (never || !remembered()) return;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     if (trial_.states[i] == State::open) continue;
-    set_mean(pairs_[i], states, normal_, velocity);
-    set_mean(pairs_[i], states, normal_, acceleration);
-    if (components_ == 1 || trial_.states[i] != State::stick) continue;
-    set_mean(pairs_[i], states, tangent_, velocity);
-    set_mean(pairs_[i], states, tangent_, acceleration);
+    set_mean(surface_.pairs[i], states, surface_.normal, velocity);
+    set_mean(surface_.pairs[i], states, surface_.normal, acceleration);
+    if (surface_.components == 1 || trial_.states[i] != State::stick) continue;
+    set_mean(surface_.pairs[i], states, surface_.tangent, velocity);
+    set_mean(surface_.pairs[i], states, surface_.tangent, acceleration);
   }
 }
 
 void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
                               const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity, double dt) {
-  for (const auto& pair : pairs_) {
+  for (const auto& pair : surface_.pairs) {
     for (const auto& side : {pair.a, pair.b}) {
       if (side.part < 0) continue;
-      const int first = offsets_[static_cast<std::size_t>(side.part)] + side.node * components_;
+      const int first = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components;
       const auto along = [&](const Eigen::VectorXd& values, const Eigen::Vector2d& direction) {
         double sum = 0.0;
-        for (int c = 0; c < components_; ++c) sum += direction[c] * values[first + c];
+        for (int c = 0; c < surface_.components; ++c) sum += direction[c] * values[first + c];
         return sum;
       };
       const auto work = [&](const Eigen::Vector2d& d) {
         return 0.5 * along(bracket, d) * along(increment, d) + along(jump, d) * along(mean_velocity, d);
       };
-      work_normal_j_ += work(normal_);
-      dissipated_friction_j_ -= work(tangent_);
+      work_normal_j_ += work(surface_.normal);
+      dissipated_friction_j_ -= work(surface_.tangent);
       if (pair.b.part >= 0) continue;
       auto& totals = states[static_cast<std::size_t>(side.part)].totals;
-      totals.impulse_n_kg_m_s += 0.5 * dt * along(bracket, normal_) + along(jump, normal_);
-      totals.impulse_t_kg_m_s += 0.5 * dt * along(bracket, tangent_) + along(jump, tangent_);
+      totals.impulse_n_kg_m_s += 0.5 * dt * along(bracket, surface_.normal) + along(jump, surface_.normal);
+      totals.impulse_t_kg_m_s += 0.5 * dt * along(bracket, surface_.tangent) + along(jump, surface_.tangent);
     }
   }
 }
@@ -191,34 +179,14 @@ int ImplicitContact::pairs_closed() const {
          static_cast<int>(std::count(accepted_.states.begin(), accepted_.states.end(), State::open));
 }
 
-double ImplicitContact::gap_min(const std::vector<BodyState>& states) const {
-  double smallest = std::numeric_limits<double>::max();
-  for (const auto& pair : pairs_) {
-    smallest = std::min(smallest, pair.gap0_m + relative(pair, normal_, components_, displacement_of(states)));
-  }
-  return smallest;
-}
-
-double ImplicitContact::gap_rate_min(const std::vector<BodyState>& states) const {
-  double smallest = std::numeric_limits<double>::max();
-  for (const auto& pair : pairs_) smallest = std::min(smallest, relative(pair, normal_, components_, velocity_of(states)));
-  return smallest;
-}
-
 solver::Report ImplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::Report report;
-  double area = 0.0;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    report.contact_force_n += accepted_.force[static_cast<Eigen::Index>(i)];
-    if (root_->friction()) report.friction_force_n += accepted_.force[static_cast<Eigen::Index>(pairs_.size() + i)];
-    report.pairs_open += accepted_.states[i] == State::open;
-    report.pairs_stick += accepted_.states[i] == State::stick;
-    report.pairs_slip += accepted_.states[i] == State::slip;
-    area += pairs_[i].area_m2;
+  std::vector<solver::PairForce> forces(surface_.pairs.size());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    forces[i].normal = accepted_.force[static_cast<Eigen::Index>(i)];
+    if (root_->friction()) forces[i].tangential = accepted_.force[static_cast<Eigen::Index>(forces.size() + i)];
+    forces[i].state = accepted_.states[i];
   }
-  report.gap_min_m = gap_min(states);
-  report.contact_pressure_mean_pa = report.contact_force_n / area;
-  report.principal_stress_mean_pa = stress_.mean(displacement_of(states));
+  solver::Report report = surface_.report(states, forces);
   report.energy_contact_j = work_normal_j_;
   report.energy_friction_j = dissipated_friction_j_;
   return report;

@@ -4,9 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
-#include "common/solver/pairs.hpp"
-#include "common/solver/surface_stress.hpp"
+#include "common/solver/contact_surface.hpp"
 #include "implicit_solver/contact/root_problem.hpp"
 
 namespace ricochet::implicit_solver {
@@ -49,8 +47,7 @@ class ImplicitContact {
 
   [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
-  [[nodiscard]] double gap_min(const std::vector<solver::BodyState>& states) const;
-  [[nodiscard]] double gap_rate_min(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
   struct Mean {
@@ -64,16 +61,13 @@ class ImplicitContact {
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
-  Eigen::Vector2d normal_, tangent_;
-  int components_;
+  solver::ContactSurface surface_;
   std::vector<int> offsets_;
-  std::vector<solver::Pair> pairs_;
   std::vector<int> root_dofs_;
   Eigen::MatrixXd gather_;            ///< G: relative motion per root motion, rows as the unknowns of RootProblem
   std::optional<RootProblem> root_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
   RootProblem::Solution trial_, accepted_;
-  solver::SurfaceStress stress_;
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
 };
 

@@ -1,0 +1,63 @@
+#include "common/solver/contact_surface.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace ricochet::solver {
+
+ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
+    : normal(problem.contact.normal),
+      tangent(-problem.contact.normal[1], problem.contact.normal[0]),
+      components(problem.scene.components()),
+      pairs(local_pairs(problem, parts)),
+      stress(problem, parts) {}
+
+double ContactSurface::gap(const Pair& pair, const std::vector<BodyState>& states) const {
+  return pair.gap0_m + relative(pair, normal, components, displacement_of(states));
+}
+
+double ContactSurface::gap_min(const std::vector<BodyState>& states) const {
+  double smallest = std::numeric_limits<double>::max();
+  for (const auto& pair : pairs) smallest = std::min(smallest, gap(pair, states));
+  return smallest;
+}
+
+double ContactSurface::gap_rate_min(const std::vector<BodyState>& states) const {
+  double smallest = std::numeric_limits<double>::max();
+  for (const auto& pair : pairs) smallest = std::min(smallest, relative(pair, normal, components, velocity_of(states)));
+  return smallest;
+}
+
+Report ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const {
+  Report report;
+  double area = 0.0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    report.contact_force_n += forces[i].normal;
+    report.friction_force_n += forces[i].tangential;
+    report.pairs_open += forces[i].state == State::open;
+    report.pairs_stick += forces[i].state == State::stick;
+    report.pairs_slip += forces[i].state == State::slip;
+    area += pairs[i].area_m2;
+  }
+  report.gap_min_m = gap_min(states);
+  report.contact_pressure_mean_pa = report.contact_force_n / area;
+  report.principal_stress_mean_pa = stress.mean(displacement_of(states));
+  return report;
+}
+
+participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states, int pairs_closed,
+                                          std::int64_t window, const participant::Setup& setup, SeparationWatch& separation) {
+  participant::ContactStatus status;
+  status.pairs_closed = pairs_closed;
+  status.gap_min_m = surface.gap_min(states);
+  status.gap_rate_min_m_s = surface.gap_rate_min(states);
+  separation.update(window, pairs_closed, status.gap_min_m);
+  status.separated = separation.separated();
+  status.separation_time_s = separation.separation_time_s();
+  const double time_s = static_cast<double>(window) * setup.window_size_s;
+  status.finished = setup.until_separated_plus_s >= 0.0 && status.separated &&
+                    time_s >= status.separation_time_s + setup.until_separated_plus_s;
+  return status;
+}
+
+}  // namespace ricochet::solver

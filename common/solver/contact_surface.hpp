@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+#include "common/solver/pairs.hpp"
+#include "common/solver/separation.hpp"
+#include "common/solver/surface_stress.hpp"
+
+namespace ricochet::solver {
+
+/// Force of one pair: normal >= 0 on B along +n, tangential on B along +t [N].
+struct PairForce {
+  double normal = 0.0, tangential = 0.0;
+  State state = State::open;
+};
+
+/// The contact of a scene in the local numbering of its owner: what can be said of it from the motion alone.
+struct ContactSurface {
+  ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
+
+  Eigen::Vector2d normal, tangent;
+  int components;
+  std::vector<Pair> pairs;
+  SurfaceStress stress;
+
+  /// g = g0 + n . (u_B - u_A) [m]
+  [[nodiscard]] double gap(const Pair& pair, const std::vector<BodyState>& states) const;
+  [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]
+  [[nodiscard]] double gap_rate_min(const std::vector<BodyState>& states) const;  ///< [m/s]
+  /// Forces and states summed up, gap and principal stress; the energies are the caller's.
+  [[nodiscard]] Report report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const;
+};
+
+/// Contact status after a window: gaps, separation, and whether `until_separated_plus_s` of the setup has passed.
+[[nodiscard]] participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states,
+                                                        int pairs_closed, std::int64_t window,
+                                                        const participant::Setup& setup, SeparationWatch& separation);
+
+}  // namespace ricochet::solver
