@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 Outcome check(const TemporaryFolder& folder, std::vector<std::string> command) {
-  std::vector<std::string> words{ricochet_binary(), "check-participant", "--timeout", "3", "--"};
+  std::vector<std::string> words{ricochet_binary(), "check-participant", "--timeout", "5", "--"};
   words.insert(words.end(), command.begin(), command.end());
   return run_command(words, folder.path().string());
 }
