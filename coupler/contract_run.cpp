@@ -49,8 +49,10 @@ void check_description(const Message& hello, const Message& d) {
           fmt::format("its role is '{}', allowed are 'explicit', 'implicit'", hello.role));
   check_interface(d);
   require(d.critical_time_step_s >= 0.0, fmt::format("its critical time step is {} s", d.critical_time_step_s));
+  static const std::vector<std::string> known = {"repeat_window", "switch_integration", "driven_by_force", "single_substep",
+                                                 "interface_stiffness"};
   for (const auto& capability : d.capabilities) {
-    require(capability == "repeat_window" || capability == "switch_integration",
+    require(std::find(known.begin(), known.end(), capability) != known.end(),
             fmt::format("it has the unknown capability '{}'", capability));
   }
   const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, 1.0);
@@ -113,6 +115,7 @@ Message initialize_request(const ContractRun& run, const ContractDrive& drive) {
   message.protocol = "hughes_liu";
   message.output_directory = "/tmp";
   message.window_size_s = run.window_size_s;
+  message.driven_by = run.implicit() ? "force" : "displacement";
   message.interface_mass_kg = run.description.interface_mass_kg;
   for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
   message.until_separated_plus_s = -1.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 
 #include "common/base/error.hpp"
 #include "coupler/executable.hpp"
@@ -26,6 +27,15 @@ std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene) {
   for (const auto& participant : scene.participants)
     expected.push_back({participant.name, role_name(participant.role)});
   return expected;
+}
+
+ProtocolSettings protocol_settings(const scene::Coupling& coupling) {
+  static const std::map<scene::Acceleration, Acceleration> accelerations = {
+      {scene::Acceleration::constant, Acceleration::constant},
+      {scene::Acceleration::aitken, Acceleration::aitken},
+      {scene::Acceleration::iqn_ils, Acceleration::iqn_ils}};
+  return {coupling.substeps, accelerations.at(coupling.acceleration), coupling.relaxation, coupling.tolerance,
+          coupling.max_iterations};
 }
 
 Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
@@ -134,8 +144,8 @@ void CoupledRun::setup() {
   history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s,
                                        scene_.model != scene::Model::axisymmetric);
   coupling_ = std::make_unique<Coupling>(std::move(links), std::move(map), plan_.window_size_s);
-  protocol_ = protocol_entry_.make();
-  coupling_->initialize(initialize_request());
+  protocol_ = protocol_entry_.make(protocol_settings(scene_.coupling));
+  protocol_->start(*coupling_, initialize_request());
 }
 
 std::vector<wire::Message> CoupledRun::describe() {
@@ -158,7 +168,7 @@ std::vector<wire::Message> CoupledRun::describe() {
 void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
   suspicion_.protocol = protocol_entry_.name;
   suspicion_.protocol_trouble = protocol_entry_.known_trouble;
-  suspicion_.window_size_s = plan_.window_size_s;
+  suspicion_.step_s = plan_.window_size_s / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
@@ -174,6 +184,7 @@ wire::Message CoupledRun::initialize_request() const {
   request.window_size_s = plan_.window_size_s;
   request.output_directory = results_.file("fields");
   request.protocol = protocol_entry_.name;
+  request.substeps = scene_.coupling.substeps;
   request.history_every = scene_.output.history_every;
   request.fields_every = scene_.output.fields_every;
   request.until_separated_plus_s = scene_.time.until_separated_plus_s.value_or(-1.0);
@@ -191,7 +202,9 @@ bool CoupledRun::may_switch() {
   const auto& capabilities = implicit->description().capabilities;
   const double critical = implicit->description().critical_time_step_s;
   std::string obstacle;
-  if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
+  if (!protocol_entry_.may_switch) {
+    obstacle = fmt::format("protocol {} couples it implicitly only", protocol_entry_.name);
+  } else if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (critical < plan_.window_size_s) {
     obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
@@ -207,6 +220,7 @@ void CoupledRun::step() {
   loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
                                      [this](std::int64_t window) { take_records(window); });
   loop_->run();
+  if (const std::string note = protocol_->note(); !note.empty()) summary_.notes.push_back(note);
 }
 
 void CoupledRun::take_records(std::int64_t window) {

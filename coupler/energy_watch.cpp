@@ -29,7 +29,7 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
   std::vector<std::string> causes;
   for (const auto& step : suspicion.steps) {
     if (!(step.critical_time_step_s > 0)) continue;
-    const double ratio = suspicion.window_size_s / step.critical_time_step_s;
+    const double ratio = suspicion.step_s / step.critical_time_step_s;
     if (ratio > 0.999) {
       causes.push_back(
           fmt::format("the time step is {:.4g} times the critical step {:.4g} s of participant '{}'; lower time.step_s",

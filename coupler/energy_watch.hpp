@@ -13,7 +13,7 @@ namespace ricochet::coupler {
 struct Suspicion {
   std::string protocol;
   std::string protocol_trouble;  ///< empty: none known
-  double window_size_s = 0.0;
+  double step_s = 0.0;  ///< of the explicit participants
   double penalty_step_ratio = 0.0;  ///< sqrt(2 alpha_n/m) dt, 0 without penalty
   struct Step {
     std::string participant;

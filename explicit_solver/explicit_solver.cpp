@@ -27,13 +27,18 @@ participant::Description ExplicitSolver::describe() {
   const bool alone = problem_.scene.coupling.protocol == "all_explicit";
   auto description = solver::describe(problem_, *spec_, states_, alone && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
-  description.capabilities = {"repeat_window"};
+  description.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
   return description;
 }
 
 void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   setup_ = setup;
   separation_ = solver::SeparationWatch(setup.separation_windows, setup.window_size_s);
+  if (driven_by_force()) {
+    initialize_subcycling();
+    shared_motion(output);
+    return;
+  }
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& window = windows_[b];
     window.u = states_[b].u;
@@ -73,17 +78,25 @@ void ExplicitSolver::account_interface(std::size_t b, const Eigen::VectorXd& u_o
 }
 
 void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, Link& output) {
+  if (driven_by_force()) {
+    synchronise_subcycling(link_input, output);
+    return;
+  }
   std::size_t next = 0;
   const double time_s = static_cast<double>(window_) * setup_.window_size_s;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& window = windows_[b];
     window.u = states_[b].u;
     take_link(states_[b], link_input, next, states_[b].u);
-    window.internal_old.swap(window.internal);
+    if (!trial_) {
+      window.internal_old.swap(window.internal);
+      window.external_old = window.external;
+    }
     states_[b].stiffness.multiply(states_[b].u, window.internal);
-    window.external_old = window.external;
+    window.external = window.external_old;
     account_interface(b, window.u, states_[b].u);
   }
+  trial_ = false;
   find_accelerations(time_s);
   for (auto& state : states_) state.constrain_velocity(time_s, setup_.window_size_s, state.v);
   interface_force(output);
@@ -92,6 +105,11 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
 
 void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, Link& output) {
   const double dt = setup_.window_size_s;
+  if (driven_by_force()) {
+    substep_ = 0;
+    advance_subcycling(static_cast<double>(window - 1) * dt, setup_.substeps, link_input, output);
+    return;
+  }
   const double time_s = static_cast<double>(window) * dt;
   if (contact_ && window_ == 0 && !trial_) contact_->start(states_);
   std::size_t next = 0;
@@ -113,6 +131,10 @@ void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
 }
 
 void ExplicitSolver::accept() {
+  if (driven_by_force()) {
+    accept_subcycling();
+    return;
+  }
   const double dt = setup_.window_size_s;
   ++window_;
   trial_ = false;
@@ -159,7 +181,7 @@ void ExplicitSolver::update_status() {
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {
-  const double dt = setup_.window_size_s;
+  const double dt = step_s();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     solver::require_finite(state, state.u, window_);
@@ -167,7 +189,7 @@ void ExplicitSolver::record(std::vector<double>& row) {
     const double kinetic = (state.mass.array() * state.v.array().square()).sum();
     const double staggered = 0.25 * dt * dt * (state.mass.array() * state.a.array().square()).sum();
     state.totals.energy_kinetic_j = 0.5 * (kinetic - staggered);
-    state.totals.energy_strain_j = 0.5 * state.u.dot(windows_[b].internal);
+    state.totals.energy_strain_j = 0.5 * state.u.dot(driven_by_force() ? subcycled_[b].internal() : windows_[b].internal);
   }
   solver::record_bodies(states_, row);
   if (contact_) solver::append(contact_->report(states_), row);
@@ -175,6 +197,59 @@ void ExplicitSolver::record(std::vector<double>& row) {
 
 void ExplicitSolver::write_fields(std::int64_t window) {
   solver::write_fields(setup_.output_directory, spec_->name, window, states_);
+}
+
+/// The shared nodes become this participant's own: integrated with the mass of its own elements, held by their supports.
+void ExplicitSolver::initialize_subcycling() {
+  states_ = solver::initial_states(problem_, *spec_, true);
+  solver::take_interface_mass(setup_.interface_mass_kg, states_);
+  for (const auto& state : states_) subcycled_.emplace_back(state, setup_.substeps, step_s());
+}
+
+void ExplicitSolver::shared_motion(Link& output) const {
+  for (auto* values : {&output.value, &output.velocity_m_s, &output.acceleration_m_s2}) values->clear();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    for (std::size_t i = 0; i < states_[b].shared_dofs.size(); ++i) {
+      const auto motion = subcycled_[b].shared_motion(states_[b], i);
+      output.value.push_back(motion.displacement);
+      output.velocity_m_s.push_back(motion.velocity);
+      output.acceleration_m_s2.push_back(motion.acceleration);
+    }
+  }
+}
+
+/// This part's entries of a link vector, whose parts follow one another; moves `next` on.
+Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const solver::BodyState& state, std::size_t& next) {
+  const double* begin = link.data() + next;
+  next += state.shared_dofs.size();
+  return {begin, static_cast<Eigen::Index>(state.shared_dofs.size())};
+}
+
+void ExplicitSolver::synchronise_subcycling(const std::vector<double>& force, Link& output) {
+  std::size_t next = 0;
+  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    subcycled_[b].start(states_[b], time_s, part_of(force, states_[b], next));
+  }
+  shared_motion(output);
+}
+
+void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::vector<double>& force, Link& output) {
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    subcycled_[b].advance(states_[b], begin_s, steps, part_of(force, states_[b], next));
+  }
+  shared_motion(output);
+}
+
+void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input, Link& output) {
+  substep_ = substep;
+  advance_subcycling(static_cast<double>(window - 1) * setup_.window_size_s + (substep - 1) * step_s(), 1, link_input, output);
+}
+
+void ExplicitSolver::accept_subcycling() {
+  for (std::size_t b = 0; b < states_.size(); ++b) subcycled_[b].accept(states_[b]);
+  if (substep_ == 0 || substep_ == setup_.substeps) ++window_;
 }
 
 }  // namespace ricochet::explicit_solver

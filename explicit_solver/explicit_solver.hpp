@@ -9,13 +9,15 @@
 #include "common/solver/body_state.hpp"
 #include "common/solver/separation.hpp"
 #include "explicit_solver/explicit_contact.hpp"
+#include "explicit_solver/subcycled_window.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// Central difference method on the explicit elements of its bodies (Newmark, beta = 0, gamma = 1/2; Eq. 3-6):
 ///   u_{n+1} = u_n + dt v_n + dt^2/2 a_n,   a_{n+1} = M^-1 (f_{n+1} - K u_{n+1}),   v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
 /// Stable for dt <= 2/omega_max(K_E, M). Shared nodes take the displacement the link gives; the answer is P = K u - f there.
-/// As the only participant (`all_explicit`) it also enforces the contact.
+/// As the only participant (`all_explicit`) it also enforces the contact. Driven by force (dual protocols) it integrates its
+/// shared nodes, too, in one or more steps a window: SubcycledWindow.
 ///
 /// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
 /// which the method conserves energy exactly.
@@ -28,6 +30,8 @@ class ExplicitSolver final : public participant::Participant {
   void synchronise(participant::Integration integration, const std::vector<double>& link_input,
                    participant::Link& output) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::Link& output) override;
+  void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
+                       participant::Link& output) override;
   void accept() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
@@ -42,6 +46,13 @@ class ExplicitSolver final : public participant::Participant {
     Eigen::VectorXd internal, internal_old;  ///< K u at n + 1 and n
     Eigen::VectorXd external, external_old;  ///< f at n + 1 and n, reactions at constrained dofs included
   };
+  [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
+  [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
+  void initialize_subcycling();
+  void synchronise_subcycling(const std::vector<double>& force, participant::Link& output);
+  void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::Link& output);
+  void accept_subcycling();
+  void shared_motion(participant::Link& output) const;
   void take_link(const solver::BodyState& state, const std::vector<double>& link_input, std::size_t& next,
                  Eigen::VectorXd& u) const;
   void interface_force(participant::Link& output) const;
@@ -55,6 +66,8 @@ class ExplicitSolver final : public participant::Participant {
   std::vector<solver::BodyState> states_;
   std::vector<Window> windows_;
   std::vector<const Eigen::VectorXd*> u_before_;
+  std::vector<SubcycledWindow> subcycled_;  ///< per part; driven by force only
+  int substep_ = 0;                         ///< of the trial; 0: whole window
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;
   std::int64_t window_ = 0;

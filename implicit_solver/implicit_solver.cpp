@@ -54,7 +54,7 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
   description.solver = "ricochet implicit_solver";
-  description.capabilities = {"repeat_window", "switch_integration"};
+  description.capabilities = {"repeat_window", "switch_integration", "interface_stiffness"};
   return description;
 }
 
@@ -62,6 +62,10 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   setup_ = setup;
   separation_ = solver::SeparationWatch(setup.separation_windows, setup.window_size_s);
   solver::take_interface_mass(setup.interface_mass_kg, states_);
+  const auto shared = static_cast<Eigen::Index>(setup.interface_stiffness.empty() ? 0 : shared_dofs_.size());
+  shared_x_.setZero(shared);
+  shared_force_.setZero(shared);
+  interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(setup.interface_stiffness.data(), shared, shared);
   if (!problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
   }
@@ -81,7 +85,23 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   put_output(trial_, output);
 }
 
-/// A = M + dt^2/4 K on the dofs that are free.
+/// Adds scale S to the shared dofs of a matrix.
+void ImplicitSolver::add_interface_stiffness(double scale, fem::SparseMatrix& a) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < interface_stiffness_.rows(); ++i) {
+    for (Eigen::Index j = 0; j < interface_stiffness_.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      if (interface_stiffness_(i, j) != 0.0) {
+        entries.emplace_back(shared_dofs_[row], shared_dofs_[column], scale * interface_stiffness_(i, j));
+      }
+    }
+  }
+  fem::SparseMatrix s(a.rows(), a.cols());
+  s.setFromTriplets(entries.begin(), entries.end());
+  a += s;
+}
+
+/// A = M + dt^2/4 (K + S) on the dofs that are free.
 void ImplicitSolver::factorise() {
   const double dt = setup_.window_size_s;
   fem::SparseMatrix a = (0.25 * dt * dt) * stiffness_;
@@ -94,6 +114,7 @@ void ImplicitSolver::factorise() {
     }
   }
   a += fem::SparseMatrix(mass.asDiagonal());
+  if (interface_stiffness_.size() > 0) add_interface_stiffness(0.25 * dt * dt, a);
   factor_.emplace(a, active, contact_ ? contact_->root_dofs() : std::vector<int>{});
   if (!contact_) return;
   contact_->prepare(factor_->root_inverse(), dt);
@@ -117,6 +138,19 @@ void ImplicitSolver::take_link(const std::vector<double>& link_input, Eigen::Vec
   for (std::size_t i = 0; i < shared_dofs_.size(); ++i) link[shared_dofs_[i]] = link_input[i];
 }
 
+/// link += S x, x the accepted displacement of the shared nodes or its increment in the trial.
+void ImplicitSolver::add_stiffness_force(bool of_increment, Eigen::VectorXd& link) {
+  if (interface_stiffness_.size() == 0) return;
+  Eigen::Index i = 0;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    for (const int dof : states_[b].shared_dofs) {
+      shared_x_[i++] = of_increment ? trial_.increment[offsets_[b] + dof] : states_[b].u[dof];
+    }
+  }
+  shared_force_.noalias() = interface_stiffness_ * shared_x_;
+  for (std::size_t k = 0; k < shared_dofs_.size(); ++k) link[shared_dofs_[k]] += shared_force_[static_cast<Eigen::Index>(k)];
+}
+
 /// Motion of the shared nodes at the end of a window.
 void ImplicitSolver::put_output(const Window& window, Link& output) const {
   output.value.clear();
@@ -137,6 +171,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   take_link(link_input, link_);
   external_force(time_s, external_);
   trial_.increment.setZero();
+  if (integration == Integration::implicit_newmark) add_stiffness_force(false, link_);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto q = segment(residual_, b);
@@ -177,9 +212,11 @@ void ImplicitSolver::advance_implicit(double time_s) {
     segment(rhs_, b) = state.mass.cwiseProduct(dt * state.v + quarter * state.a) + quarter * segment(residual_, b);
     if (!state.external.zero()) segment(rhs_, b) += quarter * (segment(trial_.external, b) - segment(external_, b));
   }
+  add_stiffness_force(false, trial_.link);  // S du is in the operator
   for (const int dof : shared_dofs_) rhs_[dof] -= quarter * (trial_.link[dof] - link_[dof]);
   constrain_increment(time_s);
   solve_increment();
+  add_stiffness_force(true, trial_.link);
   find_rates();
   constrain_rates(time_s);
 }
@@ -338,7 +375,7 @@ void ImplicitSolver::update_status() {
 /// 1/2 v^T M v; where only L of the force M a is explicit, that is -dt^2/8 a . (-L). Without it the energy of the sum flickers
 /// at the interface by that amount.
 double ImplicitSolver::shared_staggered_energy(std::size_t part) const {
-  if (integration_ == Integration::explicit_central) return 0.0;
+  if (integration_ == Integration::explicit_central || interface_stiffness_.size() > 0) return 0.0;
   const auto& state = states_[part];
   double sum = 0.0;
   for (const int dof : state.shared_dofs) sum += state.a[dof] * link_[offsets_[part] + dof];

@@ -18,6 +18,7 @@ namespace ricochet::implicit_solver {
 /// explicit elements at the shared nodes) one window is
 ///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r
 ///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T r
+/// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
 /// The operator is factored once; contact forces r come from a small dense problem (ImplicitContact, RootProblem).
 ///
 /// After separation it can integrate explicitly (central difference, same lumped masses, no contact force) and back:
@@ -55,6 +56,8 @@ class ImplicitSolver final : public participant::Participant {
   }
   void factorise();
   void external_force(double time_s, Eigen::VectorXd& external);
+  void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
+  void add_stiffness_force(bool of_increment, Eigen::VectorXd& link);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(const Window& window, participant::Link& output) const;
   void advance_implicit(double time_s);
@@ -76,7 +79,8 @@ class ImplicitSolver final : public participant::Participant {
   std::vector<int> shared_dofs_;                 ///< combined numbering, interface order
   fem::SparseMatrix stiffness_;                  ///< all parts, block diagonal
   Eigen::VectorXd residual_, external_, link_;   ///< q, f (with reactions) and L of the last accepted window
-  Eigen::VectorXd rhs_, root_increment_;
+  Eigen::VectorXd rhs_, root_increment_, shared_x_, shared_force_;
+  Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;
   std::optional<ImplicitContact> contact_;

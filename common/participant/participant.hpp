@@ -14,6 +14,9 @@
 /// its elements exert *on* being moved there, P = K u, the internal force [N] (positive: resists positive motion).
 /// An *implicit* participant integrates the interface nodes: it is given the sum of those internal forces [N] and
 /// answers with displacement [m], velocity [m/s] and acceleration [m/s^2] of its interface nodes.
+/// Under a dual protocol an explicit participant is *driven by force*, too: it integrates its interface nodes with its own
+/// mass, M a = f - K u + lambda, is given the interface multiplier lambda [N] at the end of a window (linear over the
+/// window) and answers with their motion. Capability "driven_by_force".
 /// Incremental transfer (Eq. 6), accumulation and resynchronisation are done by `serve`: here everything is absolute.
 namespace ricochet::participant {
 
@@ -29,16 +32,28 @@ struct Description {
   std::vector<double> interface_position_m;  ///< nodes x components, reference configuration
   std::vector<double> interface_mass_kg;     ///< per node, own lumped mass
   double critical_time_step_s = 0;           ///< of its own explicit integration; 0: none needed
-  /// "repeat_window": may be asked to advance the same window again before accept; "switch_integration": knows both.
+  /// "repeat_window": may be asked to advance the same window again before accept; "switch_integration": knows both;
+  /// "driven_by_force": see above; "single_substep": can advance one substep of a window; "interface_stiffness": an
+  /// implicit participant that knows Setup::interface_stiffness.
   std::vector<std::string> capabilities;
   std::vector<std::string> record_columns;  ///< names of the history quantities `record` appends
   bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
 };
 
+enum class Drive { displacement, force };  ///< what the link input is
+
 struct Setup {
   std::string run_id, protocol, output_directory;
   double window_size_s = 0;                 ///< Delta t of one window
-  std::vector<double> interface_mass_kg;    ///< per node, summed over all participants (Eq. 28)
+  int substeps = 1;                         ///< driven by force, explicit: central difference steps in a window
+  Drive driven_by = Drive::displacement;    ///< implicit participants: always force
+  /// Per node: mass to integrate the interface nodes with, summed over all participants (Eq. 28); the own one if the
+  /// protocol is dual.
+  std::vector<double> interface_mass_kg;
+  /// Implicit: S, (nodes x components)^2, row-major, symmetric [N/m]; empty: none. The force of the other participants on
+  /// the interface nodes at the end of a window is link input + S u, u their displacement there. Only while integrating
+  /// by `implicit_newmark`.
+  std::vector<double> interface_stiffness;
   int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
@@ -47,8 +62,8 @@ struct Setup {
 
 enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 | beta = 0
 
-/// Link output. Explicit: `value` is the force [N]; velocity and acceleration empty. Implicit: `value` is the
-/// displacement.
+/// Link output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by force:
+/// `value` is the displacement.
 struct Link {
   std::vector<double> value, velocity_m_s, acceleration_m_s2;
 };
@@ -77,6 +92,9 @@ class Participant {
   /// Trial: from the last accepted state compute the window that ends at `window * window_size_s` with this link input
   /// (explicit: displacement at the window's end; implicit: interface force at its end).
   virtual void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) = 0;
+  /// Trial of one substep of that window, 1 .. Setup::substeps, each accepted before the next; `link_input`: the
+  /// multiplier at its end, linear from the end of the one before. Capability "single_substep".
+  virtual void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input, Link& output);
   /// Makes the last trial final.
   virtual void accept() = 0;
   /// Contact state after the last accepted window (contact owner only).

@@ -43,6 +43,10 @@ Description checked(Description d) {
 
 }  // namespace
 
+void Participant::advance_substep(std::int64_t, int, const std::vector<double>&, Link&) {
+  throw ParticipantError("the participant announces the capability 'single_substep', but does not implement it");
+}
+
 Session::Session(Participant& participant)
     : participant_(participant),
       description_(checked(participant.describe())),
@@ -50,6 +54,7 @@ Session::Session(Participant& participant)
       nodes_(static_cast<int>(description_.interface_body.size())) {
   const auto& capabilities = description_.capabilities;
   can_repeat_ = std::find(capabilities.begin(), capabilities.end(), "repeat_window") != capabilities.end();
+  moves_ = description_.role == "implicit";
   spans_.reserve(3 * max_spans);
 }
 
@@ -78,6 +83,7 @@ void Session::send(Kind kind, Message& message) {
   message.run_id = run_id_;
   message.sequence = sequence_;
   message.window = window_;
+  message.substep = substep_;
   wire::require_finite(message);
   lifecycle_.step(wire::Side::participant, message, description_.name);
   ++sequence_;

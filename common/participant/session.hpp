@@ -61,8 +61,10 @@ class Session {
   void accept(const wire::Message& request, wire::Message& reply);
   void finish(wire::Message& reply);
 
+  void take_interface_stiffness(const wire::Array& stiffness);
   void check_advance(const wire::Message& request) const;
-  void accept_window();
+  void check_substep(const wire::Message& request) const;
+  void accept_trial();
   void record();
   void write_fields();
   void put_absolute(wire::Array& absolute) const;
@@ -82,8 +84,10 @@ class Session {
   ContactStatus contact_;
   std::string run_id_;
   std::int64_t sequence_ = 0, window_ = 0, accepted_window_ = 0, fields_window_ = -1;
+  std::int64_t substep_ = 0, accepted_substep_ = 0;  ///< of the trial (0: whole window); of the window under way
   double timeout_s_ = -1.0;
-  bool can_repeat_ = false, tried_ = false, started_ = false;  ///< tried: a trial window is not accepted yet
+  bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
+  bool moves_ = false;                       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
   std::vector<double> rows_;   ///< history rows not sent yet
   std::vector<double> spans_;  ///< window, begin, end of each computing span

@@ -38,6 +38,19 @@ void check_setup(const Message& request) {
   require(request.fields_every >= 0, "the coupler set fields_every = {}, expected >= 0", request.fields_every);
   require(request.separation_windows >= 0, "the coupler set separation_windows = {}, expected >= 0",
           request.separation_windows);
+  require(request.substeps >= 1, "the coupler set substeps = {}, expected >= 1", request.substeps);
+}
+
+Drive drive_of(const std::string& text, const Description& description) {
+  require(text == "displacement" || text == "force",
+          "the coupler drives by '{}', expected one of 'displacement', 'force'", text);
+  const auto& has = description.capabilities;
+  const bool implicit = description.role == "implicit";
+  const bool by_force = implicit || std::find(has.begin(), has.end(), "driven_by_force") != has.end();
+  const bool by_displacement = !implicit;
+  require(text == "force" ? by_force : by_displacement, "the coupler drives {} participant '{}' by {}, which it is not made for",
+          description.role, description.name, text);
+  return text == "force" ? Drive::force : Drive::displacement;
 }
 
 }  // namespace
@@ -64,6 +77,10 @@ void Session::initialize(const Message& request, Message& reply) {
   setup_.output_directory = request.output_directory;
   setup_.window_size_s = request.window_size_s;
   setup_.interface_mass_kg = request.interface_mass_kg.data;
+  setup_.substeps = static_cast<int>(request.substeps);
+  setup_.driven_by = drive_of(request.driven_by, description_);
+  moves_ = setup_.driven_by == Drive::force;
+  take_interface_stiffness(request.interface_stiffness);
   setup_.history_every = static_cast<int>(request.history_every);
   setup_.fields_every = static_cast<int>(request.fields_every);
   setup_.until_separated_plus_s = request.until_separated_plus_s;
@@ -76,25 +93,38 @@ void Session::initialize(const Message& request, Message& reply) {
   put_absolute(reply.absolute);
 }
 
+void Session::take_interface_stiffness(const wire::Array& stiffness) {
+  const int size = nodes_ * description_.components;
+  require(stiffness.rows == 0 || (stiffness.rows == size && stiffness.columns == size),
+          "the coupler sent 'interface_stiffness' with {} x {} numbers, the interface of participant '{}' needs {} x {}",
+          stiffness.rows, stiffness.columns, description_.name, size, size);
+  const auto& has = description_.capabilities;
+  require(stiffness.rows == 0 || std::find(has.begin(), has.end(), "interface_stiffness") != has.end(),
+          "the coupler sent an interface stiffness, but participant '{}' lacks the capability 'interface_stiffness'",
+          description_.name);
+  setup_.interface_stiffness = stiffness.data;
+}
+
 void Session::synchronise(const Message& request, Message& reply) {
   const auto integration = integration_of(request.integration);
   require_rows(request.link_absolute, "link_absolute", description_.components);
   link_.set_input(request.link_absolute);
+  tried_ = false;
   participant_.synchronise(integration, link_.input(), output_);
   require_output(true);
   link_.set_output(output_.value);
   put_absolute(reply.absolute);
   put_rates(reply);
-  const bool first = !started_;
-  started_ = true;
-  if (first) record();
-  if (first && setup_.fields_every > 0) write_fields();
-  put_records(first, reply);
+  if (accepted_window_ > 0) return;
+  rows_.clear();  // the coupler may synchronise the start more than once
+  record();
+  if (setup_.fields_every > 0) write_fields();
 }
 
 void Session::check_advance(const Message& request) const {
   const auto next = accepted_window_ + 1;
   require(request.window == next, "the coupler asked for window {}, the next one is window {}", request.window, next);
+  check_substep(request);
   require(next <= setup_.last_window, "the coupler asked for window {}, the last one is window {}", next,
           setup_.last_window);
   require(request.windows >= 1, "the coupler asked for {} windows, expected >= 1", request.windows);
@@ -110,17 +140,37 @@ void Session::check_advance(const Message& request) const {
   if (request.link_absolute.rows != 0) require_rows(request.link_absolute, "link_absolute", description_.components);
 }
 
+void Session::check_substep(const Message& request) const {
+  if (request.substep == 0) {
+    require(accepted_substep_ == 0, "the coupler asked for the whole window {}, of which substep {} is accepted",
+            request.window, accepted_substep_);
+    return;
+  }
+  const auto& has = description_.capabilities;
+  require(std::find(has.begin(), has.end(), "single_substep") != has.end(),
+          "the coupler asked for substep {}, but participant '{}' lacks the capability 'single_substep'",
+          request.substep, description_.name);
+  require(request.substep == accepted_substep_ + 1 && request.substep <= setup_.substeps && request.windows == 1,
+          "the coupler asked for substep {} of {} in window {}, the next one is substep {}", request.substep,
+          setup_.substeps, request.window, accepted_substep_ + 1);
+}
+
 void Session::advance(const Message& request, Message& reply) {
   check_advance(request);
   const auto last = accepted_window_ + std::min(request.windows, setup_.last_window - accepted_window_);
   link_.receive(request.link_increment, request.link_absolute);
+  substep_ = request.substep;
   do {
     window_ = accepted_window_ + 1;
-    participant_.advance(window_, link_.input(), output_);
+    if (substep_ == 0) {
+      participant_.advance(window_, link_.input(), output_);
+    } else {
+      participant_.advance_substep(window_, static_cast<int>(substep_), link_.input(), output_);
+    }
     require_output(true);
     link_.send(output_.value, request.absolute_requested, reply.increment, reply.absolute);
     tried_ = true;
-    if (request.accept_at_once) accept_window();
+    if (request.accept_at_once) accept_trial();
   } while (request.accept_at_once && window_ < last && !contact_.finished);
   put_rates(reply);
   put_contact(reply);
@@ -130,15 +180,18 @@ void Session::advance(const Message& request, Message& reply) {
 void Session::accept(const Message& request, Message& reply) {
   require(request.window == window_, "the coupler accepted window {}, the trial was of window {}", request.window,
           window_);
-  accept_window();
+  accept_trial();
   put_contact(reply);
   put_records(request.records_requested, reply);
 }
 
-void Session::accept_window() {
+void Session::accept_trial() {
   participant_.accept();
   link_.accept();
   tried_ = false;
+  const bool whole = substep_ == 0 || substep_ == setup_.substeps;
+  accepted_substep_ = whole ? 0 : substep_;
+  if (!whole) return;
   accepted_window_ = window_;
   contact_ = participant_.contact_status();
   if (window_ % setup_.history_every == 0) record();
@@ -174,7 +227,7 @@ void Session::put_absolute(wire::Array& absolute) const {
 }
 
 void Session::put_rates(Message& reply) const {
-  const int rows = description_.role == "implicit" ? nodes_ : 0;
+  const int rows = moves_ ? nodes_ : 0;
   set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
   set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
 }
@@ -203,7 +256,6 @@ void Session::require_rows(const wire::Array& array, std::string_view field, int
 }
 
 void Session::require_output(bool rates_needed) const {
-  const bool implicit = description_.role == "implicit";
   const auto check = [&](const std::vector<double>& values, std::string_view what, bool may_be_full,
                          bool may_be_empty) {
     if ((may_be_full && values.size() == link_.size()) || (may_be_empty && values.empty())) return;
@@ -211,9 +263,9 @@ void Session::require_output(bool rates_needed) const {
                                        description_.name, description_.role, values.size(), what,
                                        may_be_full ? link_.size() : 0));
   };
-  check(output_.value, implicit ? "displacement" : "force", true, false);
-  check(output_.velocity_m_s, "velocity_m_s", implicit, !implicit || !rates_needed);
-  check(output_.acceleration_m_s2, "acceleration_m_s2", implicit, !implicit || !rates_needed);
+  check(output_.value, moves_ ? "displacement" : "force", true, false);
+  check(output_.velocity_m_s, "velocity_m_s", moves_, !moves_ || !rates_needed);
+  check(output_.acceleration_m_s2, "acceleration_m_s2", moves_, !moves_ || !rates_needed);
 }
 
 }  // namespace ricochet::participant

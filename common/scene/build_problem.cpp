@@ -40,14 +40,15 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
 double window_size(const Problem& problem) {
   const Scene& scene = problem.scene;
   if (scene.time.step_s) return *scene.time.step_s;
-  const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
+  const ProtocolTraits& protocol = protocol_traits(scene.coupling.protocol);
+  const bool hybrid = protocol.layout == Layout::hybrid;
   double critical = std::numeric_limits<double>::infinity();
   for (const BodyProblem& body : problem.bodies) {
     std::vector<bool> is_explicit(body.mesh.elements.size(), true);
     for (std::size_t e = 0; hybrid && e < is_explicit.size(); ++e) is_explicit[e] = !body.implicit_element[e];
-    critical = std::min(critical, critical_time_step(body, is_explicit));
+    critical = std::min(critical, critical_time_step(body, is_explicit, protocol.dual));
   }
-  const double window = scene.time.safety_factor * critical;
+  const double window = scene.coupling.substeps * scene.time.safety_factor * critical;
   if (window > scene.time.end_s)
     throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
                                   scene.where("time.end_s"), scene.time.end_s, window));

@@ -25,7 +25,8 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
   const BodyProblem& body = problem.bodies[at(part.body)];
   int free = 0;
   for (int node = 0; node < part.part.nodes(); ++node) {
-    if (!implicit && std::binary_search(part.shared.begin(), part.shared.end(), node)) continue;
+    const bool shared = std::binary_search(part.shared.begin(), part.shared.end(), node);
+    if (!implicit && shared && !protocol_traits(problem.scene.coupling.protocol).dual) continue;
     for (int c = 0; c < components; ++c)
       if (!body.fixed_dof[at(part.part.body_node[at(node)] * components + c)]) ++free;
   }
@@ -34,6 +35,7 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
 
 ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
   const bool implicit = participant.role == Role::implicit_solver;
+  const bool dual = protocol_traits(problem.scene.coupling.protocol).dual;
   ParticipantPlan plan;
   plan.name = participant.name;
   plan.role = implicit ? "implicit" : "explicit";
@@ -47,7 +49,7 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     const BodyProblem& body = problem.bodies[at(part.body)];
     std::vector<bool> is_explicit = body.implicit_element;
     is_explicit.flip();
-    plan.critical_time_step_s = std::min(plan.critical_time_step_s, critical_time_step(body, is_explicit));
+    plan.critical_time_step_s = std::min(plan.critical_time_step_s, critical_time_step(body, is_explicit, dual));
   }
   return plan;
 }
@@ -57,17 +59,19 @@ std::string step_place(const Scene& scene) { return scene.where(scene.time.step_
 
 void check_critical_step(const Problem& problem, const ParticipantPlan& participant,
                          std::vector<std::string>& warnings) {
-  const double window = problem.window_size_s, critical = participant.critical_time_step_s;
-  const double ratio = window / critical;
+  const int substeps = problem.scene.coupling.substeps;
+  const double critical = participant.critical_time_step_s;
+  const double step = problem.window_size_s / substeps, ratio = step / critical;
   if (ratio > 1.0 + 1e-9)
     throw ConfigError(fmt::format(
         "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
-        "step_s = {:.3g} or less, or a larger implicit part",
-        step_place(problem.scene), window, ratio, critical, participant.name, 0.9 * critical));
+        "step_s = {:.3g} or less, {}or a larger implicit part",
+        step_place(problem.scene), step, ratio, critical, participant.name, 0.9 * substeps * critical,
+        protocol_traits(problem.scene.coupling.protocol).dual ? "more coupling.substeps, " : ""));
   if (ratio > courant_one)
     warnings.push_back(fmt::format(
         "the step is {:.5g} times the critical time step of \"{}\": the shortest wave of the mesh may grow linearly; "
-        "step_s = {:.3g} leaves room", ratio, participant.name, 0.9 * critical));
+        "step_s = {:.3g} leaves room", ratio, participant.name, 0.9 * substeps * critical));
 }
 
 void check_materials(const Problem& problem, std::vector<std::string>& warnings) {
@@ -88,8 +92,9 @@ Plan plan(const Problem& problem) {
   plan.window_size_s = problem.window_size_s;
   plan.windows = static_cast<long long>(std::ceil(scene.time.end_s / problem.window_size_s - 1e-9));
   plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
-  const std::string& protocol_warning = protocol_traits(scene.coupling.protocol).warning;
-  if (!protocol_warning.empty()) plan.warnings.push_back(protocol_warning);
+  const ProtocolTraits& protocol = protocol_traits(scene.coupling.protocol);
+  const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
+  if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
   for (const ParticipantSpec& participant : scene.participants) {
     plan.participants.push_back(plan_participant(problem, participant));
     check_critical_step(problem, plan.participants.back(), plan.warnings);

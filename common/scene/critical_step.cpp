@@ -69,7 +69,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
   return part_of(body, std::vector<bool>(body.mesh.elements.size(), true)).lumped_mass;
 }
 
-double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
+double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass) {
   const fem::Part part = part_of(body, of_element);
   if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
   const int components = fem::components(body.section.model);
@@ -78,7 +78,7 @@ double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_e
   std::vector<bool> fixed_dof;
   for (int i = 0; i < part.nodes(); ++i) {
     const int node = part.body_node[at(i)];
-    mass[i] = whole_mass[node];
+    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
     for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
   }
   return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance));

@@ -9,8 +9,9 @@ namespace ricochet::scene {
 /// Critical time step of central difference on some elements of a body with the full nodal masses of the whole body:
 ///   dt = 2 / omega_max(K_E, M)  [s],
 /// the stability limit of a coupling with shared summed masses (Hughes and Liu 1978): it does not depend on the
-/// stiffness of the other elements. Supported degrees of freedom are left out; infinity without elements.
-[[nodiscard]] double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
+/// stiffness of the other elements. `own_mass`: with the mass of those elements alone, the limit of an explicit side that a
+/// dual protocol couples. Supported degrees of freedom are left out; infinity without elements.
+[[nodiscard]] double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass = false);
 
 /// Critical time step of central difference on all bodies with every contact pair closed by a penalty spring of
 /// alpha * area [N/m]. For two equal bars, or one against a rigid plane, of element size h:

@@ -71,7 +71,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const std::vector<int> contact = contact_nodes(problem.contact, index);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_groups(scene, body);
-    case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value());
+    case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value() / scene.coupling.substeps);
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);
@@ -123,6 +123,22 @@ void require_owners(const Problem& problem) {
                         "\"; allowed: each body with explicit elements in one");
 }
 
+/// A dual protocol duplicates the shared nodes: either side needs mass of its own there, and the contact must leave their
+/// velocity alone.
+void require_own_nodes(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    const std::vector<bool> of_explicit = touched_nodes(body, false);
+    for (const int node : contact_nodes(problem.contact, index))
+      if (of_explicit[at(node)])
+        throw ConfigError(fmt::format(
+            "{}: found explicit elements at the contact of body \"{}\" (node {}); allowed with protocol \"{}\": a layer of "
+            "implicit elements between, or protocol \"hughes_liu\"",
+            scene.where("partition"), body.name, node, scene.coupling.protocol));
+  }
+}
+
 }  // namespace
 
 std::vector<bool> touched_nodes(const BodyProblem& body, bool implicit) {
@@ -147,6 +163,7 @@ void set_partition(Problem& problem) {
   if (layout != Layout::hybrid) return;
   require_both_kinds(problem);
   require_owners(problem);
+  if (protocol_traits(problem.scene.coupling.protocol).dual) require_own_nodes(problem);
 }
 
 }  // namespace ricochet::scene

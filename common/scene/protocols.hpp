@@ -16,6 +16,7 @@ enum class Layout {
 struct ProtocolTraits {
   std::string name;
   Layout layout = Layout::hybrid;
+  bool dual = false;    ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
   std::string warning;  ///< what `check` says about it; empty: nothing
 };
 [[nodiscard]] const std::vector<ProtocolTraits>& protocols();

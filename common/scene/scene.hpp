@@ -114,10 +114,17 @@ struct Time {
   std::optional<double> until_separated_plus_s;
 };
 
+/// How `fixed_point` chooses the next displacement of the shared nodes.
+enum class Acceleration { constant, aitken, iqn_ils };
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
 struct Coupling {
   std::string protocol = "hughes_liu";
+  int substeps = 1;                      ///< dual protocols: explicit steps in a window, m of Delta T = m Delta t
+  Acceleration acceleration = Acceleration::iqn_ils;
+  double relaxation = 0.5;               ///< omega of the first, or every, iteration of fixed_point
+  double tolerance = 1e-10;              ///< of fixed_point: residual over the largest increment of a window
+  int max_iterations = 50;
   int resynchronise_every = 100;         ///< windows between exchanges of absolute values; 0: never
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
   int separation_windows = 10;           ///< windows with every pair open and gaps growing that count as separated

@@ -8,6 +8,7 @@
 
 #include "common/fem/vtk_output.hpp"
 #include "common/scene/critical_step.hpp"
+#include "common/scene/protocols.hpp"
 #include "common/solver/pairs.hpp"
 
 namespace ricochet::solver {
@@ -22,7 +23,8 @@ double smallest_critical_time_step(const scene::Problem& problem, const scene::P
     const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
     std::vector<bool> own = body.implicit_element;
     if (participant.role == scene::Role::explicit_solver) own.flip();
-    smallest = std::min(smallest, scene::critical_time_step(body, own));
+    const bool dual = scene::protocol_traits(problem.scene.coupling.protocol).dual;
+    smallest = std::min(smallest, scene::critical_time_step(body, own, dual));
   }
   return std::isfinite(smallest) ? smallest : 0.0;
 }

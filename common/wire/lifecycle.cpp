@@ -91,6 +91,7 @@ const std::vector<Transition>& transitions() {
       {tried, coupler, Kind::advance, advancing, Acceptance::at_once},
       {tried, coupler, Kind::advance, trying, Acceptance::on_request},
       {tried, coupler, Kind::accept, accepting},
+      {tried, coupler, Kind::synchronise, synchronising},
       {accepting, participant, Kind::accepted, ready},
       {finishing, participant, Kind::finished, finished},
   };

@@ -10,11 +10,11 @@ using M = Message;
 
 // Fields that several kinds carry with the same meaning.
 constexpr Field absolute_output{"absolute", &M::absolute, "N or m",
-                                "link output, n x components: internal force (explicit), displacement (implicit)"};
+                                "link output, n x components: displacement; of who is driven by displacement, internal force"};
 constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s",
-                         "of the interface nodes, n x components; explicit: 0 rows"};
+                         "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
-                             "of the interface nodes, n x components; explicit: 0 rows"};
+                             "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field records{"records", &M::records, "", "history rows not sent before, rows x record columns"};
 constexpr Field records_requested{"records_requested", &M::records_requested, "",
                                   "the answer is to bring the history rows"};
@@ -62,7 +62,8 @@ const std::vector<KindEntry>& schema() {
         {"interface_mass_kg", &M::interface_mass_kg, "kg", "n x 1, lumped mass of its own elements"},
         {"critical_time_step_s", &M::critical_time_step_s, "s",
          "limit of its own explicit integration; 0: none needed"},
-        {"capabilities", &M::capabilities, "", "any of `repeat_window`, `switch_integration`"},
+        {"capabilities", &M::capabilities, "",
+         "any of `repeat_window`, `switch_integration`, `driven_by_force`, `single_substep`, `interface_stiffness`"},
         {"record_columns", &M::record_columns, "", "names of the history columns; the first is `window`"},
         {"contact_owner", &M::contact_owner, "", "it enforces the scene's contact and reports its states"}}},
       {Kind::initialize,
@@ -70,7 +71,15 @@ const std::vector<KindEntry>& schema() {
        {{"protocol", &M::protocol, "", "coupling protocol, as in the scene"},
         {"output_directory", &M::output_directory, "", "absolute path for its result files"},
         {"window_size_s", &M::window_size_s, "s", "size of one window, > 0"},
-        {"interface_mass_kg", &M::interface_mass_kg, "kg", "n x 1, summed over all participants that share the node"},
+        {"substeps", &M::substeps, "", "an explicit participant driven by force takes so many steps in a window, >= 1"},
+        {"driven_by", &M::driven_by, "",
+         "its link input: `displacement` (it answers the internal force) or `force` (it answers its motion)"},
+        {"interface_mass_kg", &M::interface_mass_kg, "kg",
+         "n x 1, the mass it integrates its interface nodes with: summed over all participants that share the node, or "
+         "its own where the multipliers of a dual protocol couple"},
+        {"interface_stiffness", &M::interface_stiffness, "N/m",
+         "implicit participant: S, (n x components) x (n x components), symmetric; the force that acts on the shared "
+         "nodes at the end of a window is link input + S u; 0 rows: none"},
         {"history_every", &M::history_every, "windows", "one history row each so many windows, >= 1"},
         {"fields_every", &M::fields_every, "windows", "result fields each so many windows; 0: none"},
         {"until_separated_plus_s", &M::until_separated_plus_s, "s",
@@ -83,7 +92,7 @@ const std::vector<KindEntry>& schema() {
        "synchronise",
        {{"integration", &M::integration, "", "`implicit_newmark` or `explicit_central`, from here on"},
         {"link_absolute", &M::link_absolute, "m or N", "link input at the present time, n x components"}}},
-      {Kind::synchronised, "synchronised", {absolute_output, velocity, acceleration, records}},
+      {Kind::synchronised, "synchronised", {absolute_output, velocity, acceleration}},
       {Kind::advance,
        "advance",
        {{"windows", &M::windows, "", "how many windows from the header's on; more than 1 only without interface nodes"},
@@ -158,7 +167,7 @@ const std::vector<Field>& header_fields() {
       {"sequence", &M::sequence, "", "counts the sender's messages on this link from 0"},
       {"window", &M::window, "",
        "the window it is about, at its end: window n ends at n x `window_size_s`; 0: the start"},
-      {"substep", &M::substep, "", "within the window; 0: the whole window"},
+      {"substep", &M::substep, "", "`advance` and its answer: the one step within the window that it is about, from 1; 0: the whole window"},
   };
   return fields;
 }

@@ -10,7 +10,7 @@
 /// carries stands in one table, `fields_of`, that the codec, the docs and the tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 1;
+inline constexpr std::int64_t protocol_version = 2;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -54,14 +54,14 @@ struct Message {
   std::int64_t sequence = 0, window = 0, substep = 0;
 
   // names and texts
-  std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration;
+  std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration, driven_by;
   std::string error_text, error_culprit;
   std::vector<std::string> bodies, capabilities, record_columns;
 
   // numbers
   bool contact_owner = false, accept_at_once = false, absolute_requested = false, records_requested = false;
   bool separated = false, finished_early = false;
-  std::int64_t process_id = 0, components = 0, windows = 1, history_every = 1, fields_every = 0, last_window = 0;
+  std::int64_t process_id = 0, components = 0, windows = 1, substeps = 1, history_every = 1, fields_every = 0, last_window = 0;
   std::int64_t separation_windows = 0, pairs_closed = 0, error_code = 0;
   double window_size_s = 0, critical_time_step_s = 0, timeout_s = 0, until_separated_plus_s = 0;
   double gap_min_m = 0, gap_rate_min_m_s = 0, separation_time_s = 0, setup_s = 0, compute_s = 0, wait_s = 0;
@@ -71,11 +71,12 @@ struct Message {
   Array interface_body;        ///< n x 1, index into `bodies`
   Array interface_position_m;  ///< n x components
   Array interface_mass_kg;  ///< n x 1: own lumped mass in `description`, the sum over all participants in `initialize`
+  Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
   Array link_increment;     ///< to a participant: change of its link input since its last accepted window [m or N]
   Array link_absolute;      ///< the same, absolute; empty (0 x components) unless resynchronising
   Array increment;          ///< from a participant: change of its link output since its last accepted window [N or m]
   Array absolute;           ///< the same, absolute; empty unless requested
-  Array velocity_m_s;       ///< implicit participant: n x components; explicit: empty
+  Array velocity_m_s;       ///< who is driven by force: n x components; by displacement: empty
   Array acceleration_m_s2;  ///< as velocity
   Array records;            ///< history rows (rows x record_columns)
   Array spans_s;            ///< rows x 3: window, begin, end of each computing span on the steady clock

@@ -13,15 +13,50 @@ Coupling::Coupling(std::vector<Link> links, InterfaceMap map, double window_size
 }
 
 void Coupling::initialize(const wire::Message& request) {
-  for (auto& link : links_) link.post_initialize(request, map_.mass_kg());
-  for (auto& link : links_) link.wait_initialized();
-  if (implicit_) implicit_->rows().scatter(implicit_->output(), displacement_);
+  initialize_explicit(request, Masses::summed);
+  initialize_implicit(request, Masses::summed);
   synchronise("implicit_newmark");
+}
+
+std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
+  if (masses == Masses::own) return link.description().interface_mass_kg.data;
+  return link.rows().per_node(map_.mass_kg());
+}
+
+void Coupling::initialize_explicit(const wire::Message& request, Masses masses) {
+  for (auto& link : links_) {
+    if (!link.implicit()) link.post_initialize(request, masses_of(link, masses));
+  }
+  for (auto& link : links_) {
+    if (!link.implicit()) link.wait_initialized();
+  }
+}
+
+void Coupling::initialize_implicit(wire::Message request, Masses masses, std::vector<double> interface_stiffness) {
+  if (!implicit_) return;
+  interface_stiffness_ = std::move(interface_stiffness);
+  if (!interface_stiffness_.empty()) {
+    const auto dofs = implicit_->rows().dofs();
+    const int size = static_cast<int>(dofs.size());
+    request.interface_stiffness.resize(size, size);
+    auto entry = request.interface_stiffness.data.begin();
+    for (const auto i : dofs) {
+      for (const auto j : dofs) *entry++ = interface_stiffness_[i * dofs.size() + j];
+    }
+  }
+  implicit_->post_initialize(request, masses_of(*implicit_, masses));
+  implicit_->wait_initialized();
+  implicit_->rows().scatter(implicit_->output(), displacement_);
+}
+
+const std::vector<double>& Coupling::rows_of(const Link& link, const std::vector<double>& shared) {
+  link.rows().gather(shared, own_);
+  return own_;
 }
 
 void Coupling::synchronise(const std::string& integration) {
   for (auto& link : links_) {
-    if (!link.implicit()) link.post_synchronise("explicit_central", displacement_);
+    if (!link.implicit()) link.post_synchronise("explicit_central", rows_of(link, displacement_));
   }
   std::fill(force_.begin(), force_.end(), 0.0);
   for (auto& link : links_) {
@@ -30,8 +65,12 @@ void Coupling::synchronise(const std::string& integration) {
     link.rows().add(link.output(), force_);
   }
   all_explicit_ = integration == "explicit_central";
-  if (!implicit_) return;
-  implicit_->post_synchronise(integration, force_);
+  if (implicit_) synchronise_implicit(force_, integration);
+}
+
+void Coupling::synchronise_implicit(std::vector<double> force, const std::string& integration) {
+  if (integration == "implicit_newmark") subtract_stiffness_force(force);
+  implicit_->post_synchronise(integration, rows_of(*implicit_, force));
   implicit_->wait_synchronised();
   take_motion();
 }
@@ -48,7 +87,7 @@ const std::vector<double>& Coupling::predicted(double beta) {
 const std::vector<double>& Coupling::advance_explicit(const Step& step, const std::vector<double>& displacement,
                                                       Acceptance acceptance) {
   for (auto& link : links_) {
-    if (!link.implicit()) link.post_advance(step, displacement, acceptance);
+    if (!link.implicit()) link.post_advance(step, rows_of(link, displacement), acceptance);
   }
   std::fill(force_.begin(), force_.end(), 0.0);
   for (auto& link : links_) {
@@ -59,14 +98,27 @@ const std::vector<double>& Coupling::advance_explicit(const Step& step, const st
   return force_;
 }
 
-void Coupling::advance_implicit(const Step& step, const std::vector<double>& force) {
-  implicit_->post_advance(step, force, Acceptance::at_once);
+void Coupling::advance_implicit(const Step& step, const std::vector<double>& force, Acceptance acceptance) {
+  implicit_->post_advance(step, rows_of(*implicit_, force), acceptance);
   implicit_->wait_advanced();
   take_motion();
 }
 
+void Coupling::subtract_stiffness_force(std::vector<double>& force) const {
+  if (interface_stiffness_.empty()) return;
+  auto entry = interface_stiffness_.begin();
+  for (auto& value : force) {
+    for (const double u : displacement_) value -= *entry++ * u;
+  }
+}
+
+void Coupling::accept(const Step& step) {
+  for (auto& link : links_) link.post_accept(step);
+  for (auto& link : links_) link.wait_accepted();
+}
+
 void Coupling::advance_alone(const Step& step) {
-  for (auto& link : links_) link.post_advance(step, displacement_, Acceptance::at_once);
+  for (auto& link : links_) link.post_advance(step, rows_of(link, displacement_), Acceptance::at_once);
   for (auto& link : links_) link.wait_advanced();
 }
 
@@ -79,6 +131,7 @@ void Coupling::take_motion() {
 }
 
 const Link* Coupling::implicit_link() const { return implicit_; }
+Link* Coupling::implicit_link() { return implicit_; }
 
 const ContactReport& Coupling::contact() const {
   static const ContactReport none;

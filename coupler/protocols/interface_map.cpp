@@ -137,6 +137,20 @@ void check_owners(const std::vector<std::size_t>& group, const std::vector<Node>
 
 }  // namespace
 
+std::vector<std::size_t> InterfaceRows::dofs() const {
+  std::vector<std::size_t> result;
+  for (const int node : shared) {
+    for (int c = 0; c < components; ++c) result.push_back(static_cast<std::size_t>(node * components + c));
+  }
+  return result;
+}
+
+std::vector<double> InterfaceRows::per_node(const std::vector<double>& shared_values) const {
+  std::vector<double> own;
+  for (const int node : shared) own.push_back(shared_values[static_cast<std::size_t>(node)]);
+  return own;
+}
+
 void InterfaceRows::gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const {
   own_values.resize(shared.size() * components);
   for (std::size_t i = 0; i < shared.size(); ++i) {

@@ -12,6 +12,10 @@ struct InterfaceRows {
   std::vector<int> shared;  ///< per own interface node: its shared node
   int components = 1;
 
+  /// Per own degree of freedom the shared one.
+  [[nodiscard]] std::vector<std::size_t> dofs() const;
+  /// Per own node, of a value per shared node.
+  [[nodiscard]] std::vector<double> per_node(const std::vector<double>& shared_values) const;
   /// own[i] = shared[rows[i]]; both row-major, `components` columns.
   void gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const;
   /// shared[rows[i]] = own[i]: for the one participant that integrates the shared nodes.

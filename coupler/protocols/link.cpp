@@ -29,15 +29,14 @@ void clear(wire::Array& array, int columns) {
 Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& rows)
     : peer_(std::move(peer)), description_(description), rows_(rows) {
   const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
-  for (auto* values : {&received_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
+  for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
 
-void Link::post_initialize(wire::Message request, const std::vector<double>& masses) {
+void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
   request.kind = wire::Kind::initialize;
-  InterfaceRows per_node{rows_.shared, 1};
-  std::vector<double> own;
-  per_node.gather(masses, own);
-  set(request.interface_mass_kg, own, 1);
+  if (request.driven_by.empty()) request.driven_by = implicit() ? "force" : "displacement";
+  driven_by_force_ = request.driven_by == "force";
+  set(request.interface_mass_kg, own_masses, 1);
   peer_.post(request);
 }
 
@@ -48,7 +47,7 @@ void Link::wait_initialized() {
 }
 
 void Link::post_synchronise(const std::string& integration, const std::vector<double>& input) {
-  rows_.gather(input, received_input_);
+  received_input_ = input;
   request_.kind = wire::Kind::synchronise;
   request_.integration = integration;
   set(request_.link_absolute, received_input_, rows_.components);
@@ -59,30 +58,31 @@ void Link::wait_synchronised() {
   const auto& answer = wait(wire::Kind::synchronised);
   take_absolute(answer);
   take_rates(answer);
-  take_records_of(answer);
 }
 
 void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
   acceptance_ = acceptance;
-  rows_.gather(input, own_input_);
+  ends_window_ = step.ends_window;
   request_.kind = wire::Kind::advance;
   request_.window = step.window + 1;
   request_.windows = step.windows;
+  request_.substep = step.substep;
   request_.accept_at_once = acceptance == Acceptance::at_once;
   request_.absolute_requested = step.absolute;
   request_.records_requested = step.records;
-  set(request_.link_increment, own_input_, rows_.components);
-  for (std::size_t i = 0; i < own_input_.size(); ++i) request_.link_increment.data[i] -= received_input_[i];
+  set(request_.link_increment, input, rows_.components);
+  trial_input_ = input;
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    double& increment = request_.link_increment.data[i];
+    increment -= received_input_[i];
+    if (!step.absolute) trial_input_[i] = received_input_[i] + increment;
+  }
   if (step.absolute) {
-    set(request_.link_absolute, own_input_, rows_.components);
+    set(request_.link_absolute, input, rows_.components);
   } else {
     clear(request_.link_absolute, rows_.components);
   }
   peer_.post(request_);
-  if (acceptance == Acceptance::trial) return;
-  for (std::size_t i = 0; i < own_input_.size(); ++i) {
-    received_input_[i] = step.absolute ? own_input_[i] : received_input_[i] + request_.link_increment.data[i];
-  }
 }
 
 void Link::wait_advanced() {
@@ -95,9 +95,23 @@ void Link::wait_advanced() {
     output_ = answer.absolute.data;
   }
   take_rates(answer);
-  if (acceptance_ == Acceptance::trial) return;
+  if (acceptance_ == Acceptance::at_once) take_acceptance(answer);
+}
+
+void Link::post_accept(const Step& step) {
+  request_.kind = wire::Kind::accept;
+  request_.window = step.window + 1;
+  request_.substep = step.substep;
+  request_.records_requested = step.records;
+  peer_.post(request_);
+}
+
+void Link::wait_accepted() { take_acceptance(wait(wire::Kind::accepted)); }
+
+void Link::take_acceptance(const wire::Message& answer) {
+  received_input_.swap(trial_input_);
   output_accepted_ = output_;
-  window_ = answer.window;
+  if (ends_window_) window_ = answer.window;
   contact_ = {answer.pairs_closed, answer.gap_min_m,         answer.gap_rate_min_m_s,
               answer.separated,    answer.separation_time_s, answer.finished_early};
   take_records_of(answer);
@@ -133,7 +147,7 @@ void Link::take_absolute(const wire::Message& answer) {
 }
 
 void Link::take_rates(const wire::Message& answer) {
-  if (!implicit() || answer.velocity_m_s.rows == 0) return;
+  if (!driven_by_force_ || answer.velocity_m_s.rows == 0) return;
   require_rows(answer.velocity_m_s, "velocity_m_s");
   require_rows(answer.acceleration_m_s2, "acceleration_m_s2");
   velocity_.assign(answer.velocity_m_s.data.begin(), answer.velocity_m_s.data.end());

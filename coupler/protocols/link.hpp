@@ -15,6 +15,8 @@ struct Step {
   std::int64_t windows = 1;  ///< how many; more than one only without a coupling (baselines)
   bool absolute = false;     ///< exchange absolute values besides the increments
   bool records = false;      ///< bring the history rows collected so far
+  std::int64_t substep = 0;  ///< the one step within the window that is meant; 0: the whole window
+  bool ends_window = true;   ///< false: more substeps of this window follow
 };
 
 enum class Acceptance { trial, at_once };
@@ -43,22 +45,29 @@ class Link {
 
   [[nodiscard]] const std::string& name() const { return peer_.name; }
   [[nodiscard]] bool implicit() const { return description_.role == "implicit"; }
+  /// Its link input is a force, and it answers its motion.
+  [[nodiscard]] bool driven_by_force() const { return driven_by_force_; }
   [[nodiscard]] const wire::Message& description() const { return description_; }
   [[nodiscard]] const InterfaceRows& rows() const { return rows_; }
 
-  /// `request`: a message of kind `initialize` without its masses. `masses` per shared node [kg].
-  void post_initialize(wire::Message request, const std::vector<double>& masses);
+  /// `request`: a message of kind `initialize` without its masses. `own_masses` per own interface node [kg].
+  void post_initialize(wire::Message request, const std::vector<double>& own_masses);
   void wait_initialized();
-  /// `integration`: "implicit_newmark" | "explicit_central"; `input` in the shared numbering.
+  /// `integration`: "implicit_newmark" | "explicit_central"; `input` (here and below) in own rows.
   void post_synchronise(const std::string& integration, const std::vector<double>& input);
   void wait_synchronised();
-  /// `input` at the end of the step: displacement [m] for an explicit participant, force [N] for the implicit one.
+  /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
   void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
   void wait_advanced();
+  /// Makes the last trial final.
+  void post_accept(const Step& step);
+  void wait_accepted();
   void post_finish();
   const wire::Message& wait_finished();
 
-  /// The last answer, own rows: force [N] of an explicit participant, displacement [m] of an implicit one.
+  /// Link input that the participant has accepted last, own rows.
+  [[nodiscard]] const std::vector<double>& input() const { return received_input_; }
+  /// The last answer, own rows: displacement [m] of who is driven by force, else force [N].
   [[nodiscard]] const std::vector<double>& output() const { return output_; }
   [[nodiscard]] const std::vector<double>& velocity_m_s() const { return velocity_; }
   [[nodiscard]] const std::vector<double>& acceleration_m_s2() const { return acceleration_; }
@@ -72,6 +81,7 @@ class Link {
 
  private:
   const wire::Message& wait(wire::Kind expected);
+  void take_acceptance(const wire::Message& answer);
   void take_absolute(const wire::Message& answer);
   void take_rates(const wire::Message& answer);
   void take_records_of(const wire::Message& answer);
@@ -80,8 +90,9 @@ class Link {
   Peer peer_;
   wire::Message description_, request_;
   InterfaceRows rows_;
-  std::vector<double> own_input_, received_input_, output_accepted_, output_, velocity_, acceleration_, records_;
+  std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_, records_;
   Acceptance acceptance_ = Acceptance::at_once;
+  bool driven_by_force_ = false, ends_window_ = true;
   ContactReport contact_;
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupler/protocols/coupling.hpp"
+#include "coupler/protocols/settings.hpp"
 
 namespace ricochet::coupler {
 
@@ -15,8 +16,12 @@ namespace ricochet::coupler {
 class Protocol {
  public:
   virtual ~Protocol() = default;
+  /// Initialises all participants and synchronises them at t = 0. `request`: see Link::post_initialize.
+  virtual void start(Coupling& coupling, const wire::Message& request) { coupling.initialize(request); }
   /// Computes and accepts the windows after `step.window` on every participant.
   virtual void step(Coupling& coupling, const Step& step) = 0;
+  /// What is worth knowing after the run, for its summary; empty: nothing.
+  [[nodiscard]] virtual std::string note() const { return ""; }
 };
 
 /// What the coupler knows of a protocol by name.
@@ -25,8 +30,9 @@ struct ProtocolEntry {
   std::vector<std::string> explicit_capabilities;  ///< every explicit participant must have them
   std::vector<std::string> implicit_capabilities;
   bool coupled = true;        ///< false: baseline of one participant, nothing is exchanged
+  bool may_switch = true;     ///< goes on with an implicit participant that integrates explicitly after separation
   std::string known_trouble;  ///< named when the energy watch stops a run; empty: none known
-  std::function<std::unique_ptr<Protocol>()> make;
+  std::function<std::unique_ptr<Protocol>(const ProtocolSettings&)> make;
 };
 
 /// The one list of protocols.

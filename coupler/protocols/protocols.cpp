@@ -4,29 +4,59 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "coupler/protocols/belytschko_mullen.hpp"
+#include "coupler/protocols/fixed_point.hpp"
 #include "coupler/protocols/free_run.hpp"
+#include "coupler/protocols/gravouil_combescure.hpp"
 #include "coupler/protocols/hughes_liu.hpp"
 #include "coupler/protocols/kim.hpp"
 #include "coupler/protocols/kim_predicted.hpp"
+#include "coupler/protocols/prakash_hjelmstad.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 template <class P>
-std::unique_ptr<Protocol> make() {
-  return std::make_unique<P>();
+std::unique_ptr<Protocol> make(const ProtocolSettings& settings) {
+  if constexpr (std::is_constructible_v<P, const ProtocolSettings&>) {
+    return std::make_unique<P>(settings);
+  } else {
+    return std::make_unique<P>();
+  }
 }
 
 }  // namespace
 
 const std::vector<ProtocolEntry>& protocols() {
   static const std::vector<ProtocolEntry> list = {
-      // name, explicit and implicit participants must be able to, coupled, known trouble
-      {"hughes_liu", {}, {}, true, "", make<HughesLiu>},
-      {"kim", {"repeat_window"}, {}, true, "", make<Kim>},
-      {"kim_predicted", {}, {}, true, "is unstable at almost any time step; use hughes_liu or kim", make<KimPredicted>},
-      {"all_implicit", {}, {}, false, "", make<FreeRun>},
-      {"all_explicit", {}, {}, false, "", make<FreeRun>},
+      // name, explicit and implicit participants must be able to, coupled, may switch, known trouble
+      {"hughes_liu", {}, {}, true, true, "", make<HughesLiu>},
+      {"kim", {"repeat_window"}, {}, true, true, "", make<Kim>},
+      {"kim_predicted",
+       {},
+       {},
+       true,
+       true,
+       "is unstable at almost any time step; use hughes_liu or kim",
+       make<KimPredicted>},
+      {"belytschko_mullen", {"repeat_window"}, {"interface_stiffness"}, true, false, "", make<BelytschkoMullen>},
+      {"prakash_hjelmstad",
+       {"repeat_window", "driven_by_force"},
+       {"interface_stiffness"},
+       true,
+       false,
+       "",
+       make<PrakashHjelmstad>},
+      {"gravouil_combescure",
+       {"repeat_window", "driven_by_force", "single_substep"},
+       {"repeat_window", "interface_stiffness"},
+       true,
+       false,
+       "",
+       make<GravouilCombescure>},
+      {"fixed_point", {"repeat_window"}, {"repeat_window"}, true, false, "", make<FixedPoint>},
+      {"all_implicit", {}, {}, false, false, "", make<FreeRun>},
+      {"all_explicit", {}, {}, false, false, "", make<FreeRun>},
   };
   return list;
 }

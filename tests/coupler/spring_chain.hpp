@@ -35,7 +35,8 @@ struct Chain {
 
 /// A participant in this process that answers messages as the real ones do: a chain of which some nodes are shared.
 /// Explicit: central difference on the nodes that are not shared. Implicit: trapezoidal rule (or central difference
-/// after a synchronisation that asks for it) on all nodes, with the summed masses.
+/// after a synchronisation that asks for it) on all nodes, with the summed masses. Driven by force, the explicit one
+/// integrates all its nodes, in substeps.
 class FakeParticipant {
  public:
   FakeParticipant(std::string name, bool implicit, Chain chain, std::vector<int> shared, Eigen::VectorXd velocity)
@@ -80,10 +81,15 @@ class FakeParticipant {
   [[nodiscard]] double energy() const {
     return 0.5 * v.dot(integrated_mass().cwiseProduct(v)) + 0.5 * u.dot(chain_.stiffness * u);
   }
+  /// 1/2 a.(M - (1/4 - beta) h^2 K) a + 1/2 v.K v, h the step: what Newmark's rule with gamma = 1/2 keeps where dv.df = 0.
+  [[nodiscard]] double pseudo_energy() const {
+    const double h = dt_ / substeps_, factor = implicit_ ? 0.0 : 0.25 * h * h;
+    return 0.5 * a.dot(chain_.mass.cwiseProduct(a) - factor * (chain_.stiffness * a)) + 0.5 * v.dot(chain_.stiffness * v);
+  }
 
   Eigen::VectorXd integrated_mass() const {
     Eigen::VectorXd mass = chain_.mass;
-    if (!implicit_) {
+    if (!moves()) {
       for (const int node : shared_) mass[node] = 0.0;
     }
     return mass;
@@ -93,6 +99,7 @@ class FakeParticipant {
   wire::Message status;            ///< contact fields of the next answers
   std::vector<std::string> asked;  ///< kinds of messages, in order
   std::int64_t finish_at = -1;
+  bool forgets_to_restore = false;  ///< a repeated window starts where the last trial ended
 
  private:
   void handle(const wire::Message& m) {
@@ -101,6 +108,10 @@ class FakeParticipant {
     answer_.absolute = {0, 1, {}};
     if (m.kind == wire::Kind::initialize) {
       dt_ = m.window_size_s;
+      driven_by_force_ = m.driven_by == "force";
+      substeps_ = static_cast<int>(m.substeps);
+      const auto& s = m.interface_stiffness;
+      interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(s.data.data(), s.rows, s.columns);
       for (std::size_t i = 0; i < shared_.size(); ++i) chain_.mass[shared_[i]] = m.interface_mass_kg.data[i];
       output_ = own_output();
       answer_absolute(wire::Kind::initialized);
@@ -108,20 +119,22 @@ class FakeParticipant {
       synchronise(m);
     } else if (m.kind == wire::Kind::advance) {
       advance(m);
-    }
-    if (implicit_) {
-      set(answer_.velocity_m_s, shared_part(v));
-      set(answer_.acceleration_m_s2, shared_part(a));
+    } else if (m.kind == wire::Kind::accept) {
+      answer_.kind = wire::Kind::accepted;
+      answer_.window = m.window;
+      accept();
     }
   }
 
   void synchronise(const wire::Message& m) {
     explicit_now_ = m.integration == "explicit_central";
     link_accepted_ = Eigen::Map<const Eigen::VectorXd>(m.link_absolute.data.data(), link_accepted_.size());
-    if (!implicit_) put_shared(u, link_accepted_);
-    acceleration_from(u, link_accepted_, a);
+    if (!moves()) put_shared(u, link_accepted_);
+    acceleration_from(u, link_accepted_ + stiffness_force(u), a);
     output_ = own_output();
     answer_absolute(wire::Kind::synchronised);
+    if (moves()) answer_motion(v, a);
+    u1 = u, v1 = v, a1 = a;
   }
 
   void advance(const wire::Message& m) {
@@ -131,9 +144,11 @@ class FakeParticipant {
     if (m.link_absolute.rows > 0) {
       link_trial_ = Eigen::Map<const Eigen::VectorXd>(m.link_absolute.data.data(), link_accepted_.size());
     }
-    Eigen::VectorXd u1 = u, v1 = v, a1 = a;
+    if (!forgets_to_restore) u1 = u, v1 = v, a1 = a;
     if (implicit_) {
-      step_implicit(u1, v1, a1);
+      step_implicit();
+    } else if (driven_by_force_) {
+      subcycle(m.substep == 0 ? substeps_ : 1);
     } else {
       u1 = u + dt_ * v + 0.5 * dt_ * dt_ * a;
       put_shared(u1, link_trial_);
@@ -141,7 +156,8 @@ class FakeParticipant {
       v1 = v + 0.5 * dt_ * (a + a1);
       for (const int node : shared_) v1[node] = a1[node] = 0.0;
     }
-    output_ = implicit_ ? shared_part(u1) : shared_part(chain_.stiffness * u1);
+    output_ = moves() ? shared_part(u1) : shared_part(chain_.stiffness * u1);
+    if (moves()) answer_motion(v1, a1);
     answer_.kind = wire::Kind::advanced;
     answer_.window = m.window + m.windows - 1;
     set(answer_.increment, output_ - output_accepted_);
@@ -149,25 +165,45 @@ class FakeParticipant {
     if (m.absolute_requested) set(answer_.absolute, output_);
     answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at;
     if (m.records_requested) answer_.records = {1, 1, {static_cast<double>(answer_.window)}};
-    if (!m.accept_at_once) return;
+    if (m.accept_at_once) accept();
+  }
+
+  void accept() {
     u = u1, v = v1, a = a1;
-    if (implicit_) answer_motion();
     link_accepted_ = link_trial_;
     output_accepted_ = output_;
   }
 
-  void answer_motion() {
-    set(answer_.velocity_m_s, shared_part(v));
-    set(answer_.acceleration_m_s2, shared_part(a));
+  void answer_motion(const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration) {
+    set(answer_.velocity_m_s, shared_part(velocity));
+    set(answer_.acceleration_m_s2, shared_part(acceleration));
   }
 
-  void step_implicit(Eigen::VectorXd& u1, Eigen::VectorXd& v1, Eigen::VectorXd& a1) {
+  void subcycle(int steps) {
+    const double h = dt_ / substeps_;
+    for (int j = 1; j <= steps; ++j) {
+      u1 += h * v1 + 0.5 * h * h * a1;
+      const Eigen::VectorXd last = a1;
+      const double share = static_cast<double>(j) / steps;
+      acceleration_from(u1, link_accepted_ + share * (link_trial_ - link_accepted_), a1);
+      v1 += 0.5 * h * (last + a1);
+    }
+  }
+
+  void step_implicit() {
     const double beta = explicit_now_ ? 0.0 : 0.25;
     u1 = u + dt_ * v + (0.5 - beta) * dt_ * dt_ * a;
     Eigen::MatrixXd lhs = beta * dt_ * dt_ * chain_.stiffness;
     lhs.diagonal() += chain_.mass;
     Eigen::VectorXd rhs = -chain_.stiffness * u1;
-    for (std::size_t i = 0; i < shared_.size(); ++i) rhs[shared_[i]] -= link_trial_[static_cast<Eigen::Index>(i)];
+    const Eigen::VectorXd link = link_trial_ + stiffness_force(u1);
+    for (std::size_t i = 0; i < shared_.size(); ++i) {
+      rhs[shared_[i]] -= link[static_cast<Eigen::Index>(i)];
+      for (std::size_t j = 0; j < shared_.size() && interface_stiffness_.size() > 0; ++j) {
+        lhs(shared_[i], shared_[j]) += beta * dt_ * dt_ *
+                                       interface_stiffness_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      }
+    }
     a1 = lhs.ldlt().solve(rhs);
     u1 += beta * dt_ * dt_ * a1;
     v1 = v + 0.5 * dt_ * (a + a1);
@@ -175,15 +211,21 @@ class FakeParticipant {
 
   void acceleration_from(const Eigen::VectorXd& at, const Eigen::VectorXd& link, Eigen::VectorXd& result) const {
     Eigen::VectorXd force = -chain_.stiffness * at;
-    for (std::size_t i = 0; implicit_ && i < shared_.size(); ++i)
-      force[shared_[i]] -= link[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; moves() && i < shared_.size(); ++i) {
+      force[shared_[i]] += (implicit_ ? -1.0 : 1.0) * link[static_cast<Eigen::Index>(i)];
+    }
     result = force.cwiseQuotient(chain_.mass);
-    if (implicit_) return;
+    if (moves()) return;
     for (const int node : shared_) result[node] = 0.0;
   }
 
   [[nodiscard]] Eigen::VectorXd own_output() const {
-    return implicit_ ? shared_part(u) : shared_part(chain_.stiffness * u);
+    return moves() ? shared_part(u) : shared_part(chain_.stiffness * u);
+  }
+  [[nodiscard]] bool moves() const { return implicit_ || driven_by_force_; }
+  [[nodiscard]] Eigen::VectorXd stiffness_force(const Eigen::VectorXd& at) const {
+    if (interface_stiffness_.size() == 0) return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(shared_.size()));
+    return interface_stiffness_ * shared_part(at);
   }
   [[nodiscard]] Eigen::VectorXd shared_part(const Eigen::VectorXd& values) const {
     Eigen::VectorXd part(static_cast<Eigen::Index>(shared_.size()));
@@ -208,15 +250,18 @@ class FakeParticipant {
   std::vector<int> shared_;
   wire::Message answer_;
   Eigen::VectorXd link_accepted_, link_trial_, output_accepted_, output_;
+  Eigen::VectorXd u1, v1, a1;  ///< of the trial
+  Eigen::MatrixXd interface_stiffness_;
   double dt_ = 0.0;
-  bool explicit_now_ = false;
+  int substeps_ = 1;
+  bool explicit_now_ = false, driven_by_force_ = false;
 
  public:
   Eigen::VectorXd u, v, a;
 };
 
-/// Fakes coupled in this process.
-inline std::unique_ptr<Coupling> couple(const std::vector<FakeParticipant*>& participants, double dt) {
+/// Fakes coupled in this process, not started yet.
+inline std::unique_ptr<Coupling> unstarted(const std::vector<FakeParticipant*>& participants, double dt) {
   std::vector<wire::Message> descriptions;
   for (const auto* p : participants) descriptions.push_back(p->description());
   InterfaceMap map(descriptions);
@@ -224,7 +269,12 @@ inline std::unique_ptr<Coupling> couple(const std::vector<FakeParticipant*>& par
   for (std::size_t i = 0; i < participants.size(); ++i) {
     links.emplace_back(participants[i]->peer(), descriptions[i], map.rows(i));
   }
-  auto coupling = std::make_unique<Coupling>(std::move(links), std::move(map), dt);
+  return std::make_unique<Coupling>(std::move(links), std::move(map), dt);
+}
+
+/// The same, started as the primal protocols do.
+inline std::unique_ptr<Coupling> couple(const std::vector<FakeParticipant*>& participants, double dt) {
+  auto coupling = unstarted(participants, dt);
   wire::Message request;
   request.window_size_s = dt;
   coupling->initialize(request);

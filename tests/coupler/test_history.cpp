@@ -213,7 +213,7 @@ TEST(EnergyWatch, LossesAndSmallGrowthPass) {
 
 TEST(EnergyWatch, GrowthStopsAndNamesWindowTimeParticipantAndStepRatio) {
   Suspicion suspicion;
-  suspicion.window_size_s = 1.2e-6;
+  suspicion.step_s = 1.2e-6;
   suspicion.steps = {{"explicit", 1e-6}};
   Watched watched(suspicion);
   watched.row(1, 0);

@@ -62,7 +62,7 @@ double error_at(const std::string& protocol_name, int steps, bool switched = fal
   const double end = 2.0;
   Pair pair;
   auto coupling = pair.coupling(end / steps);
-  const auto protocol = find_protocol(protocol_name).make();
+  const auto protocol = find_protocol(protocol_name).make({});
   if (switched) coupling->synchronise("explicit_central");
   for (int n = 0; n < steps; ++n) protocol->step(*coupling, Step{n, 1, n % 7 == 0, false});
   const VectorXd reference = exact(end);
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, SecondOrder,
 TEST(HughesLiu, ConservesMomentumToRoundOff) {
   Pair pair;
   auto coupling = pair.coupling(0.4);
-  const auto protocol = find_protocol("hughes_liu").make();
+  const auto protocol = find_protocol("hughes_liu").make({});
   const double before = pair.momentum();
   double largest = 0.0;
   for (int n = 0; n < 500; ++n) {
@@ -101,7 +101,7 @@ TEST(HughesLiu, ConservesMomentumToRoundOff) {
 TEST(Kim, MomentumErrorIsSmallButNotRoundOff) {
   Pair pair;
   auto coupling = pair.coupling(0.1);
-  const auto protocol = find_protocol("kim").make();
+  const auto protocol = find_protocol("kim").make({});
   const double before = pair.momentum();
   double largest = 0.0;
   for (int n = 0; n < 500; ++n) {
@@ -116,7 +116,7 @@ TEST(Kim, MomentumErrorIsSmallButNotRoundOff) {
 double energy_growth(const std::string& protocol_name, double dt, int steps) {
   Pair pair;
   auto coupling = pair.coupling(dt);
-  const auto protocol = find_protocol(protocol_name).make();
+  const auto protocol = find_protocol(protocol_name).make({});
   const double before = pair.energy();
   double largest = 0.0;
   for (int n = 0; n < steps && largest < 1e6; ++n) {
@@ -151,7 +151,7 @@ TEST(Stability, KimPredictedGrowsWhereKimDoesNot) {
 TEST(Exchange, KimRepeatsTheExplicitWindowUnlessAllIsExplicit) {
   Pair pair;
   auto coupling = pair.coupling(0.1);
-  const auto protocol = find_protocol("kim").make();
+  const auto protocol = find_protocol("kim").make({});
   pair.explicit_side.asked.clear();
   protocol->step(*coupling, Step{0, 1, false, false});
   EXPECT_THAT(pair.explicit_side.asked, testing::ElementsAre("advance", "advance"));
@@ -166,7 +166,7 @@ TEST(Exchange, ResynchronisationChangesNothingButRoundOff) {
   for (const int every : {0, 5}) {
     Pair pair;
     auto coupling = pair.coupling(0.3);
-    const auto protocol = find_protocol("kim").make();
+    const auto protocol = find_protocol("kim").make({});
     for (int n = 0; n < 2000; ++n) protocol->step(*coupling, Step{n, 1, every > 0 && (n + 1) % every == 0, false});
     displacement[every > 0 ? 1 : 0] = pair.implicit_side.u;
     EXPECT_LT(coupling->largest_drift(), 1e-11);
@@ -178,7 +178,7 @@ TEST(Exchange, ResynchronisationFindsDrift) {
   Pair pair;
   auto coupling = pair.coupling(0.3);
   pair.explicit_side.corrupt_increment = 1e-6;
-  const auto protocol = find_protocol("hughes_liu").make();
+  const auto protocol = find_protocol("hughes_liu").make({});
   for (int n = 0; n < 100; ++n) protocol->step(*coupling, Step{n, 1, n == 99, false});
   EXPECT_GT(coupling->largest_drift(), 1e-6);
 }
@@ -199,7 +199,7 @@ TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   FakeParticipant a("a", false, left, {4}, v.head(5)), b("b", false, right, {0}, v.tail(5));
   FakeParticipant middle_2("implicit", true, middle, {0, 4}, still);
   auto single = couple({&one, &middle_1}, 0.3), twice = couple({&b, &middle_2, &a}, 0.3);
-  const auto protocol = find_protocol("hughes_liu").make();
+  const auto protocol = find_protocol("hughes_liu").make({});
   for (int n = 0; n < 500; ++n) {
     protocol->step(*single, Step{n, 1, n % 10 == 9, false});
     protocol->step(*twice, Step{n, 1, n % 10 == 9, false});

@@ -14,7 +14,7 @@ struct Setting {
   FakeParticipant explicit_side{"explicit", false, Chain::of({1.0}, {1.0}, 0.0), {1}, Eigen::VectorXd::Zero(2)};
   FakeParticipant implicit_side{"implicit", true, Chain::of({1.0}, {1.0}, 1.0), {0}, Eigen::VectorXd::Zero(2)};
   std::unique_ptr<Coupling> coupling = couple({&explicit_side, &implicit_side}, 0.1);
-  std::unique_ptr<Protocol> protocol = find_protocol("hughes_liu").make();
+  std::unique_ptr<Protocol> protocol = find_protocol("hughes_liu").make({});
 };
 
 TEST(TimeLoop, RunsToTheLastWindowAndBringsRecords) {
@@ -42,7 +42,7 @@ TEST(TimeLoop, EndsEarlyWhenTheContactIsOver) {
 TEST(TimeLoop, BaselineIsAskedForManyWindowsAtOnce) {
   FakeParticipant alone("implicit", true, Chain::of({1.0}, {1.0}, 0.0), {}, Eigen::VectorXd::Zero(2));
   auto coupling = couple({&alone}, 0.1);
-  const auto protocol = find_protocol("all_implicit").make();
+  const auto protocol = find_protocol("all_implicit").make({});
   TimeLoop loop(*coupling, *protocol, {1000, 0.1, 10, false, false}, [](std::int64_t) {});
   alone.asked.clear();
   loop.run();

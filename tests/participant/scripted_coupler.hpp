@@ -39,6 +39,7 @@ class ScriptedCoupler {
     message.protocol = "hughes_liu";
     message.output_directory = "/results";
     message.window_size_s = 0.01;
+    message.driven_by = driven_by;
     message.interface_mass_kg.resize(nodes_, 1);
     message.interface_mass_kg.data.assign(static_cast<std::size_t>(nodes_), 2.5);
     message.history_every = history_every;
@@ -73,6 +74,7 @@ class ScriptedCoupler {
 
   std::int64_t window = 0, history_every = 1, fields_every = 0, last_window = 1000;
   double timeout_s = 10.0;
+  std::string driven_by = "displacement";
 
  private:
   Ask ask_;

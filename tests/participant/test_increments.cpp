@@ -110,12 +110,13 @@ TEST(Session, ATrialThatIsAcceptedEqualsOneAcceptedAtOnce) {
     const double increment = motion(window) - motion(window - 1);
     auto request = at_once.coupler.advance(increment);
     request.records_requested = true;
-    const auto expected = at_once.coupler.ask(request);
+    auto expected = at_once.coupler.ask(request);
     request = on_request.coupler.advance(increment, false);
     request.records_requested = true;
     const auto trial = on_request.coupler.ask(request);
     EXPECT_EQ(trial.increment.data, expected.increment.data);
-    EXPECT_EQ(trial.records.rows, 0) << "a trial leaves no row";
+    EXPECT_EQ(trial.records.rows, window == 1 ? 1 : 0) << "the row of the start; a trial leaves none";
+    if (window == 1) expected.records.data.erase(expected.records.data.begin(), expected.records.data.begin() + 3);
     ++on_request.coupler.window;
     request = on_request.coupler.request(Kind::accept);
     request.records_requested = true;
@@ -165,6 +166,7 @@ TEST(Session, TwoInOneProcessMakeACoupledOscillator) {
   InProcess explicit_side(spring, 1), implicit_side(mass, 1);
   explicit_side.coupler.start();
   implicit_side.coupler.ask(Kind::describe);
+  implicit_side.coupler.driven_by = "force";
   implicit_side.coupler.ask(implicit_side.coupler.initialize());
   auto motion_of = implicit_side.coupler.ask(implicit_side.coupler.synchronise(0.0));
   ASSERT_EQ(motion_of.velocity_m_s.rows, 1);

@@ -222,5 +222,54 @@ TEST(Session, RefusesHistoryRowsOfTheWrongLength) {
             "participant 'spring' recorded 1 numbers, it announced 2 columns");
 }
 
+void expect_refused(InProcess& run, const Message& request, const std::string& text) {
+  try {
+    run.coupler.ask(request);
+    FAIL() << text;
+  } catch (const ProtocolError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(text));
+  }
+}
+
+TEST(Refusals, OfAnotherDriveThanItIsMadeFor) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.ask(Kind::describe);
+  run.coupler.driven_by = "force";
+  expect_refused(run, run.coupler.initialize(), "drives explicit participant 'spring' by force, which it is not made for");
+  InProcess again(spring, 1);
+  again.coupler.ask(Kind::describe);
+  again.coupler.driven_by = "torque";
+  expect_refused(again, again.coupler.initialize(), "drives by 'torque', expected one of 'displacement', 'force'");
+}
+
+TEST(Refusals, OfAnInterfaceStiffnessItDoesNotKnowOrOfAWrongSize) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.ask(Kind::describe);
+  auto request = run.coupler.initialize();
+  request.interface_stiffness.resize(1, 1);
+  expect_refused(run, request, "lacks the capability 'interface_stiffness'");
+  InProcess again(spring, 1);
+  again.coupler.ask(Kind::describe);
+  request = again.coupler.initialize();
+  request.interface_stiffness.resize(2, 2);
+  expect_refused(again, request, "'interface_stiffness' with 2 x 2 numbers");
+}
+
+TEST(Refusals, OfSubsteps) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.ask(Kind::describe);
+  auto request = run.coupler.initialize();
+  request.substeps = 0;
+  expect_refused(run, request, "substeps = 0, expected >= 1");
+  InProcess again(spring, 1);
+  again.coupler.start();
+  request = again.coupler.advance(0.0);
+  request.substep = 1;
+  expect_refused(again, request, "lacks the capability 'single_substep'");
+}
+
 }  // namespace
 }  // namespace ricochet::participant

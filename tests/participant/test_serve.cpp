@@ -64,7 +64,7 @@ TEST_F(Serve, RunsToTheEnd) {
   }
   const auto& last = peer_.coupler.ask(Kind::finish);
   EXPECT_EQ(last.kind, Kind::finished);
-  EXPECT_EQ(last.records.rows, 100);
+  EXPECT_EQ(last.records.rows, 101) << "the start and each window";
   EXPECT_GT(last.compute_s, 0.0);
   EXPECT_GT(last.wait_s, 0.0);
   EXPECT_EQ(end(), 0);
@@ -158,12 +158,12 @@ TEST_F(Serve, RefusesAnotherVersion) {
   launch();
   peer_.hear();
   auto welcome = peer_.coupler.welcome();
-  welcome.version = 2;
+  welcome.version = wire::protocol_version + 1;
   peer_.say(welcome);
   const auto message = failure();
   EXPECT_EQ(message.error_code, 5);
   EXPECT_THAT(message.error_text,
-              HasSubstr("the coupler speaks version 2 of the wire protocol, this program speaks version 1"));
+              HasSubstr("the coupler speaks version 3 of the wire protocol, this program speaks version 2"));
   EXPECT_EQ(end(), 5);
 }
 

@@ -67,10 +67,10 @@ TEST(Session, RunsManyWindowsAtOnceWithoutInterface) {
   request.records_requested = true;
   auto reply = run.coupler.ask(request);
   EXPECT_EQ(reply.window, 300);
-  ASSERT_EQ(reply.records.rows, 30);
+  ASSERT_EQ(reply.records.rows, 31) << "with that of the start";
   // Period 2 pi sqrt(m/k) = 0.628 s: after 300 steps of 0.01 s nearly five of them.
-  EXPECT_NEAR(reply.records.data[29 * 3 + 1], 1e-3 * std::cos(10.0 * 3.0), 2e-5);
-  EXPECT_EQ(reply.records.data[29 * 3], 300);
+  EXPECT_NEAR(reply.records.data[30 * 3 + 1], 1e-3 * std::cos(10.0 * 3.0), 2e-5);
+  EXPECT_EQ(reply.records.data[30 * 3], 300);
   run.coupler.window = 300;
   request = run.coupler.advance(0.0);
   request.windows = 4000;
@@ -104,16 +104,16 @@ TEST(Session, SendsEveryHistoryRowOnce) {
   run.coupler.ask(run.coupler.initialize());
   std::vector<double> windows;
   const auto take = [&](const Message& reply) {
-    EXPECT_EQ(reply.records.columns, 3);
     for (int row = 0; row < reply.records.rows; ++row)
       windows.push_back(reply.records.data[3 * static_cast<std::size_t>(row)]);
     return reply.records.rows;
   };
-  EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 1);
+  EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0);
+  EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0) << "the start may be synchronised again";
   for (int n = 1; n <= 11; ++n) {
     auto request = run.coupler.advance(1e-5);
     request.records_requested = n == 5;
-    EXPECT_EQ(take(run.coupler.ask(request)), n == 5 ? 2 : 0);
+    EXPECT_EQ(take(run.coupler.ask(request)), n == 5 ? 3 : 0);
     if (n == 7) {
       EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0);
     }
@@ -163,6 +163,67 @@ TEST(Session, TellsTimesAndSpans) {
   EXPECT_EQ(reply.spans_s.data[0], 0) << "the first is about the start";
   EXPECT_EQ(reply.spans_s.data[3 * 100], 98) << "describe, initialize, synchronise, then one window each";
   EXPECT_GE(reply.compute_s, 0.99 * sum);
+}
+
+/// Moves freely under the link force; keeps what it was asked for.
+class DrivenByForce : public SpringMass {
+ public:
+  DrivenByForce() : SpringMass(1) {}
+  Description describe() override {
+    auto d = SpringMass::describe();
+    d.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
+    return d;
+  }
+  void initialize(const Setup& given, Link& output) override {
+    SpringMass::initialize(given, output);
+    output = {{0.0}, {}, {}};
+  }
+  void synchronise(Integration, const std::vector<double>&, Link& output) override { output = {{0.0}, {0.0}, {0.0}}; }
+  void advance(std::int64_t, const std::vector<double>& input, Link& output) override {
+    asked.push_back(0);
+    output = {{input[0]}, {2 * input[0]}, {3 * input[0]}};
+  }
+  void advance_substep(std::int64_t, int substep, const std::vector<double>& input, Link& output) override {
+    asked.push_back(substep);
+    output = {{input[0]}, {2 * input[0]}, {3 * input[0]}};
+  }
+  void accept() override {}
+  std::vector<int> asked;
+};
+
+TEST(Session, DrivesAnExplicitParticipantByForceInSubsteps) {
+  DrivenByForce mass;
+  InProcess run(mass, 1);
+  run.coupler.driven_by = "force";
+  run.coupler.ask(Kind::describe);
+  auto initialize = run.coupler.initialize();
+  initialize.substeps = 3;
+  run.coupler.ask(initialize);
+  EXPECT_EQ(mass.setup.driven_by, Drive::force);
+  EXPECT_EQ(mass.setup.substeps, 3);
+  const auto synchronised = run.coupler.ask(run.coupler.synchronise());
+  EXPECT_EQ(synchronised.velocity_m_s.rows, 1);
+  for (int substep = 1; substep <= 3; ++substep) {
+    auto request = run.coupler.advance(0.5, false);
+    request.substep = substep;
+    EXPECT_THAT(run.coupler.ask(request).velocity_m_s.data, ElementsAre(substep));
+    request = run.coupler.advance(0.5, true);
+    request.substep = substep;
+    const auto reply = run.coupler.ask(request);
+    EXPECT_EQ(reply.substep, substep);
+    if (substep < 3) --run.coupler.window;
+  }
+  EXPECT_EQ(run.coupler.ask(run.coupler.advance(0.0)).window, 2) << "the last substep ended window 1";
+  EXPECT_THAT(mass.asked, ElementsAre(1, 1, 2, 2, 3, 3, 0));
+}
+
+TEST(Session, ASynchronisationDropsTheTrial) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.start();
+  run.coupler.ask(run.coupler.advance(1e-5, false));
+  EXPECT_EQ(run.coupler.ask(run.coupler.synchronise()).kind, Kind::synchronised);
+  EXPECT_EQ(run.coupler.ask(run.coupler.advance(1e-5)).window, 1);
 }
 
 }  // namespace

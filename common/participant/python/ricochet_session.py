@@ -7,7 +7,7 @@ from ricochet_wire import VERSION, ProtocolError, RunError, array
 
 ORDER = {  # what the coupler may ask in each state of this end
     "greeting": ["welcome"], "welcomed": ["describe"], "described": ["initialize"], "initialized": ["synchronise"],
-    "ready": ["advance", "synchronise", "finish"], "tried": ["advance", "accept"],
+    "ready": ["advance", "synchronise", "finish"], "tried": ["advance", "accept", "synchronise"],
 }
 EMPTY = np.zeros((0, 0))
 
@@ -24,7 +24,7 @@ class Session:
         self.input = self.accepted_input = self.output = self.accepted_output = np.zeros(self.shape)
         self.rates, self.rows, self.spans = (EMPTY, EMPTY), [], []
         self.drift = self.compute_s = self.wait_s = 0.0
-        self.fields_window, self.started, self.timeout_s, self.setup = -1, False, 60.0, {}
+        self.fields_window, self.timeout_s, self.setup = -1, 60.0, {}
 
     def message(self, kind, **fields):
         fields |= {"kind": kind, "version": VERSION, "run_id": self.run_id, "sequence": self.sequence,
@@ -83,10 +83,11 @@ class Session:
         self.input = self.accepted_input = self.rows_of(request, "link_absolute")
         self.take(self.participant.synchronise(request["integration"], self.input))
         self.output = self.accepted_output = self.value
-        first, self.started, self.state = not self.started, True, "ready"
-        if first:
+        self.state = "ready"
+        if self.accepted == 0:
+            self.rows = []  # the coupler may synchronise the start more than once
             self.record(self.setup["fields_every"] > 0)
-        return self.message("synchronised", absolute=self.full(self.value), **self.rates_and_rows(first))
+        return self.message("synchronised", absolute=self.full(self.value), **self.motion())
 
     def advance(self, request):
         at_once, last = request["accept_at_once"], self.setup["last_window"]
@@ -107,8 +108,8 @@ class Session:
                 break
         self.state = "ready" if at_once else "tried"
         absolute = self.full(self.value) if request["absolute_requested"] else self.none()
-        return self.message("advanced", increment=self.full(increment), absolute=absolute, **self.contact(),
-                            **self.rates_and_rows(request["records_requested"]))
+        return self.message("advanced", increment=self.full(increment), absolute=absolute, **self.motion(),
+                            records=self.records(request["records_requested"]), **self.contact())
 
     def accept(self, request):
         self.require(request["window"] == self.window, f"'accept' of window {request['window']}")
@@ -178,9 +179,9 @@ class Session:
         rows, self.rows = (self.rows, []) if requested else ([], self.rows)
         return array(rows, 1 + len(self.description.record_columns))
 
-    def rates_and_rows(self, requested):
+    def motion(self):
         velocity, acceleration = map(self.full, self.rates)
-        return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration, "records": self.records(requested)}
+        return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration}
 
     def contact(self):
         return dataclasses.asdict(self.participant.contact_status())

@@ -6,7 +6,7 @@ import math, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 1
+VERSION = 2
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
 CONTACT = ("pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float separated:boolean separation_time_s:float "
            "finished_early:boolean")
@@ -17,12 +17,13 @@ FIELDS = {  # every message of docs/wire.md
     "description": "components:integer bodies:texts interface_body:array interface_position_m:array "
                    "interface_mass_kg:array critical_time_step_s:float capabilities:texts record_columns:texts "
                    "contact_owner:boolean",
-    "initialize": "protocol:text output_directory:text window_size_s:float interface_mass_kg:array "
+    "initialize": "protocol:text output_directory:text window_size_s:float substeps:integer driven_by:text "
+                  "interface_mass_kg:array interface_stiffness:array "
                   "history_every:integer fields_every:integer until_separated_plus_s:float "
                   "separation_windows:integer last_window:integer",
     "initialized": "setup_s:float absolute:array",
     "synchronise": "integration:text link_absolute:array",
-    "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array records:array",
+    "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array",
     "advance": "windows:integer link_increment:array link_absolute:array accept_at_once:boolean "
                "absolute_requested:boolean records_requested:boolean",
     "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array records:array " + CONTACT,

@@ -1,0 +1,165 @@
+#include "coupler/protocols/dual_interface.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+
+#include "common/base/error.hpp"
+#include "coupler/protocols/unit_response.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+/// Below this share of the largest response a degree of freedom is held by a support.
+constexpr double held_share = 1e-10;
+
+/// Inverse on the degrees of freedom that respond, zero on the others.
+Eigen::MatrixXd inverse_where_free(const Eigen::MatrixXd& h, const std::string& participant) {
+  std::vector<Eigen::Index> free;
+  const double largest = h.size() > 0 ? h.diagonal().maxCoeff() : 0.0;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    if (h(i, i) > held_share * largest) free.push_back(i);
+  }
+  const Eigen::MatrixXd responding = h(free, free);
+  const Eigen::LLT<Eigen::MatrixXd> factor(responding);
+  if (factor.info() != Eigen::Success) {
+    throw ConfigError(fmt::format(
+        "participant '{}': its interface operator is not positive definite, so no multiplier can keep the velocities "
+        "equal; use a smaller step or fewer substeps",
+        participant));
+  }
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(responding.rows(), responding.cols());
+  const Eigen::MatrixXd solved = factor.solve(identity);
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(h.rows(), h.cols());
+  inverse(free, free) = solved;
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+}  // namespace
+
+Eigen::Map<const Eigen::VectorXd> view(const std::vector<double>& values) {
+  return {values.data(), static_cast<Eigen::Index>(values.size())};
+}
+
+std::vector<double> to_vector(const Eigen::VectorXd& values) { return {values.data(), values.data() + values.size()}; }
+
+void DualInterface::start(Coupling& coupling, const wire::Message& request, const Step& probe) {
+  wire::Message by_force = request;
+  by_force.driven_by = "force";
+  coupling.initialize_explicit(by_force, Masses::own);
+  const auto size = static_cast<Eigen::Index>(coupling.displacement().size());
+  impedance_.setZero(size, size);
+  held_.setZero(size);
+  force_.assign(static_cast<std::size_t>(size), 0.0);
+  const double step_s = coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(request.substeps));
+  for (auto& link : coupling.links()) {
+    if (link.implicit()) continue;
+    sides_.push_back({&link, link.rows().dofs(), {}, {}, std::vector<double>(link.input().size(), 0.0), {}});
+    measure(sides_.back(), probe, step_s);
+  }
+  const Eigen::MatrixXd stiffness =
+      (2.0 / coupling.window_size_s()) * impedance_;  // symmetric: row-major is column-major
+  coupling.initialize_implicit(by_force, Masses::own, {stiffness.data(), stiffness.data() + stiffness.size()});
+  start_multipliers(coupling);
+}
+
+void DualInterface::measure(Side& side, const Step& probe, double step_s) {
+  auto& link = *side.link;
+  link.post_synchronise("explicit_central", side.multiplier);
+  link.wait_synchronised();
+  side.acceleration = link.acceleration_m_s2();
+  std::vector<double> probes;  // about 1 m/s each
+  const auto& mass = link.description().interface_mass_kg.data;
+  for (std::size_t i = 0; i < side.dofs.size(); ++i) {
+    const double node_mass = mass[i / static_cast<std::size_t>(link.rows().components)];
+    if (!(node_mass > 0)) {
+      throw ConfigError(
+          fmt::format("participant '{}' has no mass at interface node {}: a dual protocol needs own elements "
+                      "on either side",
+                      link.name(), i / static_cast<std::size_t>(link.rows().components)));
+    }
+    probes.push_back(node_mass / step_s);
+  }
+  const auto response = unit_response(link, Response::velocity, probe, probes);
+  const auto size = static_cast<Eigen::Index>(side.dofs.size());
+  side.impedance = inverse_where_free(Eigen::Map<const Eigen::MatrixXd>(response.data(), size, size), link.name());
+  for (std::size_t i = 0; i < side.dofs.size(); ++i) {
+    for (std::size_t j = 0; j < side.dofs.size(); ++j) {
+      impedance_(static_cast<Eigen::Index>(side.dofs[i]), static_cast<Eigen::Index>(side.dofs[j])) +=
+          side.impedance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+}
+
+/// lambda_p = m_p (a - a_p), with a_p the acceleration of a participant alone and a the mass-weighted mean of all.
+void DualInterface::start_multipliers(Coupling& coupling) {
+  auto& implicit = *coupling.implicit_link();
+  coupling.synchronise_implicit(to_vector(multiplier()));
+  const auto masses = [](const Link& link, std::size_t row) {
+    return link.description().interface_mass_kg.data[row / static_cast<std::size_t>(link.rows().components)];
+  };
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(held_.size()), force = mass;
+  const auto add = [&](const Link& link, const std::vector<std::size_t>& dofs,
+                       const std::vector<double>& acceleration) {
+    for (std::size_t i = 0; i < dofs.size(); ++i) {
+      mass[static_cast<Eigen::Index>(dofs[i])] += masses(link, i);
+      force[static_cast<Eigen::Index>(dofs[i])] += masses(link, i) * acceleration[i];
+    }
+  };
+  add(implicit, implicit.rows().dofs(), implicit.acceleration_m_s2());
+  for (const auto& side : sides_) add(*side.link, side.dofs, side.acceleration);
+  for (auto& side : sides_) {
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
+      const auto dof = static_cast<Eigen::Index>(side.dofs[i]);
+      side.multiplier[i] = masses(*side.link, i) * (force[dof] / mass[dof] - side.acceleration[i]);
+    }
+    side.link->post_synchronise("explicit_central", side.multiplier);
+    side.link->wait_synchronised();
+  }
+  coupling.synchronise_implicit(to_vector(multiplier()));
+}
+
+Eigen::VectorXd DualInterface::multiplier() const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(held_.size());
+  for (const auto& side : sides_) {
+    for (std::size_t i = 0; i < side.dofs.size(); ++i)
+      sum[static_cast<Eigen::Index>(side.dofs[i])] += side.multiplier[i];
+  }
+  return sum;
+}
+
+void DualInterface::advance_free(const Step& step) {
+  Step trial = step;
+  trial.absolute = trial.records = false;
+  for (auto& side : sides_) side.link->post_advance(trial, side.multiplier, Acceptance::trial);
+  held_.setZero();
+  for (auto& side : sides_) {
+    side.link->wait_advanced();
+    side.free_velocity = view(side.link->velocity_m_s());
+    const Eigen::VectorXd force = view(side.multiplier) - side.impedance * side.free_velocity;
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
+      held_[static_cast<Eigen::Index>(side.dofs[i])] += force[static_cast<Eigen::Index>(i)];
+    }
+  }
+}
+
+const std::vector<double>& DualInterface::held_force(const Coupling& coupling) {
+  Eigen::Map<Eigen::VectorXd>(force_.data(), held_.size()) = held_ - impedance_ * view(coupling.velocity());
+  coupling.subtract_stiffness_force(force_);
+  return force_;
+}
+
+void DualInterface::correct(const Step& step, const std::vector<double>& velocity) {
+  for (auto& side : sides_) {
+    Eigen::VectorXd jump(side.free_velocity.size());
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
+      jump[static_cast<Eigen::Index>(i)] = velocity[side.dofs[i]] - side.free_velocity[static_cast<Eigen::Index>(i)];
+    }
+    const Eigen::VectorXd change = side.impedance * jump;
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) side.multiplier[i] += change[static_cast<Eigen::Index>(i)];
+    side.link->post_advance(step, side.multiplier, Acceptance::at_once);
+  }
+  for (auto& side : sides_) side.link->wait_advanced();
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,73 @@
+#include "coupler/protocols/gravouil_combescure.hpp"
+
+#include "coupler/protocols/unit_response.hpp"
+
+namespace ricochet::coupler {
+
+void GravouilCombescure::start(Coupling& coupling, const wire::Message& request) {
+  interface_.start(coupling, request, Step{.substep = 1, .ends_window = substeps_ == 1});
+  auto& implicit = *coupling.implicit_link();
+  // The response to a force includes the answer of the link's stiffness, R = (I + H_i Z)^-1 H_i; H_i = R (I - Z R)^-1.
+  const auto& mass = implicit.description().interface_mass_kg.data;
+  std::vector<double> probes;
+  for (std::size_t i = 0; i < implicit.input().size(); ++i) {
+    probes.push_back(mass[i / static_cast<std::size_t>(implicit.rows().components)] / coupling.window_size_s());
+  }
+  const auto response = unit_response(implicit, Response::velocity, Step{}, probes);
+  const auto dofs = implicit.rows().dofs();
+  const auto size = static_cast<Eigen::Index>(dofs.size());
+  Eigen::MatrixXd r(size, size);
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    for (std::size_t j = 0; j < dofs.size(); ++j) {
+      r(static_cast<Eigen::Index>(dofs[i]), static_cast<Eigen::Index>(dofs[j])) = -response[i * dofs.size() + j];
+    }
+  }
+  const auto identity = Eigen::MatrixXd::Identity(size, size);
+  implicit_operator_ = (identity - r * interface_.impedance()).partialPivLu().solve(r);
+  velocity_problem_.compute(identity + implicit_operator_ * interface_.impedance());
+  coupling.synchronise_implicit(to_vector(interface_.multiplier()));
+}
+
+Eigen::VectorXd GravouilCombescure::free_velocity(Coupling& coupling, const Step& step) {
+  Step trial = step;
+  trial.absolute = trial.records = false;
+  auto& implicit = *coupling.implicit_link();
+  const std::vector<double> u = coupling.displacement();
+  const Eigen::VectorXd guess = interface_.multiplier();
+  std::vector<double> force = to_vector(guess);
+  coupling.subtract_stiffness_force(force);
+  // A trial: the coupling's own motion stays that of the last window.
+  implicit.post_advance(trial, coupling.rows_of(implicit, force), Acceptance::trial);
+  implicit.wait_advanced();
+  std::vector<double> moved(u.size()), velocity(u.size());
+  implicit.rows().scatter(implicit.output(), moved);
+  implicit.rows().scatter(implicit.velocity_m_s(), velocity);
+  const double stiffness = 2.0 / coupling.window_size_s();
+  const Eigen::VectorXd multiplier = guess + stiffness * (interface_.impedance() * (view(moved) - view(u)));
+  return view(velocity) + implicit_operator_ * multiplier;
+}
+
+void GravouilCombescure::step(Coupling& coupling, const Step& step) {
+  Eigen::VectorXd begin, end;
+  if (substeps_ > 1) {
+    begin = view(coupling.velocity()) + implicit_operator_ * interface_.multiplier();
+    end = free_velocity(coupling, step);
+  }
+  Step substep = step;
+  substep.absolute = substep.records = false;
+  substep.ends_window = false;
+  for (int j = 1; j < substeps_; ++j) {
+    substep.substep = j;
+    interface_.advance_free(substep);
+    const Eigen::VectorXd free = begin + (static_cast<double>(j) / substeps_) * (end - begin);
+    const Eigen::VectorXd velocity = velocity_problem_.solve(free - implicit_operator_ * interface_.held());
+    interface_.correct(substep, to_vector(velocity));
+  }
+  Step last = step;
+  last.substep = substeps_;
+  interface_.advance_free(last);
+  coupling.advance_implicit(step, interface_.held_force(coupling));
+  interface_.correct(last, coupling.velocity());
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::explicit_solver {
+
+/// One window of central difference steps on a part whose shared nodes are integrated here, with their own mass, and
+/// are driven by the interface multiplier lambda [N] of a dual protocol, linear over the window:
+///   M a_j = f_j - K u_j + lambda_j,   lambda_j = lambda_0 + j/m (lambda_m - lambda_0),   j = 1 .. m
+/// A trial with another lambda_m repeats nothing that it does not reach. The motion is linear in lambda, so the
+/// correction is the response to the change alone, from rest, and in m steps that response gets no further than m - 1
+/// layers of nodes:
+///   M da_j = -K du_j + j/m dlambda_m
+/// (Prakash, Hjelmstad: A FETI-based multi-time-step coupling method, Int. J. Numer. Meth. Engng 61, 2004, split free
+/// and link problems alike). Where loads act the window is computed anew instead.
+class SubcycledWindow {
+ public:
+  /// `substeps`: the largest number of steps in a window; `dt` of one step [s].
+  SubcycledWindow(const solver::BodyState& state, int substeps, double dt);
+
+  /// At the present time: accelerations of `state` from its displacement and `force` (per shared dof).
+  void start(solver::BodyState& state, double time_s, const Eigen::VectorXd& force);
+  /// Trial of `steps` steps from the accepted `state` on, which began at `begin_s`; `force` at its end.
+  void advance(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
+  /// Makes the trial final: motion, external work, impulses and interface work into `state`.
+  void accept(solver::BodyState& state);
+
+  /// Motion of shared dof i (in the order of BodyState::shared_dofs) at the end of the trial.
+  struct Motion {
+    double displacement, velocity, acceleration;
+  };
+  [[nodiscard]] Motion shared_motion(const solver::BodyState& state, std::size_t i) const;
+  /// K u of the accepted motion [N].
+  [[nodiscard]] const Eigen::VectorXd& internal() const { return internal_; }
+
+ private:
+  /// What the surroundings did during a trial.
+  struct Given {
+    double work_j = 0.0, impulse_n = 0.0, impulse_t = 0.0;
+  };
+  void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
+  void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& change);
+  void account(const solver::BodyState& state, int dof, double mean_force, double moved, Given& given) const;
+  void clear_correction();
+  [[nodiscard]] double interface_work() const;
+
+  double dt_ = 0.0;
+  // accepted
+  Eigen::VectorXd internal_, external_, force_;  ///< K u; f with reactions; lambda per shared dof
+  // the trial that was computed in full
+  bool tried_ = false;
+  int steps_ = 0;
+  Eigen::VectorXd u_, v_, a_, trial_internal_, trial_external_, external_old_, a_new_, trial_force_;
+  Eigen::MatrixXd shared_path_;  ///< displacement of the shared dofs, a column per step, first the start
+  Given given_;
+  // its correction: dofs within reach of the shared nodes, and the part's stiffness among them
+  std::vector<int> near_;                                                        ///< dofs, ascending
+  std::vector<int> near_of_shared_;                                              ///< per shared dof, index into near_
+  std::vector<std::pair<int, const solver::ConstrainedDof*>> near_constrained_;  ///< index into near_, and the dof
+  fem::StiffnessProduct near_stiffness_;
+  Eigen::VectorXd near_inverse_mass_, du_, dv_, da_, da_new_, d_internal_, d_internal_old_, d_force_;
+  Eigen::MatrixXd d_shared_path_;
+  Given d_given_;
+};
+
+}  // namespace ricochet::explicit_solver
