@@ -72,7 +72,8 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, c
       progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
       listener_(listen_endpoint(scene_.coupling, summary_.run_id)),
       peers_(listener_, launcher_, expected_peers(scene_),
-             {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s}) {
+             {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s, scene_.coupling.transport,
+              scene_.where("coupling.transport")}) {
   write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
 }
 

@@ -22,7 +22,7 @@ void Peers::handshake() {
     return std::find_if(peers_.begin(), peers_.end(), [](const State& peer) { return peer.identity.empty(); });
   };
   while (missing() != peers_.end()) {
-    if (receive_one(deadline)) continue;
+    if (receive_one(deadline, "")) continue;
     const auto& peer = *missing();
     throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s{}{}", peer.expected.name,
                                        run_.timeout_s, refusal_text(peer), log_tail(peer)));
@@ -48,18 +48,8 @@ void Peers::admit() {
     return;
   }
   auto& peer = peers_[static_cast<std::size_t>(found - names.begin())];
-  std::string objection;
-  if (!peer.identity.empty()) {
-    objection = fmt::format("participant '{}' already takes part in this run (process {})", *found, peer.process_id);
-  } else if (scratch_.role != peer.expected.role) {
-    objection =
-        fmt::format("participant '{}' says it is {}, the scene wants {}", *found, scratch_.role, peer.expected.role);
-  } else if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
-    objection = fmt::format(
-        "participant '{}' read another scene (SHA-256 {:.12}..., this run has {:.12}...); give both the "
-        "same file",
-        *found, scratch_.scene_sha256, run_.scene_sha256);
-  }
+  std::string objection = objection_to_hello(peer);
+  auto memory = objection.empty() ? open_shared_memory(objection) : nullptr;
   if (!objection.empty()) {
     const bool launched_here =
         peer.identity.empty() && launcher_.launched(*found) && scratch_.process_id == launcher_.process_id(*found);
@@ -77,8 +67,48 @@ void Peers::admit() {
   welcome.participant = peer.expected.name;
   // The coupler may wait for one peer after another while this one has nothing to do.
   welcome.timeout_s = 2.0 * run_.timeout_s;
+  welcome.shared_memory = memory != nullptr;
+  peer.transport = memory ? "shm" : run_.transport == "tcp" ? "tcp" : "zmq";
   post(peer, welcome);
   peer.busy = false;
+  if (memory) listener_.share(peer.identity, std::move(memory));
+}
+
+/// Why who said hello as `peer` must not take part; empty if nothing speaks against it.
+std::string Peers::objection_to_hello(const State& peer) const {
+  const auto& name = peer.expected.name;
+  if (!peer.identity.empty()) {
+    return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
+  }
+  if (scratch_.role != peer.expected.role) {
+    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, scratch_.role, peer.expected.role);
+  }
+  if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
+    return fmt::format("participant '{}' read another scene (SHA-256 {:.12}..., this run has {:.12}...); give both the "
+                       "same file",
+                       name, scratch_.scene_sha256, run_.scene_sha256);
+  }
+  return "";
+}
+
+/// The memory that the hello offers, if the scene lets it be used. With transport "auto" ZeroMQ takes its place where
+/// it cannot be had; with "shm" that is an objection.
+std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(std::string& objection) const {
+  const bool required = run_.transport == "shm";
+  if (!required && run_.transport != "auto") return nullptr;
+  std::string why = "it offers no shared memory";
+  if (!scratch_.shared_memory_path.empty()) {
+    try {
+      return wire::SharedMemory::open(scratch_.shared_memory_path, scratch_.shared_memory_key);
+    } catch (const ConfigError& error) {
+      why = error.what();
+    }
+  }
+  if (required) {
+    objection = fmt::format("{}: found \"shm\", which participant '{}' cannot have: {}; \"auto\" allows ZeroMQ for it",
+                            run_.transport_where, scratch_.participant, why);
+  }
+  return nullptr;
 }
 
 void Peers::refuse(const std::string& text, int code) {

@@ -46,14 +46,18 @@ void Peers::post(State& peer, wire::Message& message) {
   peer.asked = wire::name(message.kind);
   peer.window = message.window;
   peer.busy = true;
-  listener_.send(peer.identity, message);
+  try {
+    listener_.send(peer.identity, message);
+  } catch (const ProtocolError& error) {
+    throw_broken(peer, error);
+  }
 }
 
 const wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   const auto begin = Clock::now();
   while (!peer.has_message) {
-    if (!receive_one(begin + seconds(run_.timeout_s))) throw_silent(peer);
+    if (!receive_one(begin + seconds(run_.timeout_s), peer.identity)) throw_silent(peer);
   }
   peer.has_message = false;
   note_wait(index, begin);
@@ -72,31 +76,30 @@ void Peers::note_wait(std::size_t index, Clock::time_point begin) {
   if (peer.spans.size() < max_spans) peer.spans.push_back({peer.window, since_epoch_s(begin), since_epoch_s(end)});
 }
 
-/// One message or one event of the processes; false at the deadline.
-bool Peers::receive_one(wire::Deadline deadline) {
+/// One message or one event of the processes; false at the deadline. `awaited`: whose message is wanted, if anybody's.
+bool Peers::receive_one(wire::Deadline deadline, const std::string& awaited) {
   launcher_.poll();
   if (attend()) return true;  // which may have brought what the caller waits for
-  if (receive_into_scratch(deadline, true)) {
+  if (receive_into_scratch(deadline, awaited, true)) {
     deliver();
     return true;
   }
   return launcher_.events() != seen_events_;
 }
 
-bool Peers::receive_into_scratch(wire::Deadline deadline, bool watch_processes) {
-  scratch_identity_.clear();
+bool Peers::receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes) {
   const auto ready = [this](std::size_t) {
     launcher_.poll();
     return launcher_.events() == seen_events_;
   };
   static const std::vector<int> nothing;
   for (;;) {
+    scratch_identity_ = awaited;
     try {
       return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
     } catch (const ProtocolError& error) {
       const auto* peer = find(scratch_identity_);
-      if (peer)
-        throw ProtocolError(fmt::format("participant '{}' {}: {}", peer->expected.name, place(*peer), error.what()));
+      if (peer) throw_broken(*peer, error);
       if (scratch_identity_.empty()) throw;
       refuse(error.what(), static_cast<int>(ExitCode::protocol));  // a stranger's nonsense is not the run's trouble
     }
@@ -142,7 +145,7 @@ void Peers::check_end(State& peer) {
   if (!end || peer.end_handled) return;
   peer.end_handled = true;
   const auto deadline = Clock::now() + seconds(drain_s);
-  while (!peer.lifecycle.done() && receive_into_scratch(deadline, false)) deliver();
+  while (!peer.lifecycle.done() && receive_into_scratch(deadline, peer.identity, false)) deliver();
   if (peer.lifecycle.done()) return;
   throw ParticipantError(fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer),
                                      refusal_text(peer), log_tail(peer)));
@@ -163,6 +166,10 @@ void Peers::announce_failure(int code, const std::string& text, const std::strin
       // It may be the peer that is gone; the run already fails for a better reason.
     }
   }
+}
+
+void Peers::throw_broken(const State& peer, const ProtocolError& error) const {
+  throw ProtocolError(fmt::format("participant '{}' {}: {}", peer.expected.name, place(peer), error.what()));
 }
 
 void Peers::throw_failure(const State& peer) const {

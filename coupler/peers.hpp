@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/wire/channel.hpp"
 #include "common/wire/lifecycle.hpp"
+#include "common/wire/shared_memory.hpp"
 #include "coupler/launcher.hpp"
 #include "coupler/protocols/peer.hpp"
 
@@ -23,6 +26,8 @@ struct RunIdentity {
   std::string scene_sha256;
   double timeout_s = 60.0;     ///< longest wait for any peer
   double window_size_s = 0.0;  ///< for the times in error texts
+  std::string transport = "auto";  ///< "auto" | "shm" | "zmq" | "tcp", as in the scene
+  std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
 };
 
 /// Time that the coupler waited for a peer, on the steady clock [s].
@@ -51,6 +56,8 @@ class Peers {
   [[nodiscard]] std::size_t size() const { return peers_.size(); }
   [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
   [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
+  /// What carries the messages to and from this peer: "shm" | "zmq" | "tcp"; empty until its hello.
+  [[nodiscard]] const std::string& transport(std::size_t index) const { return peers_[index].transport; }
   /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
   [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }
   [[nodiscard]] const std::vector<WaitSpan>& wait_spans(std::size_t index) const { return peers_[index].spans; }
@@ -68,6 +75,7 @@ class Peers {
     wire::Lifecycle lifecycle;
     wire::Message inbox;
     std::string asked;    ///< what it was asked last, for error texts
+    std::string transport;
     std::string refusal;  ///< why a peer of this name was turned away
     std::int64_t process_id = 0;
     std::int64_t sequence = 0, window = 0;
@@ -81,14 +89,17 @@ class Peers {
   void post(State& peer, wire::Message& message);
   const wire::Message& wait(std::size_t index);
   void note_wait(std::size_t index, wire::Clock::time_point begin);
-  bool receive_one(wire::Deadline deadline);
-  bool receive_into_scratch(wire::Deadline deadline, bool watch_processes);
+  bool receive_one(wire::Deadline deadline, const std::string& awaited);
+  bool receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes);
   void deliver();
   void admit();
+  [[nodiscard]] std::string objection_to_hello(const State& peer) const;
+  std::unique_ptr<wire::SharedMemory> open_shared_memory(std::string& objection) const;
   void refuse(const std::string& text, int code);
   bool attend();
   void check_end(State& peer);
   State* find(const std::string& identity);
+  [[noreturn]] void throw_broken(const State& peer, const ProtocolError& error) const;
   [[noreturn]] void throw_failure(const State& peer) const;
   [[noreturn]] void throw_silent(const State& peer) const;
   [[nodiscard]] std::string place(const State& peer) const;

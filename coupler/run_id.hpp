@@ -9,8 +9,8 @@ namespace ricochet::coupler {
 /// Name of one run, unlike that of any other on this machine: UTC time, process id, random hexadecimal digits.
 [[nodiscard]] std::string make_run_id();
 
-/// Where the coupler listens: ipc "ipc://@ricochet-<run id>" (abstract socket, nothing is left on disk), tcp
-/// "tcp://address:port", port "*" where the scene leaves it free.
+/// Where the coupler listens: with transport "tcp" "tcp://address:port", port "*" where the scene leaves it free; else
+/// "ipc://@ricochet-<run id>" (abstract socket, nothing is left on disk).
 [[nodiscard]] std::string listen_endpoint(const scene::Coupling& coupling, const std::string& run_id);
 
 /// What a participant on this machine connects to, given what the listener is bound to: "any address" becomes loopback.

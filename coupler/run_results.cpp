@@ -28,7 +28,7 @@ void CoupledRun::fail(const std::string& status, int exit_code, const std::strin
 /// `last_words`: the participants' `finished` messages; empty if the run did not come that far.
 void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-  ProcessTimes coupler{"coupler", "coupler", static_cast<std::int64_t>(getpid()), wall_s, 0.0, 0.0, {}};
+  ProcessTimes coupler{"coupler", "coupler", static_cast<std::int64_t>(getpid()), "", wall_s, 0.0, 0.0, {}};
   for (std::size_t p = 0; p < peers_.size(); ++p) {
     coupler.waited_for.push_back({peers_.name(p), peers_.waited_for_s(p)});
     *coupler.wait_s += peers_.waited_for_s(p);
@@ -40,6 +40,7 @@ void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
     ProcessTimes process{peers_.name(p),
                          scene_.participants[p].role == scene::Role::implicit_solver ? "implicit" : "explicit",
                          peers_.process_id(p),
+                         peers_.transport(p),
                          wall_s,
                          {},
                          {},

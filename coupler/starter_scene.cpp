@@ -46,6 +46,7 @@ until_separated_plus_s = 2e-6  # ends earlier if the bodies have separated
 
 [coupling]
 protocol = "hughes_liu"        # "kim" | "kim_predicted" | "all_implicit" | "all_explicit"
+transport = "auto"             # shared memory on this machine, ZeroMQ where that cannot be | "shm" | "zmq" | "tcp"
 
 [output]
 history_every = 1              # windows per row of history.csv

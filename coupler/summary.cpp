@@ -21,6 +21,7 @@ Json process_json(const ProcessTimes& process) {
   return {{"name", process.name},
           {"role", process.role},
           {"process_id", process.process_id},
+          {"transport", process.transport},
           {"wall_s", number(process.wall_s)},
           {"compute_s", number(process.compute_s)},
           {"wait_s", number(process.wait_s)},
@@ -74,15 +75,16 @@ std::string switch_rows(const Summary& summary) {
 
 std::string process_rows(const Summary& summary) {
   std::string text =
-      fmt::format("  {:<14} {:>9} {:>11} {:>9}  {}\n", "process", "wall s", "compute s", "wait s", "waited for (s)");
+      fmt::format("  {:<14} {:>9} {:>9} {:>11} {:>9}  {}\n", "process", "transport", "wall s", "compute s", "wait s",
+                                 "waited for (s)");
   const auto shown = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.3f}", *value) : std::string("-");
   };
   for (const auto& process : summary.processes) {
     std::vector<std::string> waited;
     for (const auto& entry : process.waited_for) waited.push_back(fmt::format("{} {:.3f}", entry.whom, entry.time_s));
-    text += fmt::format("  {:<14} {:>9.3f} {:>11} {:>9}  {}\n", process.name, process.wall_s, shown(process.compute_s),
-                        shown(process.wait_s), fmt::join(waited, ", "));
+    text += fmt::format("  {:<14} {:>9} {:>9.3f} {:>11} {:>9}  {}\n", process.name, process.transport, process.wall_s,
+                        shown(process.compute_s), shown(process.wait_s), fmt::join(waited, ", "));
   }
   return text;
 }

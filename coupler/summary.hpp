@@ -14,6 +14,7 @@ struct ProcessTimes {
   std::string name;
   std::string role;  ///< "coupler" | "explicit" | "implicit"
   std::int64_t process_id = 0;
+  std::string transport;  ///< what carried its messages: "shm" | "zmq" | "tcp"; empty: the coupler, or no hello came
   double wall_s = 0;
   std::optional<double> compute_s, wait_s;  ///< empty: it did not live to report them
   struct Waited {

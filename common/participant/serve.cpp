@@ -45,6 +45,7 @@ int report(const std::string& name, const Reason& reason) {
 void converse(Session& session, wire::Channel& channel, const ServeOptions& options, wire::Message& reply) {
   wire::Message request;
   session.hello(reply);
+  channel.offer_shared_memory(reply);
   channel.send(reply);
   while (!session.over()) {
     const auto begin = wire::Clock::now();

@@ -12,7 +12,7 @@ namespace {
 constexpr int most = std::numeric_limits<int>::max();
 
 void load_transport(TableReader& table, Coupling& coupling) {
-  if (table.has("transport")) coupling.transport = table.word("transport", {"ipc", "tcp"});
+  if (table.has("transport")) coupling.transport = table.word("transport", {"auto", "shm", "zmq", "tcp"});
   const bool tcp = coupling.transport == "tcp";
   table.only_if(tcp, "address", "transport = \"tcp\"");
   table.only_if(tcp, "port", "transport = \"tcp\"");

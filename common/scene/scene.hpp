@@ -129,7 +129,7 @@ struct Coupling {
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
   int separation_windows = 10;           ///< windows with every pair open and gaps growing that count as separated
   double timeout_s = 60.0;               ///< longest wait for any peer
-  std::string transport = "ipc";         ///< "ipc" | "tcp"
+  std::string transport = "auto";        ///< "auto" | "shm" | "zmq" | "tcp"
   std::string address = "127.0.0.1";     ///< tcp: address to bind
   int port = 0;                          ///< tcp: 0 picks a free one
   double energy_growth_limit = 0.05;     ///< relative growth of the energy balance that stops the run

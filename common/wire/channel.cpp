@@ -5,78 +5,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <zmq.hpp>
 
 #include "common/base/error.hpp"
 #include "common/wire/codec.hpp"
+#include "common/wire/shared_memory.hpp"
+#include "common/wire/sockets.hpp"
 
 namespace ricochet::wire {
 namespace {
-
-using Milliseconds = std::chrono::milliseconds;
 
 double seconds_between(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double>(end - begin).count();
 }
 
-zmq::socket_t make_socket(zmq::context_t& context, zmq::socket_type type) {
-  zmq::socket_t socket(context, type);
-  socket.set(zmq::sockopt::linger, static_cast<int>(linger.count()));
-  socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_message_bytes));
-  return socket;
+constexpr const char* coupler = "the coupler";  // for error texts
+
+[[noreturn]] void throw_silent(Clock::time_point begin, Deadline deadline) {
+  throw ParticipantError(
+      fmt::format("the coupler has not answered within {:.3g} s: it hangs, is stopped, or its address is wrong",
+                  seconds_between(begin, deadline)));
 }
 
-[[noreturn]] void refuse_endpoint(const std::string& endpoint, const char* what, const zmq::error_t& error) {
-  throw ConfigError(fmt::format("cannot {} '{}': {}; expected ipc://@name, ipc://path or tcp://address:port", what,
-                                endpoint, error.what()));
-}
-
-/// zmq::poll until the deadline; false if it has passed. Signals do not end the wait.
-bool poll(std::vector<zmq::pollitem_t>& items, Deadline deadline) {
-  for (;;) {
-    const auto left = std::chrono::ceil<Milliseconds>(deadline - Clock::now());
-    try {
-      const int ready = zmq::poll(items, std::max(left, Milliseconds(0)));
-      if (ready > 0) return true;
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw;
-      continue;
-    }
-    if (Clock::now() >= deadline) return false;
-  }
-}
-
-/// The next frame, if it is there already.
-bool receive_frame(zmq::socket_t& socket, zmq::message_t& frame) {
-  for (;;) {
-    try {
-      return socket.recv(frame, zmq::recv_flags::dontwait).has_value();
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw;
-    }
-  }
-}
-
-/// Reads the rest of a message of several frames; how many it had.
-int count_frames(zmq::socket_t& socket, zmq::message_t& last) {
-  int frames = 1;
-  while (last.more() && receive_frame(socket, last)) ++frames;
-  return frames;
-}
-
-/// Decodes a message whose only frame is `payload`.
-void decode_frame(zmq::socket_t& socket, zmq::message_t& payload, std::string_view sender, Message& message) {
-  if (payload.more()) {
-    const int frames = count_frames(socket, payload);
-    throw ProtocolError(fmt::format("{} sent a message of {} frames, expected one", sender, frames));
-  }
-  decode({payload.data<char>(), payload.size()}, sender, message);
-}
-
-void send_frame(zmq::socket_t& socket, const void* data, std::size_t size, zmq::send_flags flags) {
-  if (!socket.send(zmq::const_buffer(data, size), flags | zmq::send_flags::dontwait)) {
-    throw ParticipantError("the connection takes no more messages: the other end does not read them");
-  }
+[[noreturn]] void throw_gone(const char* why) {
+  throw ParticipantError(fmt::format("the coupler is gone: {}", why));
 }
 
 }  // namespace
@@ -86,8 +37,6 @@ Deadline deadline_in(double timeout_s) {
   const double bounded = std::isnan(timeout_s) ? 0.0 : std::clamp(timeout_s, 0.0, year_s);
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(bounded));
 }
-
-// ---- participant's end
 
 struct Channel::Impl {
   static constexpr const char* monitor_endpoint = "inproc://connection";
@@ -103,7 +52,14 @@ struct Channel::Impl {
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
-  ~Impl() { zmq_socket_monitor(socket.handle(), nullptr, 0); }  // before `monitor`: its events would have nowhere to go
+  ~Impl() {
+    if (shared) shared->flush_all();
+    zmq_socket_monitor(socket.handle(), nullptr, 0);  // before `monitor`: its events would have nowhere to go
+  }
+
+  void receive_frame_of(Message& message, Clock::time_point begin, Deadline deadline);
+  void receive_shared(Message& message, Clock::time_point begin, Deadline deadline);
+  void take_answer_to_offer(const Message& welcome);
 
   /// What broke the connection, by the last poll; null if nothing did.
   [[nodiscard]] const char* broken() const {
@@ -116,6 +72,7 @@ struct Channel::Impl {
   std::vector<zmq::pollitem_t> items;
   zmq::message_t frame;
   msgpack::sbuffer buffer;
+  std::unique_ptr<SharedMemory> offered, shared;
 };
 
 Channel::Channel(const std::string& endpoint) : impl_(std::make_unique<Impl>()) {
@@ -128,77 +85,68 @@ Channel::Channel(const std::string& endpoint) : impl_(std::make_unique<Impl>()) 
 
 Channel::~Channel() = default;
 
+void Channel::offer_shared_memory(Message& hello) {
+  impl_->offered = SharedMemory::make();
+  if (!impl_->offered) return;
+  hello.shared_memory_path = impl_->offered->path();
+  hello.shared_memory_key = impl_->offered->key();
+}
+
 void Channel::send(const Message& message) {
   encode(message, impl_->buffer);
-  send_frame(impl_->socket, impl_->buffer.data(), impl_->buffer.size(), zmq::send_flags::none);
+  if (impl_->shared) {
+    impl_->shared->sender().send({impl_->buffer.data(), impl_->buffer.size()});
+  } else {
+    send_frame(impl_->socket, impl_->buffer.data(), impl_->buffer.size(), zmq::send_flags::none);
+  }
 }
 
 void Channel::receive(Message& message, Deadline deadline, bool watch_stdin) {
-  const auto begin = Clock::now();
   auto& items = impl_->items;
   items.resize(watch_stdin ? 3 : 2);
   if (watch_stdin) items[2] = {nullptr, STDIN_FILENO, ZMQ_POLLERR, 0};
-  while (!receive_frame(impl_->socket, impl_->frame)) {
-    if (!poll(items, deadline)) {
-      throw ParticipantError(
-          fmt::format("the coupler has not answered within {:.3g} s: it hangs, is stopped, or its address "
-                      "is wrong",
-                      seconds_between(begin, deadline)));
+  if (impl_->shared) {
+    impl_->receive_shared(message, Clock::now(), deadline);
+  } else {
+    impl_->receive_frame_of(message, Clock::now(), deadline);
+    if (message.kind == Kind::welcome) impl_->take_answer_to_offer(message);
+  }
+}
+
+void Channel::Impl::receive_frame_of(Message& message, Clock::time_point begin, Deadline deadline) {
+  while (!receive_frame(socket, frame)) {
+    if (!poll(items, deadline)) throw_silent(begin, deadline);
+    const char* why = broken();
+    if (!why) continue;
+    if (receive_frame(socket, frame)) break;  // its last words
+    socket.set(zmq::sockopt::linger, 0);      // what it has not read must not reach the next run at this address
+    throw_gone(why);
+  }
+  decode_frame(socket, frame, coupler, message);
+}
+
+void Channel::Impl::receive_shared(Message& message, Clock::time_point begin, Deadline deadline) {
+  auto next_look = begin + look_every;
+  while (!shared->receiver().receive(coupler)) {
+    const auto now = Clock::now();
+    if (now >= deadline) throw_silent(begin, deadline);
+    if (now >= next_look) {
+      next_look = now + look_every;
+      const char* why = poll(items, now) ? broken() : nullptr;
+      if (why && shared->receiver().receive(coupler)) break;  // its last words
+      if (why) throw_gone(why);
     }
-    const char* broken = impl_->broken();
-    if (!broken) continue;
-    if (receive_frame(impl_->socket, impl_->frame)) break;  // its last words
-    impl_->socket.set(zmq::sockopt::linger, 0);  // what it has not read must not reach the next run at this address
-    throw ParticipantError(fmt::format("the coupler is gone: {}", broken));
+    shared->wait(std::min(deadline, next_look));
   }
-  decode_frame(impl_->socket, impl_->frame, "the coupler", message);
+  decode(shared->receiver().message(), coupler, message);
 }
 
-// ---- coupler's end
-
-struct Listener::Impl {
-  zmq::context_t context;
-  zmq::socket_t socket = make_socket(context, zmq::socket_type::router);
-  std::vector<zmq::pollitem_t> items;
-  zmq::message_t identity, frame;
-  msgpack::sbuffer buffer;
-};
-
-Listener::Listener(const std::string& endpoint) : impl_(std::make_unique<Impl>()) {
-  try {
-    impl_->socket.bind(endpoint);
-  } catch (const zmq::error_t& error) {
-    refuse_endpoint(endpoint, "listen at", error);
+void Channel::Impl::take_answer_to_offer(const Message& welcome) {
+  if (welcome.shared_memory && !offered) {
+    throw ProtocolError("the coupler sent 'welcome' with shared memory, which 'hello' has not offered");
   }
-}
-
-Listener::~Listener() = default;
-
-std::string Listener::endpoint() const { return impl_->socket.get(zmq::sockopt::last_endpoint); }
-
-bool Listener::receive(std::string& identity, Message& message, Deadline deadline,
-                       const std::vector<int>& file_descriptors, const std::function<bool(std::size_t)>& ready) {
-  auto& items = impl_->items;
-  items.assign(1, {impl_->socket.handle(), 0, ZMQ_POLLIN, 0});
-  for (const int descriptor : file_descriptors) items.push_back({nullptr, descriptor, ZMQ_POLLIN | ZMQ_POLLERR, 0});
-  while (!receive_frame(impl_->socket, impl_->identity)) {
-    if (!poll(items, deadline)) return false;
-    for (std::size_t i = 1; i < items.size(); ++i) {
-      if (items[i].revents != 0 && !ready(i - 1)) return false;
-    }
-  }
-  identity.assign(impl_->identity.data<char>(), impl_->identity.size());
-  // The frames of a message come together; one of an identity alone is not one of ours.
-  if (!impl_->identity.more() || !receive_frame(impl_->socket, impl_->frame))
-    throw ProtocolError("the peer sent no message");
-  decode_frame(impl_->socket, impl_->frame, "the peer", message);
-  return true;
-}
-
-void Listener::send(const std::string& identity, const Message& message) {
-  encode(message, impl_->buffer);
-  send_frame(impl_->socket, identity.data(), identity.size(), zmq::send_flags::sndmore);
-  send_frame(impl_->socket, impl_->buffer.data(), impl_->buffer.size(), zmq::send_flags::none);
+  if (welcome.shared_memory) shared = std::move(offered);
+  offered.reset();
 }
 
 }  // namespace ricochet::wire

@@ -8,14 +8,19 @@
 
 #include "common/wire/message.hpp"
 
-/// Bytes between processes over ZeroMQ. The coupler has one `Listener` (ROUTER), each participant a `Channel` (DEALER).
-/// A message is one frame. Whoever closes its end waits at most `linger` for what it said last to get out.
+/// Messages between processes. The coupler has one `Listener`, each participant a `Channel`. They meet over ZeroMQ
+/// (ROUTER and DEALER, a message is one frame); after `welcome` a link may go through memory that both ends share, the
+/// same bytes. Whoever closes its end waits at most `linger` for what it said last to get out.
 namespace ricochet::wire {
+
+class SharedMemory;
 
 using Clock = std::chrono::steady_clock;
 using Deadline = Clock::time_point;
 
 inline constexpr std::chrono::milliseconds linger{500};
+/// How often who exchanges messages through shared memory looks at everything else: sockets, ended processes, signals.
+inline constexpr std::chrono::milliseconds look_every{5};
 
 /// The instant `timeout_s` from now; a negative timeout counts as none, one beyond a year as a year.
 [[nodiscard]] Deadline deadline_in(double timeout_s);
@@ -26,6 +31,9 @@ class Channel {
   /// Throws ConfigError if `endpoint` is none. Connecting goes on in the background: the coupler may come later.
   explicit Channel(const std::string& endpoint);
   ~Channel();
+  /// Adds to `hello` the offer of shared memory, if this system has any; the coupler's `welcome` says whether it is
+  /// used.
+  void offer_shared_memory(Message& hello);
   /// Throws SolverError if a number of the message is not finite (`encode`).
   void send(const Message& message);
   /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and
@@ -38,7 +46,7 @@ class Channel {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Coupler's end: many participants on one socket.
+/// Coupler's end: many participants on one socket, those that share memory with it besides.
 class Listener {
  public:
   /// `endpoint` "ipc://@name" (abstract socket: leaves no file), "ipc://path" or "tcp://address:port"
@@ -46,8 +54,12 @@ class Listener {
   explicit Listener(const std::string& endpoint);
   ~Listener();
   [[nodiscard]] std::string endpoint() const;  ///< with the port that was picked
-  /// Routing identity of the sender and the message; false at the deadline or when one of `file_descriptors` became
-  /// readable (then `ready` is called with its index, and waiting goes on while it returns true). ProtocolError from
+  /// From now on messages to and from `identity` go through `memory`.
+  void share(const std::string& identity, std::unique_ptr<SharedMemory> memory);
+  /// `identity`: on entry, of whom an answer is awaited, whose message is then taken with the least delay (empty: of
+  /// nobody in particular); afterwards that of the sender. Fills in the message; false at the deadline or when one of
+  /// `file_descriptors` became readable (then `ready` is called with its index, and waiting goes on while it returns
+  /// true). They are looked at once every `look_every` at least, however fast messages come. ProtocolError from
   /// decoding: `identity` then is the sender's.
   bool receive(std::string& identity, Message& message, Deadline deadline, const std::vector<int>& file_descriptors,
                const std::function<bool(std::size_t)>& ready);

@@ -55,13 +55,15 @@ struct Message {
 
   // names and texts
   std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration, driven_by;
-  std::string error_text, error_culprit;
+  std::string shared_memory_path, error_text, error_culprit;
   std::vector<std::string> bodies, capabilities, record_columns;
 
   // numbers
-  bool contact_owner = false, accept_at_once = false, absolute_requested = false, records_requested = false;
+  bool shared_memory = false, contact_owner = false;
+  bool accept_at_once = false, absolute_requested = false, records_requested = false;
   bool separated = false, finished_early = false;
-  std::int64_t process_id = 0, components = 0, windows = 1, substeps = 1, history_every = 1, fields_every = 0, last_window = 0;
+  std::int64_t process_id = 0, shared_memory_key = 0, components = 0;
+  std::int64_t windows = 1, substeps = 1, history_every = 1, fields_every = 0, last_window = 0;
   std::int64_t separation_windows = 0, pairs_closed = 0, error_code = 0;
   double window_size_s = 0, critical_time_step_s = 0, timeout_s = 0, until_separated_plus_s = 0;
   double gap_min_m = 0, gap_rate_min_m_s = 0, separation_time_s = 0, setup_s = 0, compute_s = 0, wait_s = 0;

@@ -101,8 +101,8 @@ std::string process_rows(const Json& summary) {
       waited += fmt::format("{} {:.3f}", whom, time_s.is_number() ? time_s.get<double>() : 0.0);
     }
     text += "<tr><th scope=\"row\">" + escape_html(process.value("name", "")) + "</th>" +
-            cell(process.value("role", "")) + cell(seconds(process, "wall_s")) + cell(seconds(process, "compute_s")) +
-            cell(seconds(process, "wait_s")) + cell(waited) + "</tr>\n";
+            cell(process.value("role", "")) + cell(process.value("transport", "")) + cell(seconds(process, "wall_s")) +
+            cell(seconds(process, "compute_s")) + cell(seconds(process, "wait_s")) + cell(waited) + "</tr>\n";
   }
   return text;
 }
@@ -149,8 +149,8 @@ std::string tables_html(const Json& summary) {
   std::string text = "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n"
                      "<tbody>\n";
   text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n";
-  text += "<table class=\"processes\">\n<thead><tr><th>process</th><th>role</th><th>wall [s]</th><th>compute [s]</th>"
-          "<th>wait [s]</th><th>waited for [s]</th></tr></thead>\n<tbody>\n";
+  text += "<table class=\"processes\">\n<thead><tr><th>process</th><th>role</th><th>transport</th><th>wall [s]</th>"
+          "<th>compute [s]</th><th>wait [s]</th><th>waited for [s]</th></tr></thead>\n<tbody>\n";
   return text + process_rows(summary) + "</tbody>\n</table>\n";
 }
 

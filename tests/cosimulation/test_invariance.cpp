@@ -20,15 +20,20 @@ std::string history_of(const RunResult& run) { return file_text(run.folder + "/h
 
 TEST(Invariance, TransportAndNumberOfExplicitParticipantsGiveBitIdenticalHistories) {
   const TemporaryFolder folder;
-  const RunResult ipc = run_text(short_kim(), folder, "ipc");
+  const RunResult shm = run_text(short_kim(), folder, "shm");
+  const RunResult zmq = run_text(with_key(short_kim(), "coupling", "transport", "\"zmq\""), folder, "zmq");
   const RunResult tcp = run_text(with_key(short_kim(), "coupling", "transport", "\"tcp\""), folder, "tcp");
   const RunResult two = run_text(short_kim() + participants("left", "right"), folder, "two");
-  const RunResult again = run_text(short_kim(), folder, "ipc");  // into the directory of the first run
-  ASSERT_GT(history_of(ipc).size(), 100000U);
-  EXPECT_TRUE(history_of(ipc) == history_of(tcp));
-  EXPECT_TRUE(history_of(ipc) == history_of(two));
-  EXPECT_TRUE(history_of(ipc) == history_of(again));
-  EXPECT_EQ(tcp.summary.at("transport"), "tcp");
+  const RunResult again = run_text(short_kim(), folder, "shm");  // into the directory of the first run
+  ASSERT_GT(history_of(shm).size(), 100000U);
+  for (const auto* other : {&zmq, &tcp, &two, &again}) {
+    EXPECT_TRUE(history_of(shm) == history_of(*other)) << other->folder;
+  }
+  for (const auto& [run, transport] : {std::pair{&shm, "shm"}, {&zmq, "zmq"}, {&tcp, "tcp"}, {&two, "shm"}}) {
+    for (const auto& process : run->summary.at("processes")) {
+      EXPECT_EQ(process.at("transport"), process.at("name") == "coupler" ? "" : transport);
+    }
+  }
   EXPECT_EQ(two.summary.at("processes").size(), 4U);
 }
 

@@ -38,8 +38,12 @@ class Client {
     message.run_id = run_id_;
     channel_.send(message);
   }
-  void hello(const std::string& name, const std::string& role, const std::string& sha = "") {
+  enum class Offer { nothing, memory, wrong_memory };
+  void hello(const std::string& name, const std::string& role, const std::string& sha = "",
+             Offer offer = Offer::nothing) {
     Message message;
+    if (offer != Offer::nothing) channel_.offer_shared_memory(message);
+    if (offer == Offer::wrong_memory) ++message.shared_memory_key;
     message.kind = Kind::hello;
     message.participant = name;
     message.role = role;
@@ -140,22 +144,58 @@ TEST_F(PeersTest, DeathBeforeHelloIsNoticedAtOnceWithTheLog) {
                           HasSubstr("cannot find the mesh")));
 }
 
-class Connected : public PeersTest {
+/// What a run's transport makes of a participant that offers shared memory, of one that does not, and of one that offers
+/// what is not its own.
+TEST_F(PeersTest, SharedMemoryIsTakenWhereItIsOfferedAndWanted) {
+  using Offer = Client::Offer;
+  for (const auto& [wanted, expected] : {std::pair{"auto", "shm zmq"}, {"zmq", "zmq zmq"}, {"tcp", "tcp tcp"}}) {
+    for (const auto offer : {Offer::nothing, Offer::wrong_memory}) {
+      wire::Listener listener("ipc://@ricochet-test-" + make_run_id());
+      Peers peers(listener, launcher_, {{"explicit", "explicit"}, {"implicit", "implicit"}},
+                  {run_id_, this_scene, 10.0, 1e-6, wanted, ""});
+      Client first(listener.endpoint()), second(listener.endpoint());
+      first.hello("explicit", "explicit", "", Offer::memory);
+      second.hello("implicit", "implicit", "", offer);
+      peers.handshake();
+      EXPECT_EQ(peers.transport(0) + " " + peers.transport(1), expected);
+      EXPECT_EQ(first.receive().shared_memory, peers.transport(0) == "shm");
+      EXPECT_FALSE(second.receive().shared_memory);
+    }
+  }
+}
+
+TEST_F(PeersTest, WhoCannotHaveTheSharedMemoryThatIsRequiredIsTurnedAway) {
+  Peers peers(listener_, launcher_, {{"explicit", "explicit"}},
+              {run_id_, this_scene, 10.0, 1e-6, "shm", "a.toml:7: x"});
+  Client without(endpoint()), with_another(endpoint()), with(endpoint());
+  std::jthread meeting([&] { peers.handshake(); });
+  without.hello("explicit", "explicit");
+  EXPECT_EQ(without.receive().error_text,
+            "a.toml:7: x: found \"shm\", which participant 'explicit' cannot have: it offers no shared memory; \"auto\" "
+            "allows ZeroMQ for it");
+  with_another.hello("explicit", "explicit", "", Client::Offer::wrong_memory);
+  EXPECT_THAT(with_another.receive().error_text, HasSubstr("cannot be opened: it is that of another process"));
+  with.hello("explicit", "explicit", "", Client::Offer::memory);
+  EXPECT_EQ(with.receive().kind, Kind::welcome);
+}
+
+/// Two participants, both through shared memory or both over ZeroMQ.
+class Connected : public PeersTest, public testing::WithParamInterface<Client::Offer> {
  protected:
   std::unique_ptr<Client> explicit_, implicit_;
   void SetUp() override {
     PeersTest::SetUp();
     explicit_ = std::make_unique<Client>(endpoint());
     implicit_ = std::make_unique<Client>(endpoint());
-    explicit_->hello("explicit", "explicit");
-    implicit_->hello("implicit", "implicit");
+    explicit_->hello("explicit", "explicit", "", GetParam());
+    implicit_->hello("implicit", "implicit", "", GetParam());
     peers_.handshake();
     (void)explicit_->receive();
     (void)implicit_->receive();
   }
 };
 
-TEST_F(Connected, AnswersInAnyOrderReachWhoWaits) {
+TEST_P(Connected, AnswersInAnyOrderReachWhoWaits) {
   describe(0);
   describe(1);
   (void)explicit_->receive();
@@ -167,14 +207,14 @@ TEST_F(Connected, AnswersInAnyOrderReachWhoWaits) {
   EXPECT_EQ(peers_.wait_spans(0).size(), 1U);
 }
 
-TEST_F(Connected, SilenceIsNoticedAtTheDeadline) {
+TEST_P(Connected, SilenceIsNoticedAtTheDeadline) {
   describe(0);
   const auto [code, text] = failure([&] { (void)peers_.peer(0).wait(); });
   EXPECT_EQ(code, 4);
   EXPECT_THAT(text, AllOf(HasSubstr("'explicit' has been silent for 1."), HasSubstr("asked to 'describe'")));
 }
 
-TEST_F(Connected, FailureMessageKeepsItsExitCodeAlsoFromAnotherPeer) {
+TEST_P(Connected, FailureMessageKeepsItsExitCodeAlsoFromAnotherPeer) {
   describe(0);
   Message message;
   message.kind = Kind::failure;
@@ -186,7 +226,7 @@ TEST_F(Connected, FailureMessageKeepsItsExitCodeAlsoFromAnotherPeer) {
   EXPECT_THAT(text, AllOf(HasSubstr("'implicit'"), HasSubstr("body 'rod': not finite")));
 }
 
-TEST_F(Connected, IllegalOrderIsAProtocolError) {
+TEST_P(Connected, IllegalOrderIsAProtocolError) {
   describe(0);
   (void)explicit_->receive();
   explicit_->answer(Kind::accepted);
@@ -195,7 +235,7 @@ TEST_F(Connected, IllegalOrderIsAProtocolError) {
   EXPECT_THAT(text, HasSubstr("explicit"));
 }
 
-TEST_F(Connected, DeathDuringAWaitIsNoticedAtOnce) {
+TEST_P(Connected, DeathDuringAWaitIsNoticedAtOnce) {
   launch("explicit", "kill -9 $$");
   describe(0);
   const auto begin = wire::Clock::now();
@@ -205,7 +245,7 @@ TEST_F(Connected, DeathDuringAWaitIsNoticedAtOnce) {
   EXPECT_THAT(text, AllOf(HasSubstr("'explicit' was killed by signal 9 (SIGKILL)"), HasSubstr("log")));
 }
 
-TEST_F(Connected, LastWordsOfADyingProcessCount) {
+TEST_P(Connected, LastWordsOfADyingProcessCount) {
   launch("implicit", "exit 3");
   Message message;
   message.kind = Kind::failure;
@@ -220,7 +260,7 @@ TEST_F(Connected, LastWordsOfADyingProcessCount) {
 }
 
 /// A participant that has answered 'finished' may end before its answer is read; nobody is then waited for in vain.
-TEST_F(Connected, EndsNoticedBeforeTheLastWordsAreRead) {
+TEST_P(Connected, EndsNoticedBeforeTheLastWordsAreRead) {
   Client* clients[] = {explicit_.get(), implicit_.get()};
   const std::pair<Kind, Kind> exchanges[] = {{Kind::describe, Kind::description},
                                              {Kind::initialize, Kind::initialized},
@@ -243,7 +283,7 @@ TEST_F(Connected, EndsNoticedBeforeTheLastWordsAreRead) {
   EXPECT_EQ(peers_.peer(1).wait().kind, Kind::finished);
 }
 
-TEST_F(Connected, CtrlCInterruptsAWait) {
+TEST_P(Connected, CtrlCInterruptsAWait) {
   describe(0);
   std::thread user([] {
     usleep(100000);
@@ -255,7 +295,7 @@ TEST_F(Connected, CtrlCInterruptsAWait) {
   EXPECT_THAT(text, HasSubstr("Ctrl-C"));
 }
 
-TEST_F(Connected, FailureIsAnnouncedToEveryone) {
+TEST_P(Connected, FailureIsAnnouncedToEveryone) {
   peers_.announce_failure(4, "participant 'x' died", "x");
   for (auto* client : {explicit_.get(), implicit_.get()}) {
     const auto message = client->receive();
@@ -265,7 +305,7 @@ TEST_F(Connected, FailureIsAnnouncedToEveryone) {
   }
 }
 
-TEST_F(Connected, IdleTimeIsAccountedToWhoWasWaitedFor) {
+TEST_P(Connected, IdleTimeIsAccountedToWhoWasWaitedFor) {
   describe(0);
   std::thread slow([&] {
     (void)explicit_->receive();
@@ -278,6 +318,9 @@ TEST_F(Connected, IdleTimeIsAccountedToWhoWasWaitedFor) {
   EXPECT_GT(peers_.idle_while_s(1, 0), 0.15);
   EXPECT_EQ(peers_.idle_while_s(0, 1), 0.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Peers, Connected, testing::Values(Client::Offer::memory, Client::Offer::nothing),
+                         [](const auto& test) { return test.param == Client::Offer::memory ? "shm" : "zmq"; });
 
 }  // namespace
 }  // namespace ricochet::coupler

@@ -105,8 +105,8 @@ Summary finished() {
   summary.separation_time_s = 31e-6;
   summary.scene_sha256 = "abc";
   summary.switches = {{32e-6, "explicit"}};
-  summary.processes = {{"coupler", "coupler", 1, 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
-                       {"implicit", "implicit", 2, 1.0, std::nullopt, std::nullopt, {}}};
+  summary.processes = {{"coupler", "coupler", 1, "", 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
+                       {"implicit", "implicit", 2, "shm", 1.0, std::nullopt, std::nullopt, {}}};
   return summary;
 }
 
@@ -131,6 +131,7 @@ TEST(Summary, HasTheKeysOfTheIssue) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json["steps"], 42);
+  EXPECT_EQ(json["processes"][1]["transport"], "shm");
   EXPECT_DOUBLE_EQ(json["energy_error_max"], 2e-3);
   EXPECT_DOUBLE_EQ(json["peak_contact_force_n"], 130.0);
   EXPECT_DOUBLE_EQ(json["processes"][0]["wait_s"], 0.8);
@@ -173,6 +174,8 @@ TEST(Trace, IsChromeTraceJson) {
 TEST(RunId, EndpointsPerTransport) {
   EXPECT_NE(make_run_id(), make_run_id());
   scene::Coupling coupling;
+  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  coupling.transport = "zmq";
   EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
   coupling.transport = "tcp";
   EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://127.0.0.1:*");

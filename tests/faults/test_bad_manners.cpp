@@ -9,9 +9,12 @@ struct Habit {
   int code;
   const char* status;
   std::vector<std::string> words;
+  const char* transport = nullptr;  ///< over which it is possible; null: over any
 };
 
-void PrintTo(const Habit& habit, std::ostream* out) { *out << habit.name; }
+using HabitOver = std::pair<Habit, std::string>;
+
+void PrintTo(const HabitOver& test, std::ostream* out) { *out << test.first.name << " over " << test.second; }
 
 constexpr auto broken = "protocol_broken", failed = "participant_failed", wrong = "scene_wrong";
 
@@ -22,8 +25,16 @@ const std::vector<Habit> habits = {
     {"answers_twice", 5, broken, {"sent 'advanced' while"}},
     {"means_another_run", 5, broken, {"run '20200101-000000-1-deadbeef', this is run '"}},
     {"says_nonsense", 5, broken, {"in window 40"}},
-    {"says_two_frames", 5, broken, {"in window 40", "a message of 2 frames, expected one"}},
+    {"says_two_frames", 5, broken, {"in window 40", "a message of 2 frames, expected one"}, "zmq"},
     {"says_half", 5, broken, {"in window 40", "breaks off after"}},
+    {"claims_too_many_bytes", 5, broken,
+     {"in window 40", "corrupted the shared memory", "bytes in a ring of 262144"}, "shm"},
+    {"claims_bytes_never_written", 5, broken,
+     {"in window 40", "corrupted the shared memory: no message begins with 0x"}, "shm"},
+    {"offers_no_memory", 2, wrong,
+     {"scene.toml:", "coupling.transport: found \"shm\"", "cannot have: it offers no shared memory"}, "shm"},
+    {"offers_memory_of_another", 2, wrong,
+     {"found \"shm\"", "it is that of another process", "\"auto\" allows"}, "shm"},
     {"loses_a_message", 5, broken, {"as message number", "one was lost or sent twice"}},
     {"diverges", 3, "unstable", {"failed in window 40", ": it diverges; likely cause: "}},
     {"finds_the_disk_full", 4, failed, {"failed in window 40", ": disk full"}},
@@ -36,21 +47,32 @@ const std::vector<Habit> habits = {
     {"read_another_scene", 2, wrong, {"read another scene", "give both the same file"}},
 };
 
-class BadManners : public testing::TestWithParam<Habit> {};
+std::vector<HabitOver> habits_over_each_transport() {
+  std::vector<HabitOver> all;
+  for (const auto& habit : habits) {
+    for (const std::string transport : {"shm", "zmq"}) {
+      if (!habit.transport || habit.transport == transport) all.emplace_back(habit, transport);
+    }
+  }
+  return all;
+}
+
+class BadManners : public testing::TestWithParam<HabitOver> {};
 
 TEST_P(BadManners, ends_the_run_and_names_the_participant) {
-  const auto& habit = GetParam();
+  const auto& [habit, transport] = GetParam();
   const TemporaryFolder folder;
   const std::string executable = "executable = \"" + program("fake_participant") + "\"";
-  FaultRun run(folder, with_participants(bars(few_windows), habit.name, executable));
+  const std::string scene = with_key(bars(few_windows), "coupling", "transport", "\"" + transport + "\"");
+  FaultRun run(folder, with_participants(scene, habit.name, executable));
   auto words = habit.words;
   words.push_back(std::string("participant '") + habit.name + "'");
   expect_failure(run, habit.code, habit.status, words);
   expect_recovery(run, folder);
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits_over_each_transport()),
+                         [](const auto& test) { return test.param.second + "_" + test.param.first.name; });
 
 TEST(StrangersAmongTheRun, nonsense_of_a_stranger_does_not_end_it) {
   const TemporaryFolder folder;

@@ -87,7 +87,7 @@ class StartedByHandOver : public testing::TestWithParam<const char*> {};
 TEST_P(StartedByHandOver, ends_at_once_when_the_coupler_is_killed) {
   const TemporaryFolder folder;
   std::string scene = with_participants(bars(all_windows), "explicit", "", by_hand);
-  if (GetParam() == std::string("tcp")) scene = over_tcp(scene);
+  scene = with_key(scene, "coupling", "transport", std::string("\"") + GetParam() + "\"");
   FaultRun run(folder, scene);
   ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered_endpoint(run));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
@@ -97,7 +97,7 @@ TEST_P(StartedByHandOver, ends_at_once_when_the_coupler_is_killed) {
   expect_recovery(run, folder);
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, StartedByHandOver, testing::Values("ipc", "tcp"),
+INSTANTIATE_TEST_SUITE_P(Faults, StartedByHandOver, testing::Values("shm", "zmq", "tcp"),
                          [](const auto& test) { return test.param; });
 
 TEST(StartedByHand, coupler_not_there) {

@@ -8,12 +8,16 @@ struct Fault {
   const char* who;
   int signal;
   const char* when;
+  std::string transport = "shm";
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.who << " " << fault.when; }
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.who << " " << fault.when << " over " << fault.transport;
+}
 
 std::string name_of(const testing::TestParamInfo<Fault>& info) {
-  return std::string(info.param.signal == SIGKILL ? "kill_" : "stop_") + info.param.who + "_" + info.param.when;
+  return std::string(info.param.signal == SIGKILL ? "kill_" : "stop_") + info.param.who + "_" + info.param.when + "_over_" +
+         info.param.transport;
 }
 
 std::vector<Fault> all_faults() {
@@ -21,6 +25,7 @@ std::vector<Fault> all_faults() {
   for (const auto* who : {"explicit", "implicit", "coupler"}) {
     for (const int signal : {SIGKILL, SIGSTOP}) {
       for (const auto* when : {"at_the_start", "in_the_middle", "near_the_end"}) faults.push_back({who, signal, when});
+      faults.push_back({who, signal, "in_the_middle", "zmq"});
     }
   }
   return faults;
@@ -77,7 +82,8 @@ class KilledOrStopped : public testing::TestWithParam<Fault> {
   }
 
   const TemporaryFolder folder_;
-  FaultRun run_{folder_, bars(all_windows, stopped() ? deadline_s : patience_s)};
+  FaultRun run_{folder_, with_key(bars(all_windows, stopped() ? deadline_s : patience_s), "coupling", "transport",
+                                  "\"" + GetParam().transport + "\"")};
   pid_t victim_ = 0;
 };
 

@@ -176,7 +176,7 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
   const Coupling defaults;
   EXPECT_EQ(scene.coupling.protocol, "hughes_liu");
   EXPECT_EQ(scene.coupling.resynchronise_every, defaults.resynchronise_every);
-  EXPECT_EQ(scene.coupling.transport, "ipc");
+  EXPECT_EQ(scene.coupling.transport, "auto");
   EXPECT_EQ(scene.output.history_every, 1);
   EXPECT_EQ(scene.contact->enforcement, Enforcement::multiplier);
   EXPECT_EQ(scene.contact->multiplier_update, Contact{}.multiplier_update);

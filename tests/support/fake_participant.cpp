@@ -1,6 +1,7 @@
 // An explicit participant with one bad habit; its name says which (`habits` below). The fault tests have it started in
 // place of explicit_solver, with the same arguments. It computes what explicit_solver computes, but speaks to the
 // coupler past the checks of `serve`.
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,6 +20,7 @@
 #include "common/participant/session.hpp"
 #include "common/scene/problem.hpp"
 #include "common/wire/codec.hpp"
+#include "common/wire/shared_memory.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 
 namespace ricochet {
@@ -26,7 +29,7 @@ namespace {
 using wire::Kind;
 using wire::Message;
 
-/// The wire without any care.
+/// The wire without any care, over ZeroMQ or through shared memory, as the coupler decides.
 class Line {
  public:
   explicit Line(const std::string& endpoint) : endpoint_(endpoint) {
@@ -34,8 +37,13 @@ class Line {
     socket_.connect(endpoint);
   }
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+  void offer_shared_memory(Message& hello) {
+    hello.shared_memory_path = memory_->path();
+    hello.shared_memory_key = memory_->key();
+  }
   void say_bytes(std::string_view bytes, zmq::send_flags flags = zmq::send_flags::none) {
-    socket_.send(zmq::const_buffer(bytes.data(), bytes.size()), flags);
+    if (shared_) memory_->sender().send(bytes);
+    if (!shared_) socket_.send(zmq::const_buffer(bytes.data(), bytes.size()), flags);
   }
   void say(const Message& message) { say_bytes(encoded(message)); }
   [[nodiscard]] static std::string encoded(const Message& message) {
@@ -43,16 +51,35 @@ class Line {
     wire::encode(message, buffer);
     return {buffer.data(), buffer.size()};
   }
+  /// Adds to the count of bytes written to the coupler (docs/wire.md), without writing any.
+  void claim_bytes(std::uint32_t count) {
+    constexpr off_t written_at = 262'336;
+    std::uint32_t written = 0;
+    const int file = open(memory_->path().c_str(), O_RDWR);
+    if (pread(file, &written, sizeof written, written_at) != sizeof written) throw std::runtime_error("cannot read");
+    written += count;
+    if (pwrite(file, &written, sizeof written, written_at) != sizeof written) throw std::runtime_error("cannot write");
+    close(file);
+  }
   void hear(Message& message) {
+    if (shared_) {
+      auto& receiver = memory_->receiver();
+      while (!receiver.receive("the coupler")) receiver.wait(wire::deadline_in(1.0));
+      wire::decode(receiver.message(), "the coupler", message);
+      return;
+    }
     zmq::message_t frame;
     if (!socket_.recv(frame)) throw std::runtime_error("no message");
     wire::decode({frame.data<char>(), frame.size()}, "the coupler", message);
+    shared_ = message.kind == Kind::welcome && message.shared_memory;
   }
 
  private:
   std::string endpoint_;
   zmq::context_t context_;
   zmq::socket_t socket_{context_, zmq::socket_type::dealer};
+  std::unique_ptr<wire::SharedMemory> memory_ = wire::SharedMemory::make();
+  bool shared_ = false;
 };
 
 constexpr int bad_window = 40;
@@ -97,6 +124,21 @@ void say_two_frames(Line& line, const Message& message) {
 void say_half(Line& line, const Message& message) {
   const std::string bytes = Line::encoded(message);
   line.say_bytes(bytes.substr(0, bytes.size() / 2));
+}
+
+void claim_too_much(Line& line, const Message&) { line.claim_bytes(1'000'000); }
+
+void claim_what_is_not_there(Line& line, const Message&) { line.claim_bytes(24); }
+
+void offer_nothing(Line& line, Message message) {
+  message.shared_memory_path.clear();
+  message.shared_memory_key = 0;
+  line.say(message);
+}
+
+void offer_what_is_another_process(Line& line, Message message) {
+  ++message.shared_memory_key;
+  line.say(message);
 }
 
 void lose_one(Line& line, Message message) {
@@ -167,6 +209,10 @@ const std::map<std::string, Habit> habits = {
     {"says_two_frames", {Kind::advanced, say_two_frames}},
     {"says_half", {Kind::advanced, say_half}},
     {"loses_a_message", {Kind::advanced, lose_one}},
+    {"claims_too_many_bytes", {Kind::advanced, claim_too_much}},
+    {"claims_bytes_never_written", {Kind::advanced, claim_what_is_not_there}},
+    {"offers_no_memory", {Kind::hello, offer_nothing}},
+    {"offers_memory_of_another", {Kind::hello, offer_what_is_another_process}},
     {"diverges", {Kind::advanced, diverge}},
     {"finds_the_disk_full", {Kind::advanced, find_disk_full}},
     {"exits_silently", {Kind::advanced, exit_silently}},
@@ -194,6 +240,7 @@ void take_part(participant::Session& session, Line& line, const Habit& habit) {
   };
   Message request, reply;
   session.hello(reply);
+  line.offer_shared_memory(reply);
   say(reply);
   while (!session.over()) {
     line.hear(request);

@@ -49,6 +49,10 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
   ASSERT_EQ(python.column("time_s").size(), ours.column("time_s").size());
   for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
   EXPECT_NEAR(largest(python.column("contact_force_n")), 3.12e5, 1e4);  // they did meet
+  for (const auto& process : python.summary.at("processes")) {  // each its own way in one run
+    const std::string role = process.at("role");
+    EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? "shm" : "");
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonBars, testing::Values("hughes_liu", "kim"),
@@ -121,7 +125,7 @@ TEST(PythonWire, RefusesWhatIsNoMessageByName) {
         {"/usr/bin/python3", "-c",
          fmt::format("import sys; sys.path.insert(0, '{}')\nfrom ricochet_wire import *\n"
                      "m = dict(kind='welcome', version=VERSION, run_id='r', sequence=0, window=0, substep=0, "
-                     "participant='p', timeout_s=1.0)\ndata = None\n{}\n"
+                     "participant='p', timeout_s=1.0, shared_memory=False)\ndata = None\n{}\n"
                      "try:\n  decode(data or msgpack.packb(m)); print('accepted')\n"
                      "except ProtocolError as error:\n  print(error)",
                      python_folder, change)},
@@ -140,7 +144,7 @@ TEST(PythonWire, RefusesWhatIsNoMessageByName) {
   EXPECT_THAT(refusal("data = msgpack.packb(m) + b'0'"), HasSubstr("bytes that are no message"));
   EXPECT_THAT(refusal("data = b'\\x82' + msgpack.packb('kind') * 4"), HasSubstr("a field there twice"));
   EXPECT_THAT(refusal("m.update(kind='synchronise', integration='x', link_absolute=array([1, 2], 1)); "
-                      "m.pop('participant'); m.pop('timeout_s'); m['link_absolute']['shape'] = [3, 1]"),
+                      "m.pop('participant'); m.pop('timeout_s'); m.pop('shared_memory'); m['link_absolute']['shape'] = [3, 1]"),
               HasSubstr("field 'link_absolute' has the shape 3 x 1 but other data"));
 }
 

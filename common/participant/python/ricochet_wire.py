@@ -11,8 +11,9 @@ HEADER = "kind:text version:integer run_id:text sequence:integer window:integer 
 CONTACT = ("pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float separated:boolean separation_time_s:float "
            "finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
-    "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer",
-    "welcome": "participant:text timeout_s:float",
+    "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
+             "shared_memory_path:text shared_memory_key:integer",
+    "welcome": "participant:text timeout_s:float shared_memory:boolean",
     "describe": "",
     "description": "components:integer bodies:texts interface_body:array interface_position_m:array "
                    "interface_mass_kg:array critical_time_step_s:float capabilities:texts record_columns:texts "

@@ -1,0 +1,143 @@
+#include "common/wire/ring.hpp"
+
+#include <fmt/format.h>
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "common/base/error.hpp"
+#include "common/wire/codec.hpp"
+
+namespace ricochet::wire {
+namespace {
+
+constexpr std::uint32_t mask = RingMemory::capacity - 1;
+static_assert((RingMemory::capacity & mask) == 0, "counters modulo 2^32 need a power of two");
+
+std::string_view bytes_of(const RingHeader& header) { return {reinterpret_cast<const char*>(&header), sizeof header}; }
+
+}  // namespace
+
+// ---- sender
+
+void RingSender::send(std::string_view message) {
+  RingHeader header;
+  header.sequence = sequence_++;
+  header.length = message.size();
+  if (!flush()) {
+    rest_.append(bytes_of(header)).append(message);
+    return;
+  }
+  const auto head = put(bytes_of(header));
+  const auto body = head == sizeof header ? put(message) : 0;
+  publish();
+  rest_.assign(bytes_of(header).substr(head)).append(message.substr(body));
+  rest_begin_ = 0;
+}
+
+bool RingSender::flush() {
+  if (!has_rest()) return true;
+  const auto count = put(std::string_view(rest_).substr(rest_begin_));
+  if (count > 0) publish();
+  rest_begin_ += count;
+  return !has_rest();
+}
+
+/// Copies as much as there is room for; how much that was.
+std::size_t RingSender::put(std::string_view bytes) {
+  const std::uint32_t unread = written_ - memory_.read.load(std::memory_order_acquire);
+  if (unread > RingMemory::capacity) {
+    throw ProtocolError(fmt::format("the receiver corrupted the shared memory: {} bytes unread in a ring of {}", unread,
+                                    RingMemory::capacity));
+  }
+  const std::size_t count = std::min<std::size_t>(bytes.size(), RingMemory::capacity - unread);
+  const std::size_t at = written_ & mask;
+  const std::size_t first = std::min(count, RingMemory::capacity - at);
+  std::memcpy(memory_.bytes + at, bytes.data(), first);
+  std::memcpy(memory_.bytes, bytes.data() + first, count - first);
+  written_ += static_cast<std::uint32_t>(count);
+  return count;
+}
+
+/// Lets the receiver see what was put. In sequential order with `RingReceiver::wait`: either it sees the bytes, or this
+/// sees that it sleeps.
+void RingSender::publish() {
+  memory_.written.store(written_, std::memory_order_seq_cst);
+  if (memory_.asleep.load(std::memory_order_seq_cst) != 0) {
+    syscall(SYS_futex, &memory_.written, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+  }
+}
+
+// ---- receiver
+
+bool RingReceiver::receive(std::string_view sender) {
+  const bool complete = header_bytes_ == sizeof header_ && message_.size() == header_.length;
+  if (complete) {  // it was handed over
+    message_.clear();
+    header_bytes_ = 0;
+  }
+  std::size_t there = memory_.written.load(std::memory_order_acquire) - read_;
+  if (there > RingMemory::capacity) {
+    throw ProtocolError(fmt::format("{} corrupted the shared memory: {} bytes in a ring of {}", sender, there,
+                                    RingMemory::capacity));
+  }
+  if (header_bytes_ < sizeof header_) {
+    const auto count = take(reinterpret_cast<char*>(&header_) + header_bytes_, sizeof header_ - header_bytes_, there);
+    there -= count;
+    header_bytes_ += count;
+    if (header_bytes_ == sizeof header_) check_header(sender);
+  }
+  if (header_bytes_ == sizeof header_ && there > 0) {
+    const std::size_t before = message_.size();
+    const std::size_t count = std::min<std::size_t>(there, header_.length - before);
+    message_.resize(before + count);
+    take(message_.data() + before, count, there);
+  }
+  memory_.read.store(read_, std::memory_order_release);
+  if (header_bytes_ < sizeof header_ || message_.size() < header_.length) return false;
+  ++sequence_;
+  return true;
+}
+
+/// Copies at most `wanted` bytes of those that are there; how many that were.
+std::size_t RingReceiver::take(char* to, std::size_t wanted, std::size_t there) {
+  const std::size_t count = std::min(wanted, there);
+  const std::size_t at = read_ & mask;
+  const std::size_t first = std::min(count, RingMemory::capacity - at);
+  std::memcpy(to, memory_.bytes + at, first);
+  std::memcpy(to + first, memory_.bytes, count - first);
+  read_ += static_cast<std::uint32_t>(count);
+  return count;
+}
+
+void RingReceiver::check_header(std::string_view sender) const {
+  if (header_.magic != RingHeader::correct_magic) {
+    throw ProtocolError(fmt::format("{} corrupted the shared memory: no message begins with {:#018x}", sender,
+                                    header_.magic));
+  }
+  if (header_.sequence != sequence_) {
+    throw ProtocolError(fmt::format("{} corrupted the shared memory: message {} where message {} was due", sender,
+                                    header_.sequence, sequence_));
+  }
+  if (header_.length == 0 || header_.length > max_message_bytes) {
+    throw ProtocolError(fmt::format("{} corrupted the shared memory: a message of {} bytes, allowed are 1 to {}",
+                                    sender, header_.length, max_message_bytes));
+  }
+}
+
+void RingReceiver::wait(Deadline until) {
+  if (has_bytes()) return;
+  const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(until - Clock::now()).count();
+  if (left <= 0) return;
+  const timespec timeout{left / 1'000'000'000, left % 1'000'000'000};
+  memory_.asleep.store(1, std::memory_order_seq_cst);
+  if (memory_.written.load(std::memory_order_seq_cst) == read_) {
+    syscall(SYS_futex, &memory_.written, FUTEX_WAIT, read_, &timeout, nullptr, 0);
+  }
+  memory_.asleep.store(0, std::memory_order_seq_cst);
+}
+
+}  // namespace ricochet::wire
