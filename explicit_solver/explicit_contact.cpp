@@ -38,12 +38,22 @@ double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodySta
   return sum;
 }
 
+/// `slip_rate`: relative tangential velocity at n + 1/2 without friction; `holding`: the force that would make it zero.
 double ExplicitContact::friction_force(double normal, double slip_rate, double holding) const {
   const double limit = law_->friction_coefficient * normal;
-  if (law_->friction_law == scene::FrictionLaw::regularised) {
-    return -limit * std::tanh(law_->friction_regularisation_s_m * slip_rate);  // Eq. 14, 15
+  if (law_->friction_law == scene::FrictionLaw::return_mapping) return std::clamp(holding, -limit, limit);
+  if (slip_rate == 0.0 || holding == 0.0) return 0.0;
+  // Eq. 14, 15 at the velocity that friction leaves, v + d tanh(xi v) = slip_rate: taken at slip_rate itself, it would count
+  // what one window of it stops. Newton's method from rest stays on one side, where the law is steepest first.
+  const double xi = law_->friction_regularisation_s_m, stops = limit * std::abs(slip_rate / holding);
+  double v = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    const double tanh = std::tanh(xi * v);
+    const double change = (slip_rate - v - stops * tanh) / (1.0 + stops * xi * (1.0 - tanh * tanh));
+    v += change;
+    if (std::abs(change) <= 1e-14 * std::abs(slip_rate)) break;
   }
-  return std::clamp(holding, -limit, limit);
+  return -limit * std::tanh(xi * v);
 }
 
 ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::vector<BodyState>& states, double rate_n,

@@ -54,7 +54,10 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
   description.solver = "ricochet implicit_solver";
-  description.capabilities = {"repeat_window", "switch_integration", "interface_stiffness"};
+  description.capabilities = {"repeat_window", "interface_stiffness"};
+  const auto& contact = problem_.scene.contact;
+  const bool massless = contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
+  if (!massless) description.capabilities.push_back("switch_integration");  // no node without mass can be integrated explicitly
   return description;
 }
 
@@ -68,6 +71,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(setup.interface_stiffness.data(), shared, shared);
   if (!problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
+    if (contact_->massless()) contact_->move_masses(states_);
   }
   const auto size = stiffness_.rows();
   for (auto* vector : {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
@@ -110,7 +114,7 @@ void ImplicitSolver::factorise() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     segment(mass, b) = states_[b].mass;
     for (int dof = 0; dof < states_[b].part.dofs(); ++dof) {
-      active[static_cast<std::size_t>(offsets_[b] + dof)] = states_[b].inverse_mass[dof] > 0.0;
+      active[static_cast<std::size_t>(offsets_[b] + dof)] = states_[b].free[static_cast<std::size_t>(dof)];
     }
   }
   a += fem::SparseMatrix(mass.asDiagonal());
@@ -270,6 +274,10 @@ void ImplicitSolver::find_contact_rates() {
     const double applied = contact_->kappa() * force[static_cast<Eigen::Index>(i)];
     trial_.bracket[dof] = state.mass[local] * state.a[local] - residual_[dof] + applied;
     trial_.residual[dof] -= applied;
+    if (state.mass[local] == 0.0) {  // massless: it has no rates of its own
+      trial_.velocity[dof] = trial_.increment[dof] / setup_.window_size_s;
+      trial_.acceleration[dof] = 0.0;
+    }
     trial_.mean_velocity[dof] = trial_.velocity[dof];
     if (!contact_->remembered()) trial_.acceleration[dof] = trial_.residual[dof] * state.inverse_mass[local];
   }
@@ -344,7 +352,7 @@ void ImplicitSolver::resynchronise_residual() {
       const double residual = external_[dof] - internal_[b][i] - link_[dof];
       scale = std::max(scale, std::abs(internal_[b][i]));
       drift = std::max(drift, std::abs(residual - residual_[dof]));
-      if (state.inverse_mass[i] > 0.0) residual_[dof] = residual;
+      if (state.free[static_cast<std::size_t>(i)]) residual_[dof] = residual;
     }
   }
   if (scale > 0.0) largest_drift_ = std::max(largest_drift_, drift / scale);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -29,9 +30,25 @@ Vector load_pairs(const double* u, const int* dof) {
   return v;
 }
 
+/// Whether K maps a constant component to zero, up to round-off.
+bool translation_is_free(const SparseMatrix& stiffness, int components, int component) {
+  constexpr double round_off = 1e-9;
+  double largest_sum = 0.0, largest_entry = 0.0;
+  for (int row = 0; row < stiffness.rows(); ++row) {
+    double sum = 0.0;
+    for (SparseMatrix::InnerIterator it(stiffness, row); it; ++it) {
+      if (it.col() % components == component) sum += it.value();
+      largest_entry = std::max(largest_entry, std::abs(it.value()));
+    }
+    largest_sum = std::max(largest_sum, std::abs(sum));
+  }
+  return largest_sum <= round_off * largest_entry;
+}
+
 }  // namespace
 
-StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components) {
+StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components) : components_(components) {
+  for (int c = 0; c < components; ++c) follows_[c] = translation_is_free(stiffness, components, c) ? 1.0 : 0.0;
   const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / lanes : 0;
   slice_start_.push_back(0);
   for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice);
@@ -99,14 +116,19 @@ void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice) {
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
   const double* values = u.data();
+  const double x = follows_[0], y = follows_[1];
+  const Vector follows = {x, y, x, y, x, y, x, y};
   const int slices = static_cast<int>(slice_start_.size()) - 1;
   for (int s = 0; s < slices; ++s) {
+    const Vector own = follows * load(values + s * lanes);
     Vector same_sum{}, cross_sum{};
     const int end = slice_start_[static_cast<std::size_t>(s) + 1];
     for (int k = slice_start_[static_cast<std::size_t>(s)]; k < end; ++k) {
       const Slot& slot = slots_[static_cast<std::size_t>(k)];
       const Coefficients& c = coefficients_[static_cast<std::size_t>(k)];
-      const Vector neighbour = slot.first >= 0 ? load(values + slot.first) : load_pairs(values, &gathered_[static_cast<std::size_t>(slot.gathered)]);
+      const Vector neighbour =
+          (slot.first >= 0 ? load(values + slot.first)
+                           : load_pairs(values, &gathered_[static_cast<std::size_t>(slot.gathered)])) - own;
       same_sum += load(c.same) * neighbour;
       cross_sum += load(c.cross) * __builtin_shufflevector(neighbour, neighbour, 1, 0, 3, 2, 5, 4, 7, 6);
     }
@@ -118,8 +140,10 @@ void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& resul
 
 void StiffnessProduct::multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
   for (int r = 0; r < rows_.rows(); ++r) {
-    double sum = 0.0;
-    for (SparseMatrix::InnerIterator it(rows_, r); it; ++it) sum += it.value() * u[it.col()];
+    double own[2] = {0.0, 0.0}, sum = 0.0;
+    const int node = (first_row_ + r) / components_;
+    for (int c = 0; c < components_; ++c) own[c] = follows_[c] * u[node * components_ + c];
+    for (SparseMatrix::InnerIterator it(rows_, r); it; ++it) sum += it.value() * (u[it.col()] - own[it.col() % components_]);
     result[first_row_ + r] = sum;
   }
 }

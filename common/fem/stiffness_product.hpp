@@ -14,6 +14,9 @@ namespace ricochet::fem {
 /// multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross * swap(u_neighbour).
 /// Where the four neighbours are numbered in a row, as in most of any well-numbered mesh, u_neighbour is one load; elsewhere
 /// it is put together from four. Sums run in a fixed order: the same part gives the same bits everywhere.
+///
+/// A translation makes no force: where K maps a constant component to zero, a row takes u relative to its own node. Else the
+/// rounding of K u, which grows with the distance travelled, would push a body in free flight (momentum error like time^2).
 class StiffnessProduct {
  public:
   StiffnessProduct() = default;
@@ -43,6 +46,8 @@ class StiffnessProduct {
   std::vector<int> gathered_;
   SparseMatrix rows_;                       ///< rows behind the last whole slice, or all of them
   int first_row_ = 0;                       ///< row of the first of rows_
+  int components_ = 1;
+  double follows_[2] = {0.0, 0.0};          ///< per component 1: u is taken relative to the row's node; 0: as it is
 };
 
 }  // namespace ricochet::fem

@@ -9,7 +9,7 @@ namespace ricochet::scene {
 /// difference with the penalty exceeds its critical step. Nothing to do for the multiplier.
 void check_penalty(const Problem& problem, Plan& plan);
 
-/// Warns where the regularised friction law oscillates: its velocity scale 1/xi below mu N dt / (2 m), with N from
+/// Warns where the regularised friction law rings: its velocity scale 1/xi below a tenth of mu N dt / (2 m), with N from
 /// one-dimensional impact theory, p = v Z_a Z_b / (Z_a + Z_b).
 void check_friction(const Problem& problem, Plan& plan);
 

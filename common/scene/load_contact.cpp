@@ -48,7 +48,8 @@ void load_enforcement(TableReader& table, Contact& contact) {
   contact.multiplier_update =
       table.choice<MultiplierUpdate>("multiplier_update",
                                      {{"fully_implicit", MultiplierUpdate::fully_implicit},
-                                      {"trapezoidal_reset", MultiplierUpdate::trapezoidal_reset}},
+                                      {"trapezoidal_reset", MultiplierUpdate::trapezoidal_reset},
+                                      {"massless", MultiplierUpdate::massless}},
                                      contact.multiplier_update);
   if (penalty) contact.penalty_pa_m = table.number("penalty_pa_m", above(0.0));
   contact.impact_update = table.choice<ImpactUpdate>(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <variant>
 
 #include "common/scene/loaders.hpp"
 #include "common/scene/protocols.hpp"
@@ -22,6 +23,13 @@ std::string resolve_executable(const std::string& given, const Scene& scene) {
   return (std::filesystem::path(scene.path).parent_path() / given).lexically_normal().string();
 }
 
+/// Element groups of a participant's one body, which must come from a Gmsh file: a structured mesh has none.
+std::vector<std::string> load_groups(TableReader& table, const std::vector<std::string>& bodies, const Scene& scene) {
+  const bool from_gmsh = bodies.size() == 1 && std::holds_alternative<GmshMesh>(scene.body(bodies.front()).mesh);
+  table.only_if(from_gmsh, "groups", "bodies = [one body], read from a Gmsh file");
+  return table.texts("groups");
+}
+
 ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   ParticipantSpec participant;
   participant.name = table.name("name");
@@ -30,6 +38,8 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   participant.role = is_explicit ? Role::explicit_solver : Role::implicit_solver;
   table.only_if(is_explicit, "bodies", "role = \"explicit\": the implicit participant owns all implicit elements");
   if (is_explicit) participant.bodies = table.words("bodies", body_names(scene));
+  table.only_if(is_explicit, "groups", "role = \"explicit\": the implicit participant owns all implicit elements");
+  if (table.has("groups")) participant.groups = load_groups(table, participant.bodies, scene);
   if (table.has("executable")) participant.executable = resolve_executable(table.text("executable"), scene);
   participant.start =
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
@@ -51,7 +61,7 @@ ParticipantSpec first_of(const std::vector<ParticipantSpec>& given, Role role, c
 
 std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene) {
   std::vector<ParticipantSpec> participants;
-  std::map<std::string, std::string> owner;  // body -> explicit participant
+  std::map<std::string, ParticipantSpec> owner;  // body -> its first explicit participant
   for (TableReader& table : tables) {
     const ParticipantSpec participant = load_participant(table, scene);
     const bool implicit = participant.role == Role::implicit_solver;
@@ -60,10 +70,12 @@ std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables,
       if (implicit && other.role == participant.role)
         table.refuse("role", "a second implicit participant", "one implicit participant: \"" + other.name + "\"");
     }
-    for (const std::string& body : participant.bodies)
-      if (!owner.emplace(body, participant.name).second)
-        table.refuse("bodies", fmt::format("\"{}\", which \"{}\" has already", body, owner.at(body)),
-                     "each body in one explicit participant");
+    for (const std::string& body : participant.bodies) {
+      const auto [entry, first] = owner.emplace(body, participant);
+      if (!first && (participant.groups.empty() || entry->second.groups.empty()))
+        table.refuse("bodies", fmt::format("\"{}\", which \"{}\" has already", body, entry->second.name),
+                     "each body in one explicit participant, or its element groups (key groups) in several");
+    }
     participants.push_back(participant);
   }
   const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
@@ -79,6 +91,7 @@ std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vect
   ParticipantSpec all_explicit = first_of(given, Role::explicit_solver, "explicit");
   all_explicit.name = "explicit";
   all_explicit.bodies = body_names(scene);
+  all_explicit.groups.clear();
   const ParticipantSpec implicit = first_of(given, Role::implicit_solver, "implicit");
   if (layout == Layout::all_explicit) return {all_explicit};
   if (layout == Layout::all_implicit) return {implicit};

@@ -30,22 +30,27 @@ std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector2d& 
   return inside;
 }
 
-std::vector<bool> in_groups(const Scene& scene, const BodyProblem& body) {
+/// Elements of a body that belong to one of the groups; `key` of the scene names them.
+std::vector<bool> in_groups(const Scene& scene, const BodyProblem& body, const std::vector<std::string>& groups,
+                            const std::string& key) {
   std::vector<bool> inside(body.mesh.elements.size(), false);
-  const auto groups = scene.partition.implicit_groups.find(body.name);
-  if (groups == scene.partition.implicit_groups.end()) return inside;
-  for (const std::string& group : groups->second) {
+  for (const std::string& group : groups) {
     const auto found = body.mesh.element_groups.find(group);
     if (found == body.mesh.element_groups.end()) {
       std::vector<std::string> known;
       for (const auto& entry : body.mesh.element_groups) known.push_back(entry.first);
-      throw ConfigError(fmt::format("{}: found group \"{}\"{}; allowed: {}",
-                                    scene.where("partition.implicit_groups." + body.name), group,
+      throw ConfigError(fmt::format("{}: found group \"{}\"{}; allowed: {}", scene.where(key), group,
                                     did_you_mean(group, known), one_of(known)));
     }
     for (const int e : found->second) inside[at(e)] = true;
   }
   return inside;
+}
+
+std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body) {
+  const auto groups = scene.partition.implicit_groups.find(body.name);
+  if (groups == scene.partition.implicit_groups.end()) return std::vector<bool>(body.mesh.elements.size(), false);
+  return in_groups(scene, body, groups->second, "partition.implicit_groups." + body.name);
 }
 
 /// Elements that the step is too long for, and the layer along the contact surface.
@@ -70,7 +75,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   if (layout != Layout::hybrid) return std::vector<bool>(body.mesh.elements.size(), layout == Layout::all_implicit);
   const std::vector<int> contact = contact_nodes(problem.contact, index);
   switch (scene.partition.rule) {
-    case PartitionRule::implicit_groups: return in_groups(scene, body);
+    case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
     case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value() / scene.coupling.substeps);
     case PartitionRule::implicit_length: break;
   }
@@ -100,70 +105,133 @@ void require_both_kinds(const Problem& problem) {
                               "\"all_explicit\"");
 }
 
-/// Each body's explicit elements belong to exactly one participant, and each participant has some.
-void require_owners(const Problem& problem) {
-  const Scene& scene = problem.scene;
-  const auto has_explicit = [&](const std::string& name) {
-    const auto body = std::find_if(problem.bodies.begin(), problem.bodies.end(),
-                                   [&](const BodyProblem& b) { return b.name == name; });
-    return has(body->implicit_element, false);
-  };
-  std::vector<std::string> owned;
-  for (const ParticipantSpec& participant : scene.participants) {
-    if (participant.role != Role::explicit_solver) continue;
-    owned.insert(owned.end(), participant.bodies.begin(), participant.bodies.end());
-    if (std::none_of(participant.bodies.begin(), participant.bodies.end(), has_explicit))
-      throw ConfigError(scene.where("participant." + participant.name) +
-                        ": found no explicit element in its bodies; allowed: a participant with elements, or a shorter "
-                        "implicit part");
-  }
-  for (const BodyProblem& body : problem.bodies)
-    if (has_explicit(body.name) && std::find(owned.begin(), owned.end(), body.name) == owned.end())
-      throw ConfigError(scene.where("participant") + ": found no explicit participant for body \"" + body.name +
-                        "\"; allowed: each body with explicit elements in one");
+std::string place(const BodyProblem& body, int node) {
+  const Eigen::Vector2d& x = body.mesh.position[at(node)];
+  return fmt::format("({:.6g}, {:.6g}) m of body \"{}\"", x[0], x[1], body.name);
 }
 
-/// A dual protocol duplicates the shared nodes: either side needs mass of its own there, and the contact must leave their
-/// velocity alone.
-void require_own_nodes(const Problem& problem) {
-  const Scene& scene = problem.scene;
-  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
-    const BodyProblem& body = problem.bodies[at(index)];
-    const std::vector<bool> of_explicit = touched_nodes(body, false);
-    for (const int node : contact_nodes(problem.contact, index))
-      if (of_explicit[at(node)])
-        throw ConfigError(fmt::format(
-            "{}: found explicit elements at the contact of body \"{}\" (node {}); allowed with protocol \"{}\": a layer of "
-            "implicit elements between, or protocol \"hughes_liu\"",
-            scene.where("partition"), body.name, node, scene.coupling.protocol));
+/// Per element of a body the index of the explicit participant that owns it, -1 for implicit ones: each explicit element belongs to
+/// exactly one.
+std::vector<int> explicit_owners(const Scene& scene, const BodyProblem& body) {
+  std::vector<int> owner(body.mesh.elements.size(), -1);
+  for (std::size_t p = 0; p < scene.participants.size(); ++p) {
+    if (scene.participants[p].role != Role::explicit_solver) continue;
+    const std::vector<bool> own = owned_elements(scene, body, scene.participants[p]);
+    for (std::size_t e = 0; e < own.size(); ++e) {
+      if (!own[e]) continue;
+      if (owner[e] >= 0)
+        throw ConfigError(fmt::format("{}: found the element at {} in the groups of \"{}\", too; allowed: each element in one",
+                                      scene.where("participant." + scene.participants[p].name + ".groups"),
+                                      place(body, body.mesh.elements[e][0]), scene.participants[at(owner[e])].name));
+      owner[e] = static_cast<int>(p);
+    }
   }
+  for (std::size_t e = 0; e < owner.size(); ++e)
+    if (owner[e] < 0 && !body.implicit_element[e])
+      throw ConfigError(fmt::format("{}: found no explicit participant for the element at {}; allowed: each explicit element in "
+                                    "one", scene.where("participant"), place(body, body.mesh.elements[e][0])));
+  return owner;
+}
+
+/// Only the implicit participant integrates what participants share: where two explicit ones meet, it must be there, too.
+void require_implicit_between(const Scene& scene, const BodyProblem& body, const std::vector<int>& owner) {
+  const auto corners = at(fem::nodes_per_element(body.section.model));
+  std::vector<int> of_node(body.mesh.position.size(), -1);
+  for (std::size_t e = 0; e < owner.size(); ++e) {
+    if (owner[e] < 0) continue;
+    for (std::size_t i = 0; i < corners; ++i) {
+      const int node = body.mesh.elements[e][i];
+      int& first = of_node[at(node)];
+      if (first < 0) first = owner[e];
+      if (first != owner[e] && !body.implicit_node[at(node)])
+        throw ConfigError(fmt::format(
+            "{}: found the node at {} shared by \"{}\" and \"{}\", which belongs to no implicit participant; make its "
+            "elements implicit", scene.where("participant." + scene.participants[at(owner[e])].name), place(body, node),
+            scene.participants[at(first)].name, scene.participants[at(owner[e])].name));
+    }
+  }
+}
+
+/// Each explicit element belongs to exactly one participant, and each participant has some.
+void require_owners(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  std::vector<bool> busy(scene.participants.size(), false);
+  for (const BodyProblem& body : problem.bodies) {
+    const std::vector<int> owner = explicit_owners(scene, body);
+    require_implicit_between(scene, body, owner);
+    for (const int p : owner)
+      if (p >= 0) busy[at(p)] = true;
+  }
+  for (std::size_t p = 0; p < busy.size(); ++p)
+    if (scene.participants[p].role == Role::explicit_solver && !busy[p])
+      throw ConfigError(scene.where("participant." + scene.participants[p].name) +
+                        ": found no explicit element in its bodies; allowed: a participant with elements, or a shorter "
+                        "implicit part");
 }
 
 }  // namespace
 
-std::vector<bool> touched_nodes(const BodyProblem& body, bool implicit) {
+std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, const ParticipantSpec& participant) {
+  if (participant.role == Role::implicit_solver) return body.implicit_element;
+  std::vector<bool> owned(body.mesh.elements.size(), false);
+  if (std::find(participant.bodies.begin(), participant.bodies.end(), body.name) == participant.bodies.end()) return owned;
+  if (participant.groups.empty()) {
+    owned.flip();
+  } else {
+    owned = in_groups(scene, body, participant.groups, "participant." + participant.name + ".groups");
+  }
+  for (std::size_t e = 0; e < owned.size(); ++e) owned[e] = owned[e] && !body.implicit_element[e];
+  return owned;
+}
+
+std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element) {
   const auto corners = at(fem::nodes_per_element(body.section.model));
   std::vector<bool> touched(body.mesh.position.size(), false);
-  for (std::size_t e = 0; e < body.mesh.elements.size(); ++e) {
-    if (body.implicit_element[e] != implicit) continue;
+  for (std::size_t e = 0; e < of_element.size(); ++e) {
+    if (!of_element[e]) continue;
     for (std::size_t i = 0; i < corners; ++i) touched[at(body.mesh.elements[e][i])] = true;
   }
   return touched;
 }
+
+namespace {
+
+/// Explicit elements at a contact node are in the way of a massless contact node, which follows its neighbours' forces at
+/// once, and of a dual protocol, whose shared nodes' velocities the contact must leave alone.
+void require_implicit_contact(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  const bool massless = scene.contact && scene.contact->multiplier_update == MultiplierUpdate::massless;
+  const bool dual = protocol_traits(scene.coupling.protocol).dual;
+  if (!massless && !dual) return;
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    std::vector<bool> is_explicit = body.implicit_element;
+    is_explicit.flip();
+    const std::vector<bool> touched = touched_nodes(body, is_explicit);
+    for (const int node : contact_nodes(problem.contact, index))
+      if (touched[at(node)])
+        throw ConfigError(fmt::format(
+            "{}: found \"{}\" and an explicit element at the contact node at {}; allowed: implicit elements all around "
+            "contact nodes", scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
+            massless ? "massless" : scene.coupling.protocol, place(body, node)));
+  }
+}
+
+}  // namespace
 
 void set_partition(Problem& problem) {
   const Layout layout = protocol_traits(problem.scene.coupling.protocol).layout;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     BodyProblem& body = problem.bodies[at(index)];
     body.implicit_element = implicit_elements(problem, index);
-    body.implicit_node = touched_nodes(body, true);
+    body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
     for (const int node : contact_nodes(problem.contact, index)) body.implicit_node[at(node)] = true;
   }
   if (layout != Layout::hybrid) return;
   require_both_kinds(problem);
   require_owners(problem);
-  if (protocol_traits(problem.scene.coupling.protocol).dual) require_own_nodes(problem);
+  require_implicit_contact(problem);
 }
 
 }  // namespace ricochet::scene

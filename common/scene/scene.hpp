@@ -80,8 +80,8 @@ struct SurfaceName {
 };
 
 enum class Enforcement { multiplier, penalty };
-/// How the implicit side takes the contact force of the multiplier (mechanics: two momentum-exact ways).
-enum class MultiplierUpdate { fully_implicit, trapezoidal_reset };
+/// How the implicit side takes the contact force of the multiplier: three momentum-exact ways.
+enum class MultiplierUpdate { fully_implicit, trapezoidal_reset, massless };
 enum class ImpactUpdate { none, impedance, mass };
 enum class FrictionLaw { return_mapping, regularised };
 
@@ -144,6 +144,7 @@ struct ParticipantSpec {
   std::vector<std::string> bodies;       ///< explicit participants: whose explicit elements they own
   std::string executable;                ///< empty: the solver shipped with ricochet
   Start start = Start::launch;
+  std::vector<std::string> groups;       ///< explicit, one body: only those of these element groups; empty: all
 };
 
 struct Output {

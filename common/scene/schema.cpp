@@ -25,7 +25,7 @@ const std::map<std::string, std::vector<std::string>>& schema() {
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations",
         "resynchronise_every", "after_separation", "separation_windows", "timeout_s", "transport",
         "address", "port", "energy_growth_limit"}},
-      {"participant", {"name", "role", "bodies", "executable", "start"}},
+      {"participant", {"name", "role", "bodies", "groups", "executable", "start"}},
       {"output", {"history_every", "fields_every"}},
   };
   return tables;

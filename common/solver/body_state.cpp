@@ -20,7 +20,11 @@ void BodyState::set_mass(const Eigen::VectorXd& node_mass) {
     inverse_mass[dof] = 1.0 / mass[dof];
     if (dof % components == 0) totals.mass_kg += mass[dof];
   }
-  for (const auto& c : constrained) inverse_mass[c.dof] = 0.0;
+  free = integrated;
+  for (const auto& c : constrained) {
+    inverse_mass[c.dof] = 0.0;
+    free[static_cast<std::size_t>(c.dof)] = false;
+  }
 }
 
 void BodyState::constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const {
@@ -80,7 +84,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   const auto index = static_cast<std::size_t>(owned.body);
   scene::ExternalForce external(problem.scene.bodies[index], owned.part);
   BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part), .stiffness = {},
-                  .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .mass = {},
+                  .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .free = {}, .mass = {},
                   .inverse_mass = {}, .constrained = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
                   .normal = {}, .tangent = {}, .totals = {}};
   state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);

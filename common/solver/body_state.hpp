@@ -34,15 +34,16 @@ struct BodyState {
   std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
   std::vector<bool> integrated;     ///< per dof: this participant integrates it
+  std::vector<bool> free;           ///< per dof: integrated here and not constrained
   Eigen::VectorXd mass;             ///< per dof, what this participant integrates; 0 elsewhere [kg]
-  Eigen::VectorXd inverse_mass;     ///< 1/mass; 0 where constrained or not integrated [1/kg]
+  Eigen::VectorXd inverse_mass;     ///< 1/mass; 0 where constrained, not integrated or massless [1/kg]
   std::vector<ConstrainedDof> constrained;
   scene::ExternalForce external;
   Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
   Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
   fem::BodyTotals totals;
 
-  /// Sets mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
+  /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);
   /// Velocity and acceleration of the constrained dofs at a time; their displacement.
   void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
@@ -53,17 +54,22 @@ struct BodyState {
   template <class MeanForce, class Increment>
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
     const int components = fem::components(part.mesh.model);
+    // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
+    double work_j = 0.0;
+    Eigen::Vector2d impulse(0.0, 0.0);
     const auto account = [&](int dof) {
       const double force = mean_force(dof);
-      totals.energy_external_j += force * increment(dof);
-      totals.impulse_n_kg_m_s += dt * force * normal[dof % components];
-      totals.impulse_t_kg_m_s += dt * force * tangent[dof % components];
+      work_j += force * increment(dof);
+      impulse[dof % components] += dt * force;
     };
     if (external.zero()) {
       for (const auto& c : constrained) account(c.dof);
     } else {
       for (int dof = 0; dof < part.dofs(); ++dof) account(dof);
     }
+    totals.energy_external_j += work_j;
+    totals.impulse_n_kg_m_s += normal.dot(impulse);
+    totals.impulse_t_kg_m_s += tangent.dot(impulse);
   }
   /// Momentum of the integrated nodes from v.
   void update_momentum();

@@ -24,6 +24,7 @@ double smallest_critical_time_step(const scene::Problem& problem, const scene::P
     std::vector<bool> own = body.implicit_element;
     if (participant.role == scene::Role::explicit_solver) own.flip();
     const bool dual = scene::protocol_traits(problem.scene.coupling.protocol).dual;
+    if (dual) own = scene::owned_elements(problem.scene, body, participant);
     smallest = std::min(smallest, scene::critical_time_step(body, own, dual));
   }
   return std::isfinite(smallest) ? smallest : 0.0;

@@ -26,6 +26,23 @@ double inverse_mass(const PairSide& side, const std::vector<BodyState>& states, 
   return sum;
 }
 
+/// Nodes that share an edge of an element with `node` and are not among `contact`, each once.
+std::vector<int> inward_neighbours(const BodyState& state, int node, const std::vector<int>& contact) {
+  const auto corners = static_cast<std::size_t>(fem::nodes_per_element(state.part.mesh.model));
+  std::vector<int> found;
+  for (const auto& element : state.part.mesh.elements) {
+    for (std::size_t i = 0; i < corners; ++i) {
+      if (element[i] != node) continue;
+      for (const std::size_t next : {(i + 1) % corners, (i + corners - 1) % corners}) {
+        const int other = element[next];
+        const bool known = std::find(found.begin(), found.end(), other) != found.end();
+        if (!known && std::find(contact.begin(), contact.end(), other) == contact.end()) found.push_back(other);
+      }
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
@@ -45,7 +62,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vecto
       for (int c = 0; c < surface_.components; ++c) {
         const int dof = side.node * surface_.components + c;
         const bool acts = surface_.normal[c] != 0.0 || law_->friction_coefficient > 0.0;
-        if (acts && state.inverse_mass[dof] > 0.0) root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
+        if (acts && state.free[static_cast<std::size_t>(dof)]) root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
       }
     }
   }
@@ -55,6 +72,31 @@ double ImplicitContact::kappa() const {
   const bool fully_implicit =
       law_->enforcement == Enforcement::multiplier && law_->multiplier_update == MultiplierUpdate::fully_implicit;
   return fully_implicit ? 2.0 : 1.0;
+}
+
+bool ImplicitContact::massless() const { return law_->multiplier_update == MultiplierUpdate::massless; }
+
+void ImplicitContact::move_masses(std::vector<BodyState>& states) const {
+  std::vector<std::vector<int>> contact(states.size());
+  for (const auto& pair : surface_.pairs)
+    for (const auto& side : {pair.a, pair.b})
+      if (side.part >= 0) contact[static_cast<std::size_t>(side.part)].push_back(side.node);
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    auto& state = states[part];
+    for (const int node : contact[part]) {
+      const auto inwards = inward_neighbours(state, node, contact[part]);
+      for (int c = 0; c < surface_.components; ++c) {
+        const int dof = node * surface_.components + c;
+        if (surface_.normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)] || inwards.empty()) continue;
+        for (const int other : inwards) {
+          const int to = other * surface_.components + c;
+          state.mass[to] += state.mass[dof] / static_cast<double>(inwards.size());
+          if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
+        }
+        state.mass[dof] = state.inverse_mass[dof] = 0.0;
+      }
+    }
+  }
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
@@ -139,7 +181,7 @@ void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& s
 void ImplicitContact::update_rates(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                    Eigen::VectorXd& acceleration) {
   const bool never = law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::none;
-  if (never || !remembered()) return;
+  if (never || !remembered() || massless()) return;
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     if (trial_.states[i] == State::open) continue;
     set_mean(surface_.pairs[i], states, surface_.normal, velocity);

@@ -15,7 +15,8 @@ namespace ricochet::implicit_solver {
 /// The window's equation is A du = b + kappa dt^2/4 G^T r. kappa = 2 and r not remembered is the fully implicit law (Kane et al.):
 ///   u_{n+1} = u_n + dt v_n + dt^2/4 (a_n + a_{n+1}) + dt^2/2 M^-1 G^T r,   v_{n+1} = v_n + dt/2 (a_n + a_{n+1}) + dt M^-1 G^T r
 /// with a the elastic acceleration. kappa = 1 lets r enter as any force of n + 1; afterwards velocity and acceleration of
-/// every closed pair are set to a weighted mean (Eq. 25), by masses (conserves momentum) or impedances (the paper's).
+/// every closed pair are set to a weighted mean (Eq. 25), by masses (conserves momentum) or impedances (the paper's). Or the nodes
+/// have no mass along the normal: then no velocity has to jump, r balances K u at any time, and the impact of a node costs nothing.
 class ImplicitContact {
  public:
   ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
@@ -30,6 +31,11 @@ class ImplicitContact {
   [[nodiscard]] double kappa() const;
   /// Whether r is remembered in the acceleration (not by the fully implicit law).
   [[nodiscard]] bool remembered() const { return kappa() == 1.0; }
+
+  /// Whether contact nodes have no mass along the normal.
+  [[nodiscard]] bool massless() const;
+  /// Moves the mass of every contact node along the normal to its neighbours one layer of elements inwards.
+  void move_masses(std::vector<solver::BodyState>& states) const;
 
   /// Finds the contact forces of the window that is being tried. `increment` holds the free increments at contact dofs
   /// (combined numbering); on return root_force() holds G^T r per root dof.

@@ -96,16 +96,19 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     const int t = pairs_ + i;
     if (state.tangent == Tangent::stick) rhs_[t] = -slip_free[i] + slack(i) * last.force[t];
     if (state.tangent != Tangent::regularised) continue;
-    // tau + mu lambda tanh(xi v(x)) = 0, linearised about the present x; dv/dslip = 2/dt
+    // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and Newton's method
+    // cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
     const double xi = law_.friction_regularisation_s_m, mu = law_.friction_coefficient;
     const double moved = compliance_.row(t).dot(solution_.force);
     const double velocity = 2.0 * (slip_free[i] + moved) / dt_ - slip_velocity[i];
-    const double tanh = std::tanh(xi * velocity);
+    const double without = velocity - 2.0 / dt_ * compliance_(t, t) * solution_.force[t];
+    const double about = velocity * without < 0.0 ? 0.0 : velocity;
+    const double tanh = std::tanh(xi * about);
     const double slope = mu * std::max(0.0, solution_.force[i]) * xi * (1.0 - tanh * tanh) * 2.0 / dt_;
     matrix_.row(t) = slope * compliance_.row(t);
     matrix_(t, t) += 1.0;
     matrix_(t, i) += mu * tanh;
-    rhs_[t] = slope * moved;
+    rhs_[t] = slope * (moved - 0.5 * dt_ * (velocity - about));
   }
   if (refactor) {
     factor_.compute(matrix_);

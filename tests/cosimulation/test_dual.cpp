@@ -253,7 +253,7 @@ TEST(DualProtocols, RefuseExplicitElementsAtTheContact) {
       with_key(impact("prakash_hjelmstad", 0), "partition", "implicit_length_m", "{ steel = 0.0, carbide = 0.015 }");
   const RunResult run = run_file(folder.write(text), folder);
   EXPECT_EQ(run.outcome.code, 2);
-  EXPECT_THAT(run.outcome.error, HasSubstr("explicit elements at the contact of body \"steel\""));
+  EXPECT_THAT(run.outcome.error, HasSubstr("found \"prakash_hjelmstad\" and an explicit element at the contact node"));
 }
 
 }  // namespace

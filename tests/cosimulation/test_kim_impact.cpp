@@ -115,6 +115,27 @@ TEST(KimImpactMultiplierUpdate, TheDefaultIsTheCalmerOneOfTheTwo) {
   for (const RunResult* run : {&reset, &kane}) EXPECT_LT(run->summary.at("momentum_error_max").get<double>(), 1e-10);
 }
 
+TEST(KimImpactMultiplierUpdate, AMasslessContactNodeCostsNoEnergy) {
+  for (const double friction : {0.0, 0.1}) {
+    const TemporaryFolder folder;
+    const auto massless = [&](const std::string& protocol) {
+      return run_text(with_key(kim(protocol, friction), "contact", "multiplier_update", "\"massless\""), folder, protocol);
+    };
+    const RunResult implicit = massless("all_implicit"), hybrid = massless("hughes_liu");
+    const RunResult reset = run_text(kim("hughes_liu", friction), folder, "reset");
+    EXPECT_LT(reset.last("energy_error"), -1.5e-3) << "measured: -1.7e-3";
+    EXPECT_NEAR(implicit.last("energy_error"), 0.0, 1e-5) << "measured: 1e-6";
+    EXPECT_NEAR(hybrid.last("energy_error"), 0.0, 6e-4) << "measured: 3.4e-4, most of it the two metrics at the interface";
+    for (const RunResult* run : {&implicit, &hybrid}) {
+      EXPECT_LT(run->summary.at("momentum_error_max").get<double>(), 1e-10);
+      EXPECT_NEAR(run->mean("contact_pressure_mean_pa", 5e-6, 20e-6), 853.8e6, 0.005 * 853.8e6);
+      EXPECT_LT(run->deviation("contact_pressure_mean_pa", 5e-6, 20e-6), 1.1 * reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6));
+      EXPECT_TRUE(run->summary.at("switches").empty());
+    }
+    EXPECT_NE(hybrid.summary.dump().find("lacks the capability \\\"switch_integration\\\""), std::string::npos);
+  }
+}
+
 TEST(KimImpactPenalty, ThePapersUpdateTamesAPenaltyThatExplodesWithoutIt) {
   const TemporaryFolder folder;
   const auto penalty = [&](const std::string& update) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/fem/part.hpp"
 
 namespace ricochet::fem {
@@ -36,6 +38,24 @@ TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
   const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "anvil"))), 1e-14);
+}
+
+// A body that has flown far: forces as of the body at its place, and no sum of them that would push it on.
+TEST(StiffnessProduct, ATranslationMakesNoForce) {
+  const auto mesh = [](Model model) { return quadrilateral_mesh(model, graded_coordinates(0.0, 0.1, 5, 2.0), graded_coordinates(0.0, 1.0, 7, 1.0)); };
+  for (const Part& part : {whole(bar_mesh(graded_coordinates(0.0, 1.0, 13, 2.0))), whole(mesh(Model::plane_strain)),
+                           whole(mesh(Model::axisymmetric))}) {
+    const int n = components(part.mesh.model);
+    const StiffnessProduct product(part.stiffness, n);
+    Eigen::VectorXd near(part.dofs()), far(part.dofs()), force(part.dofs()), force_far(part.dofs());
+    for (int i = 0; i < part.dofs(); ++i) {
+      near[i] = std::ldexp(std::floor(1024 * std::sin(1.7 * i)), -30);  // exact beside the 2^10 m that it flies
+      far[i] = near[i] + (i % n == n - 1 ? 1024.0 : 0.0);                // along the axis, free in every model
+    }
+    product.multiply(near, force);
+    product.multiply(far, force_far);
+    EXPECT_LE((force - force_far).cwiseAbs().maxCoeff(), 1e-15 * force.cwiseAbs().maxCoeff());
+  }
 }
 
 TEST(StiffnessProduct, ReadsNeighboursInARowOnAWellNumberedMesh) {

@@ -12,7 +12,7 @@ scene::Problem baseline(const std::string& config, scene::MultiplierUpdate updat
   auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
   scene.coupling.protocol = "all_implicit";
   scene.contact->multiplier_update = update;
-  scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch}};
+  scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch, {}}};
   for (const auto& body : scene.bodies) scene.participants[0].bodies.push_back(body.name);
   return scene::build_problem(scene);
 }

@@ -23,6 +23,16 @@ TEST(SeparationWatch, NamesTheFirstWindowOfTheStreak) {
   EXPECT_DOUBLE_EQ(watch.separation_time_s(), 1.0);
 }
 
+TEST(SeparationWatch, IsNotLateByTheRoundOffOfTheClosedGap) {
+  SeparationWatch watch(3, 0.5);
+  watch.update(1, 1, 1e-19);
+  watch.update(2, 0, 0.0);
+  watch.update(3, 0, 0.1);
+  watch.update(4, 0, 0.2);
+  EXPECT_TRUE(watch.separated());
+  EXPECT_DOUBLE_EQ(watch.separation_time_s(), 1.0);
+}
+
 TEST(SeparationWatch, AShrinkingGapOrATouchStartsTheStreakAgain) {
   SeparationWatch watch(2, 1.0);
   watch.update(1, 1, 0.0);

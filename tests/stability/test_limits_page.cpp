@@ -1,0 +1,44 @@
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "tests/support/run.hpp"
+
+// docs/limits.md: every row stands on tests that exist.
+
+namespace ricochet::test {
+namespace {
+
+/// "Suite.Name" of every TEST and TEST_P under tests/.
+std::set<std::string> all_tests() {
+  std::set<std::string> names;
+  const std::regex test("TEST(?:_P|_F)?\\((\\w+), (\\w+)\\)");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    const std::string text = file_text(entry.path().string());
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it) names.insert((*it)[1].str() + "." + (*it)[2].str());
+  }
+  return names;
+}
+
+TEST(LimitsPage, NamesTestsThatExistInEveryRow) {
+  const std::set<std::string> tests = all_tests();
+  EXPECT_GT(tests.size(), 200U);
+  std::istringstream page(file_text(std::string(RICOCHET_SOURCE) + "/docs/limits.md"));
+  const std::regex name("`([A-Z]\\w+\\.\\w+)`");
+  std::set<int> rows;
+  for (std::string line; std::getline(page, line);) {
+    std::smatch number;
+    if (!std::regex_search(line, number, std::regex("^\\| (\\d+) \\|"))) continue;
+    EXPECT_TRUE(rows.insert(std::stoi(number[1])).second) << "twice: row " << number[1];
+    int named = 0;
+    for (std::sregex_iterator it(line.begin(), line.end(), name), end; it != end; ++it, ++named) {
+      EXPECT_EQ(tests.count((*it)[1]), 1U) << "row " << number[1] << " names " << (*it)[1];
+    }
+    EXPECT_GE(named, 1) << "row " << number[1];
+  }
+  for (const int row : {1, 2, 3, 4, 5, 8, 9, 11, 12, 13, 14, 15}) EXPECT_EQ(rows.count(row), 1U) << row;
+}
+
+}  // namespace
+}  // namespace ricochet::test

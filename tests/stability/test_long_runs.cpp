@@ -1,0 +1,82 @@
+#include "tests/stability/edges.hpp"
+
+// Ledgers over 1e5 windows: a free bar that flies and vibrates, half of it implicit.
+
+namespace ricochet::test {
+namespace {
+
+constexpr int windows = 100000, rows_every = 100;
+
+std::string flying_bar(const std::string& protocol) {
+  const double window_s = 0.5 * 0.1 / 1000.0;  // Courant 0.5
+  return "model = \"bar\"\n[[body]]\nname = \"bar\"\nmaterial = { youngs_modulus_pa = 1e9, density_kg_m3 = 1000.0 }\n"
+         "mesh = { length_m = 1.0, elements = 10 }\ninitial_velocity_m_s = [2.0]\n"
+         "initial_displacement_m = { start = [-1e-3], end = [1e-3] }\n"
+         "[contact]\nsurfaces = [\"bar.start\", \"rigid_plane\"]\ninitial_gap_m = 1.0\n"  // it flies away from it
+         "[partition]\nimplicit_length_m = { bar = 0.5 }\n[time]\nstep_s = " + number(window_s) +
+         "\nend_s = " + number(windows * window_s) + "\n[coupling]\nprotocol = \"" + protocol + "\"\n" +
+         "[output]\nhistory_every = " + std::to_string(rows_every) + "\n";
+}
+
+struct Halves {
+  double first_low, first_high, second_low, second_high;
+
+  explicit Halves(const std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    first_low = *std::min_element(values.begin(), middle);
+    first_high = *std::max_element(values.begin(), middle);
+    second_low = *std::min_element(middle, values.end());
+    second_high = *std::max_element(middle, values.end());
+  }
+  [[nodiscard]] double range() const { return std::max(first_high, second_high) - std::min(first_low, second_low); }
+};
+
+RunResult run_long(const std::string& protocol, const TemporaryFolder& folder) {
+  RunResult run = run_file(folder.write(flying_bar(protocol)), folder, "out", 500.0);
+  EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
+  EXPECT_EQ(run.column("time_s").size(), windows / rows_every + 1U);
+  return run;
+}
+
+struct Level {
+  const char* protocol;
+  double momentum, energy;
+};
+
+class LongRun : public testing::TestWithParam<Level> {};
+
+TEST_P(LongRun, KeepsMomentumAndEnergyWithoutTrend) {
+  const TemporaryFolder folder;
+  const RunResult run = run_long(GetParam().protocol, folder);
+  const double momentum = run.summary.at("momentum_error_max").get<double>();
+  RecordProperty("momentum_error", number(momentum));
+  EXPECT_LT(momentum, GetParam().momentum);
+  const Halves energy(run.column("energy_error"));
+  RecordProperty("energy_error_range", number(energy.range()));
+  EXPECT_LT(energy.range(), GetParam().energy);
+  // Without trend: the second half of the run stays within what the first has seen, and as far.
+  const double slack = std::max(0.05 * energy.range(), 1e-8);  // u . P of a bar that has flown 10 m
+  EXPECT_LT(energy.second_high, energy.first_high + slack);
+  EXPECT_GT(energy.second_low, energy.first_low - slack);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, LongRun,
+                         testing::Values(Level{"hughes_liu", 1e-9, 0.02}, Level{"all_implicit", 1e-9, 1e-8},
+                                         Level{"all_explicit", 1e-12, 1e-8}),
+                         [](const auto& test) { return std::string(test.param.protocol); });
+
+// `kim` evaluates the rows of the shared and of the explicit nodes with different displacements: it only ever loses energy, until
+// the waves that its interface damps are gone, and its momentum sways.
+TEST(LongRunKim, OnlyLosesEnergyAndHoldsItsMomentumToALevel) {
+  const TemporaryFolder folder;
+  const RunResult run = run_long("kim", folder);
+  const Halves energy(run.column("energy_error")), momentum(run.column("momentum_n_kg_m_s"));
+  EXPECT_LE(energy.first_high, 1e-4);
+  EXPECT_LE(energy.second_high, energy.first_low + 0.01) << "what is lost stays lost";
+  EXPECT_GT(energy.second_low, -0.5);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-2);
+  EXPECT_LT(momentum.second_high - momentum.second_low, 1.05 * (momentum.first_high - momentum.first_low));
+}
+
+}  // namespace
+}  // namespace ricochet::test
