@@ -12,6 +12,7 @@
 #include "coupler/contract_check.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/run.hpp"
+#include "coupler/stability_study.hpp"
 #include "coupler/starter_scene.hpp"
 
 namespace ricochet::coupler {
@@ -25,6 +26,7 @@ struct Arguments {
   std::string scene, out, name, results;
   ContractCommand command;
   std::optional<double> step_s;
+  StabilityRequest stability;
 };
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -38,6 +40,18 @@ void define(CLI::App& app, Arguments& arguments) {
   run->add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
   auto* check = app.add_subcommand("check", "Report and refuse all that can be known before a process starts");
   check->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  auto* stability = app.add_subcommand("stability", "Measure at which steps the coupled scheme is stable");
+  stability->add_option("SCENE", arguments.stability.scene, "Scene file (TOML)")->required();
+  stability
+      ->add_option("--out", arguments.stability.out, "Results folder; default: out/<name of the scene file>_stability")
+      ->type_name("DIR");
+  stability
+      ->add_option("--sweep", arguments.stability.sweep,
+                   "Steps: courant (share of the critical step) or time.step_s =LOW:HIGH:COUNT[:log] or =VALUE,...")
+      ->capture_default_str();
+  stability->add_option("--against", arguments.stability.against,
+                        "Other parameter: a key of the scene =LOW:HIGH:COUNT[:log] or =VALUE,VALUE,...");
+  stability->add_flag("--edge", arguments.stability.edge, "Bisect the measured edge to 0.5 %");
   auto* report = app.add_subcommand("report", "Write the charts of a run once more: DIR/report.html");
   report->add_option("DIR", arguments.results, "Results folder of a run")->required();
   auto* contract = app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
@@ -105,6 +119,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.remaining_size(true) > 0) refuse_extra(app);
   if (app.got_subcommand("run")) run_scene(arguments.scene, arguments.out);
   if (app.got_subcommand("check")) check_scene(arguments.scene);
+  if (app.got_subcommand("stability")) study_stability(arguments.stability);
   if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
   if (app.got_subcommand("check-participant") && !check_contract(arguments)) {

@@ -50,7 +50,7 @@ void check_description(const Message& hello, const Message& d) {
   check_interface(d);
   require(d.critical_time_step_s >= 0.0, fmt::format("its critical time step is {} s", d.critical_time_step_s));
   static const std::vector<std::string> known = {"repeat_window", "switch_integration", "driven_by_force", "single_substep",
-                                                 "interface_stiffness"};
+                                                 "interface_stiffness", "load_state"};
   for (const auto& capability : d.capabilities) {
     require(std::find(known.begin(), known.end(), capability) != known.end(),
             fmt::format("it has the unknown capability '{}'", capability));

@@ -3,39 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <map>
 
 #include "common/base/error.hpp"
-#include "coupler/executable.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/run_id.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
-std::string role_name(scene::Role role) { return role == scene::Role::implicit_solver ? "implicit" : "explicit"; }
-
 std::vector<std::string> body_names(const scene::Scene& scene) {
   std::vector<std::string> names;
   for (const auto& body : scene.bodies) names.push_back(body.name);
   return names;
-}
-
-std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene) {
-  std::vector<ExpectedPeer> expected;
-  for (const auto& participant : scene.participants)
-    expected.push_back({participant.name, role_name(participant.role)});
-  return expected;
-}
-
-ProtocolSettings protocol_settings(const scene::Coupling& coupling) {
-  static const std::map<scene::Acceleration, Acceleration> accelerations = {
-      {scene::Acceleration::constant, Acceleration::constant},
-      {scene::Acceleration::aitken, Acceleration::aitken},
-      {scene::Acceleration::iqn_ils, Acceleration::iqn_ils}};
-  return {coupling.substeps, accelerations.at(coupling.acceleration), coupling.relaxation, coupling.tolerance,
-          coupling.max_iterations};
 }
 
 Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
@@ -51,14 +31,6 @@ Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
 }
 
 }  // namespace
-
-std::vector<std::string> find_executables(const scene::Scene& scene) {
-  std::vector<std::string> paths;
-  for (const auto& participant : scene.participants) {
-    paths.push_back(participant.start == scene::Start::launch ? find_executable(scene, participant) : "");
-  }
-  return paths;
-}
 
 CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results)
     : problem_(problem),
@@ -108,31 +80,12 @@ void CoupledRun::phases(const std::vector<std::string>& executables) {
 }
 
 void CoupledRun::start(const std::vector<std::string>& executables) {
-  for (std::size_t p = 0; p < executables.size(); ++p) launch(scene_.participants[p], executables[p]);
+  launch_participants(scene_, executables, results_, listener_, launcher_);
   peers_.handshake();
 }
 
-void CoupledRun::launch(const scene::ParticipantSpec& participant, const std::string& executable) {
-  const std::string bound = listener_.endpoint();
-  const bool by_hand = participant.start == scene::Start::by_hand;
-  const std::vector<std::string> arguments = {"--scene",   scene_.path,
-                                              "--name",    participant.name,
-                                              "--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound)};
-  if (by_hand) {
-    const std::string shipped =
-        participant.role == scene::Role::implicit_solver ? "implicit_solver" : "explicit_solver";
-    fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", participant.name,
-               scene_.coupling.timeout_s, participant.executable.empty() ? shipped : participant.executable,
-               fmt::join(arguments, " "));
-    return;
-  }
-  LaunchRequest request{participant.name, executable, arguments, results_.log(participant.name)};
-  request.arguments.emplace_back("--watch-stdin");
-  launcher_.launch(request);
-}
-
 void CoupledRun::setup() {
-  const auto descriptions = describe();
+  const auto descriptions = describe_participants(scene_, peers_);
   check_capabilities(protocol_entry_, descriptions);
   InterfaceMap map(descriptions);
   std::vector<Link> links;
@@ -147,23 +100,6 @@ void CoupledRun::setup() {
   coupling_ = std::make_unique<Coupling>(std::move(links), std::move(map), plan_.window_size_s);
   protocol_ = protocol_entry_.make(protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request());
-}
-
-std::vector<wire::Message> CoupledRun::describe() {
-  std::vector<Peer> peers;
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    peers.push_back(peers_.peer(p));
-    wire::Message request;
-    request.kind = wire::Kind::describe;
-    peers.back().post(request);
-  }
-  std::vector<wire::Message> descriptions;
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    auto& description = descriptions.emplace_back(peers[p].wait());
-    description.participant = peers_.name(p);
-    description.role = role_name(scene_.participants[p].role);
-  }
-  return descriptions;
 }
 
 void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
@@ -239,20 +175,8 @@ void CoupledRun::finish() {
   std::vector<wire::Message> last_words;
   for (auto& link : coupling_->links()) last_words.push_back(link.wait_finished());
   take_records(loop_->window());
-  check_exit_codes();
+  check_exit_codes(scene_, peers_, launcher_);
   take_times(last_words);
-}
-
-void CoupledRun::check_exit_codes() {
-  const double patience_s = std::min(scene_.coupling.timeout_s, 10.0);
-  const bool ended = launcher_.wait_all(std::chrono::milliseconds(static_cast<long>(1000 * patience_s)));
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    const auto end = launcher_.end_of(peers_.name(p));
-    if (!launcher_.launched(peers_.name(p)) || (end && end->signal == 0 && end->exit_status == 0)) continue;
-    throw ParticipantError(fmt::format("participant '{}' finished its work but {}; see {}", peers_.name(p),
-                                       ended && end ? end->text() : "did not end by itself",
-                                       launcher_.log_path(peers_.name(p))));
-  }
 }
 
 }  // namespace ricochet::coupler

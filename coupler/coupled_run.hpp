@@ -18,9 +18,6 @@
 
 namespace ricochet::coupler {
 
-/// Program per participant, in the scene's order; empty for one that is started by hand.
-[[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
-
 /// One run of a scene from the first process to the last file. The phases, in order: start the participants, set the
 /// coupling up, step, finish. Stateless about mechanics.
 class CoupledRun {
@@ -39,16 +36,13 @@ class CoupledRun {
 
   void phases(const std::vector<std::string>& executables);
   void start(const std::vector<std::string>& executables);
-  void launch(const scene::ParticipantSpec& participant, const std::string& executable);
   void setup();
-  [[nodiscard]] std::vector<wire::Message> describe();
   void prepare_watch(const std::vector<wire::Message>& descriptions);
   [[nodiscard]] wire::Message initialize_request() const;
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);
   void finish();
-  void check_exit_codes();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
 

@@ -1,5 +1,5 @@
 // The `ricochet` command:
-//   ricochet run SCENE [--out DIR] | check SCENE | report DIR | init NAME |
+//   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | report DIR | init NAME |
 //            check-participant -- COMMAND ... | --version
 #include <csignal>
 #include <cstdio>

@@ -55,12 +55,17 @@ ResultsDirectory::~ResultsDirectory() {
 
 void ResultsDirectory::remove_former_results() const {
   std::error_code ignored;
-  for (const auto* name : {"history.csv", "summary.json", "trace.json", "report.html"}) fs::remove(file(name), ignored);
-  for (const auto* folder : {"fields", "logs"}) {
+  for (const auto* name :
+       {"history.csv", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html"}) {
+    fs::remove(file(name), ignored);
+  }
+  for (const auto* folder : {"fields", "logs", "variants"}) {
     std::vector<fs::path> old;
     for (const auto& entry : fs::directory_iterator(file(folder), ignored)) {
       const auto extension = entry.path().extension();
-      if (extension == ".vtu" || extension == ".pvd" || extension == ".log") old.push_back(entry.path());
+      const bool ours =
+          extension == ".vtu" || extension == ".pvd" || extension == ".log" || extension == ".toml";
+      if (ours) old.push_back(entry.path());
     }
     for (const auto& path : old) fs::remove(path, ignored);
   }

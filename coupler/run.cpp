@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "coupler/coupled_run.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/report/report.hpp"
 
 namespace ricochet::coupler {

@@ -58,6 +58,8 @@ double ExplicitContact::friction_force(double normal, double slip_rate, double h
 
 ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::vector<BodyState>& states, double rate_n,
                                                    double rate_t, double acting_time) const {
+  if (frozen_ == participant::FrozenContact::open) return {};
+  if (frozen_) return holding_force(pair, states, rate_n, rate_t, acting_time);
   Force force;
   const double gap_now = surface_.gap(pair, states);
   if (law_->enforcement == scene::Enforcement::penalty) {
@@ -75,6 +77,22 @@ ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::
   force.tangential = friction_force(force.normal, rate_t, holding);
   if (force.tangential == holding) force.state = State::stick;
   return force;
+}
+
+/// Frozen sticking: the linear part of `find_force`, normally and (with friction) tangentially.
+ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const std::vector<BodyState>& states,
+                                                      double rate_n, double rate_t, double acting_time) const {
+  const auto hold = [&](const Eigen::Vector2d& direction, double rate) {
+    const double inverse = inverse_mass(pair, states, direction);
+    const double moved = surface_.moved(pair, direction, states) + dt_ * rate;
+    return inverse > 0.0 ? -moved / (dt_ * acting_time * inverse) : 0.0;
+  };
+  const bool penalty = law_->enforcement == scene::Enforcement::penalty;
+  const bool friction = law_->friction_coefficient > 0.0;
+  const double spring = -law_->penalty_pa_m * pair.area_m2 * surface_.moved(pair, surface_.normal, states);
+  return {.normal = penalty ? spring : hold(surface_.normal, rate_n),
+          .tangential = friction ? hold(surface_.tangent, rate_t) : 0.0,
+          .state = State::stick};
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {

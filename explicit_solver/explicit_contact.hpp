@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "common/solver/contact_surface.hpp"
@@ -22,6 +23,8 @@ class ExplicitContact {
   /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
   /// penetrate.
   void start(std::vector<solver::BodyState>& states);
+  /// From here on no contact force, or every pair held at zero gap, in tension, too.
+  void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
   /// Adds the contact accelerations of window n to state.a, given u_n in state.u, u_{n-1} in `u_before` and the elastic
   /// acceleration in state.a; accounts the work of the contact forces over the window that ended at n.
   void apply(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
@@ -36,6 +39,8 @@ class ExplicitContact {
   /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
   Force find_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
                    double acting_time) const;
+  [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n,
+                                    double rate_t, double acting_time) const;
   [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     const Eigen::Vector2d& direction) const;
   [[nodiscard]] double friction_force(double normal, double slip_rate, double holding) const;
@@ -46,6 +51,7 @@ class ExplicitContact {
 
   const scene::Contact* law_;
   double dt_;
+  std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
   std::vector<Force> forces_;
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;

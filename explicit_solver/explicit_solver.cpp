@@ -7,6 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/fem/newmark.hpp"
 #include "common/solver/describe.hpp"
+#include "common/solver/free_motion.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -27,7 +28,7 @@ participant::Description ExplicitSolver::describe() {
   const bool alone = problem_.scene.coupling.protocol == "all_explicit";
   auto description = solver::describe(problem_, *spec_, states_, alone && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
-  description.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
+  description.capabilities = {"repeat_window", "driven_by_force", "single_substep", "load_state"};
   return description;
 }
 
@@ -111,7 +112,8 @@ void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
     return;
   }
   const double time_s = static_cast<double>(window) * dt;
-  if (contact_ && window_ == 0 && !trial_) contact_->start(states_);
+  if (contact_ && !contact_started_) contact_->start(states_);
+  contact_started_ = true;
   std::size_t next = 0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
@@ -193,6 +195,17 @@ void ExplicitSolver::record(std::vector<double>& row) {
   }
   solver::record_bodies(states_, row);
   if (contact_) solver::append(contact_->report(states_), row);
+}
+
+void ExplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
+  solver::load_motion(state, states_);
+  for (auto& window : windows_) window.external.setZero();
+  if (contact_) contact_->freeze(contact);
+  contact_started_ = false;  // a_n contains the contact force that closes the gap at n + 1
+}
+
+void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
+  solver::read_motion(states_, setup_.window_size_s, state, scale);
 }
 
 void ExplicitSolver::write_fields(std::int64_t window) {

@@ -36,6 +36,8 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
+  void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
   [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
 
@@ -72,6 +74,7 @@ class ExplicitSolver final : public participant::Participant {
   participant::Setup setup_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< a trial of window_ + 1 exists: the old forces are already set aside
+  bool contact_started_ = false;  ///< the contact has made the accelerations of the first window
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;
 };

@@ -82,6 +82,7 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
   tried_ = false;
   force_ = force;
   state.stiffness.multiply(state.u, internal_);
+  external_.setZero();
   state.external.at(time_s, external_);
   state.a = state.inverse_mass.cwiseProduct(external_ - internal_);
   for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {

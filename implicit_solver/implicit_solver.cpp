@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/fem/newmark.hpp"
 #include "common/solver/describe.hpp"
+#include "common/solver/free_motion.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -57,7 +58,9 @@ participant::Description ImplicitSolver::describe() {
   description.capabilities = {"repeat_window", "interface_stiffness"};
   const auto& contact = problem_.scene.contact;
   const bool massless = contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless) description.capabilities.push_back("switch_integration");  // no node without mass can be integrated explicitly
+  if (!massless) {  // no node without mass can be integrated explicitly, nor is its motion a state
+    description.capabilities.insert(description.capabilities.end(), {"switch_integration", "load_state"});
+  }
   return description;
 }
 
@@ -193,6 +196,13 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
     segment(trial_.acceleration, b) = state.a;
   }
   if (contact_) contact_->open();
+  if (contact_ && contact_->held()) {
+    contact_->hold_rates(states_, trial_.velocity, trial_.acceleration);
+    for (std::size_t b = 0; b < states_.size(); ++b) {
+      states_[b].v = segment(trial_.velocity, b);
+      states_[b].a = segment(trial_.acceleration, b);
+    }
+  }
   put_output(trial_, output);
   update_status();
 }
@@ -408,6 +418,17 @@ void ImplicitSolver::record(std::vector<double>& row) {
   }
   solver::record_bodies(states_, row);
   if (contact_) solver::append(contact_->report(states_), row);
+}
+
+void ImplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
+  solver::load_motion(state, states_);
+  external_.setZero();
+  trial_.external.setZero();
+  if (contact_) contact_->freeze(contact);
+}
+
+void ImplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
+  solver::read_motion(states_, setup_.window_size_s, state, scale);
 }
 
 void ImplicitSolver::write_fields(std::int64_t window) {

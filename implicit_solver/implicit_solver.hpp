@@ -36,6 +36,8 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
+  void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
   [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
   /// Largest |f - K u - L - q| over the largest |K u| that a resynchronisation has found so far.

@@ -34,7 +34,7 @@ struct Description {
   double critical_time_step_s = 0;           ///< of its own explicit integration; 0: none needed
   /// "repeat_window": may be asked to advance the same window again before accept; "switch_integration": knows both;
   /// "driven_by_force": see above; "single_substep": can advance one substep of a window; "interface_stiffness": an
-  /// implicit participant that knows Setup::interface_stiffness.
+  /// implicit participant that knows Setup::interface_stiffness; "load_state": knows `load_state` and `read_state`.
   std::vector<std::string> capabilities;
   std::vector<std::string> record_columns;  ///< names of the history quantities `record` appends
   bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
@@ -61,6 +61,10 @@ struct Setup {
 };
 
 enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 | beta = 0
+
+/// What the contact is while the stability of the coupled scheme is measured: no force, or every pair held together
+/// (normally and, with friction, tangentially; in tension, too) at zero gap.
+enum class FrozenContact { open, sticking };
 
 /// Link output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by force:
 /// `value` is the displacement.
@@ -103,6 +107,14 @@ class Participant {
   virtual void record(std::vector<double>& row) = 0;
   /// Called every `fields_every` accepted windows: write result fields into `output_directory`.
   virtual void write_fields(std::int64_t /*window*/) {}
+  /// With the capability "load_state", for `ricochet stability`. From here on the problem is homogeneous: no loads,
+  /// supports and prescribed motion at zero, contact frozen; displacements are measured from equilibrium. Takes the
+  /// motion `state`, at the end of an accepted window; `synchronise` follows with the link input of that instant. Then
+  /// the next window must be a linear function of `state` and link input alone.
+  virtual void load_state(const std::vector<double>& state, FrozenContact contact);
+  /// The motion as `load_state` takes it (displacements and velocities of what it integrates), and what makes these
+  /// numbers comparable: sqrt(m)/dt for a displacement, sqrt(m) for a velocity. Appends to empty vectors.
+  virtual void read_state(std::vector<double>& state, std::vector<double>& scale);
   /// Called once, last.
   virtual void finish() {}
 };

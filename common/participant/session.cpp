@@ -52,10 +52,14 @@ Session::Session(Participant& participant)
       description_(checked(participant.describe())),
       link_(static_cast<int>(description_.interface_body.size()), description_.components),
       nodes_(static_cast<int>(description_.interface_body.size())) {
-  const auto& capabilities = description_.capabilities;
-  can_repeat_ = std::find(capabilities.begin(), capabilities.end(), "repeat_window") != capabilities.end();
+  can_repeat_ = can("repeat_window");
   moves_ = description_.role == "implicit";
   spans_.reserve(3 * max_spans);
+}
+
+bool Session::can(const char* capability) const {
+  const auto& capabilities = description_.capabilities;
+  return std::find(capabilities.begin(), capabilities.end(), capability) != capabilities.end();
 }
 
 void Session::hello(Message& message) {
@@ -143,6 +147,8 @@ Kind Session::answer(const Message& request, Message& reply) {
     case Kind::synchronise: synchronise(request, reply); return Kind::synchronised;
     case Kind::advance: advance(request, reply); return Kind::advanced;
     case Kind::accept: accept(request, reply); return Kind::accepted;
+    case Kind::load_state: load_state(request); return Kind::state_loaded;
+    case Kind::read_state: read_state(reply); return Kind::state;
     default: finish(reply); return Kind::finished;  // the lifecycle lets nothing else through
   }
 }

@@ -59,9 +59,12 @@ class Session {
   void synchronise(const wire::Message& request, wire::Message& reply);
   void advance(const wire::Message& request, wire::Message& reply);
   void accept(const wire::Message& request, wire::Message& reply);
+  void load_state(const wire::Message& request);
+  void read_state(wire::Message& reply);
   void finish(wire::Message& reply);
 
   void take_interface_stiffness(const wire::Array& stiffness);
+  [[nodiscard]] bool can(const char* capability) const;
   void check_advance(const wire::Message& request) const;
   void check_substep(const wire::Message& request) const;
   void accept_trial();

@@ -32,6 +32,13 @@ Integration integration_of(const std::string& text) {
                   text));
 }
 
+FrozenContact frozen_contact_of(const std::string& text) {
+  if (text == "open") return FrozenContact::open;
+  if (text == "sticking") return FrozenContact::sticking;
+  throw ProtocolError(
+      fmt::format("the coupler asked for the frozen contact '{}', expected one of 'open', 'sticking'", text));
+}
+
 void check_setup(const Message& request) {
   require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
   require(request.history_every >= 1, "the coupler set history_every = {}, expected >= 1", request.history_every);
@@ -197,6 +204,33 @@ void Session::accept_trial() {
   if (window_ % setup_.history_every == 0) record();
   const bool due = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
   if (due) write_fields();
+}
+
+void Session::load_state(const Message& request) {
+  require(can("load_state"),
+          "the coupler asked to load a state, but participant '{}' lacks the capability 'load_state'",
+          description_.name);
+  const auto contact = frozen_contact_of(request.frozen_contact);
+  std::vector<double> state, scale;
+  participant_.read_state(state, scale);
+  require(request.state.data.size() == state.size() && request.state.columns == 1,
+          "the coupler sent 'state' with {} x {} numbers, that of participant '{}' has {} x 1", request.state.rows,
+          request.state.columns, description_.name, state.size());
+  participant_.load_state(request.state.data, contact);
+}
+
+void Session::read_state(Message& reply) {
+  require(can("load_state"), "the coupler asked for a state, but participant '{}' lacks the capability 'load_state'",
+          description_.name);
+  std::vector<double> state, scale;
+  participant_.read_state(state, scale);
+  const bool positive = std::all_of(scale.begin(), scale.end(), [](double x) { return x > 0.0; });
+  if (scale.size() != state.size() || !positive) {
+    throw ParticipantError(fmt::format("participant '{}' told a state of {} numbers with {} scales, expected as many, "
+                                       "each > 0", description_.name, state.size(), scale.size()));
+  }
+  set(reply.state, state, static_cast<int>(state.size()), 1);
+  set(reply.state_scale, scale, static_cast<int>(scale.size()), 1);
 }
 
 void Session::finish(Message& reply) {

@@ -28,11 +28,6 @@ void set_partition(Problem& problem);
 /// The contact nodes of a body, ascending; empty if it takes no part in the contact.
 [[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
 
-/// Per element of a body: a participant owns it. An explicit one owns explicit elements of its bodies (of its groups), the implicit
-/// one all implicit elements.
-[[nodiscard]] std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body,
-                                               const ParticipantSpec& participant);
-
 /// Per node: belongs to one of the elements.
 [[nodiscard]] std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element);
 

@@ -40,7 +40,7 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
   ParticipantPlan plan;
   plan.name = participant.name;
   plan.role = implicit ? "implicit" : "explicit";
-  plan.critical_time_step_s = infinity;
+  plan.critical_time_step_s = plan.element_bound_s = infinity;
   for (const ParticipantPart& part : participant_parts(problem, participant)) {
     plan.nodes += part.part.nodes();
     plan.elements += static_cast<int>(part.part.mesh.elements.size());
@@ -52,6 +52,7 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     is_explicit.flip();
     if (dual) is_explicit = owned_elements(problem.scene, body, participant);
     plan.critical_time_step_s = std::min(plan.critical_time_step_s, critical_time_step(body, is_explicit, dual));
+    plan.element_bound_s = std::min(plan.element_bound_s, element_bound_time_step(body, is_explicit));
   }
   return plan;
 }
@@ -90,6 +91,20 @@ void check_materials(const Problem& problem, std::vector<std::string>& warnings)
 
 }  // namespace
 
+std::vector<ParticipantPlan> plan_participants(const Problem& problem) {
+  std::vector<ParticipantPlan> plans;
+  for (const ParticipantSpec& participant : problem.scene.participants)
+    plans.push_back(plan_participant(problem, participant));
+  return plans;
+}
+
+double critical_time_step(const std::vector<ParticipantPlan>& participants) {
+  double smallest = infinity;
+  for (const ParticipantPlan& participant : participants)
+    smallest = std::min(smallest, participant.critical_time_step_s);
+  return smallest;
+}
+
 Plan plan(const Problem& problem) {
   const Scene& scene = problem.scene;
   Plan plan;
@@ -99,10 +114,9 @@ Plan plan(const Problem& problem) {
   const ProtocolTraits& protocol = protocol_traits(scene.coupling.protocol);
   const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
   if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
-  for (const ParticipantSpec& participant : scene.participants) {
-    plan.participants.push_back(plan_participant(problem, participant));
-    check_critical_step(problem, plan.participants.back(), plan.warnings);
-  }
+  plan.participants = plan_participants(problem);
+  for (const ParticipantPlan& participant : plan.participants)
+    check_critical_step(problem, participant, plan.warnings);
   check_materials(problem, plan.warnings);
   check_penalty(problem, plan);
   check_friction(problem, plan);

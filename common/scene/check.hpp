@@ -13,6 +13,7 @@ struct ParticipantPlan {
   int nodes = 0, elements = 0, interface_nodes = 0;
   int unknowns = 0;                  ///< free degrees of freedom that it integrates
   double critical_time_step_s = 0;   ///< infinity for an implicit participant
+  double element_bound_s = 0;        ///< the same by the element bound
 };
 struct Plan {
   std::vector<ParticipantPlan> participants;
@@ -25,6 +26,12 @@ struct Plan {
   double penalty_critical_s = 0;     ///< all_explicit with penalty: critical step while in contact; else 0
   std::vector<std::string> warnings;
 };
+
+/// What each participant has to do; refuses nothing.
+[[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem);
+/// 2/omega_max(K_E, M) of everything that is integrated explicitly, the limit that `plan` refuses to exceed and
+/// `ricochet stability` predicts; infinity if nothing is [s].
+[[nodiscard]] double critical_time_step(const std::vector<ParticipantPlan>& participants);
 
 /// Throws ConfigError where the scene cannot work: a step above the critical step of what is explicit (with shared
 /// masses), trapezoidal or central-difference penalty beyond its bound, and everything build_problem refuses.

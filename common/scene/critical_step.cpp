@@ -84,6 +84,10 @@ double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_e
   return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance));
 }
 
+double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
+  return fem::element_critical_time_step(part_of(body, of_element));
+}
+
 double penalty_critical_time_step(const Problem& problem) {
   Whole whole = assemble(problem);
   add_springs(problem, whole);

@@ -63,9 +63,15 @@ struct ParticipantPart {
 [[nodiscard]] std::vector<ParticipantPart> participant_parts(const Problem& problem,
                                                              const ParticipantSpec& participant);
 
+/// Per element of a body: a participant owns it. An explicit one owns explicit elements of its bodies (of its groups), the implicit
+/// one all implicit elements.
+[[nodiscard]] std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body,
+                                               const ParticipantSpec& participant);
+
 /// External nodal forces on the nodes of a part at a time: tractions and gravity of its own elements [N].
 class ExternalForce {
  public:
+  ExternalForce() = default;  ///< no load
   ExternalForce(const Body& body, const fem::Part& part);
   [[nodiscard]] bool zero() const { return terms_.empty(); }
   /// Adds nothing and allocates nothing where there is no load. `force` has part.dofs() entries, overwritten.

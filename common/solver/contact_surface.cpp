@@ -12,8 +12,13 @@ ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<
       pairs(local_pairs(problem, parts)),
       stress(problem, parts) {}
 
+double ContactSurface::moved(const Pair& pair, const Eigen::Vector2d& direction,
+                             const std::vector<BodyState>& states) const {
+  return relative(pair, direction, components, displacement_of(states));
+}
+
 double ContactSurface::gap(const Pair& pair, const std::vector<BodyState>& states) const {
-  return pair.gap0_m + relative(pair, normal, components, displacement_of(states));
+  return pair.gap0_m + moved(pair, normal, states);
 }
 
 double ContactSurface::gap_min(const std::vector<BodyState>& states) const {

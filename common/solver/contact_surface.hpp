@@ -27,6 +27,9 @@ struct ContactSurface {
   std::vector<Pair> pairs;
   SurfaceStress stress;
 
+  /// direction . (u_B - u_A) [m]
+  [[nodiscard]] double moved(const Pair& pair, const Eigen::Vector2d& direction,
+                             const std::vector<BodyState>& states) const;
   /// g = g0 + n . (u_B - u_A) [m]
   [[nodiscard]] double gap(const Pair& pair, const std::vector<BodyState>& states) const;
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]

@@ -27,6 +27,8 @@ constexpr StateText state_texts[] = {
     {State::trying, "trying", "'advance' (a trial) was outstanding"},
     {State::tried, "tried", "a trial waited to be accepted or repeated"},
     {State::accepting, "accepting", "'accept' was outstanding"},
+    {State::loading, "loading", "'load_state' was outstanding"},
+    {State::reading, "reading", "'read_state' was outstanding"},
     {State::finishing, "finishing", "'finish' was outstanding"},
     {State::finished, "finished", "the run was finished"},
     {State::failed, "failed", "the run had failed"},
@@ -85,6 +87,8 @@ const std::vector<Transition>& transitions() {
       {ready, coupler, Kind::advance, advancing, Acceptance::at_once},
       {ready, coupler, Kind::advance, trying, Acceptance::on_request},
       {ready, coupler, Kind::synchronise, synchronising},
+      {ready, coupler, Kind::load_state, loading},
+      {ready, coupler, Kind::read_state, reading},
       {ready, coupler, Kind::finish, finishing},
       {advancing, participant, Kind::advanced, ready},
       {trying, participant, Kind::advanced, tried},
@@ -93,6 +97,8 @@ const std::vector<Transition>& transitions() {
       {tried, coupler, Kind::accept, accepting},
       {tried, coupler, Kind::synchronise, synchronising},
       {accepting, participant, Kind::accepted, ready},
+      {loading, participant, Kind::state_loaded, initialized},
+      {reading, participant, Kind::state, ready},
       {finishing, participant, Kind::finished, finished},
   };
   return table;

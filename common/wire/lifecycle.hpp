@@ -25,6 +25,8 @@ enum class State {
   trying,
   tried,
   accepting,
+  loading,
+  reading,
   finishing,
   finished,
   failed,

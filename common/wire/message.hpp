@@ -40,6 +40,10 @@ enum class Kind {
   advanced,
   accept,  ///< coupler: the last trial window is final
   accepted,
+  load_state,    ///< coupler: take this motion, without loads, with contact frozen so; `synchronise` follows
+  state_loaded,
+  read_state,    ///< coupler asks for the motion as `load_state` takes it
+  state,
   finish,  ///< coupler: no more windows
   finished,
   failure,  ///< either: I stop, and why
@@ -54,8 +58,8 @@ struct Message {
   std::int64_t sequence = 0, window = 0, substep = 0;
 
   // names and texts
-  std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration, driven_by;
-  std::string shared_memory_path, error_text, error_culprit;
+  std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration;
+  std::string driven_by, frozen_contact, shared_memory_path, error_text, error_culprit;
   std::vector<std::string> bodies, capabilities, record_columns;
 
   // numbers
@@ -80,6 +84,7 @@ struct Message {
   Array absolute;           ///< the same, absolute; empty unless requested
   Array velocity_m_s;       ///< who is driven by force: n x components; by displacement: empty
   Array acceleration_m_s2;  ///< as velocity
+  Array state, state_scale; ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
   Array records;            ///< history rows (rows x record_columns)
   Array spans_s;            ///< rows x 3: window, begin, end of each computing span on the steady clock
 };

@@ -1,6 +1,7 @@
 #include "coupler/protocols/coupling.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ricochet::coupler {
 
@@ -128,6 +129,42 @@ void Coupling::take_motion() {
   if (map_.nodes() == 0) return;
   rows.scatter(implicit_->velocity_m_s(), velocity_);
   rows.scatter(implicit_->acceleration_m_s2(), acceleration_);
+}
+
+void Coupling::load_state(const std::vector<double>& state, const std::string& frozen_contact) {
+  auto from = state.begin();
+  const auto take = [&from](std::size_t size) {
+    from += static_cast<std::ptrdiff_t>(size);
+    return std::vector<double>(from - static_cast<std::ptrdiff_t>(size), from);
+  };
+  for (std::size_t p = 0; p < links_.size(); ++p) links_[p].post_load_state(take(state_sizes_[p]), frozen_contact);
+  for (auto& link : links_) link.wait_state_loaded();
+  for (auto& link : links_) {
+    link.post_synchronise(link.implicit() ? "implicit_newmark" : "explicit_central", take(link.input().size()));
+  }
+  for (auto& link : links_) link.wait_synchronised();
+  if (implicit_) take_motion();
+}
+
+void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale) {
+  state.clear();
+  scale.clear();
+  state_sizes_.clear();
+  for (auto& link : links_) link.post_read_state();
+  for (auto& link : links_) {
+    const auto& answer = link.wait_state();
+    state.insert(state.end(), answer.state.data.begin(), answer.state.data.end());
+    scale.insert(scale.end(), answer.state_scale.data.begin(), answer.state_scale.data.end());
+    state_sizes_.push_back(answer.state.data.size());
+  }
+  for (const auto& link : links_) {
+    state.insert(state.end(), link.input().begin(), link.input().end());
+    for (const int node : link.rows().shared) {
+      const double root = std::sqrt(map_.mass_kg()[static_cast<std::size_t>(node)]);
+      const double of_input = link.driven_by_force() ? window_size_s_ / root : root / window_size_s_;  // force, displacement
+      scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components), of_input);
+    }
+  }
 }
 
 const Link* Coupling::implicit_link() const { return implicit_; }

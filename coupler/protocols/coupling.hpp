@@ -62,6 +62,13 @@ class Coupling {
 
   /// Values in the shared numbering as a link's own rows; valid until the next call.
   const std::vector<double>& rows_of(const Link& link, const std::vector<double>& shared);
+  /// All that the next window depends on: the motion of every participant and the absolute input of every link, in the
+  /// scene's order. `load_state` also freezes the contact ("open" | "sticking") and takes all loads away; vectors of
+  /// the size that `read_state` gives. Needs the capability "load_state" of every participant.
+  void load_state(const std::vector<double>& state, const std::string& frozen_contact);
+  /// `scale`: what makes each number the root of an energy.
+  void read_state(std::vector<double>& state, std::vector<double>& scale);
+
   [[nodiscard]] std::vector<Link>& links() { return links_; }
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
   [[nodiscard]] const InterfaceMap& map() const { return map_; }
@@ -82,6 +89,7 @@ class Coupling {
   InterfaceMap map_;
   double window_size_s_;
   bool all_explicit_ = false;
+  std::vector<std::size_t> state_sizes_;  ///< numbers of each participant's motion, from `read_state`
   std::vector<double> displacement_, velocity_, acceleration_, prediction_, force_, own_;
   std::vector<double> interface_stiffness_;
 };

@@ -54,7 +54,7 @@ void DualInterface::start(Coupling& coupling, const wire::Message& request, cons
   const double step_s = coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(request.substeps));
   for (auto& link : coupling.links()) {
     if (link.implicit()) continue;
-    sides_.push_back({&link, link.rows().dofs(), {}, {}, std::vector<double>(link.input().size(), 0.0), {}});
+    sides_.push_back({&link, link.rows().dofs(), {}, {}, {}});
     measure(sides_.back(), probe, step_s);
   }
   const Eigen::MatrixXd stiffness =
@@ -65,7 +65,7 @@ void DualInterface::start(Coupling& coupling, const wire::Message& request, cons
 
 void DualInterface::measure(Side& side, const Step& probe, double step_s) {
   auto& link = *side.link;
-  link.post_synchronise("explicit_central", side.multiplier);
+  link.post_synchronise("explicit_central", std::vector<double>(side.dofs.size(), 0.0));
   link.wait_synchronised();
   side.acceleration = link.acceleration_m_s2();
   std::vector<double> probes;  // about 1 m/s each
@@ -109,11 +109,12 @@ void DualInterface::start_multipliers(Coupling& coupling) {
   add(implicit, implicit.rows().dofs(), implicit.acceleration_m_s2());
   for (const auto& side : sides_) add(*side.link, side.dofs, side.acceleration);
   for (auto& side : sides_) {
+    std::vector<double> multiplier(side.dofs.size());
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
       const auto dof = static_cast<Eigen::Index>(side.dofs[i]);
-      side.multiplier[i] = masses(*side.link, i) * (force[dof] / mass[dof] - side.acceleration[i]);
+      multiplier[i] = masses(*side.link, i) * (force[dof] / mass[dof] - side.acceleration[i]);
     }
-    side.link->post_synchronise("explicit_central", side.multiplier);
+    side.link->post_synchronise("explicit_central", multiplier);
     side.link->wait_synchronised();
   }
   coupling.synchronise_implicit(to_vector(multiplier()));
@@ -123,7 +124,7 @@ Eigen::VectorXd DualInterface::multiplier() const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(held_.size());
   for (const auto& side : sides_) {
     for (std::size_t i = 0; i < side.dofs.size(); ++i)
-      sum[static_cast<Eigen::Index>(side.dofs[i])] += side.multiplier[i];
+      sum[static_cast<Eigen::Index>(side.dofs[i])] += side.link->input()[i];
   }
   return sum;
 }
@@ -131,12 +132,12 @@ Eigen::VectorXd DualInterface::multiplier() const {
 void DualInterface::advance_free(const Step& step) {
   Step trial = step;
   trial.absolute = trial.records = false;
-  for (auto& side : sides_) side.link->post_advance(trial, side.multiplier, Acceptance::trial);
+  for (auto& side : sides_) side.link->post_advance(trial, side.link->input(), Acceptance::trial);
   held_.setZero();
   for (auto& side : sides_) {
     side.link->wait_advanced();
     side.free_velocity = view(side.link->velocity_m_s());
-    const Eigen::VectorXd force = view(side.multiplier) - side.impedance * side.free_velocity;
+    const Eigen::VectorXd force = view(side.link->input()) - side.impedance * side.free_velocity;
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
       held_[static_cast<Eigen::Index>(side.dofs[i])] += force[static_cast<Eigen::Index>(i)];
     }
@@ -156,8 +157,9 @@ void DualInterface::correct(const Step& step, const std::vector<double>& velocit
       jump[static_cast<Eigen::Index>(i)] = velocity[side.dofs[i]] - side.free_velocity[static_cast<Eigen::Index>(i)];
     }
     const Eigen::VectorXd change = side.impedance * jump;
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) side.multiplier[i] += change[static_cast<Eigen::Index>(i)];
-    side.link->post_advance(step, side.multiplier, Acceptance::at_once);
+    std::vector<double> multiplier = side.link->input();
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) multiplier[i] += change[static_cast<Eigen::Index>(i)];
+    side.link->post_advance(step, multiplier, Acceptance::at_once);
   }
   for (auto& side : sides_) side.link->wait_advanced();
 }

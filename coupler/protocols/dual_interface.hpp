@@ -48,11 +48,10 @@ class DualInterface {
 
  private:
   struct Side {
-    Link* link;
+    Link* link;                     ///< its accepted input is the multiplier
     std::vector<std::size_t> dofs;  ///< own row -> shared dof
     Eigen::MatrixXd impedance;      ///< Z, own rows; zero where the response is (supports)
     Eigen::VectorXd free_velocity;
-    std::vector<double> multiplier;
     std::vector<double> acceleration;  ///< at t = 0, without multiplier
   };
   void measure(Side& side, const Step& probe, double step_s);

@@ -60,6 +60,27 @@ void Link::wait_synchronised() {
   take_rates(answer);
 }
 
+void Link::post_load_state(const std::vector<double>& state, const std::string& frozen_contact) {
+  request_.kind = wire::Kind::load_state;
+  request_.frozen_contact = frozen_contact;
+  set(request_.state, state, 1);
+  peer_.post(request_);
+}
+
+void Link::wait_state_loaded() { wait(wire::Kind::state_loaded); }
+
+void Link::post_read_state() {
+  request_.kind = wire::Kind::read_state;
+  peer_.post(request_);
+}
+
+const wire::Message& Link::wait_state() {
+  const auto& answer = wait(wire::Kind::state);
+  if (answer.state.data.size() == answer.state_scale.data.size()) return answer;
+  throw ProtocolError(fmt::format("participant '{}' told a state of {} numbers with {} scales", name(),
+                                  answer.state.data.size(), answer.state_scale.data.size()));
+}
+
 void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
   acceptance_ = acceptance;
   ends_window_ = step.ends_window;

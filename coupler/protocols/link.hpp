@@ -56,6 +56,12 @@ class Link {
   /// `integration`: "implicit_newmark" | "explicit_central"; `input` (here and below) in own rows.
   void post_synchronise(const std::string& integration, const std::vector<double>& input);
   void wait_synchronised();
+  /// `frozen_contact`: "open" | "sticking". A synchronisation must follow.
+  void post_load_state(const std::vector<double>& state, const std::string& frozen_contact);
+  void wait_state_loaded();
+  /// The answer has the fields `state` and `state_scale`; it is valid until the next message.
+  void post_read_state();
+  const wire::Message& wait_state();
   /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
   void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
   void wait_advanced();

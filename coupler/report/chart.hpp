@@ -17,7 +17,7 @@ struct Chart {
   std::string id;     ///< of the HTML element, and name of a saved picture
   std::string title;
   std::string note;   ///< below the title; may be empty
-  std::string link;   ///< charts with the same word zoom together
+  std::string link;   ///< charts with the same word zoom together; empty: it does not zoom
   std::string spec;   ///< Vega-Lite JSON
   std::vector<std::string> columns;
   Json rows = Json::array();

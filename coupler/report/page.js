@@ -55,6 +55,7 @@ async function draw(chart) {
     downloadFileName: chart.id,
     config,
   });
+  if (chart.link === "") return;  // nothing to enlarge
   views.push({ link: chart.link, rows: chart.rows, view, from: view.signal("from"), to: view.signal("to") });
   enlargeOnDrag(chart, view);
 }

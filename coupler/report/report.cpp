@@ -10,6 +10,7 @@
 #include "coupler/report/assets.hpp"
 #include "coupler/report/history_charts.hpp"
 #include "coupler/report/history_table.hpp"
+#include "coupler/report/libraries.hpp"
 #include "coupler/report/quantity.hpp"
 #include "coupler/report/summary_page.hpp"
 #include "coupler/report/text.hpp"
@@ -62,15 +63,6 @@ std::string help_html(const HistoryTable& table, const std::vector<Event>& event
     last = event.name;
   }
   return text + "<p>Dotted vertical lines: " + escape_html(list) + ".</p>";
-}
-
-std::string libraries_html() {
-  std::string text;
-  for (const std::string library : {"vega", "vega-lite", "vega-embed"}) {
-    text += fmt::format("<script>/*! {}\n{}*/\n{}</script>\n", library, asset(library + ".license"),
-                        inside_script(asset(library + ".js")));
-  }
-  return text;
 }
 
 std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryTable& table,

@@ -134,7 +134,41 @@ double ImplicitContact::combined(const Pair& pair, const Eigen::VectorXd& values
   });
 }
 
+/// Relative displacements at the end of the window without contact forces, from zero, of held pairs.
+void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    const auto moved = [&](const Eigen::Vector2d& direction) {
+      return surface_.moved(pair, direction, states) + combined(pair, increment, direction);
+    };
+    gap_free_[static_cast<Eigen::Index>(i)] = moved(surface_.normal);
+    slip_free_[static_cast<Eigen::Index>(i)] = moved(surface_.tangent);
+  }
+}
+
+/// With a penalty the force of the present gap is part of the acceleration that the law remembers; a multiplier either is
+/// not remembered or cancels in the mean.
+void ImplicitContact::hold_rates(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+                                 Eigen::VectorXd& acceleration) {
+  find_moved(states, Eigen::VectorXd::Zero(velocity.size()));
+  trial_ = root_->spring(gap_free_, slip_free_);
+  root_force_.noalias() = gather_.transpose() * trial_.force;
+  for (std::size_t i = 0; i < root_dofs_.size(); ++i) {
+    std::size_t part = offsets_.size() - 1;
+    while (root_dofs_[i] < offsets_[part]) --part;
+    acceleration[root_dofs_[i]] +=
+        root_force_[static_cast<Eigen::Index>(i)] * states[part].inverse_mass[root_dofs_[i] - offsets_[part]];
+  }
+  update_rates(states, velocity, acceleration);
+}
+
 void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
+  if (frozen_) {
+    if (held()) find_moved(states, increment);
+    trial_ = held() ? root_->hold(gap_free_, slip_free_) : root_->open();
+    root_force_.noalias() = gather_.transpose() * trial_.force;
+    return;
+  }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
     const auto k = static_cast<Eigen::Index>(i);

@@ -51,6 +51,12 @@ class ImplicitContact {
   /// Drops all contact forces (after the switch to explicit integration).
   void open() { accepted_ = trial_ = root_->open(); }
 
+  /// From here on no contact force, or every pair held at zero gap (and, with friction, zero slip), in tension, too.
+  void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
+  [[nodiscard]] bool held() const { return frozen_ == participant::FrozenContact::sticking; }
+  /// Held pairs: what the law makes of velocity and elastic acceleration (combined vectors) of the present motion.
+  void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+
   [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
@@ -63,11 +69,13 @@ class ImplicitContact {
                                  const Eigen::Vector2d& direction) const;
   void set_mean(const solver::Pair& pair, const std::vector<solver::BodyState>& states, const Eigen::Vector2d& direction,
                 Eigen::VectorXd& values) const;
+  void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
   [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const;
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
   solver::ContactSurface surface_;
+  std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
   Eigen::MatrixXd gather_;            ///< G: relative motion per root motion, rows as the unknowns of RootProblem

@@ -171,6 +171,40 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   return solution_;
 }
 
+void RootProblem::stick_all() {
+  for (int i = 0; i < pairs_; ++i) {
+    states_[static_cast<std::size_t>(i)] = {.closed = true, .tangent = held(i) ? Tangent::none : Tangent::stick};
+  }
+}
+
+const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
+  stick_all();
+  if (factored_states_ != states_) {
+    assemble();
+    factor_.compute(matrix_);
+    factored_states_ = states_;
+  }
+  rhs_.setZero();
+  for (int i = 0; i < pairs_; ++i) {
+    rhs_[i] = -gap_free[i];
+    if (!held(i)) rhs_[pairs_ + i] = -slip_free[i];
+  }
+  solution_.force = factor_.solve(rhs_);
+  finish();
+  return solution_;
+}
+
+const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip) {
+  stick_all();
+  solution_.force.setZero();
+  for (int i = 0; i < pairs_ && law_.enforcement == scene::Enforcement::penalty; ++i) {
+    solution_.force[i] = -gap[i] / slack(i);
+    if (!held(i)) solution_.force[pairs_ + i] = -slip[i] / slack(i);
+  }
+  finish();
+  return solution_;
+}
+
 /// Gauss-Seidel on the complementarity conditions; slow but it cannot cycle without friction.
 void RootProblem::projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                          const Solution& last) {

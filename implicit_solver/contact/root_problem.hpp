@@ -36,6 +36,12 @@ class RootProblem {
   const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
                         const Solution& last);
 
+  /// Every pair closed and, with friction, sticking, whatever the sign of its force: the linear problem gap = 0, slip = 0
+  /// (penalty: of springs). Here `slip_free` counts from zero, not from the window before.
+  const Solution& hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
+  /// The state of `hold` with the penalty springs' forces at this gap and slip; multiplier: no forces.
+  const Solution& spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip);
+
   [[nodiscard]] Solution open() const;  ///< all pairs open, no force
   [[nodiscard]] bool friction() const { return friction_; }
   [[nodiscard]] int pairs() const { return pairs_; }
@@ -52,6 +58,7 @@ class RootProblem {
                     const Solution& last);
   void assemble();
   [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
+  void stick_all();
   void projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
   void finish();
   /// No tangential unknown: no friction, or supports hold both nodes (on the axis r = 0).

@@ -29,7 +29,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
        {"implicit_solver/contact", "common/solver", "common/fem", "common/scene", "common/participant", "common/base"}},
       {"coupler/protocols", {"common/wire", "common/base"}},
       {"coupler/report", {"common/base"}},
-      {"coupler", {"coupler/protocols", "coupler/report", "common/wire", "common/scene", "common/base"}},
+      {"coupler/stability", {"coupler/protocols", "common/base"}},
+      {"coupler", {"coupler/protocols", "coupler/stability", "coupler/report", "common/wire", "common/scene", "common/base"}},
   };
   return table;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -123,6 +124,27 @@ class FakeParticipant {
       answer_.kind = wire::Kind::accepted;
       answer_.window = m.window;
       accept();
+    } else if (m.kind == wire::Kind::load_state) {
+      answer_.kind = wire::Kind::state_loaded;
+      exchange_motion([next = m.state.data.begin()](double& value, double) mutable { value = *next++; });
+    } else if (m.kind == wire::Kind::read_state) {
+      answer_.kind = wire::Kind::state;
+      answer_.state = answer_.state_scale = {0, 1, {}};
+      exchange_motion([this](double& value, double scale) {
+        answer_.state.data.push_back(value);
+        answer_.state_scale.data.push_back(scale);
+      });
+    }
+  }
+
+  /// u, then v of what it integrates, each with its scale.
+  template <class Exchange>
+  void exchange_motion(Exchange exchange) {
+    const Eigen::VectorXd mass = integrated_mass();
+    for (auto* values : {&u, &v}) {
+      for (Eigen::Index i = 0; i < mass.size(); ++i) {
+        if (mass[i] > 0.0) exchange((*values)[i], std::sqrt(mass[i]) / (values == &u ? dt_ : 1.0));
+      }
     }
   }
 

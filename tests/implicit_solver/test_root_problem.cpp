@@ -135,5 +135,36 @@ TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
   }
 }
 
+TEST(RootProblem, HoldsEveryPairTogetherWhateverTheSignOfItsForce) {
+  std::mt19937 random(5);
+  const int n = 4;
+  const Eigen::MatrixXd compliance = random_compliance(2 * n, random);
+  RootProblem root(frictional(0.1), compliance, std::vector<double>(n, 1.0), 1e-3);
+  const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
+  const auto& held = root.hold(gap, slip);
+  const Eigen::VectorXd motion = compliance * held.force;
+  EXPECT_LT((gap + motion.head(n)).norm(), 1e-10);
+  EXPECT_LT((slip + motion.tail(n)).norm(), 1e-10);
+  EXPECT_LT(held.force.head(n).minCoeff(), 0.0) << "in tension, too";
+  for (const auto state : held.states) EXPECT_EQ(state, State::stick);
+  EXPECT_EQ(root.spring(gap, slip).force.norm(), 0.0) << "a multiplier has no spring";
+}
+
+TEST(RootProblem, HoldsByItsSpringsWithAPenalty) {
+  std::mt19937 random(6);
+  const int n = 3;
+  auto law = frictional(0.1);
+  law.enforcement = scene::Enforcement::penalty;
+  law.penalty_pa_m = 40.0;
+  const double area = 0.5, stiffness = 20.0;
+  const Eigen::MatrixXd compliance = random_compliance(2 * n, random);
+  RootProblem root(law, compliance, std::vector<double>(n, area), 1e-3);
+  const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
+  const Eigen::VectorXd force = root.hold(gap, slip).force, motion = compliance * force;
+  EXPECT_LT((force.head(n) + stiffness * (gap + motion.head(n))).norm(), 1e-9);
+  EXPECT_LT((force.tail(n) + stiffness * (slip + motion.tail(n))).norm(), 1e-9);
+  EXPECT_LT((root.spring(gap, slip).force.head(n) + stiffness * gap).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace ricochet::implicit_solver

@@ -1,5 +1,6 @@
-// node open_page.mjs NODE_MODULES DIR...: opens DIR/report.html of each results folder in headless Chromium, points at
-// every chart and fails if a tooltip is missing, a chart is empty, or the console or the network has anything to say.
+// node open_page.mjs NODE_MODULES DIR...: opens DIR/report.html of each results folder (DIR may be a page itself) in
+// headless Chromium, points at every chart and fails if a tooltip is missing, a chart is empty, or the console or the
+// network has anything to say.
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -58,7 +59,7 @@ async function check(browser, folder) {
   page.on("request", (request) => {
     if (!/^(file|data|blob):/.test(request.url())) complaints.add(`request of ${request.url()}`);
   });
-  await page.goto(pathToFileURL(resolve(folder, "report.html")).href);
+  await page.goto(pathToFileURL(folder.endsWith(".html") ? resolve(folder) : resolve(folder, "report.html")).href);
   await page.waitForSelector("body[data-drawn]", { state: "attached" });
   const charts = page.locator(".chart");
   const count = await charts.count();
@@ -71,7 +72,7 @@ async function check(browser, folder) {
     expect(/\d/.test(text), `no tooltip with a value on ${ids[i]}`);
     await page.mouse.move(5, 5);
   }
-  if (ids[0] !== "timeline") await dragEnlargesAllChartsOverTime(page);
+  if (await page.evaluate(() => views.some((v) => v.link === "time"))) await dragEnlargesAllChartsOverTime(page);
   expect(complaints.size === 0, [...complaints].join("\n"));
   console.log(`${folder}: ${ids.join(", ")}`);
   if (process.env.SCREENSHOT) await page.screenshot({ path: resolve(folder, "report.png"), fullPage: true });

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <optional>
 
 #include "common/participant/participant.hpp"
 
@@ -54,6 +56,19 @@ class SpringMass : public Participant {
       a_[i] = a;
     }
   }
+  void load_state(const std::vector<double>& state, FrozenContact contact) override {
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      u_[i] = state[i];
+      v_[i] = state[u_.size() + i];
+    }
+    frozen = contact;
+  }
+  void read_state(std::vector<double>& state, std::vector<double>& scale) override {
+    state.insert(state.end(), u_.begin(), u_.end());
+    state.insert(state.end(), v_.begin(), v_.end());
+    scale.assign(u_.size(), std::sqrt(mass) / setup.window_size_s);
+    scale.resize(2 * u_.size() - missing_scales, std::sqrt(mass));
+  }
   [[nodiscard]] ContactStatus contact_status() const override { return status; }
   void record(std::vector<double>& row) override { row.insert(row.end(), {u_[0], v_[0]}); }
   void write_fields(std::int64_t window) override { fields.push_back(window); }
@@ -63,6 +78,8 @@ class SpringMass : public Participant {
   std::function<void(std::int64_t window, Link& output)> on_advance;  ///< to spoil a window
   ContactStatus status;
   Setup setup;
+  std::optional<FrozenContact> frozen;  ///< of the last `load_state`
+  std::size_t missing_scales = 0;       ///< how many scales `read_state` forgets
   std::vector<std::int64_t> fields;  ///< windows at which result fields were asked for
 
  private:

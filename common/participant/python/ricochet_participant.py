@@ -64,6 +64,14 @@ class Participant:
     def write_fields(self, window):
         pass
 
+    def load_state(self, state, frozen_contact):
+        """With the capability "load_state": see participant.hpp. `frozen_contact`: "open" | "sticking"."""
+        raise RunError("it announces the capability 'load_state' but cannot load a state")
+
+    def read_state(self):
+        """The tuple (state, scale), each a vector: as `load_state` takes it."""
+        raise RunError("it announces the capability 'load_state' but cannot tell its state")
+
     def finish(self):
         pass
 

@@ -7,7 +7,7 @@ from ricochet_wire import VERSION, ProtocolError, RunError, array
 
 ORDER = {  # what the coupler may ask in each state of this end
     "greeting": ["welcome"], "welcomed": ["describe"], "described": ["initialize"], "initialized": ["synchronise"],
-    "ready": ["advance", "synchronise", "finish"], "tried": ["advance", "accept", "synchronise"],
+    "ready": ["advance", "synchronise", "load_state", "read_state", "finish"], "tried": ["advance", "accept", "synchronise"],
 }
 EMPTY = np.zeros((0, 0))
 
@@ -117,6 +117,19 @@ class Session:
         self.accept_window()
         self.state = "ready"
         return self.message("accepted", records=self.records(request["records_requested"]), **self.contact())
+
+    def load_state(self, request):
+        self.require("load_state" in self.description.capabilities, "'load_state', which this participant cannot do")
+        self.require(request["frozen_contact"] in ("open", "sticking"), "an unknown frozen contact")
+        self.require(request["state"].shape == (len(self.participant.read_state()[0]), 1), "a state of another size")
+        self.participant.load_state(request["state"][:, 0], request["frozen_contact"])
+        self.state = "initialized"
+        return self.message("state_loaded")
+
+    def read_state(self, request):
+        self.require("load_state" in self.description.capabilities, "'read_state', which this participant cannot do")
+        state, scale = self.participant.read_state()
+        return self.message("state", state=array(state, 1), state_scale=array(scale, 1))
 
     def finish(self, request):
         if self.setup["fields_every"] > 0 and self.fields_window != self.accepted:

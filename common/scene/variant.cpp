@@ -1,0 +1,106 @@
+#include "common/scene/variant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <toml.hpp>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+#include "common/base/write_file.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> split(const std::string& key) {
+  std::vector<std::string> words;
+  std::istringstream stream(key);
+  for (std::string word; std::getline(stream, word, '.');) words.push_back(word);
+  return words;
+}
+
+/// The table of that `name` in an array of tables (bodies, participants).
+toml::value& named(toml::value& tables, const std::string& name, const Override& change) {
+  std::vector<std::string> names;
+  for (auto& table : tables.as_array()) {
+    if (!table.is_table() || !table.contains("name") || !table.at("name").is_string()) continue;
+    names.push_back(table.at("name").as_string().str);
+    if (names.back() == name) return table;
+  }
+  throw ConfigError(fmt::format("{}: found \"{}\", allowed are {}{}", change.key, name,
+                                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")),
+                                did_you_mean(name, names)));
+}
+
+toml::value to_toml(const std::variant<double, std::string>& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  const double number = std::get<double>(value);
+  // Keys that count want integers, and those that measure take them, too.
+  if (number == std::round(number) && std::abs(number) < 1e15) return static_cast<std::int64_t>(number);
+  return number;
+}
+
+void set(toml::value& root, const Override& change) {
+  const auto words = split(change.key);
+  if (words.size() < 2) {
+    throw ConfigError(fmt::format("found the key \"{}\", allowed: TABLE.KEY as in docs/scene.md, for example "
+                                  "time.step_s or body.NAME.material.youngs_modulus_pa", change.key));
+  }
+  toml::value* at = &root;
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    if (at->is_array()) {
+      at = &named(*at, words[i], change);
+      continue;
+    }
+    if (at->is_table() && !at->contains(words[i])) at->as_table()[words[i]] = toml::table{};
+    if (at->is_table()) at = &at->as_table()[words[i]];
+  }
+  if (!at->is_table()) {
+    throw ConfigError(fmt::format("found the key \"{}\", but \"{}\" is no table; allowed: a key of docs/scene.md",
+                                  change.key, words[words.size() - 2]));
+  }
+  if (change.key == "time.step_s") at->as_table().erase("safety_factor");
+  at->as_table()[words.back()] = to_toml(change.value);
+}
+
+/// Paths that count from the folder of the scene file.
+void make_absolute(toml::value& table, const char* key, const fs::path& folder) {
+  if (!table.is_table() || !table.contains(key) || !table.at(key).is_string()) return;
+  const std::string path = table.at(key).as_string().str;
+  const bool program_on_path = std::string(key) == "executable" && path.find('/') == std::string::npos;
+  if (!program_on_path) table.as_table()[key] = fs::absolute(folder / path).lexically_normal().string();
+}
+
+void keep_paths(toml::value& root, const fs::path& folder) {
+  const auto each = [&root](const char* name, const auto& act) {
+    if (!root.contains(name) || !root.at(name).is_array()) return;
+    for (auto& table : root.at(name).as_array()) act(table);
+  };
+  each("body", [&](toml::value& body) {
+    if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), "gmsh", folder);
+  });
+  each("participant", [&](toml::value& participant) { make_absolute(participant, "executable", folder); });
+}
+
+}  // namespace
+
+void write_variant(const std::string& scene_path, const std::vector<Override>& overrides,
+                   const std::string& out_path) {
+  if (!fs::is_regular_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
+  toml::value root;
+  try {
+    root = toml::parse(scene_path);
+  } catch (const std::exception& error) {
+    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", scene_path, error.what()));
+  }
+  keep_paths(root, fs::absolute(scene_path).parent_path());
+  for (const auto& change : overrides) set(root, change);
+  write_atomically(out_path, toml::format(root, 120, 17));
+}
+
+}  // namespace ricochet::scene

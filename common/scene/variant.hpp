@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ricochet::scene {
+
+/// A key of a scene file set to another value. Bodies and participants go by their names: "time.step_s",
+/// "body.steel.material.youngs_modulus_pa", "partition.implicit_length_m.steel", "coupling.protocol".
+struct Override {
+  std::string key;
+  std::variant<double, std::string> value;
+};
+
+/// Writes the scene file with some keys changed, to be loaded like any other: tables that are missing are added, paths
+/// in it stay valid, a step takes the place of a safety factor. Throws ConfigError if the file cannot be read or
+/// written, or a key leads through something that is no table; keys that no scene has are refused when it is loaded.
+void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,100 @@
+#include "coupler/participants.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "common/base/error.hpp"
+#include "coupler/executable.hpp"
+#include "coupler/run_id.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+void launch(const scene::Scene& scene, const scene::ParticipantSpec& participant, const std::string& executable,
+            const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher) {
+  const std::string bound = listener.endpoint();
+  const bool by_hand = participant.start == scene::Start::by_hand;
+  const std::vector<std::string> arguments = {"--scene",   scene.path,
+                                              "--name",    participant.name,
+                                              "--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound)};
+  if (by_hand) {
+    const std::string shipped =
+        participant.role == scene::Role::implicit_solver ? "implicit_solver" : "explicit_solver";
+    fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", participant.name,
+               scene.coupling.timeout_s, participant.executable.empty() ? shipped : participant.executable,
+               fmt::join(arguments, " "));
+    return;
+  }
+  LaunchRequest request{participant.name, executable, arguments, results.log(participant.name)};
+  request.arguments.emplace_back("--watch-stdin");
+  launcher.launch(request);
+}
+
+}  // namespace
+
+ProtocolSettings protocol_settings(const scene::Coupling& coupling) {
+  static const std::map<scene::Acceleration, Acceleration> accelerations = {
+      {scene::Acceleration::constant, Acceleration::constant},
+      {scene::Acceleration::aitken, Acceleration::aitken},
+      {scene::Acceleration::iqn_ils, Acceleration::iqn_ils}};
+  return {coupling.substeps, accelerations.at(coupling.acceleration), coupling.relaxation, coupling.tolerance,
+          coupling.max_iterations};
+}
+
+std::string role_name(scene::Role role) { return role == scene::Role::implicit_solver ? "implicit" : "explicit"; }
+
+std::vector<std::string> find_executables(const scene::Scene& scene) {
+  std::vector<std::string> paths;
+  for (const auto& participant : scene.participants) {
+    paths.push_back(participant.start == scene::Start::launch ? find_executable(scene, participant) : "");
+  }
+  return paths;
+}
+
+std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene) {
+  std::vector<ExpectedPeer> expected;
+  for (const auto& participant : scene.participants)
+    expected.push_back({participant.name, role_name(participant.role)});
+  return expected;
+}
+
+void launch_participants(const scene::Scene& scene, const std::vector<std::string>& executables,
+                         const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher) {
+  for (std::size_t p = 0; p < executables.size(); ++p) {
+    launch(scene, scene.participants[p], executables[p], results, listener, launcher);
+  }
+}
+
+std::vector<wire::Message> describe_participants(const scene::Scene& scene, Peers& peers) {
+  std::vector<Peer> asked;
+  for (std::size_t p = 0; p < peers.size(); ++p) {
+    asked.push_back(peers.peer(p));
+    wire::Message request;
+    request.kind = wire::Kind::describe;
+    asked.back().post(request);
+  }
+  std::vector<wire::Message> descriptions;
+  for (std::size_t p = 0; p < peers.size(); ++p) {
+    auto& description = descriptions.emplace_back(asked[p].wait());
+    description.participant = peers.name(p);
+    description.role = role_name(scene.participants[p].role);
+  }
+  return descriptions;
+}
+
+void check_exit_codes(const scene::Scene& scene, const Peers& peers, Launcher& launcher) {
+  const double patience_s = std::min(scene.coupling.timeout_s, 10.0);
+  const bool ended = launcher.wait_all(std::chrono::milliseconds(static_cast<long>(1000 * patience_s)));
+  for (std::size_t p = 0; p < peers.size(); ++p) {
+    const auto end = launcher.end_of(peers.name(p));
+    if (!launcher.launched(peers.name(p)) || (end && end->signal == 0 && end->exit_status == 0)) continue;
+    throw ParticipantError(fmt::format("participant '{}' finished its work but {}; see {}", peers.name(p),
+                                       ended && end ? end->text() : "did not end by itself",
+                                       launcher.log_path(peers.name(p))));
+  }
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,19 @@
+#include "coupler/report/libraries.hpp"
+
+#include <fmt/format.h>
+
+#include "coupler/report/assets.hpp"
+#include "coupler/report/text.hpp"
+
+namespace ricochet::report {
+
+std::string libraries_html() {
+  std::string text;
+  for (const std::string library : {"vega", "vega-lite", "vega-embed"}) {
+    text += fmt::format("<script>/*! {}\n{}*/\n{}</script>\n", library, asset(library + ".license"),
+                        inside_script(asset(library + ".js")));
+  }
+  return text;
+}
+
+}  // namespace ricochet::report
