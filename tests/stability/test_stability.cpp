@@ -126,8 +126,49 @@ TEST_P(Edge, IsMeasuredByBisectionToHalfAPercent) {
   EXPECT_EQ(edges, 2) << result.outcome.out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Protocols, Edge, testing::Values("hughes_liu", "kim"),
+INSTANTIATE_TEST_SUITE_P(Protocols, Edge, testing::Values("hughes_liu", "kim", "belytschko_mullen"),
                          [](const auto& test) { return std::string(test.param); });
+
+/// Graded bars, so that the explicit side's limit is its own; with substeps the window may be as many times longer.
+std::string graded_bars(const std::string& protocol, int substeps) {
+  std::string text = with_protocol(config_text("two_bars"), protocol);
+  for (int body = 0; body < 2; ++body) text = replaced(text, "elements = 20 }", "elements = 10, grading = 0.4 }");
+  text = replaced(text, "step_s = 2.226e-6  # Courant number 0.90", "safety_factor = 0.5");
+  return with_key(text, "coupling", "substeps", std::to_string(substeps));
+}
+
+class DualEdge : public testing::TestWithParam<int> {};
+
+TEST_P(DualEdge, IsThatOfTheExplicitSideAloneForEverySubstepping) {
+  TemporaryFolder folder;
+  const auto result = study(folder.write(graded_bars("prakash_hjelmstad", GetParam())), folder,
+                            {"--sweep", "courant=0.3,0.6,0.9,0.999,1.003"});
+  ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
+  ASSERT_EQ(result.rows.size(), 10U);
+  for (const auto& row : result.rows) {
+    EXPECT_EQ(row.at("verdict"), number(row, "courant") < 1.0 ? "stable" : "unstable")
+        << row.at("courant") << " " << row.at("contact") << " " << row.at("growth_per_window");
+    EXPECT_LT(number(row, "resolution"), 1e-4);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Substeps, DualEdge, testing::Values(1, 2, 3, 5, 10));
+
+// Row 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
+TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) {
+  TemporaryFolder folder;
+  for (const int m : {1, 2}) {
+    const std::string scene = folder.write(graded_bars("gravouil_combescure", m));
+    const auto result = study(scene, folder, {"--sweep", "courant=0.5,0.9,1.003"});
+    ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
+    for (const auto& row : result.rows) {
+      const bool stable = number(row, "courant") < 1.0 && (m == 1 || row.at("contact") == "open");
+      EXPECT_EQ(row.at("verdict"), stable ? "stable" : "unstable") << m << " " << row.at("courant") << " " << row.at("contact");
+    }
+    const std::string said = check(scene, folder).out;
+    EXPECT_EQ(said.find("dissipates with substeps > 1") != std::string::npos, m > 1) << said;
+  }
+}
 
 TEST(KimPredicted, IsUnstableBelowTheLimitOfTheOthersAndSaidSo) {
   TemporaryFolder folder;

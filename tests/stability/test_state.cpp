@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/participant/session.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/stability/window_map.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
@@ -75,8 +76,9 @@ class InOneProcess {
     request.window_size_s = problem_.window_size_s;
     request.until_separated_plus_s = -1.0;
     request.last_window = 1'000'000;
-    coupling_->initialize(request);
-    protocol_ = coupler::find_protocol(problem_.scene.coupling.protocol).make({});
+    request.substeps = problem_.scene.coupling.substeps;
+    protocol_ = coupler::find_protocol(problem_.scene.coupling.protocol).make(coupler::protocol_settings(problem_.scene.coupling));
+    protocol_->start(*coupling_, request);
   }
   [[nodiscard]] coupler::LinearMap map(const std::string& contact) {
     return coupler::window_map(*coupling_, *protocol_, contact);
@@ -167,7 +169,8 @@ const std::string friction = "friction_coefficient = 0.2\n";
 const std::string penalty = "enforcement = \"penalty\"\npenalty_pa_m = 1e13\n";
 INSTANTIATE_TEST_SUITE_P(
     All, State,
-    testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "all_implicit", "all_explicit"),
+    testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "all_implicit", "all_explicit",
+                                     "belytschko_mullen", "prakash_hjelmstad", "gravouil_combescure"),
                      testing::Values(Law{"reset", friction}, Law{"frictionless", ""},
                                      Law{"fully_implicit", friction + "multiplier_update = \"fully_implicit\""},
                                      Law{"penalty", friction + penalty},
