@@ -49,6 +49,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
     window.external.setZero(states_[b].part.dofs());
     states_[b].external.at(0.0, window.external);
     window.external_old = window.external;
+    set_shared_columns(b);
   }
   if (problem_.scene.coupling.protocol == "all_explicit" && !problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup.window_size_s);
@@ -111,25 +112,82 @@ void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
     advance_subcycling(static_cast<double>(window - 1) * dt, setup_.substeps, link_input, output);
     return;
   }
-  const double time_s = static_cast<double>(window) * dt;
+  if (!trial_) predict(window);
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < states_.size(); ++b) move_shared(b, link_input, next);
+  interface_force(output);
+}
+
+/// Everything of the window that does not need the link: u of the own nodes, K u with the shared ones where they were, f.
+void ExplicitSolver::predict(std::int64_t window) {
+  const double dt = setup_.window_size_s, time_s = static_cast<double>(window) * dt;
   if (contact_ && !contact_started_) contact_->start(states_);
   contact_started_ = true;
-  std::size_t next = 0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
     auto& w = windows_[b];
-    if (!trial_) {
-      w.internal.swap(w.internal_old);
-      w.external.swap(w.external_old);
-    }
+    w.internal.swap(w.internal_old);
+    w.external.swap(w.external_old);
     w.u = fem::predicted_displacement(state.u, state.v, state.a, dt, fem::beta_explicit);
     state.constrain_displacement(time_s, w.u);
-    take_link(state, link_input, next, w.u);
+    for (const int dof : state.shared_dofs) w.u[dof] = state.u[dof];
     state.stiffness.multiply(w.u, w.internal);
     state.external.at(time_s, w.external);
+    for (std::size_t i = 0; i < w.near_rows.size(); ++i) {
+      w.near_internal[static_cast<Eigen::Index>(i)] = w.internal[w.near_rows[i]];
+    }
   }
   trial_ = true;
-  interface_force(output);
+}
+
+/// u_Gamma of the link, and what it changes of K u.
+void ExplicitSolver::move_shared(std::size_t b, const std::vector<double>& link_input, std::size_t& next) {
+  const auto& state = states_[b];
+  auto& w = windows_[b];
+  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
+    const int dof = state.shared_dofs[i];
+    w.u[dof] = link_input[next++];
+    w.shared_moved[static_cast<Eigen::Index>(i)] = w.u[dof] - state.u[dof];
+  }
+  for (std::size_t i = 0; i < w.near_rows.size(); ++i) {
+    const auto row = static_cast<int>(i);
+    double sum = w.near_internal[row];
+    for (fem::SparseMatrix::InnerIterator it(w.shared_columns, row); it; ++it) sum += it.value() * w.shared_moved[it.col()];
+    w.internal[w.near_rows[i]] = sum;
+  }
+}
+
+void ExplicitSolver::set_shared_columns(std::size_t b) {
+  const auto& state = states_[b];
+  auto& w = windows_[b];
+  std::vector<int> column(static_cast<std::size_t>(state.part.dofs()), -1);
+  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) column[static_cast<std::size_t>(state.shared_dofs[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int row = 0; row < state.part.dofs(); ++row) {
+    const auto before = entries.size();
+    for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
+      const int shared = column[static_cast<std::size_t>(it.col())];
+      if (shared >= 0) entries.emplace_back(static_cast<int>(w.near_rows.size()), shared, it.value());
+    }
+    if (entries.size() > before) w.near_rows.push_back(row);
+  }
+  const auto rows = static_cast<Eigen::Index>(w.near_rows.size()), columns = static_cast<Eigen::Index>(state.shared_dofs.size());
+  w.shared_columns.resize(rows, columns);
+  w.shared_columns.setFromTriplets(entries.begin(), entries.end());
+  w.near_internal.setZero(rows);
+  w.shared_moved.setZero(columns);
+}
+
+void ExplicitSolver::work_ahead() {
+  if (window_ >= setup_.last_window) return;
+  if (driven_by_force()) {
+    if (substep_ > 0) return;  // who asks for single substeps holds no multiplier over the window
+    for (std::size_t b = 0; b < states_.size(); ++b) {
+      subcycled_[b].advance_held(states_[b], static_cast<double>(window_) * setup_.window_size_s, setup_.substeps);
+    }
+    return;
+  }
+  if (!trial_ && !contact_) predict(window_ + 1);
 }
 
 void ExplicitSolver::accept() {
@@ -199,7 +257,10 @@ void ExplicitSolver::record(std::vector<double>& row) {
 
 void ExplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
   solver::load_motion(state, states_);
-  for (auto& window : windows_) window.external.setZero();
+  for (auto& window : windows_) {
+    window.external.setZero();
+    window.external_old = window.external;
+  }
   if (contact_) contact_->freeze(contact);
   contact_started_ = false;  // a_n contains the contact force that closes the gap at n + 1
 }

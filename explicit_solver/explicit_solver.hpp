@@ -33,6 +33,8 @@ class ExplicitSolver final : public participant::Participant {
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                        participant::Link& output) override;
   void accept() override;
+  /// The next window but for what the shared nodes' displacement changes; driven by force, with the multiplier held.
+  void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
@@ -47,6 +49,10 @@ class ExplicitSolver final : public participant::Participant {
     Eigen::VectorXd u;                       ///< trial displacement; after `accept` the one before
     Eigen::VectorXd internal, internal_old;  ///< K u at n + 1 and n
     Eigen::VectorXd external, external_old;  ///< f at n + 1 and n, reactions at constrained dofs included
+    // K u is formed with the shared nodes where they were; their new displacement then changes the rows next to them.
+    std::vector<int> near_rows;
+    fem::SparseMatrix shared_columns;           ///< K: near rows x shared dofs
+    Eigen::VectorXd near_internal, shared_moved;  ///< K u in the near rows before that; by how much they have moved
   };
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
@@ -60,6 +66,9 @@ class ExplicitSolver final : public participant::Participant {
   void interface_force(participant::Link& output) const;
   void find_accelerations(double time_s);
   void account();
+  void set_shared_columns(std::size_t part);
+  void predict(std::int64_t window);
+  void move_shared(std::size_t part, const std::vector<double>& link_input, std::size_t& next);
   void account_interface(std::size_t part, const Eigen::VectorXd& u_old, const Eigen::VectorXd& u_new);
   void update_status();
 
@@ -73,7 +82,7 @@ class ExplicitSolver final : public participant::Participant {
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;
   std::int64_t window_ = 0;
-  bool trial_ = false;          ///< a trial of window_ + 1 exists: the old forces are already set aside
+  bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
   bool contact_started_ = false;  ///< the contact has made the accelerations of the first window
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;

@@ -95,11 +95,15 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
 }
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
-  if (tried_ && state.external.zero()) {
+  if (tried_ && steps == steps_ && state.external.zero()) {
     correct(state, begin_s, force - trial_force_);
   } else {
     run(state, begin_s, steps, force);
   }
+}
+
+void SubcycledWindow::advance_held(const BodyState& state, double begin_s, int steps) {
+  if (!tried_) run(state, begin_s, steps, force_);
 }
 
 /// Adds what acts on a dof while it moves by `moved` in one step.

@@ -25,6 +25,8 @@ class SubcycledWindow {
   void start(solver::BodyState& state, double time_s, const Eigen::VectorXd& force);
   /// Trial of `steps` steps from the accepted `state` on, which began at `begin_s`; `force` at its end.
   void advance(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
+  /// The same with the multiplier held, unless there is a trial already.
+  void advance_held(const solver::BodyState& state, double begin_s, int steps);
   /// Makes the trial final: motion, external work, impulses and interface work into `state`.
   void accept(solver::BodyState& state);
 

@@ -151,8 +151,9 @@ void CondensedFactor::forward(const Eigen::VectorXd& b) {
 
 void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  work_.tail(unknowns - interior_) = x_root;
-  double* w = work_.data();
+  solution_ = work_;  // what `forward` left may be used again
+  solution_.tail(unknowns - interior_) = x_root;
+  double* w = solution_.data();
   for (int j = interior_ - 1; j >= 0; --j) {
     double sum = w[j] / diagonal_[static_cast<std::size_t>(j)];
     const int end = column_[static_cast<std::size_t>(j) + 1];

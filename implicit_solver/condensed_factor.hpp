@@ -21,10 +21,10 @@ class CondensedFactor {
 
   /// Loads b (full length, inactive entries ignored) and eliminates; afterwards root_rhs() holds z.
   void forward(const Eigen::VectorXd& b);
-  [[nodiscard]] Eigen::VectorXd& root_rhs() { return root_rhs_; }
+  [[nodiscard]] const Eigen::VectorXd& root_rhs() const { return root_rhs_; }
   /// S^-1, dense, symmetric, in the order of `root`.
   [[nodiscard]] const Eigen::MatrixXd& root_inverse() const { return root_inverse_; }
-  /// Completes the solve given x_root = S^-1 (z + ...); writes all active entries of x (inactive ones untouched).
+  /// Completes the solve of the last `forward`, as often as wanted, given x_root = S^-1 (z + ...); writes all active entries of x (inactive ones untouched).
   void backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x);
 
   [[nodiscard]] std::size_t factor_entries() const { return values_.size(); }
@@ -34,7 +34,7 @@ class CondensedFactor {
   std::vector<int> dof_of_;          ///< factor order -> dof
   std::vector<int> column_, row_;    ///< strictly lower part of L, by columns; columns of the interior only
   std::vector<double> values_, diagonal_;
-  Eigen::VectorXd work_, root_rhs_;
+  Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +12,11 @@
 #include "common/solver/free_motion.hpp"
 
 namespace ricochet::implicit_solver {
+
+namespace {
+/// Above so many unknowns a dense root no longer pays; the link's force then enters before the elimination.
+constexpr std::size_t largest_root = 1500;
+}  // namespace
 
 using participant::Integration;
 using participant::Link;
@@ -122,9 +128,18 @@ void ImplicitSolver::factorise() {
   }
   a += fem::SparseMatrix(mass.asDiagonal());
   if (interface_stiffness_.size() > 0) add_interface_stiffness(0.25 * dt * dt, a);
-  factor_.emplace(a, active, contact_ ? contact_->root_dofs() : std::vector<int>{});
+  std::vector<int> root = contact_ ? contact_->root_dofs() : std::vector<int>{};
+  link_in_root_ = root.size() + shared_dofs_.size() <= largest_root;
+  for (const int dof : link_in_root_ ? shared_dofs_ : std::vector<int>{}) {
+    const auto found = std::find(root.begin(), root.end(), dof);
+    if (!active[static_cast<std::size_t>(dof)]) continue;
+    shared_roots_.emplace_back(dof, found - root.begin());
+    if (found == root.end()) root.push_back(dof);
+  }
+  factor_.emplace(a, active, root);
   if (!contact_) return;
-  contact_->prepare(factor_->root_inverse(), dt);
+  const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
+  contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt);
   for (const int dof : contact_->root_dofs()) {
     std::size_t part = states_.size() - 1;
     while (dof < offsets_[part]) --part;
@@ -175,6 +190,7 @@ void ImplicitSolver::put_output(const Window& window, Link& output) const {
 void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, Link& output) {
   const double time_s = static_cast<double>(window_) * setup_.window_size_s;
   integration_ = integration;
+  prepared_ = -1;
   take_link(link_input, link_);
   external_force(time_s, external_);
   trial_.increment.setZero();
@@ -210,25 +226,47 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
 void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, Link& output) {
   const double time_s = static_cast<double>(window) * setup_.window_size_s;
   take_link(link_input, trial_.link);
-  external_force(time_s, trial_.external);
   if (integration_ == Integration::implicit_newmark) {
+    if (prepared_ != window) prepare(window);
     advance_implicit(time_s);
   } else {
+    external_force(time_s, trial_.external);
     advance_explicit(time_s);
   }
   put_output(trial_, output);
 }
 
-void ImplicitSolver::advance_implicit(double time_s) {
-  const double dt = setup_.window_size_s, quarter = 0.25 * dt * dt;
+/// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
+void ImplicitSolver::prepare(std::int64_t window) {
+  const double dt = setup_.window_size_s, quarter = 0.25 * dt * dt, time_s = static_cast<double>(window) * dt;
+  external_force(time_s, trial_.external);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
     segment(rhs_, b) = state.mass.cwiseProduct(dt * state.v + quarter * state.a) + quarter * segment(residual_, b);
     if (!state.external.zero()) segment(rhs_, b) += quarter * (segment(trial_.external, b) - segment(external_, b));
   }
-  add_stiffness_force(false, trial_.link);  // S du is in the operator
-  for (const int dof : shared_dofs_) rhs_[dof] -= quarter * (trial_.link[dof] - link_[dof]);
   constrain_increment(time_s);
+  if (link_in_root_) factor_->forward(rhs_);
+  prepared_ = window;
+}
+
+void ImplicitSolver::work_ahead() {
+  const bool due = integration_ == Integration::implicit_newmark && window_ < setup_.last_window && !shared_dofs_.empty();
+  if (due && prepared_ != window_ + 1) prepare(window_ + 1);
+}
+
+void ImplicitSolver::advance_implicit(double time_s) {
+  const double quarter = 0.25 * setup_.window_size_s * setup_.window_size_s;
+  add_stiffness_force(false, trial_.link);  // S du is in the operator
+  if (link_in_root_) {
+    root_rhs_ = factor_->root_rhs();
+    for (const auto& [dof, root] : shared_roots_) root_rhs_[root] -= quarter * (trial_.link[dof] - link_[dof]);
+  } else {
+    rhs_with_link_ = rhs_;
+    for (const int dof : shared_dofs_) rhs_with_link_[dof] -= quarter * (trial_.link[dof] - link_[dof]);
+    factor_->forward(rhs_with_link_);
+    root_rhs_ = factor_->root_rhs();
+  }
   solve_increment();
   add_stiffness_force(true, trial_.link);
   find_rates();
@@ -250,14 +288,14 @@ void ImplicitSolver::constrain_increment(double time_s) {
 }
 
 void ImplicitSolver::solve_increment() {
-  factor_->forward(rhs_);
-  root_increment_.noalias() = factor_->root_inverse() * factor_->root_rhs();
+  root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
   if (contact_) {
     const auto& root = contact_->root_dofs();
     for (std::size_t i = 0; i < root.size(); ++i) trial_.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
     contact_->solve(states_, trial_.increment);
     const double scale = contact_->kappa() * 0.25 * setup_.window_size_s * setup_.window_size_s;
-    root_increment_.noalias() += scale * (factor_->root_inverse() * contact_->root_force());
+    const auto size = static_cast<Eigen::Index>(root.size());
+    root_increment_.noalias() += scale * (factor_->root_inverse().leftCols(size) * contact_->root_force());
   }
   factor_->backward(root_increment_, trial_.increment);
 }

@@ -33,6 +33,8 @@ class ImplicitSolver final : public participant::Participant {
                    participant::Link& output) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::Link& output) override;
   void accept() override;
+  /// The next window's right-hand side and the elimination of everything but contact and shared nodes.
+  void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
@@ -62,6 +64,7 @@ class ImplicitSolver final : public participant::Participant {
   void add_stiffness_force(bool of_increment, Eigen::VectorXd& link);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(const Window& window, participant::Link& output) const;
+  void prepare(std::int64_t window);
   void advance_implicit(double time_s);
   void advance_explicit(double time_s);
   void solve_increment();
@@ -81,7 +84,7 @@ class ImplicitSolver final : public participant::Participant {
   std::vector<int> shared_dofs_;                 ///< combined numbering, interface order
   fem::SparseMatrix stiffness_;                  ///< all parts, block diagonal
   Eigen::VectorXd residual_, external_, link_;   ///< q, f (with reactions) and L of the last accepted window
-  Eigen::VectorXd rhs_, root_increment_, shared_x_, shared_force_;
+  Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
   Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;
@@ -93,6 +96,9 @@ class ImplicitSolver final : public participant::Participant {
     int local;
   };
   std::vector<Root> roots_;
+  std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
+  bool link_in_root_ = true;
+  std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Window trial_;
   participant::Setup setup_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;

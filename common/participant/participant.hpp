@@ -101,6 +101,9 @@ class Participant {
   virtual void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input, Link& output);
   /// Makes the last trial final.
   virtual void accept() = 0;
+  /// Called after an answer has been sent, while the others are at work: do now of the next window what does not depend
+  /// on its link input. Must change no result.
+  virtual void work_ahead() {}
   /// Contact state after the last accepted window (contact owner only).
   [[nodiscard]] virtual ContactStatus contact_status() const { return {}; }
   /// Appends one row of history quantities of the last accepted window, in the order of `record_columns`.

@@ -53,6 +53,7 @@ void converse(Session& session, wire::Channel& channel, const ServeOptions& opti
     channel.receive(request, wire::deadline_in(timeout_s), options.watch_stdin);
     session.add_wait(std::chrono::duration<double>(wire::Clock::now() - begin).count());
     if (session.handle(request, reply)) channel.send(reply);
+    if (!session.over()) session.work_ahead();
   }
 }
 

@@ -105,11 +105,20 @@ bool Session::handle(const Message& request, Message& reply) {
   check_run(request);
   wire::clear(reply);
   const auto begin = Clock::now();
+  finish_window();
   const Kind kind = answer(request, reply);
   note_time(begin);
   if (kind == Kind::finished) put_times(reply);
   send(kind, reply);
   return true;
+}
+
+void Session::work_ahead() {
+  if (!synchronised_) return;
+  const auto begin = Clock::now();
+  finish_window();
+  participant_.work_ahead();
+  note_time(begin);
 }
 
 void Session::welcome(const Message& request) {

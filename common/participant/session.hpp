@@ -29,6 +29,9 @@ class Session {
   /// if the participant's results have the wrong size, SolverError if they are not finite; for a `failure` of the
   /// coupler an Error of its code. After an error only `failure` makes sense.
   bool handle(const wire::Message& request, wire::Message& reply);
+  /// To be called when a reply has been sent: finishes what the reply did not have to wait for (accepting a window that has
+  /// no contact to report, history rows, fields) and lets the participant work ahead. Throws what those throw.
+  void work_ahead();
   /// Fills in the message that tells the coupler why this end stops; ends the conversation.
   void failure(ExitCode code, const std::string& text, wire::Message& message);
 
@@ -68,6 +71,8 @@ class Session {
   void check_advance(const wire::Message& request) const;
   void check_substep(const wire::Message& request) const;
   void accept_trial();
+  void accept();
+  void finish_window();
   void record();
   void write_fields();
   void put_absolute(wire::Array& absolute) const;
@@ -90,6 +95,7 @@ class Session {
   std::int64_t substep_ = 0, accepted_substep_ = 0;  ///< of the trial (0: whole window); of the window under way
   double timeout_s_ = -1.0;
   bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
+  bool synchronised_ = false, accept_due_ = false, record_due_ = false, fields_due_ = false;  ///< put off
   bool moves_ = false;                       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
   std::vector<double> rows_;   ///< history rows not sent yet

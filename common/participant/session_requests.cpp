@@ -118,6 +118,7 @@ void Session::synchronise(const Message& request, Message& reply) {
   link_.set_input(request.link_absolute);
   tried_ = false;
   participant_.synchronise(integration, link_.input(), output_);
+  synchronised_ = true;
   require_output(true);
   link_.set_output(output_.value);
   put_absolute(reply.absolute);
@@ -178,8 +179,10 @@ void Session::advance(const Message& request, Message& reply) {
     link_.send(output_.value, request.absolute_requested, reply.increment, reply.absolute);
     tried_ = true;
     if (request.accept_at_once) accept_trial();
+    if (request.windows > 1) finish_window();
   } while (request.accept_at_once && window_ < last && !contact_.finished);
   put_rates(reply);
+  if (request.records_requested) finish_window();
   put_contact(reply);
   put_records(request.records_requested, reply);
 }
@@ -188,22 +191,35 @@ void Session::accept(const Message& request, Message& reply) {
   require(request.window == window_, "the coupler accepted window {}, the trial was of window {}", request.window,
           window_);
   accept_trial();
+  if (request.records_requested) finish_window();
   put_contact(reply);
   put_records(request.records_requested, reply);
 }
 
+/// Only the contact's state is needed in the reply; everything else can wait until that is on its way.
 void Session::accept_trial() {
-  participant_.accept();
   link_.accept();
   tried_ = false;
+  accept_due_ = true;
   const bool whole = substep_ == 0 || substep_ == setup_.substeps;
   accepted_substep_ = whole ? 0 : substep_;
   if (!whole) return;
   accepted_window_ = window_;
+  record_due_ = window_ % setup_.history_every == 0;
+  fields_due_ = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
+  if (description_.contact_owner) accept();
+}
+
+void Session::accept() {
+  if (!std::exchange(accept_due_, false)) return;
+  participant_.accept();
   contact_ = participant_.contact_status();
-  if (window_ % setup_.history_every == 0) record();
-  const bool due = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
-  if (due) write_fields();
+}
+
+void Session::finish_window() {
+  accept();
+  if (std::exchange(record_due_, false)) record();
+  if (std::exchange(fields_due_, false)) write_fields();
 }
 
 void Session::load_state(const Message& request) {
