@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/scene/protocols.hpp"
 #include "coupler/protocols/protocol.hpp"
 #include "tests/coupler/spring_chain.hpp"
 
@@ -206,6 +208,19 @@ TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   }
   EXPECT_TRUE((middle_1.u.array() == middle_2.u.array()).all());
   EXPECT_GT(middle_1.u.norm(), 0.1);
+}
+
+// What the README says it takes: a file named like it, a line here, a row in the scene's table.
+TEST(Registry, AProtocolIsAFileALineAndARowOfTheSceneTable) {
+  std::vector<std::string> here;
+  for (const auto& entry : protocols()) here.push_back(entry.name);
+  EXPECT_THAT(scene::protocol_names(), testing::UnorderedElementsAreArray(here));
+  for (const auto& entry : protocols()) {
+    if (!entry.coupled) continue;
+    const std::string file = std::string(RICOCHET_SOURCE) + "/coupler/protocols/" + entry.name + ".hpp";
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
+    EXPECT_NE(entry.make({}), nullptr);
+  }
 }
 
 TEST(Registry, UnknownProtocolSuggestsTheNearest) {
