@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -64,14 +65,34 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
                     "implicit partition");
 }
 
-/// Fill-reducing order that keeps the root unknowns last.
-std::vector<int> constrained_order(cholmod_sparse* matrix, const std::vector<int>& group, cholmod_common& common) {
-  std::vector<int> order(group.size());
-  std::vector<int> members = group;
-  if (!cholmod_camd(matrix, nullptr, 0, members.data(), order.data(), &common)) {
-    throw SolverError("CHOLMOD could not order the implicit operator (out of memory?)");
+/// y -= L x, L column-major rows x columns; four columns at a time, so that y is loaded and stored a quarter as often.
+void subtract_product(const double* l, int rows, int columns, const double* x, double* __restrict y) {
+  int c = 0;
+  for (; c + 4 <= columns; c += 4) {
+    const double *l0 = l + static_cast<std::ptrdiff_t>(c) * rows, *l1 = l0 + rows, *l2 = l1 + rows, *l3 = l2 + rows;
+    const double x0 = x[c], x1 = x[c + 1], x2 = x[c + 2], x3 = x[c + 3];
+    for (int i = 0; i < rows; ++i) y[i] -= (l0[i] * x0 + l1[i] * x1) + (l2[i] * x2 + l3[i] * x3);
   }
-  return order;
+  for (; c < columns; ++c) {
+    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * rows;
+    for (int i = 0; i < rows; ++i) y[i] -= l0[i] * x[c];
+  }
+}
+
+/// x -= L^T y. Four sums side by side per column: a fixed order that vectorises.
+void subtract_transposed_product(const double* l, int rows, int columns, const double* y, double* __restrict x) {
+  constexpr int lanes = 8;
+  for (int c = 0; c < columns; ++c) {
+    const double* column = l + static_cast<std::ptrdiff_t>(c) * rows;
+    double sums[lanes] = {};
+    int i = 0;
+    for (; i + lanes <= rows; i += lanes) {
+      for (int k = 0; k < lanes; ++k) sums[k] += column[i + k] * y[i + k];
+    }
+    double sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+    for (; i < rows; ++i) sum += column[i] * y[i];
+    x[c] -= sum;
+  }
 }
 
 }  // namespace
@@ -92,16 +113,14 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   auto& common = cholmod.common;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
-  common.postorder = 0;  // postordering would move the root
+  common.postorder = 0;  // CHOLMOD's own would move the root
   common.supernodal = CHOLMOD_SIMPLICIAL;
   cholmod.matrix = upper_triangle(a, unknown_of, unknowns, common);
 
-  std::vector<int> group(static_cast<std::size_t>(unknowns), 0);
-  for (const int dof : root) group[static_cast<std::size_t>(unknown_of[static_cast<std::size_t>(dof)])] = 1;
-  std::vector<int> order = constrained_order(cholmod.matrix, group, common);
-  for (int k = 0; k < roots; ++k) {  // the root in the caller's order
-    order[static_cast<std::size_t>(interior_ + k)] = unknown_of[static_cast<std::size_t>(root[static_cast<std::size_t>(k)])];
-  }
+  std::vector<int> root_unknowns;
+  for (const int dof : root) root_unknowns.push_back(unknown_of[static_cast<std::size_t>(dof)]);
+  const EliminationOrder plan = elimination_order(cholmod.matrix, root_unknowns, common);
+  std::vector<int> order = plan.order;
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
   cholmod_factorize(cholmod.matrix, cholmod.factor, &common);
   if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
@@ -113,14 +132,9 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   for (int j = 0; j < unknowns; ++j) {  // L D L^T exists for indefinite matrices, too
     if (!(values[start[j]] > 0.0)) refuse_indefinite();
   }
-  column_.push_back(0);
-  for (int j = 0; j < interior_; ++j) {
-    diagonal_.push_back(values[start[j]]);
-    row_.insert(row_.end(), rows + start[j] + 1, rows + start[j + 1]);
-    values_.insert(values_.end(), values + start[j] + 1, values + start[j + 1]);
-    column_.push_back(static_cast<int>(row_.size()));
-  }
+  for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / values[start[j]]);
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);
+  collect_blocks(plan.blocks, start, rows, values);
 
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
@@ -135,16 +149,51 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   root_rhs_.setZero(roots);
 }
 
+void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows,
+                                     const double* values) {
+  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0});
+  std::vector<int> place(dof_of_.size(), 0);
+  for (Block& block : blocks_) {
+    const int last = block.first + block.width - 1;
+    block.rows = start[last + 1] - start[last] - 1;
+    block.first_row = static_cast<int>(row_.size());
+    block.values = values_.size();
+    row_.insert(row_.end(), rows + start[last] + 1, rows + start[last + 1]);
+    for (int k = 0; k < block.rows; ++k) place[static_cast<std::size_t>(rows[start[last] + 1 + k])] = k;
+    const int height = block.width + block.rows;
+    values_.resize(values_.size() + static_cast<std::size_t>(height) * static_cast<std::size_t>(block.width), 0.0);
+    double* triangle = values_.data() + block.values;
+    double* rectangle = triangle + static_cast<std::ptrdiff_t>(block.width) * block.width;
+    for (int c = 0; c < block.width; ++c) {
+      for (int p = start[block.first + c] + 1; p < start[block.first + c + 1]; ++p) {
+        const int row = rows[p];
+        if (row <= last) {
+          triangle[c * block.width + row - block.first] = values[p];
+        } else {
+          rectangle[c * block.rows + place[static_cast<std::size_t>(row)]] = values[p];
+        }
+      }
+    }
+    largest_block_ = std::max(largest_block_, block.rows);
+  }
+  gathered_.setZero(largest_block_);
+}
+
 void CondensedFactor::forward(const Eigen::VectorXd& b) {
   const int unknowns = static_cast<int>(dof_of_.size());
   for (int j = 0; j < unknowns; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
   double* x = work_.data();
-  for (int j = 0; j < interior_; ++j) {
-    const double xj = x[j];
-    const int end = column_[static_cast<std::size_t>(j) + 1];
-    for (int p = column_[static_cast<std::size_t>(j)]; p < end; ++p) {
-      x[row_[static_cast<std::size_t>(p)]] -= values_[static_cast<std::size_t>(p)] * xj;
+  double* y = gathered_.data();
+  for (const Block& block : blocks_) {
+    const double* triangle = values_.data() + block.values;
+    const int* row = row_.data() + block.first_row;
+    double* own = x + block.first;
+    for (int c = 0; c + 1 < block.width; ++c) {
+      for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
     }
+    for (int k = 0; k < block.rows; ++k) y[k] = x[row[k]];
+    subtract_product(triangle + static_cast<std::ptrdiff_t>(block.width) * block.width, block.rows, block.width, own, y);
+    for (int k = 0; k < block.rows; ++k) x[row[k]] = y[k];
   }
   root_rhs_ = work_.tail(unknowns - interior_);
 }
@@ -154,13 +203,18 @@ void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x
   solution_ = work_;  // what `forward` left may be used again
   solution_.tail(unknowns - interior_) = x_root;
   double* w = solution_.data();
-  for (int j = interior_ - 1; j >= 0; --j) {
-    double sum = w[j] / diagonal_[static_cast<std::size_t>(j)];
-    const int end = column_[static_cast<std::size_t>(j) + 1];
-    for (int p = column_[static_cast<std::size_t>(j)]; p < end; ++p) {
-      sum -= values_[static_cast<std::size_t>(p)] * w[row_[static_cast<std::size_t>(p)]];
+  for (int j = 0; j < interior_; ++j) w[j] *= inverse_diagonal_[static_cast<std::size_t>(j)];
+  double* y = gathered_.data();
+  for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block) {
+    const double* triangle = values_.data() + block->values;
+    const int* row = row_.data() + block->first_row;
+    double* own = w + block->first;
+    for (int k = 0; k < block->rows; ++k) y[k] = w[row[k]];
+    subtract_transposed_product(triangle + static_cast<std::ptrdiff_t>(block->width) * block->width, block->rows,
+                                block->width, y, own);
+    for (int c = block->width - 2; c >= 0; --c) {
+      for (int r = c + 1; r < block->width; ++r) own[c] -= triangle[c * block->width + r] * own[r];
     }
-    w[j] = sum;
   }
   for (int j = 0; j < unknowns; ++j) x[dof_of_[static_cast<std::size_t>(j)]] = w[j];
 }

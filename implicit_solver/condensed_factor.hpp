@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/fem/part.hpp"
+#include "implicit_solver/elimination_order.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -24,16 +25,29 @@ class CondensedFactor {
   [[nodiscard]] const Eigen::VectorXd& root_rhs() const { return root_rhs_; }
   /// S^-1, dense, symmetric, in the order of `root`.
   [[nodiscard]] const Eigen::MatrixXd& root_inverse() const { return root_inverse_; }
-  /// Completes the solve of the last `forward`, as often as wanted, given x_root = S^-1 (z + ...); writes all active entries of x (inactive ones untouched).
+  /// Completes the solve of the last `forward`, as often as wanted, given x_root = S^-1 (z + ...); writes all active entries of
+  /// x (inactive ones untouched).
   void backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x);
 
   [[nodiscard]] std::size_t factor_entries() const { return values_.size(); }
 
  private:
+  /// Neighbouring columns of L whose structures are the same but for themselves, dense: a strictly lower triangle
+  /// (width x width, column-major), then a rectangle (rows x width, column-major).
+  struct Block {
+    int first, width;     ///< columns first .. first + width - 1
+    int rows, first_row;  ///< rows below, row_[first_row ...]
+    std::size_t values;   ///< values_[values ...]
+  };
+  void collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows, const double* values);
+
   int interior_ = 0;                 ///< unknowns eliminated before the root
   std::vector<int> dof_of_;          ///< factor order -> dof
-  std::vector<int> column_, row_;    ///< strictly lower part of L, by columns; columns of the interior only
-  std::vector<double> values_, diagonal_;
+  std::vector<Block> blocks_;        ///< of the interior
+  std::vector<int> row_;
+  std::vector<double> values_, inverse_diagonal_;
+  int largest_block_ = 0;
+  Eigen::VectorXd gathered_;         ///< what a block's rows hold
   Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;
 };

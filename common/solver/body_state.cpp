@@ -42,7 +42,11 @@ void BodyState::constrain_displacement(double time_s, Eigen::VectorXd& displacem
 void BodyState::update_momentum() {
   const int components = fem::components(part.mesh.model);
   Eigen::Vector2d sum(0.0, 0.0);
-  for (int dof = 0; dof < part.dofs(); ++dof) sum[dof % components] += mass[dof] * v[dof];
+  using Component = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  for (int c = 0; c < components; ++c) {
+    const Eigen::InnerStride<> stride(components);
+    sum[c] = Component(mass.data() + c, part.nodes(), stride).dot(Component(v.data() + c, part.nodes(), stride));
+  }
   totals.momentum_n_kg_m_s = normal.dot(sum);
   totals.momentum_t_kg_m_s = tangent.dot(sum);
 }
