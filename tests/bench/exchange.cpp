@@ -1,0 +1,92 @@
+#include "tests/bench/exchange.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstddef>
+#include <vector>
+#include <zmq.hpp>
+
+#include "common/base/error.hpp"
+#include "common/wire/codec.hpp"
+
+namespace ricochet::bench {
+namespace {
+
+constexpr int components = 2, warm_up = 200, timeout_ms = 30'000;
+
+/// Bytes of one message of that kind with these arrays filled in.
+std::size_t encoded_bytes(wire::Kind kind, int nodes, const std::vector<wire::Array wire::Message::*>& filled) {
+  wire::Message message;
+  message.kind = kind;
+  message.run_id = "20000101T000000-00000-00000000";
+  for (const auto member : filled) (message.*member).resize(nodes, components);
+  msgpack::sbuffer buffer;
+  wire::encode(message, buffer);
+  return buffer.size();
+}
+
+struct Bytes {
+  std::size_t down = 0, up = 0;  ///< from the coupler, to it
+};
+
+Bytes bytes_of_a_window(int nodes) {
+  using M = wire::Message;
+  return {2 * encoded_bytes(wire::Kind::advance, nodes, {&M::link_increment}),
+          encoded_bytes(wire::Kind::advanced, nodes, {&M::increment}) +
+              encoded_bytes(wire::Kind::advanced, nodes, {&M::increment, &M::velocity_m_s, &M::acceleration_m_s2})};
+}
+
+/// Answers every message until an empty one, or none, comes.
+void answer(const std::string& endpoint, std::size_t bytes) {
+  zmq::context_t context(1);
+  zmq::socket_t socket(context, zmq::socket_type::pair);
+  socket.set(zmq::sockopt::rcvtimeo, timeout_ms);
+  socket.connect(endpoint);
+  const std::vector<std::byte> reply(bytes);
+  zmq::message_t message;
+  while (socket.recv(message) && message.size() > 0) socket.send(zmq::buffer(reply));
+}
+
+}  // namespace
+
+std::string echo_participants(int nodes) {
+  std::string text;
+  for (const char* role : {"explicit", "implicit"}) {
+    text += fmt::format("[[participant]]\nname = \"{0}_{1}\"\nrole = \"{0}\"\nexecutable = \"{2}/echo_participant\"\n",
+                        role, nodes, RICOCHET_BUILD);
+    if (std::string(role) == "explicit") text += "bodies = [\"steel\", \"carbide\"]\n";
+  }
+  return text;
+}
+
+double ping_pong_s(int nodes, int exchanges) {
+  const Bytes bytes = bytes_of_a_window(nodes);
+  const std::string endpoint = fmt::format("ipc://@ricochet-bench-{}-{}", getpid(), nodes);
+  const pid_t child = fork();  // before there is a context: ZeroMQ's threads do not survive a fork
+  if (child < 0) throw ParticipantError("cannot start another process");
+  if (child == 0) {
+    answer(endpoint, bytes.up);
+    _exit(0);
+  }
+  zmq::context_t context(1);
+  zmq::socket_t socket(context, zmq::socket_type::pair);
+  socket.set(zmq::sockopt::rcvtimeo, timeout_ms);
+  socket.bind(endpoint);
+  const std::vector<std::byte> question(bytes.down);
+  zmq::message_t message;
+  auto begin = std::chrono::steady_clock::now();
+  for (int i = -warm_up; i < exchanges; ++i) {
+    if (i == 0) begin = std::chrono::steady_clock::now();
+    socket.send(zmq::buffer(question));
+    if (!socket.recv(message)) throw ParticipantError("the other end of the ping-pong does not answer");
+  }
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+  socket.send(zmq::buffer("", 0));
+  waitpid(child, nullptr, 0);
+  return time.count() / exchanges;
+}
+
+}  // namespace ricochet::bench

@@ -1,0 +1,261 @@
+// bench_kernels: inner loops of both solvers on both bodies of the reference scene, against plain ways to do the same,
+// and what this machine can do at most. The argument of a kernel is the refinement of the 0.5 mm mesh, that of the
+// triad the bytes it touches. Counters: bytes and flops per iteration as the roofline counts them.
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include <Eigen/CholmodSupport>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <type_traits>
+
+#include "common/fem/stiffness_product.hpp"
+#include "common/scene/problem.hpp"
+#include "implicit_solver/condensed_factor.hpp"
+#include "tests/bench/reference_scene.hpp"
+
+#pragma GCC diagnostic ignored "-Wpsabi"  // vectors pass between functions of this file only
+
+namespace ricochet::bench {
+namespace {
+
+using fem::SparseMatrix;
+using ElementStiffness = Eigen::Matrix<double, 8, 8>;
+
+/// One body with K in three forms.
+struct Body {
+  fem::Part part;
+  std::vector<ElementStiffness> element_stiffness;
+  fem::StiffnessProduct product;
+  Eigen::VectorXd u, force;
+};
+
+/// A = M + dt^2/4 K of both bodies, without supports.
+struct ImplicitOperator {
+  SparseMatrix a;
+  std::vector<int> root;  ///< unknowns of the contact nodes
+  Eigen::VectorXd b;
+};
+
+scene::Problem reference_problem(int refinement) {
+  SceneChoice choice;
+  choice.refinement = refinement;
+  choice.protocol = "all_implicit";
+  const auto path = std::filesystem::temp_directory_path() / ("ricochet_kernels_" + std::to_string(getpid()) + ".toml");
+  auto problem = scene::build_problem(scene::load_scene(write_reference_scene(choice, path.string())));
+  std::filesystem::remove(path);
+  return problem;
+}
+
+std::vector<Body> make_bodies(int refinement) {
+  const auto problem = reference_problem(refinement);
+  std::vector<Body> bodies;
+  for (auto& owned : scene::participant_parts(problem, problem.scene.participants.front())) {
+    Body body;
+    body.part = std::move(owned.part);
+    const auto& part = body.part;
+    for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+      body.element_stiffness.emplace_back(
+          fem::element_stiffness(part.section, part.material, fem::element_coordinates(part.mesh, e)));
+    }
+    body.product = fem::StiffnessProduct(part.stiffness, 2);
+    body.u.setRandom(part.dofs());
+    body.force.setZero(part.dofs());
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+std::vector<Body>& bodies_of(int refinement) {
+  static std::map<int, std::vector<Body>> made;
+  if (!made.count(refinement)) made[refinement] = make_bodies(refinement);
+  return made[refinement];
+}
+
+/// Dof of the bodies one after the other -> unknown; -1 on supports.
+std::vector<int> number_unknowns(const scene::Problem& problem) {
+  std::vector<int> unknown_of;
+  int next = 0;
+  for (const auto& body : problem.bodies) {
+    for (const bool fixed : body.fixed_dof) unknown_of.push_back(fixed ? -1 : next++);
+  }
+  return unknown_of;
+}
+
+ImplicitOperator make_operator(int refinement) {
+  const auto problem = reference_problem(refinement);
+  const auto unknown_of = number_unknowns(problem);
+  const double factor = 0.25 * problem.window_size_s * problem.window_size_s;
+  std::vector<Eigen::Triplet<double>> entries;
+  ImplicitOperator result;
+  std::size_t offset = 0;
+  for (const auto& owned : scene::participant_parts(problem, problem.scene.participants.front())) {
+    const auto& part = owned.part;
+    for (int row = 0; row < part.dofs(); ++row) {
+      const int i = unknown_of[offset + static_cast<std::size_t>(row)];
+      if (i < 0) continue;
+      entries.emplace_back(i, i, part.lumped_mass[row / 2]);
+      for (SparseMatrix::InnerIterator it(part.stiffness, row); it; ++it) {
+        const int j = unknown_of[offset + static_cast<std::size_t>(it.col())];
+        if (j >= 0) entries.emplace_back(i, j, factor * it.value());
+      }
+    }
+    for (const auto& pair : problem.contact.pairs) {
+      const auto node = static_cast<std::size_t>(owned.body == problem.contact.body_a ? pair.node_a : pair.node_b);
+      for (const std::size_t dof : {2 * node, 2 * node + 1}) {
+        if (unknown_of[offset + dof] >= 0) result.root.push_back(unknown_of[offset + dof]);
+      }
+    }
+    offset += static_cast<std::size_t>(part.dofs());
+  }
+  const auto unknowns = 1 + *std::max_element(unknown_of.begin(), unknown_of.end());
+  result.a.resize(unknowns, unknowns);
+  result.a.setFromTriplets(entries.begin(), entries.end());
+  result.b.setRandom(unknowns);
+  return result;
+}
+
+const ImplicitOperator& operator_of(int refinement) {
+  static std::map<int, ImplicitOperator> made;
+  if (!made.count(refinement)) made[refinement] = make_operator(refinement);
+  return made[refinement];
+}
+
+/// Made once: a kernel is entered anew for every repetition.
+template <class Solver>
+Solver& factor_of(int refinement) {
+  static std::map<int, std::unique_ptr<Solver>> made;
+  auto& solver = made[refinement];
+  const auto& op = operator_of(refinement);
+  if (solver) return *solver;
+  if constexpr (std::is_constructible_v<Solver, SparseMatrix, std::vector<bool>, std::vector<int>>) {
+    const std::vector<bool> active(static_cast<std::size_t>(op.a.rows()), true);
+    solver = std::make_unique<Solver>(op.a, active, op.root);
+  } else {
+    solver = std::make_unique<Solver>(Eigen::SparseMatrix<double>(op.a));
+  }
+  return *solver;
+}
+
+void stiffness_product(benchmark::State& state) {
+  auto& bodies = bodies_of(static_cast<int>(state.range(0)));
+  double nonzeros = 0.0, dofs = 0.0;
+  for (const auto& body : bodies) {
+    nonzeros += static_cast<double>(body.part.stiffness.nonZeros());
+    dofs += body.part.dofs();
+  }
+  for (auto _ : state) {
+    for (auto& body : bodies) body.product.multiply(body.u, body.force);
+    benchmark::ClobberMemory();
+  }
+  state.counters["bytes"] = 8.0 * nonzeros + 16.0 * dofs;  // K once, u and K u once, no indices
+  state.counters["flops"] = 2.0 * nonzeros;
+}
+
+void sparse_product(benchmark::State& state) {
+  auto& bodies = bodies_of(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    for (auto& body : bodies) body.force.noalias() = body.part.stiffness * body.u;
+    benchmark::ClobberMemory();
+  }
+}
+
+/// The reference of the explicit kernel: stored 8x8 matrices, gather, multiply, scatter.
+void element_by_element(benchmark::State& state) {
+  auto& bodies = bodies_of(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    for (auto& body : bodies) {
+      body.force.setZero();
+      for (std::size_t e = 0; e < body.element_stiffness.size(); ++e) {
+        const auto& nodes = body.part.mesh.elements[e];
+        Eigen::Matrix<double, 8, 1> u;
+        for (int i = 0; i < 4; ++i) u.segment<2>(2 * i) = body.u.segment<2>(2 * nodes[static_cast<std::size_t>(i)]);
+        const Eigen::Matrix<double, 8, 1> force = body.element_stiffness[e] * u;
+        for (int i = 0; i < 4; ++i) {
+          body.force.segment<2>(2 * nodes[static_cast<std::size_t>(i)]) += force.segment<2>(2 * i);
+        }
+      }
+    }
+    benchmark::ClobberMemory();
+  }
+}
+
+void condensed_solve(benchmark::State& state) {
+  const auto refinement = static_cast<int>(state.range(0));
+  auto& factor = factor_of<implicit_solver::CondensedFactor>(refinement);
+  const auto& op = operator_of(refinement);
+  Eigen::VectorXd x = op.b;
+  for (auto _ : state) {
+    factor.forward(op.b);
+    factor.backward(factor.root_inverse() * factor.root_rhs(), x);
+    benchmark::ClobberMemory();
+  }
+  const auto entries = static_cast<double>(factor.factor_entries());
+  state.counters["bytes"] = 2.0 * 8.0 * entries + 32.0 * static_cast<double>(op.b.size());  // L twice, no indices
+  state.counters["flops"] = 4.0 * entries;
+}
+
+template <class Solver>
+void cholmod_solve(benchmark::State& state) {
+  const auto refinement = static_cast<int>(state.range(0));
+  auto& factor = factor_of<Solver>(refinement);
+  const auto& op = operator_of(refinement);
+  Eigen::VectorXd x = op.b;
+  for (auto _ : state) {
+    x = factor.solve(op.b);
+    benchmark::ClobberMemory();
+  }
+}
+
+void triad(benchmark::State& state) {
+  const auto n = static_cast<Eigen::Index>(state.range(0)) / 24;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(n), b = Eigen::VectorXd::Random(n), c = Eigen::VectorXd::Random(n);
+  for (auto _ : state) {
+    a.noalias() = b + 3.0 * c;
+    benchmark::ClobberMemory();
+  }
+  state.counters["bytes"] = 24.0 * static_cast<double>(n);
+}
+
+/// Independent chains of multiply-adds that never leave the registers.
+void multiply_add(benchmark::State& state) {
+  using Vector = double __attribute__((vector_size(64)));
+  constexpr int chains = 12, rounds = 1000, lanes = 8;
+  std::array<Vector, chains> sum{};
+  Vector factor = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, term = factor;
+  benchmark::DoNotOptimize(factor);
+  benchmark::DoNotOptimize(term);
+  for (auto _ : state) {
+    for (int r = 0; r < rounds; ++r) {
+#pragma GCC unroll 12
+      for (std::size_t i = 0; i < chains; ++i) sum[i] = sum[i] * factor + term;
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  state.counters["flops"] = 2.0 * chains * rounds * lanes;
+}
+
+void meshes(benchmark::internal::Benchmark* kernel) {
+  for (const int refinement : {1, 2, 4}) kernel->Arg(refinement);
+}
+
+BENCHMARK(stiffness_product)->Apply(meshes);
+BENCHMARK(sparse_product)->Apply(meshes);
+BENCHMARK(element_by_element)->Apply(meshes);
+BENCHMARK(condensed_solve)->Apply(meshes);
+BENCHMARK_TEMPLATE(cholmod_solve, Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>>)
+    ->Name("cholmod_simplicial")
+    ->Apply(meshes);
+BENCHMARK_TEMPLATE(cholmod_solve, Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>>)
+    ->Name("cholmod_supernodal")
+    ->Apply(meshes);
+BENCHMARK(triad)->RangeMultiplier(4)->Range(1 << 18, 1 << 28);
+BENCHMARK(multiply_add);
+
+}  // namespace
+}  // namespace ricochet::bench
+
+BENCHMARK_MAIN();

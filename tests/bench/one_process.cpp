@@ -1,0 +1,112 @@
+#include "tests/bench/one_process.hpp"
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "common/participant/session.hpp"
+#include "common/scene/check.hpp"
+#include "coupler/participants.hpp"
+#include "coupler/protocols/protocol.hpp"
+#include "coupler/time_loop.hpp"
+#include "explicit_solver/explicit_solver.hpp"
+#include "implicit_solver/implicit_solver.hpp"
+
+namespace ricochet::bench {
+namespace {
+
+/// A solver and its end of the conversation.
+class LocalParticipant {
+ public:
+  LocalParticipant(const scene::Problem& problem, const scene::ParticipantSpec& spec) : spec_(spec) {
+    if (spec.role == scene::Role::implicit_solver) {
+      solver_ = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
+    } else {
+      solver_ = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
+    }
+    session_ = std::make_unique<participant::Session>(*solver_);
+    session_->hello(answer_);
+    wire::Message welcome;
+    welcome.kind = wire::Kind::welcome;
+    welcome.participant = spec.name;
+    welcome.timeout_s = problem.scene.coupling.timeout_s;
+    ask(welcome);
+  }
+  void ask(wire::Message& request) {
+    request.version = wire::protocol_version;
+    request.run_id = "one process";
+    request.sequence = sequence_++;
+    session_->handle(request, answer_);
+  }
+  [[nodiscard]] wire::Message description() {
+    wire::Message request;
+    request.kind = wire::Kind::describe;
+    ask(request);
+    wire::Message description = answer_;
+    description.participant = spec_.name;
+    description.role = coupler::role_name(spec_.role);
+    return description;
+  }
+  [[nodiscard]] coupler::Peer peer() {
+    return {spec_.name, [this](wire::Message& request) { ask(request); },
+            [this]() -> const wire::Message& { return answer_; }};
+  }
+
+ private:
+  scene::ParticipantSpec spec_;
+  std::unique_ptr<participant::Participant> solver_;
+  std::unique_ptr<participant::Session> session_;
+  wire::Message answer_;
+  std::int64_t sequence_ = 0;
+};
+
+coupler::Coupling couple(std::vector<std::unique_ptr<LocalParticipant>>& participants, double window_size_s) {
+  std::vector<wire::Message> descriptions;
+  for (auto& participant : participants) descriptions.push_back(participant->description());
+  coupler::InterfaceMap map(descriptions);
+  std::vector<coupler::Link> links;
+  for (std::size_t p = 0; p < participants.size(); ++p) {
+    links.emplace_back(participants[p]->peer(), descriptions[p], map.rows(p));
+  }
+  return {std::move(links), std::move(map), window_size_s};
+}
+
+wire::Message initialize_request(const scene::Scene& scene, const scene::Plan& plan) {
+  wire::Message request;
+  request.window_size_s = plan.window_size_s;
+  request.protocol = scene.coupling.protocol;
+  request.substeps = scene.coupling.substeps;
+  request.history_every = scene.output.history_every;
+  request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
+  request.separation_windows = scene.coupling.separation_windows;
+  request.last_window = plan.windows;
+  request.timeout_s = scene.coupling.timeout_s;
+  return request;
+}
+
+}  // namespace
+
+double run_in_one_process(const std::string& scene_path) {
+  const auto problem = scene::build_problem(scene::load_scene(scene_path));
+  const auto plan = scene::plan(problem);
+  const auto& scene = problem.scene;
+  std::vector<std::unique_ptr<LocalParticipant>> participants;
+  for (const auto& spec : scene.participants) {
+    participants.push_back(std::make_unique<LocalParticipant>(problem, spec));
+  }
+  auto coupling = couple(participants, plan.window_size_s);
+  const auto& entry = coupler::find_protocol(scene.coupling.protocol);
+  const auto protocol = entry.make(coupler::protocol_settings(scene.coupling));
+  protocol->start(coupling, initialize_request(scene, plan));
+  const coupler::LoopSettings settings{plan.windows, plan.window_size_s, scene.coupling.resynchronise_every,
+                                       entry.coupled, false};
+  coupler::TimeLoop loop(coupling, *protocol, settings, [&coupling](std::int64_t) {
+    for (auto& link : coupling.links()) static_cast<void>(link.take_records());
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  loop.run();
+  const std::chrono::duration<double> stepping = std::chrono::steady_clock::now() - begin;
+  return stepping.count() / static_cast<double>(loop.window());
+}
+
+}  // namespace ricochet::bench

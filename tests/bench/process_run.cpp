@@ -1,0 +1,88 @@
+#include "tests/bench/process_run.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::bench {
+namespace {
+
+std::string file_text(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+[[noreturn]] void become(std::vector<std::string>& command, const std::string& log) {
+  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (file < 0) _exit(126);
+  dup2(file, STDOUT_FILENO);
+  dup2(file, STDERR_FILENO);
+  std::vector<char*> arguments;
+  for (auto& word : command) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(arguments[0], arguments.data());
+  _exit(127);
+}
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> result;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) result.push_back(cell);
+  return result;
+}
+
+/// Change of a column of history.csv from its first row to its last.
+double change(const std::string& path, const std::string& column) {
+  std::ifstream file(path);
+  std::string line, first, last;
+  std::getline(file, line);
+  const auto names = cells(line);
+  const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), column) - names.begin());
+  while (std::getline(file, line)) {
+    if (first.empty()) first = line;
+    last = line;
+  }
+  return std::stod(cells(last).at(index)) - std::stod(cells(first).at(index));
+}
+
+}  // namespace
+
+Usage run_command(std::vector<std::string> command, const std::string& log) {
+  const pid_t child = fork();
+  if (child < 0) throw ParticipantError("cannot start another process");
+  if (child == 0) become(command, log);
+  int status = 0;
+  rusage used{};
+  if (wait4(child, &status, 0, &used) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw ParticipantError(fmt::format("{} failed:\n{}", fmt::join(command, " "), file_text(log)));
+  }
+  return {seconds(used.ru_utime) + seconds(used.ru_stime), 1024.0 * static_cast<double>(used.ru_maxrss)};
+}
+
+SceneRun run_scene(const std::string& scene, int substeps, const std::string& out) {
+  SceneRun run;
+  run.usage = run_command({std::string(RICOCHET_BUILD) + "/ricochet", "run", scene, "--out", out}, out + ".log");
+  const auto summary = nlohmann::json::parse(file_text(out + "/summary.json"));
+  const auto& phases = summary.at("phases");
+  run.window_s = phases.at("stepping_s").get<double>() / summary.at("steps").get<double>();
+  run.step_s = run.window_s / substeps;
+  run.setup_s = phases.at("start_s").get<double>() + phases.at("setup_s").get<double>();
+  run.speed_change_m_s = change(out + "/history.csv", "velocity_mean_steel_m_s");
+  return run;
+}
+
+}  // namespace ricochet::bench

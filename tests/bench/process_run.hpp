@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ricochet::bench {
+
+/// What the kernel counted of a finished command and the processes it waited for.
+struct Usage {
+  double cpu_s = 0.0;              ///< user and system, all processes
+  double largest_process_b = 0.0;  ///< largest resident set of any one of them [bytes]
+};
+
+/// Runs a command to its end, its output in the file `log`. Throws ParticipantError with the log if it fails.
+Usage run_command(std::vector<std::string> command, const std::string& log);
+
+/// What `ricochet run` left and cost.
+struct SceneRun {
+  double window_s = 0.0;  ///< stepping time per window
+  double step_s = 0.0;    ///< stepping time per step of the explicit side
+  double setup_s = 0.0;   ///< start of the processes and set-up of the coupling
+  double speed_change_m_s =
+      0.0;  ///< of the steel body, from its first row to its last: the contact's impulse over mass
+  Usage usage;
+};
+
+/// `substeps`: explicit steps in a window.
+SceneRun run_scene(const std::string& scene, int substeps, const std::string& out);
+
+}  // namespace ricochet::bench

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+namespace ricochet::bench {
+
+/// The reference scene, configs/kim_impact.toml (0.5 mm), refined and shortened.
+struct SceneChoice {
+  int refinement = 1;  ///< elements per element of the 0.5 mm mesh and direction; the step shrinks with them
+  std::string protocol = "hughes_liu";
+  int substeps = 1;  ///< the window is `substeps` steps long
+  long steps = 300;  ///< steps of the explicit side: `steps / substeps` windows
+  std::string transport = "auto";
+  std::string participants;  ///< [[participant]] tables, as text; empty: the shipped ones
+};
+
+/// Two explicit participants, one per body, beside the implicit one.
+[[nodiscard]] std::string two_explicit_participants();
+
+/// Writes the scene to `path`: no fields, history at the start and the end only, no end before the last window. Returns
+/// `path`.
+std::string write_reference_scene(const SceneChoice& choice, const std::string& path);
+
+/// "0.5 mm", "0.25 mm", ...
+[[nodiscard]] std::string mesh_name(int refinement);
+
+}  // namespace ricochet::bench
