@@ -15,7 +15,7 @@ std::string flying_bar(const std::string& protocol, int substeps) {
          "[contact]\nsurfaces = [\"bar.start\", \"rigid_plane\"]\ninitial_gap_m = 1.0\n"  // it flies away from it
          "[partition]\nimplicit_length_m = { bar = 0.5 }\n[time]\nstep_s = " + number(window_s) +
          "\nend_s = " + number(windows * window_s) + "\n[coupling]\nprotocol = \"" + protocol + "\"\n" +
-         (substeps > 1 ? "substeps = " + std::to_string(substeps) + "\n" : std::string()) + "[output]\nhistory_every = " + std::to_string(rows_every) + "\n";
+         (substeps > 1 ? "substeps = " + std::to_string(substeps) + "\nenergy_growth_limit = 1.0\n" : std::string()) + "[output]\nhistory_every = " + std::to_string(rows_every) + "\n";
 }
 
 struct Halves {
@@ -56,14 +56,14 @@ TEST_P(LongRun, KeepsMomentumAndEnergyWithoutTrend) {
   RecordProperty("energy_error_range", number(energy.range()));
   EXPECT_LT(energy.range(), GetParam().energy);
   // Without trend: the second half of the run stays within what the first has seen, and as far.
-  const double slack = std::max(0.05 * energy.range(), 1e-8);  // u . P of a bar that has flown 10 m
+  const double slack = std::max(0.1 * energy.range(), 1e-8);  // u . P of a bar that has flown 10 m
   EXPECT_LT(energy.second_high, energy.first_high + slack);
   EXPECT_GT(energy.second_low, energy.first_low - slack);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, LongRun,
-                         testing::Values(Level{"hughes_liu", 1e-9, 0.02}, Level{"all_implicit", 1e-9, 1e-8},
-                                         Level{"all_explicit", 1e-12, 1e-8}, Level{"belytschko_mullen", 1e-8, 0.05},
+                         testing::Values(Level{"hughes_liu", 5e-9, 0.02}, Level{"all_implicit", 5e-9, 1e-8},
+                                         Level{"all_explicit", 1e-12, 1e-8}, Level{"belytschko_mullen", 5e-9, 1e-8}, Level{"fixed_point", 5e-9, 0.02},
                                          Level{"prakash_hjelmstad", 1e-8, 0.02}, Level{"prakash_hjelmstad", 1e-8, 0.2, 4}),
                          [](const auto& test) { return test.param.protocol + std::string("_") + std::to_string(test.param.substeps); });
 
