@@ -14,6 +14,7 @@
 #include "coupler/run.hpp"
 #include "coupler/stability_study.hpp"
 #include "coupler/starter_scene.hpp"
+#include "coupler/study.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -23,7 +24,7 @@ const char* const exit_codes =
     "            5 the coupling protocol was broken, 130 interrupted (Ctrl-C; 128 + signal).";
 
 struct Arguments {
-  std::string scene, out, name, results;
+  std::string scene, study, out, name, results;
   ContractCommand command;
   std::optional<double> step_s;
   StabilityRequest stability;
@@ -52,8 +53,11 @@ void define(CLI::App& app, Arguments& arguments) {
   stability->add_option("--against", arguments.stability.against,
                         "Other parameter: a key of the scene =LOW:HIGH:COUNT[:log] or =VALUE,VALUE,...");
   stability->add_flag("--edge", arguments.stability.edge, "Bisect the measured edge to 0.5 %");
-  auto* report = app.add_subcommand("report", "Write the charts of a run once more: DIR/report.html");
-  report->add_option("DIR", arguments.results, "Results folder of a run")->required();
+  auto* study = app.add_subcommand("study", "Compute a scene by many methods and settings: error against time");
+  study->add_option("STUDY", arguments.study, "Study file (TOML)")->required();
+  study->add_option("--out", arguments.out, "Results folder; default: out/<name of the study file>")->type_name("DIR");
+  auto* report = app.add_subcommand("report", "Write the charts of a run or a study once more: DIR/report.html");
+  report->add_option("DIR", arguments.results, "Results folder of a run or a study")->required();
   auto* contract = app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
   contract->add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
       ->required();
@@ -120,6 +124,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.got_subcommand("run")) run_scene(arguments.scene, arguments.out);
   if (app.got_subcommand("check")) check_scene(arguments.scene);
   if (app.got_subcommand("stability")) study_stability(arguments.stability);
+  if (app.got_subcommand("study")) run_study(arguments.study, arguments.out);
   if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
   if (app.got_subcommand("check-participant") && !check_contract(arguments)) {

@@ -34,6 +34,9 @@ class CoupledRun {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Processor time of this process and of its children that have ended [s].
+  [[nodiscard]] static double cpu_time_s();
+
   void phases(const std::vector<std::string>& executables);
   void start(const std::vector<std::string>& executables);
   void setup();
@@ -52,6 +55,7 @@ class CoupledRun {
   const ResultsDirectory& results_;
   const ProtocolEntry& protocol_entry_;
   const Clock::time_point begin_ = Clock::now();
+  const double begin_cpu_s_ = cpu_time_s();
   Summary summary_;
   Tally tally_;
   HistoryFile history_file_;

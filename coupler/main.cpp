@@ -1,6 +1,6 @@
 // The `ricochet` command:
-//   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | report DIR | init NAME |
-//            check-participant -- COMMAND ... | --version
+//   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | study STUDY | report DIR |
+//            init NAME | check-participant -- COMMAND ... | --version
 #include <csignal>
 #include <cstdio>
 #include <exception>

@@ -49,14 +49,15 @@ ResultsDirectory::ResultsDirectory(const std::string& path) : path_(fs::absolute
 
 ResultsDirectory::~ResultsDirectory() {
   std::error_code ignored;
-  fs::remove(file("fields"), ignored);  // only if it is empty
+  for (const auto* folder : {"fields", "logs"}) fs::remove(file(folder), ignored);  // only if it is empty
   close(descriptor_);
 }
 
 void ResultsDirectory::remove_former_results() const {
   std::error_code ignored;
   for (const auto* name :
-       {"history.csv", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html"}) {
+       {"history.csv", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html", "results.csv",
+        "study.json"}) {
     fs::remove(file(name), ignored);
   }
   for (const auto* folder : {"fields", "logs", "variants"}) {

@@ -19,21 +19,6 @@ void print_warnings(const scene::Plan& plan) {
   for (const auto& warning : plan.warnings) fmt::print(stderr, "warning: {}\n", warning);
 }
 
-std::string status_of(const std::exception& error) {
-  if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
-  const auto* known = dynamic_cast<const Error*>(&error);
-  switch (known ? known->code() : ExitCode::participant) {
-    case ExitCode::config:
-      return "scene_wrong";
-    case ExitCode::unstable:
-      return "unstable";
-    case ExitCode::protocol:
-      return "protocol_broken";
-    default:
-      return "participant_failed";
-  }
-}
-
 /// False if the page could not be written, which changes nothing about the run.
 bool try_report(const std::string& results) {
   try {
@@ -53,6 +38,33 @@ int exit_code_of(const std::exception& error) {
   return known ? static_cast<int>(known->code()) : 1;
 }
 
+std::string status_of(const std::exception& error) {
+  if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
+  const auto* known = dynamic_cast<const Error*>(&error);
+  switch (known ? known->code() : ExitCode::participant) {
+    case ExitCode::config:
+      return "scene_wrong";
+    case ExitCode::unstable:
+      return "unstable";
+    case ExitCode::protocol:
+      return "protocol_broken";
+    default:
+      return "participant_failed";
+  }
+}
+
+std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
+                          const std::vector<std::string>& executables, const ResultsDirectory& results) {
+  CoupledRun run(problem, plan, results);
+  try {
+    run.run(executables);
+  } catch (const std::exception& error) {
+    run.fail(status_of(error), exit_code_of(error), error.what());
+    throw;
+  }
+  return run.table();
+}
+
 void run_scene(const std::string& scene_path, const std::string& out) {
   const auto problem = scene::build_problem(scene::load_scene(scene_path));
   const auto plan = scene::plan(problem);
@@ -60,18 +72,17 @@ void run_scene(const std::string& scene_path, const std::string& out) {
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out);
-  CoupledRun run(problem, plan, results);
+  std::string table;
   try {
-    run.run(executables);
+    table = compute_scene(problem, plan, executables, results);
   } catch (const std::exception& error) {
-    run.fail(status_of(error), exit_code_of(error), error.what());
     try_report(results.path());
     fmt::print(stderr, "results so far: {}\n", results.path());
     throw;
   }
   const bool reported = try_report(results.path());
   const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
-  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", run.table(),
+  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
              results.path(), fields, reported ? ", report.html" : "");
 }
 

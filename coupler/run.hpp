@@ -2,6 +2,10 @@
 
 #include <exception>
 #include <string>
+#include <vector>
+
+#include "common/scene/check.hpp"
+#include "coupler/results_directory.hpp"
 
 namespace ricochet::coupler {
 
@@ -10,6 +14,15 @@ namespace ricochet::coupler {
 /// and history.csv and summary.json are there once the scene has been accepted. Throws ricochet::Error (its exit code
 /// says what kind) or Interrupted.
 void run_scene(const std::string& scene_path, const std::string& out);
+
+/// What `run_scene` does once the scene is accepted, without report.html and without a word but the progress: one run
+/// into `results`. Returns the table of its end.
+std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
+                          const std::vector<std::string>& executables, const ResultsDirectory& results);
+
+/// Status of a run that an error ended, as in summary.json: "interrupted" | "scene_wrong" | "unstable" |
+/// "participant_failed" | "protocol_broken".
+[[nodiscard]] std::string status_of(const std::exception& error);
 
 /// Exit code of an error that ended a command: see base/error.hpp; 128 + signal if interrupted, 1 for anything else.
 [[nodiscard]] int exit_code_of(const std::exception& error);

@@ -1,5 +1,6 @@
 // The part of CoupledRun that writes down what a run was: times, summary, trace, index of the fields.
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,18 @@
 #include "coupler/coupled_run.hpp"
 
 namespace ricochet::coupler {
+
+double CoupledRun::cpu_time_s() {
+  double sum = 0.0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const auto& time : {usage.ru_utime, usage.ru_stime}) {
+      sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+  }
+  return sum;
+}
 
 void CoupledRun::fail(const std::string& status, int exit_code, const std::string& error) {
   progress_.close();
@@ -69,6 +82,7 @@ void CoupledRun::write_files() {
   progress_.close();
   history_file_.flush();
   summary_.wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+  summary_.cpu_s = cpu_time_s() - begin_cpu_s_;
   if (loop_) {
     summary_.steps = loop_->window();
     summary_.switches = loop_->switches();

@@ -87,7 +87,8 @@ std::vector<std::string> Study::contacts() const {
 
 /// The scene with the column's value and, if given, another step.
 scene::Problem Study::variant(std::size_t column, std::optional<double> step_s) {
-  std::vector<scene::Override> changes{{against_.key, against_.values[column]}};
+  std::vector<scene::Override> changes;
+  std::visit([&](const auto& value) { changes.push_back({against_.key, value}); }, against_.values[column]);
   if (step_s) changes.push_back({"time.step_s", *step_s});
   const std::string path = results_.file(fmt::format("variants/{:04}.toml", ++variants_));
   scene::write_variant(problem_.scene.path, changes, path);

@@ -102,6 +102,7 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"window_size_s", number(s.window_size_s)},
                {"end_time_s", number(static_cast<double>(s.steps) * s.window_size_s)},
                {"wall_s", number(s.wall_s)},
+               {"cpu_s", number(s.cpu_s)},
                {"phases",
                 {{"start_s", number(s.phases.start_s)},
                  {"setup_s", number(s.phases.setup_s)},

@@ -43,6 +43,7 @@ struct Summary {
   std::int64_t steps = 0;    ///< windows computed
   std::int64_t windows = 0;  ///< windows up to the latest end
   double window_size_s = 0, wall_s = 0;
+  double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
   Phases phases;
   std::optional<double> separation_time_s;
   double largest_drift = 0;

@@ -62,6 +62,8 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   const bool bar = problem.scene.model == scene::Model::bar;
   ImpactTheory theory;
   theory.contact_duration_s = a_decides ? transit_a : transit_b;
+  theory.other_body_returns_later = theory.contact_duration_s <= (1 + 1e-9) * (a_decides ? transit_b : transit_a);
+  theory.closing_velocity_m_s = closing;
   theory.body = problem.bodies[a_decides ? a : b].name;
   theory.stress_pa = z_a * z_b / (z_a + z_b) * closing / (bar ? contact.pairs.front().area_m2 : 1.0);
   return theory;

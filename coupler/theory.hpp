@@ -17,6 +17,8 @@ struct ImpactTheory {
   double contact_duration_s = 0.0;  ///< 2L/c
   std::string body;                 ///< whose 2L/c it is
   double stress_pa = 0.0;
+  double closing_velocity_m_s = 0.0;
+  bool other_body_returns_later = false;  ///< else a wave of the other body changes the stress before the end
 };
 
 /// Empty without contact, with a rigid plane, or if the bodies do not approach each other.

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "common/base/names.hpp"
-#include "common/scene/schema.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -17,6 +16,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Nothing in SI units of this field is as large; toml11 turns an overflowing literal into the largest double.
 constexpr double largest_number = 1e100;
+
+}  // namespace
 
 std::string value_text(const toml::value& value) {
   switch (value.type()) {
@@ -29,8 +30,6 @@ std::string value_text(const toml::value& value) {
     default: return "a date or time";
   }
 }
-
-}  // namespace
 
 bool Range::contains(double x) const {
   return (low_included ? x >= low : x > low) && (high_included ? x <= high : x < high);
@@ -61,7 +60,7 @@ std::string one_of(const std::vector<std::string>& allowed) {
 TableReader::TableReader(const toml::value& value, std::string kind, std::string path, Context context)
     : value_(&value), kind_(std::move(kind)), path_(std::move(path)), context_(std::move(context)) {
   if (!value.is_table()) fail(value, path_, value_text(value), "a table");
-  const std::vector<std::string>& known = schema().at(kind_);
+  const std::vector<std::string>& known = context_.schema->at(kind_);
   std::map<std::pair<std::size_t, std::string>, const toml::value*> unknown;  // the first in the file is reported
   for (const auto& [key, entry] : value.as_table())
     if (std::find(known.begin(), known.end(), key) == known.end()) unknown[{entry.location().line(), key}] = &entry;
@@ -86,7 +85,7 @@ std::string TableReader::full(const std::string& key) const {
 bool TableReader::has(const std::string& key) const { return value_->contains(key); }
 
 const toml::value* TableReader::take(const std::string& key) {
-  const std::vector<std::string>& known = schema().at(kind_);
+  const std::vector<std::string>& known = context_.schema->at(kind_);
   if (std::find(known.begin(), known.end(), key) == known.end())
     throw std::logic_error("schema of " + kind_ + " lacks " + key);
   taken_.insert(key);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/scene/schema.hpp"
 
 namespace ricochet::scene {
 
@@ -23,14 +24,16 @@ struct Range {
 [[nodiscard]] Range above(double low);
 [[nodiscard]] Range at_least(double low);
 
-/// One table of a scene file, read strictly. Keys that its kind (see schema.hpp) does not know are refused when it is
-/// opened; each getter checks type and range; every error is a ConfigError that shows file, line, key, what was found,
-/// what is allowed, the nearest known name, and the underlined source. `lines` collects the line of each key read.
+/// One table of a scene file, or of a file with another schema, read strictly. Keys that its kind (see schema.hpp) does
+/// not know are refused when it is opened; each getter checks type and range; every error is a ConfigError that shows
+/// file, line, key, what was found, what is allowed, the nearest known name, and the underlined source. `lines` collects
+/// the line of each key read.
 class TableReader {
  public:
   struct Context {
     std::string file;
     std::map<std::string, int>& lines;
+    const Schema* schema = &scene_schema();
   };
 
   /// `path` is the key of the table itself ("body.steel.mesh"), empty for the whole file.
@@ -69,6 +72,9 @@ class TableReader {
   [[nodiscard]] std::map<std::string, std::vector<std::string>> texts_by_name(const std::string& key,
                                                                               const std::vector<std::string>& allowed);
 
+  /// The value of a key as it stands, for tables whose keys are not known beforehand; null if it is not there.
+  [[nodiscard]] const toml::value* open(const std::string& key) { return take(key); }
+
   /// Refuses `key`, if it is there, unless `condition`: "allowed: only with `needs`".
   void only_if(bool condition, const std::string& key, const std::string& needs);
   /// Every key of the table must have been asked for: a loader that forgets one is a bug (std::logic_error).
@@ -77,6 +83,9 @@ class TableReader {
   [[nodiscard]] const std::string& path() const { return path_; }
   /// ConfigError about a key that is there.
   [[noreturn]] void refuse(const std::string& key, const std::string& found, const std::string& allowed) const;
+  /// The same for a value below one that was opened: `key` is its whole name.
+  [[noreturn]] void fail(const toml::value& at, const std::string& key, const std::string& found,
+                         const std::string& allowed) const;
   /// ConfigError about a key that is not there, or the table as a whole.
   [[noreturn]] void missing(const std::string& key, const std::string& allowed) const;
 
@@ -84,8 +93,6 @@ class TableReader {
   const toml::value* take(const std::string& key);
   const toml::value& need(const std::string& key, const std::string& allowed);
   [[nodiscard]] std::string full(const std::string& key) const;
-  [[noreturn]] void fail(const toml::value& at, const std::string& key, const std::string& found,
-                         const std::string& allowed) const;
   [[nodiscard]] double to_number(const toml::value& value, const std::string& key, const Range& range) const;
   [[nodiscard]] int to_integer(const toml::value& value, const std::string& key, int low, int high) const;
   [[nodiscard]] const std::string& to_text(const toml::value& value, const std::string& key) const;
@@ -109,6 +116,9 @@ T TableReader::choice(const std::string& key, const std::vector<std::pair<std::s
     if (text == found) return value;
   return otherwise;
 }
+
+/// How errors show a value: "an array of 2", "\"text\"", "1.5".
+[[nodiscard]] std::string value_text(const toml::value& value);
 
 /// `"a", "b" or "c"`.
 [[nodiscard]] std::string one_of(const std::vector<std::string>& allowed);

@@ -2,8 +2,8 @@
 
 namespace ricochet::scene {
 
-const std::map<std::string, std::vector<std::string>>& schema() {
-  static const std::map<std::string, std::vector<std::string>> tables{
+const Schema& scene_schema() {
+  static const Schema tables{
       {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",

@@ -37,12 +37,18 @@ toml::value& named(toml::value& tables, const std::string& name, const Override&
                                 did_you_mean(name, names)));
 }
 
-toml::value to_toml(const std::variant<double, std::string>& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  const double number = std::get<double>(value);
+toml::value to_toml(double number) {
   // Keys that count want integers, and those that measure take them, too.
   if (number == std::round(number) && std::abs(number) < 1e15) return static_cast<std::int64_t>(number);
   return number;
+}
+
+toml::value to_toml(const decltype(Override::value)& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* number = std::get_if<double>(&value)) return to_toml(*number);
+  toml::array list;
+  for (const double number : std::get<std::vector<double>>(value)) list.push_back(to_toml(number));
+  return list;
 }
 
 void set(toml::value& root, const Override& change) {

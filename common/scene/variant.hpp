@@ -7,10 +7,11 @@
 namespace ricochet::scene {
 
 /// A key of a scene file set to another value. Bodies and participants go by their names: "time.step_s",
-/// "body.steel.material.youngs_modulus_pa", "partition.implicit_length_m.steel", "coupling.protocol".
+/// "body.steel.material.youngs_modulus_pa", "body.steel.mesh.elements" (a list in two dimensions),
+/// "partition.implicit_length_m.steel", "coupling.protocol".
 struct Override {
   std::string key;
-  std::variant<double, std::string> value;
+  std::variant<double, std::string, std::vector<double>> value;
 };
 
 /// Writes the scene file with some keys changed, to be loaded like any other: tables that are missing are added, paths

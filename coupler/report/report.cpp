@@ -12,6 +12,7 @@
 #include "coupler/report/history_table.hpp"
 #include "coupler/report/libraries.hpp"
 #include "coupler/report/quantity.hpp"
+#include "coupler/report/study_page.hpp"
 #include "coupler/report/summary_page.hpp"
 #include "coupler/report/text.hpp"
 #include "coupler/report/timeline.hpp"
@@ -103,6 +104,10 @@ std::string page_of(const std::filesystem::path& folder) {
 
 std::string write_report(const std::string& directory) {
   const auto path = (std::filesystem::path(directory) / "report.html").string();
+  if (std::filesystem::exists(std::filesystem::path(directory) / "study.json")) {
+    write_atomically(path, study_page(directory));
+    return path;
+  }
   try {
     write_atomically(path, page_of(directory));
   } catch (const Json::exception& error) {

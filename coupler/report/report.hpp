@@ -5,8 +5,8 @@
 namespace ricochet::report {
 
 /// `ricochet report DIR`: writes DIR/report.html, one page without references to the network, from history.csv,
-/// summary.json and, where it exists, trace.json of a run, finished or not; returns its path.
-/// Throws ConfigError if a file is missing or wrong, or the page cannot be written.
+/// summary.json and, where it exists, trace.json of a run, finished or not, or from results.csv and study.json of a
+/// study; returns its path. Throws ConfigError if a file is missing or wrong, or the page cannot be written.
 std::string write_report(const std::string& directory);
 
 }  // namespace ricochet::report

@@ -58,7 +58,7 @@ std::string section(const std::string& page, const std::string& table) {
 
 TEST(SceneDocs, EveryKeyStandsInItsTable) {
   const std::string page = read(RICOCHET_SOURCE "/docs/scene.md");
-  for (const auto& [table, keys] : schema()) {
+  for (const auto& [table, keys] : scene_schema()) {
     const std::string text = section(page, table);
     for (const std::string& key : keys) EXPECT_THAT(text, testing::HasSubstr("\n| `" + key + "` |")) << table;
     EXPECT_EQ(std::ranges::count(text, '`') % 2, 0) << table;

@@ -50,6 +50,15 @@ TEST_F(Variant, ChangesNumbersAndWordsAndNothingElse) {
   EXPECT_EQ(after.bodies[0].initial_velocity_m_s, before.bodies[0].initial_velocity_m_s);
 }
 
+TEST_F(Variant, ChangesLists) {
+  const Scene after = load(config("kim_impact"), {{"body.steel.mesh.elements", std::vector<double>{4, 64}},
+                                                  {"body.carbide.initial_velocity_m_s", std::vector<double>{0, -1.5}}});
+  const auto& mesh = std::get<StructuredMesh>(after.bodies[0].mesh);
+  EXPECT_EQ(mesh.elements_across, 4);
+  EXPECT_EQ(mesh.elements_along, 64);
+  EXPECT_EQ(after.bodies[1].initial_velocity_m_s[1], -1.5);
+}
+
 TEST_F(Variant, OfEveryConfigBuildsTheSameProblem) {
   int configs = 0;
   for (const auto& entry : fs::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs")) {

@@ -1,0 +1,103 @@
+#include "coupler/study_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace ricochet::coupler {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+std::vector<double> all_of(const std::vector<Cost>& costs, double Cost::*part) {
+  std::vector<double> values;
+  for (const auto& cost : costs) values.push_back(cost.*part);
+  return values;
+}
+
+/// A cell of a CSV file (RFC 4180).
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    quoted += c;
+    if (c == '"') quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; }
+
+}  // namespace
+
+std::string label_of(const StudyRow& row) {
+  std::string text = row.method;
+  for (const auto& setting : row.settings) text += fmt::format(" {}={}", setting.key, text_of(setting));
+  return text;
+}
+
+std::vector<std::string> varied_keys(const StudyFile& file) {
+  std::vector<std::string> all;
+  for (const auto& variation : file.variations) all.insert(all.end(), variation.keys.begin(), variation.keys.end());
+  return all;
+}
+
+std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
+  std::string text = "method";
+  const auto add = [&text](const std::string& value) { text.append(",").append(value); };
+  for (const auto& key : varied_keys(file)) add(key);
+  text += ",status";
+  for (const auto& quantity : file.quantities) add("error_" + quantity);
+  text += ",wall_s,wall_min_s,wall_max_s,start_s,setup_s,stepping_s,cpu_s,repeats,steps,step_s,run,error\n";
+  for (const auto& row : rows) {
+    text += row.method;
+    for (const auto& setting : row.settings) add(cell(text_of(setting)));
+    add(row.run.status());
+    for (const auto& error : row.errors) add(cell(error));
+    const auto& costs = row.run.costs();
+    if (costs.empty()) {
+      text += ",,,,,,,";
+    } else {
+      const auto wall = all_of(costs, &Cost::wall_s);
+      text += fmt::format(",{:.6g},{:.6g},{:.6g}", median(wall), *std::min_element(wall.begin(), wall.end()),
+                          *std::max_element(wall.begin(), wall.end()));
+      for (const auto part : {&Cost::start_s, &Cost::setup_s, &Cost::stepping_s, &Cost::cpu_s}) {
+        text += fmt::format(",{:.6g}", median(all_of(costs, part)));
+      }
+    }
+    text += fmt::format(",{},{},{:.17g},{},{}\n", row.run.repeats(), row.run.steps(), row.run.step_s(),
+                        std::filesystem::path(row.run.folder()).filename().string(), cell(row.run.error()));
+  }
+  return text;
+}
+
+std::string to_table(const StudyFile& file, const std::vector<StudyRow>& rows) {
+  std::size_t width = 6;
+  for (const auto& row : rows) width = std::max(width, label_of(row).size());
+  std::string text = fmt::format("{:<{}} {:>9} {:>9} {:>9}", "run", width, "wall s", "steps s", "CPU s");
+  for (const auto& quantity : file.quantities)
+    text += fmt::format(" {:>{}}", quantity, std::max<std::size_t>(9, quantity.size()));
+  text += "\n";
+  for (const auto& row : rows) {
+    if (row.run.failed() || row.run.repeats() == 0) {
+      text += fmt::format("{:<{}} {}: {}\n", label_of(row), width, row.run.status(), row.run.error());
+      continue;
+    }
+    const auto& costs = row.run.costs();
+    text += fmt::format("{:<{}} {:>9.3f} {:>9.3f} {:>9.3f}", label_of(row), width, median(all_of(costs, &Cost::wall_s)),
+                        median(all_of(costs, &Cost::stepping_s)), median(all_of(costs, &Cost::cpu_s)));
+    for (std::size_t q = 0; q < row.errors.size(); ++q) {
+      text += fmt::format(" {:>{}}", row.errors[q] ? fmt::format("{:.2e}", *row.errors[q]) : "-",
+                          std::max<std::size_t>(9, file.quantities[q].size()));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,310 @@
+// Studies: the file, the measures of error, the key of a run, the Pareto front.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "coupler/report/csv_table.hpp"
+#include "coupler/report/study_page.hpp"
+#include "coupler/study_case.hpp"
+#include "coupler/study_file.hpp"
+#include "coupler/study_measures.hpp"
+#include "tests/support/scene_file.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string bars = std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml";
+
+std::string good_study() {
+  return "scene = \"" + bars + R"("
+methods = ["kim", "all_implicit"]
+quantities = ["peak_force"]
+[[vary]]
+time.step_s = [2e-6, 1e-6]
+body.left.mesh.elements = [10, 20]
+[[vary]]
+"contact.enforcement" = ["penalty"]
+[reference]
+protocol = "all_explicit"
+changes = { time.step_s = 1e-7 }
+refine = { time.step_s = 5e-8 }
+)";
+}
+
+TEST(StudyFile, ReadsMethodsVariationsAndReference) {
+  const test::TemporaryFolder folder;
+  const auto study = load_study(folder.write(good_study(), "study.toml"));
+  EXPECT_EQ(study.scene, bars);
+  EXPECT_THAT(study.methods, ElementsAre("kim", "all_implicit"));
+  EXPECT_EQ(study.repeats, 1);
+  ASSERT_EQ(study.variations.size(), 2U);
+  EXPECT_THAT(study.variations[0].keys, ElementsAre("time.step_s", "body.left.mesh.elements"));
+  EXPECT_EQ(study.reference.changes.size(), 2U) << "and the protocol";
+  const auto all = combinations(study.variations);
+  ASSERT_EQ(all.size(), 2U) << "keys of one table go together, tables multiply";
+  EXPECT_EQ(text_of(all[1][0]), "1e-06");
+  EXPECT_EQ(text_of(all[1][1]), "20");
+  EXPECT_EQ(text_of(all[1][2]), "penalty");
+}
+
+TEST(StudyFile, ListsOfNumbersAreValues) {
+  const test::TemporaryFolder folder;
+  const auto text =
+      test::replaced(good_study(), "body.left.mesh.elements = [10, 20]", "body.left.mesh.elements = [[1, 2], [3, 4]]");
+  const auto study = load_study(folder.write(text, "study.toml"));
+  EXPECT_EQ(text_of(study.variations[0].settings[1][1]), "3 4");
+}
+
+TEST(StudyFile, TheShippedOnesLoad) {
+  int studies = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs/studies")) {
+    const auto study = load_study(entry.path().string());
+    EXPECT_FALSE(combinations(study.variations).empty());
+    ++studies;
+  }
+  EXPECT_GE(studies, 2);
+}
+
+TEST(StudyFile, WithoutVariationsThereIsOneCombination) { EXPECT_EQ(combinations({}).size(), 1U); }
+
+/// One edit that spoils the study, the line that the error names and what it says.
+struct Wrong {
+  std::string name, from, to;
+  int line;
+  std::vector<std::string> says;
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.name; }
+
+class WrongStudy : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongStudy, IsRefusedWithPlaceFoundAndAllowed) {
+  const auto& wrong = GetParam();
+  const test::TemporaryFolder folder;
+  const std::string path = folder.write(test::replaced(good_study(), wrong.from, wrong.to), "study.toml");
+  try {
+    (void)load_study(path);
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    if (wrong.line > 0) {
+      EXPECT_THAT(text, StartsWith(path + ":" + std::to_string(wrong.line) + ": "));
+    }
+    for (const auto& part : wrong.says) EXPECT_THAT(text, HasSubstr(part));
+    EXPECT_THAT(text, HasSubstr("allowed:"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Edits, WrongStudy,
+    testing::Values(
+        Wrong{"syntax", "methods = [", "methods = ", 0, {"not a TOML file"}},
+        Wrong{"unknown_key", "quantities", "quantitys", 3, {"quantitys", "did you mean \"quantities\"?"}},
+        Wrong{"no_scene", "/two_bars.toml", "/three_bars.toml", 1, {"scene: found no file", "three_bars.toml"}},
+        Wrong{"unknown_method", "\"kim\"", "\"kin\"", 2, {"methods: found \"kin\"", "did you mean \"kim\"?"}},
+        Wrong{"method_twice", "\"all_implicit\"", "\"kim\"", 2, {"\"kim\" twice"}},
+        Wrong{"unknown_quantity", "peak_force", "peak_farce", 3, {"did you mean \"peak_force\"?"}},
+        Wrong{"unknown_scene_key",
+              "time.step_s = [2",
+              "time.stepp_s = [2",
+              5,
+              {"vary[0]", "\"stepp_s\" in the key time.stepp_s", "did you mean \"step_s\"?"}},
+        Wrong{"unknown_scene_table", "\"contact.enf", "\"contacts.enf", 8, {"vary[1]", "did you mean \"contact\"?"}},
+        Wrong{"table_of_scene", "\"contact.enforcement\"", "contact", 8, {"the table \"contact\"", "\"enforcement\""}},
+        Wrong{"no_list", "[2e-6, 1e-6]", "2e-6", 5, {"vary[0].time.step_s", "found 2e-06", "a list"}},
+        Wrong{"unequal_lists", "[10, 20]", "[10, 20, 30]", 6, {"3 values", "2, as many as time.step_s"}},
+        Wrong{"key_twice",
+              "\"contact.enforcement\" = [\"penalty\"]",
+              "time.step_s = [1e-7]",
+              7,
+              {"time.step_s a second time"}},
+        Wrong{"protocol_varied",
+              "\"contact.enforcement\" = [\"penalty\"]",
+              "coupling.protocol = [\"kim\"]",
+              8,
+              {"the protocol", "methods = "}},
+        Wrong{"value_no_number", "[\"penalty\"]", "[true]", 8, {"found true", "a number, a text or a list"}},
+        Wrong{"vary_no_tables", "[[vary]]\ntime", "[other]\ntime", 4, {"unknown key \"other\""}},
+        Wrong{"no_refinement", "refine = { time.step_s = 5e-8 }", "", 9, {"reference.refine", "refinement"}},
+        Wrong{"no_reference", "[reference]", "[refrence]", 9, {"did you mean \"reference\"?"}},
+        Wrong{"exact_and_computed",
+              "protocol = \"all_explicit\"",
+              "exact = \"impedance_theory\"",
+              11,
+              {"reference.changes", "only with a computed reference"}},
+        Wrong{"unknown_exact", "protocol = \"all_explicit\"", "exact = \"theory\"", 10, {"\"impedance_theory\""}}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(StudyFile, RefusesAMissingAndAnEmptyFile) {
+  const test::TemporaryFolder folder;
+  EXPECT_THROW((void)load_study((folder.path() / "none.toml").string()), ConfigError);
+  EXPECT_THROW((void)load_study(folder.write("", "empty.toml")), ConfigError);
+  EXPECT_THROW((void)load_study(folder.write(test::replaced(good_study(), "methods", "repeats = 0\nmethods"))),
+               ConfigError);
+}
+
+/// A force and pressure of 1 from 0 to 10 s, sampled so that the jumps are where they should be.
+Observation plateau(double pressure) {
+  report::HistoryTable history;
+  history.names = {"time_s",
+                   "contact_force_n",
+                   "contact_pressure_mean_pa",
+                   "principal_stress_mean_pa",
+                   "velocity_mean_a_m_s",
+                   "velocity_mean_b_m_s"};
+  history.columns.resize(history.names.size());
+  for (int i = 0; i <= 12; ++i) {
+    const double p = i >= 1 && i <= 11 ? pressure : 0.0, v = i < 6 ? 4.0 : -pressure;
+    const double row[] = {double(i), 2.0 * p, p, -p, v, 0.0};
+    for (std::size_t c = 0; c < history.columns.size(); ++c) history.columns[c].push_back(row[c]);
+  }
+  return observe(history, {{"peak_contact_force_n", 2.0 * pressure},
+                           {"separation_time_s", 11.5 + 0.1 * pressure},
+                           {"energy_error_max", 0.01 * pressure}});
+}
+
+TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
+  const auto reference = plateau(1.0), run = plateau(1.25);
+  EXPECT_EQ(reference.contact_begin_s, 1.0);
+  EXPECT_EQ(reference.contact_end_s, 11.0);
+  EXPECT_NEAR(*error_of("contact_pressure", run, reference), 0.25, 1e-12) << "the same difference at all times";
+  EXPECT_NEAR(*error_of("principal_stress", run, reference), 0.25, 1e-12) << "relative to |plateau|";
+  EXPECT_NEAR(*error_of("peak_force", run, reference), 0.25, 1e-12);
+  EXPECT_NEAR(*error_of("separation_time", run, reference), 0.025 / 10.0, 1e-12) << "over the contact period";
+  EXPECT_NEAR(*error_of("rebound_velocity", run, reference), 0.25 / 4.0, 1e-12) << "over the greatest speed";
+  EXPECT_NEAR(*error_of("energy_drift", run, reference), 0.0125, 1e-12) << "of the run alone";
+  for (const auto& quantity : quantity_names()) {
+    if (quantity != "energy_drift") {
+      EXPECT_EQ(*error_of(quantity, reference, reference), 0.0) << quantity;
+    }
+  }
+}
+
+TEST(StudyMeasures, RmsOfARampIsExact) {
+  Observation reference, run;
+  reference.contact_end_s = run.contact_end_s = 3.0;
+  reference.contact_pressure_pa = {{0.0, 3.0}, {2.0, 2.0}};
+  run.contact_pressure_pa = {{-1.0, 1.0, 2.0, 7.0}, {2.0, 2.0, 2.0, 12.0}};  // 2 (t - 2) above from t = 2 on
+  // integral of 4 s^2 over 0..1, over 3, is 4/9
+  EXPECT_NEAR(*error_of("contact_pressure", run, reference), std::sqrt(4.0 / 9.0) / 2.0, 1e-6);
+}
+
+TEST(StudyMeasures, WhatIsNotThereHasNoError) {
+  const auto reference = plateau(1.0);
+  Observation none = plateau(0.0);
+  none.separation_time_s.reset();
+  EXPECT_EQ(none.contact_begin_s, none.contact_end_s);
+  EXPECT_FALSE(error_of("separation_time", none, reference));
+  EXPECT_FALSE(error_of("contact_pressure", reference, none)) << "a reference without contact";
+  EXPECT_NEAR(*error_of("contact_pressure", none, reference), 1.0, 1e-12);
+}
+
+TEST(ExactImpact, OfTwoBarsIsThatOfTheScenesHead) {
+  const auto exact = exact_impact(scene::build_problem(scene::load_scene(bars)));
+  EXPECT_NEAR(exact.contact_begin_s, 49.456e-6, 1e-9);
+  EXPECT_NEAR(*exact.separation_time_s, 148.393e-6, 1e-9);
+  EXPECT_NEAR(*exact.peak_force_n, 1.33453e5, 1.0);
+  EXPECT_NEAR(exact.contact_pressure_pa.at(1e-4) * 6.4516e-4, 1.33453e5, 1.0);
+  EXPECT_EQ(exact.contact_pressure_pa.at(4e-5), 0.0);
+  EXPECT_EQ(exact.contact_pressure_pa.at(1.6e-4), 0.0);
+  EXPECT_EQ(exact.principal_stress_pa.at(1e-4), exact.contact_pressure_pa.at(1e-4))
+      << "positive in compression, as in histories";
+  ASSERT_EQ(exact.rebound_velocity_m_s.size(), 2U);
+  EXPECT_NEAR(exact.rebound_velocity_m_s[0], -5.13588, 1e-9);
+  EXPECT_NEAR(exact.rebound_velocity_m_s[1], 5.13588, 1e-9);
+}
+
+TEST(ExactImpact, OfASoftStrikerKeepsMomentumAndReboundsByImpedances) {
+  // Z1 < Z2, and the striker's wave is back before the long bar's.
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "a.toml").string();
+  scene::write_variant(std::string(RICOCHET_SOURCE) + "/configs/unequal_bars.toml",
+                       {{"body.striker.material.youngs_modulus_pa", 7e9},
+                        {"body.striker.material.density_kg_m3", 2700.0},
+                        {"time.step_s", 1e-7}},
+                       path);
+  const auto problem = scene::build_problem(scene::load_scene(path));
+  const auto exact = exact_impact(problem);
+  double before = 0.0, after = 0.0;
+  for (std::size_t b = 0; b < 2; ++b) {
+    const auto& body = problem.scene.bodies[b];
+    const double mass =
+        body.material.density_kg_m3 * body.area_m2 * std::get<scene::StructuredMesh>(body.mesh).length_m;
+    before += body.initial_velocity_m_s.empty() ? 0.0 : mass * body.initial_velocity_m_s[0];
+    after += mass * exact.rebound_velocity_m_s[b];
+  }
+  EXPECT_NEAR(after, before, 1e-12 * std::abs(before)) << "momentum";
+  // v1 (Z1 - Z2) / (Z1 + Z2), as a point mass of the impedances would rebound
+  const double z1 = std::sqrt(7e9 * 2700.0), z2 = std::sqrt(70e9 * 2700.0);
+  EXPECT_NEAR(exact.rebound_velocity_m_s[0], 10.0 * (z1 - z2) / (z1 + z2), 1e-9);
+}
+
+TEST(ExactImpact, IsRefusedWhereTheoryIsNotExact) {
+  const auto refused = [](const std::string& path) {
+    try {
+      (void)exact_impact(scene::build_problem(scene::load_scene(path)));
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string configs = std::string(RICOCHET_SOURCE) + "/configs/";
+  for (const char* name : {"kim_impact", "bouncing_bar", "slipping_plates", "unequal_bars"}) {
+    EXPECT_THAT(refused(configs + name + ".toml"), HasSubstr("allowed with reference.exact")) << name;
+  }
+  const test::TemporaryFolder folder;
+  scene::write_variant(bars, {{"body.right.gravity_m_s2", std::vector<double>{-9.81}}},
+                       (folder.path() / "a.toml").string());
+  EXPECT_THAT(refused((folder.path() / "a.toml").string()), HasSubstr("supports or loads of 'right'"));
+}
+
+TEST(RunKey, ChangesWithTheSceneAndWithThePrograms) {
+  const auto key = run_key("scene", {"coupler", "solver"});
+  EXPECT_EQ(key.size(), 16U);
+  EXPECT_EQ(run_key("scene", {"coupler", "solver"}), key);
+  EXPECT_NE(run_key("other", {"coupler", "solver"}), key);
+  EXPECT_NE(run_key("scene", {"coupler", "rebuilt"}), key);
+}
+
+TEST(StudyCaseOfARefusedVariant, HasAStatusAndAReason) {
+  const test::TemporaryFolder folder;
+  const StudyCase run(bars, {{"time.step_s", 1e-4}}, folder.path().string());
+  EXPECT_TRUE(run.failed());
+  EXPECT_EQ(run.status(), "scene_wrong");
+  EXPECT_THAT(run.error(), HasSubstr("critical time step"));
+  EXPECT_TRUE(std::filesystem::exists(run.folder() + "/scene.toml"));
+}
+
+TEST(ParetoFront, HoldsWhatNoOtherPointBeats) {
+  using report::pareto_front;
+  //                            front         beaten       front         front (equal)  beaten: same cost, worse
+  EXPECT_THAT(pareto_front({{1.0, 9.0}, {3.0, 9.5}, {2.0, 4.0}, {2.0, 4.0}, {2.0, 5.0}, {8.0, 4.0}}),
+              ElementsAre(true, false, true, true, false, false));
+  EXPECT_TRUE(pareto_front({}).empty());
+}
+
+TEST(CsvTable, ReadsQuotedCellsAndRefusesShortLines) {
+  const test::TemporaryFolder folder;
+  const auto rows = report::read_csv(folder.write("a,b,c\n1.5,\"x, \"\"y\"\"\",\n", "t.csv"));
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(*report::number(rows[0], "a"), 1.5);
+  EXPECT_EQ(rows[0].at("b"), "x, \"y\"");
+  EXPECT_FALSE(report::number(rows[0], "c"));
+  EXPECT_THROW((void)report::read_csv(folder.write("a,b\n1\n", "short.csv")), ConfigError);
+}
+
+TEST(StudyPage, RefusesWhatIsNoStudy) {
+  const test::TemporaryFolder folder;
+  (void)folder.write("{}", "study.json");
+  (void)folder.write("method\n", "results.csv");
+  EXPECT_THROW((void)report::study_page(folder.path().string()), ConfigError);
+}
+
+}  // namespace
+}  // namespace ricochet::coupler
