@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -14,8 +15,18 @@
 namespace ricochet::wire {
 namespace {
 
+/// Waking a process that sleeps costs some 30 us: what comes later than a few times that is not worth spinning for.
+constexpr std::chrono::microseconds longest_spin{300};
+constexpr int looks_between_yields = 20;
+
 constexpr std::uint32_t mask = RingMemory::capacity - 1;
 static_assert((RingMemory::capacity & mask) == 0, "counters modulo 2^32 need a power of two");
+
+void pause_processor() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
 
 std::string_view bytes_of(const RingHeader& header) { return {reinterpret_cast<const char*>(&header), sizeof header}; }
 
@@ -65,6 +76,7 @@ std::size_t RingSender::put(std::string_view bytes) {
 /// Lets the receiver see what was put. In sequential order with `RingReceiver::wait`: either it sees the bytes, or this
 /// sees that it sleeps.
 void RingSender::publish() {
+  memory_.processor.store(static_cast<std::uint32_t>(sched_getcpu()), std::memory_order_relaxed);
   memory_.written.store(written_, std::memory_order_seq_cst);
   if (memory_.asleep.load(std::memory_order_seq_cst) != 0) {
     syscall(SYS_futex, &memory_.written, FUTEX_WAKE, 1, nullptr, nullptr, 0);
@@ -130,6 +142,39 @@ void RingReceiver::check_header(std::string_view sender) const {
 
 void RingReceiver::wait(Deadline until) {
   if (has_bytes()) return;
+  if (sleeps_due_ > 0) {
+    --sleeps_due_;
+  } else if (!sender_runs_here() && spin()) {
+    return;
+  }
+  sleep(until);
+}
+
+/// Who spins on the sender's own processor keeps it from sending.
+bool RingReceiver::sender_runs_here() const {
+  return memory_.processor.load(std::memory_order_relaxed) == static_cast<std::uint32_t>(sched_getcpu());
+}
+
+/// True if bytes came. If they came too late, next waits sleep at once, twice as many each time: what is awaited takes
+/// longer, or other processes need the processors, and then who has slept gets one before who has spun.
+bool RingReceiver::spin() {
+  const auto end = Clock::now() + longest_spin;
+  do {
+    for (int i = 0; i < looks_between_yields; ++i) {
+      if (has_bytes()) {
+        next_sleeps_ = std::max(next_sleeps_ / 2, least_sleeps);
+        return true;
+      }
+      pause_processor();
+    }
+    sched_yield();
+  } while (Clock::now() < end);
+  sleeps_due_ = next_sleeps_;
+  next_sleeps_ = std::min(2 * next_sleeps_, most_sleeps);
+  return has_bytes();
+}
+
+void RingReceiver::sleep(Deadline until) {
   const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(until - Clock::now()).count();
   if (left <= 0) return;
   const timespec timeout{left / 1'000'000'000, left % 1'000'000'000};

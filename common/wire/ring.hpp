@@ -16,6 +16,7 @@ struct RingMemory {
   static constexpr std::uint32_t capacity = 1U << 18;
   alignas(64) std::atomic<std::uint32_t> written;  ///< bytes so far, modulo 2^32; a futex
   std::atomic<std::uint32_t> asleep;               ///< 1: the receiver sleeps until `written` changes
+  std::atomic<std::uint32_t> processor;            ///< that the sender ran on when it last sent
   alignas(64) std::atomic<std::uint32_t> read;     ///< bytes so far, modulo 2^32
   alignas(64) char bytes[capacity];
 };
@@ -58,14 +59,18 @@ class RingReceiver {
   bool receive(std::string_view sender);
   /// After `receive` was true, until it is called again.
   [[nodiscard]] std::string_view message() const { return message_; }
-  /// Sleeps until there are bytes, or until `until`. It does not spin first: where several processes share few
-  /// processors, who spins takes the time of who computes.
+  /// Waits until there are bytes, or until `until`: spins first if that promises to be short, then sleeps.
   void wait(Deadline until);
 
  private:
   [[nodiscard]] bool has_bytes() const { return memory_.written.load(std::memory_order_acquire) != read_; }
+  [[nodiscard]] bool sender_runs_here() const;
+  bool spin();
+  void sleep(Deadline until);
   std::size_t take(char* to, std::size_t wanted, std::size_t there);
   void check_header(std::string_view sender) const;
+
+  static constexpr unsigned least_sleeps = 4, most_sleeps = 1024;
 
   RingMemory& memory_;
   std::uint32_t read_ = 0;
@@ -73,6 +78,8 @@ class RingReceiver {
   RingHeader header_;
   std::size_t header_bytes_ = 0;  ///< of the header, taken so far
   std::string message_;
+  unsigned sleeps_due_ = 0;  ///< waits that go to sleep at once, because spinning was in vain
+  unsigned next_sleeps_ = least_sleeps;
 };
 
 }  // namespace ricochet::wire

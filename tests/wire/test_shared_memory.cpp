@@ -4,9 +4,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <filesystem>
 #include <future>
 #include <thread>
@@ -149,6 +151,48 @@ TEST_F(Ring, NoMessageIsSleptThrough) {
 }
 
 // ---- the memory
+
+double processor_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Spinning is for answers that come at once: who waits for slow ones again and again leaves the processor to others.
+TEST_F(Ring, WhoWaitsInVainSleeps) {
+  sender_.send("a");
+  ASSERT_TRUE(receive());
+  memory_->processor = ~0U;  // on another processor than this one, wherever it runs
+  const auto begin = Clock::now();
+  const double processor_begin = processor_seconds();
+  for (int n = 0; n < 300; ++n) receiver_.wait(deadline_in(0.001));
+  const double waited = std::chrono::duration<double>(Clock::now() - begin).count();
+  EXPECT_GE(waited, 0.3);
+  EXPECT_LT(processor_seconds() - processor_begin, 0.1 * waited);
+}
+
+/// Whose sender would have to run on the same processor sleeps at once.
+TEST_F(Ring, NobodySpinsOnTheSendersProcessor) {
+  cpu_set_t before, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  CPU_ZERO(&one);
+  CPU_SET(sched_getcpu(), &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const auto processor_time_of_a_wait = [&](std::uint32_t processor) {
+    RingReceiver receiver(*memory_);
+    memory_->processor = processor;
+    const double begin = processor_seconds();
+    receiver.wait(deadline_in(0.001));
+    return processor_seconds() - begin;
+  };
+  double here = 0, elsewhere = 0;
+  for (int n = 0; n < 20; ++n) {
+    here += processor_time_of_a_wait(static_cast<std::uint32_t>(sched_getcpu()));
+    elsewhere += processor_time_of_a_wait(~0U);
+  }
+  ASSERT_EQ(sched_setaffinity(0, sizeof before, &before), 0);
+  EXPECT_LT(here, 0.5 * elsewhere);
+}
 
 TEST(SharedMemory, WhatOneEndSendsTheOtherReceives) {
   const auto participant = SharedMemory::make();
