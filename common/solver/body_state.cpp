@@ -40,15 +40,18 @@ void BodyState::constrain_displacement(double time_s, Eigen::VectorXd& displacem
 }
 
 void BodyState::update_momentum() {
+  // Sums of both components side by side: a stride of two would take twice the time of K u's rows.
+  constexpr Eigen::Index lanes = 8;
+  static_assert(lanes % 2 == 0, "one component of two keeps its lanes");
+  const Eigen::Index size = mass.size(), whole = size - size % lanes;
+  Eigen::Array<double, lanes, 1> sums = Eigen::Array<double, lanes, 1>::Zero();
+  for (Eigen::Index i = 0; i < whole; i += lanes) sums += mass.segment<lanes>(i).array() * v.segment<lanes>(i).array();
+  for (Eigen::Index i = whole; i < size; ++i) sums[i - whole] += mass[i] * v[i];
   const int components = fem::components(part.mesh.model);
-  Eigen::Vector2d sum(0.0, 0.0);
-  using Component = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
-  for (int c = 0; c < components; ++c) {
-    const Eigen::InnerStride<> stride(components);
-    sum[c] = Component(mass.data() + c, part.nodes(), stride).dot(Component(v.data() + c, part.nodes(), stride));
-  }
-  totals.momentum_n_kg_m_s = normal.dot(sum);
-  totals.momentum_t_kg_m_s = tangent.dot(sum);
+  Eigen::Vector2d momentum(0.0, 0.0);
+  for (Eigen::Index lane = 0; lane < lanes; ++lane) momentum[lane % components] += sums[lane];
+  totals.momentum_n_kg_m_s = normal.dot(momentum);
+  totals.momentum_t_kg_m_s = tangent.dot(momentum);
 }
 
 namespace {
@@ -117,7 +120,7 @@ std::vector<BodyState> initial_states(const scene::Problem& problem, const scene
 }
 
 void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window) {
-  if (u.allFinite()) return;
+  if ((0.0 * u.array()).sum() == 0.0) return;  // 0 * inf is nan; several times faster than allFinite()
   const int components = fem::components(state.part.mesh.model);
   Eigen::Index dof = 0;
   while (std::isfinite(u[dof])) ++dof;
