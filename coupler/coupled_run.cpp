@@ -87,19 +87,18 @@ void CoupledRun::start(const std::vector<std::string>& executables) {
 void CoupledRun::setup() {
   const auto descriptions = describe_participants(scene_, peers_);
   check_capabilities(protocol_entry_, descriptions);
-  InterfaceMap map(descriptions);
-  std::vector<Link> links;
+  std::vector<Peer> peers;
   std::vector<History::Source> sources;
   for (std::size_t p = 0; p < peers_.size(); ++p) {
-    links.emplace_back(peers_.peer(p), descriptions[p], map.rows(p));
+    peers.push_back(peers_.peer(p));
     sources.push_back({peers_.name(p), descriptions[p].record_columns});
   }
   prepare_watch(descriptions);
   history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s,
                                        scene_.model != scene::Model::axisymmetric);
-  coupling_ = std::make_unique<Coupling>(std::move(links), std::move(map), plan_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(std::move(peers), descriptions, plan_.window_size_s);
   protocol_ = protocol_entry_.make(protocol_settings(scene_.coupling));
-  protocol_->start(*coupling_, initialize_request());
+  protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
 }
 
 void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
@@ -114,21 +113,6 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, suspicion_, names, body_names(scene_));
-}
-
-wire::Message CoupledRun::initialize_request() const {
-  wire::Message request;
-  request.window_size_s = plan_.window_size_s;
-  request.output_directory = results_.file("fields");
-  request.protocol = protocol_entry_.name;
-  request.substeps = scene_.coupling.substeps;
-  request.history_every = scene_.output.history_every;
-  request.fields_every = scene_.output.fields_every;
-  request.until_separated_plus_s = scene_.time.until_separated_plus_s.value_or(-1.0);
-  request.separation_windows = scene_.coupling.separation_windows;
-  request.last_window = plan_.windows;
-  request.timeout_s = scene_.coupling.timeout_s;
-  return request;
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.

@@ -41,7 +41,6 @@ class CoupledRun {
   void start(const std::vector<std::string>& executables);
   void setup();
   void prepare_watch(const std::vector<wire::Message>& descriptions);
-  [[nodiscard]] wire::Message initialize_request() const;
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);

@@ -44,6 +44,22 @@ ProtocolSettings protocol_settings(const scene::Coupling& coupling) {
           coupling.max_iterations};
 }
 
+wire::Message initialize_request(const scene::Scene& scene, double window_size_s, std::int64_t last_window,
+                                 const std::string& output_directory) {
+  wire::Message request;
+  request.window_size_s = window_size_s;
+  request.output_directory = output_directory;
+  request.protocol = scene.coupling.protocol;
+  request.substeps = scene.coupling.substeps;
+  request.history_every = scene.output.history_every;
+  request.fields_every = scene.output.fields_every;
+  request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
+  request.separation_windows = scene.coupling.separation_windows;
+  request.last_window = last_window;
+  request.timeout_s = scene.coupling.timeout_s;
+  return request;
+}
+
 std::string role_name(scene::Role role) { return role == scene::Role::implicit_solver ? "implicit" : "explicit"; }
 
 std::vector<std::string> find_executables(const scene::Scene& scene) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace ricochet::coupler {
 
 /// What the scene says to its protocol.
 [[nodiscard]] ProtocolSettings protocol_settings(const scene::Coupling& coupling);
+
+/// What the scene says to its participants: a message of kind `initialize`, but for what is told to each one alone.
+[[nodiscard]] wire::Message initialize_request(const scene::Scene& scene, double window_size_s, std::int64_t last_window,
+                                               const std::string& output_directory);
 
 /// "implicit" | "explicit".
 [[nodiscard]] std::string role_name(scene::Role role);

@@ -15,27 +15,13 @@
 namespace ricochet::coupler {
 namespace {
 
-void require_load_state(const std::vector<wire::Message>& descriptions) {
-  for (const auto& description : descriptions) {
-    const auto& has = description.capabilities;
-    if (std::find(has.begin(), has.end(), "load_state") != has.end()) continue;
-    throw ConfigError(fmt::format(
-        "participant '{}' cannot take part in `ricochet stability`: it lacks the capability \"load_state\" (it has: "
-        "{}); choose another solver", description.participant,
-        has.empty() ? "none" : fmt::format("{}", fmt::join(has, ", "))));
-  }
-}
-
-wire::Message initialize_request(const scene::Problem& problem, const ResultsDirectory& results) {
-  wire::Message request;
-  request.window_size_s = problem.window_size_s;
-  request.output_directory = results.file("fields");
-  request.substeps = problem.scene.coupling.substeps;
-  request.protocol = problem.scene.coupling.protocol;
-  request.history_every = std::numeric_limits<int>::max();  // nobody asks for it
+/// No end, no history, no fields: nobody asks for them.
+wire::Message endless_request(const scene::Problem& problem, const ResultsDirectory& results) {
+  constexpr auto never = std::numeric_limits<std::int64_t>::max();
+  auto request = initialize_request(problem.scene, problem.window_size_s, never, results.file("fields"));
+  request.history_every = std::numeric_limits<int>::max();
+  request.fields_every = 0;
   request.until_separated_plus_s = -1.0;
-  request.separation_windows = problem.scene.coupling.separation_windows;
-  request.last_window = std::numeric_limits<std::int64_t>::max();
   return request;
 }
 
@@ -44,13 +30,14 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   const auto descriptions = describe_participants(problem.scene, peers);
   const auto& entry = find_protocol(problem.scene.coupling.protocol);
   check_capabilities(entry, descriptions);
-  require_load_state(descriptions);
-  InterfaceMap map(descriptions);
-  std::vector<Link> links;
-  for (std::size_t p = 0; p < peers.size(); ++p) links.emplace_back(peers.peer(p), descriptions[p], map.rows(p));
-  Coupling coupling(std::move(links), std::move(map), problem.window_size_s);
+  for (const auto& description : descriptions) {
+    require_capability(description, "load_state", "`ricochet stability`");
+  }
+  std::vector<Peer> asked;
+  for (std::size_t p = 0; p < peers.size(); ++p) asked.push_back(peers.peer(p));
+  Coupling coupling(std::move(asked), descriptions, problem.window_size_s);
   const auto protocol = entry.make(protocol_settings(problem.scene.coupling));
-  protocol->start(coupling, initialize_request(problem, results));
+  protocol->start(coupling, endless_request(problem, results));
   std::vector<ContactStability> measured;
   for (const auto& contact : frozen_contacts) {
     measured.push_back({contact, spectral_radius(window_map(coupling, *protocol, contact))});

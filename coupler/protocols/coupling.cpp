@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/protocols/vectors.hpp"
+
 namespace ricochet::coupler {
 
-Coupling::Coupling(std::vector<Link> links, InterfaceMap map, double window_size_s)
-    : links_(std::move(links)), map_(std::move(map)), window_size_s_(window_size_s) {
+Coupling::Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& descriptions, double window_size_s)
+    : map_(descriptions), window_size_s_(window_size_s) {
+  for (std::size_t p = 0; p < peers.size(); ++p) links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
   const std::size_t size = static_cast<std::size_t>(map_.nodes()) * map_.components();
   for (auto* vector : {&displacement_, &velocity_, &acceleration_, &prediction_, &force_}) vector->assign(size, 0.0);
   const auto found = std::find_if(links_.begin(), links_.end(), [](const Link& link) { return link.implicit(); });
@@ -33,17 +36,14 @@ void Coupling::initialize_explicit(const wire::Message& request, Masses masses) 
   }
 }
 
-void Coupling::initialize_implicit(wire::Message request, Masses masses, std::vector<double> interface_stiffness) {
+void Coupling::initialize_implicit(wire::Message request, Masses masses, Eigen::MatrixXd interface_stiffness) {
   if (!implicit_) return;
   interface_stiffness_ = std::move(interface_stiffness);
-  if (!interface_stiffness_.empty()) {
+  if (interface_stiffness_.size() > 0) {
     const auto dofs = implicit_->rows().dofs();
-    const int size = static_cast<int>(dofs.size());
-    request.interface_stiffness.resize(size, size);
-    auto entry = request.interface_stiffness.data.begin();
-    for (const auto i : dofs) {
-      for (const auto j : dofs) *entry++ = interface_stiffness_[i * dofs.size() + j];
-    }
+    const Eigen::MatrixXd own = interface_stiffness_(dofs, dofs);
+    request.interface_stiffness.resize(static_cast<int>(own.rows()), static_cast<int>(own.cols()));
+    std::copy_n(own.data(), own.size(), request.interface_stiffness.data.begin());
   }
   implicit_->post_initialize(request, masses_of(*implicit_, masses));
   implicit_->wait_initialized();
@@ -106,11 +106,8 @@ void Coupling::advance_implicit(const Step& step, const std::vector<double>& for
 }
 
 void Coupling::subtract_stiffness_force(std::vector<double>& force) const {
-  if (interface_stiffness_.empty()) return;
-  auto entry = interface_stiffness_.begin();
-  for (auto& value : force) {
-    for (const double u : displacement_) value -= *entry++ * u;
-  }
+  if (interface_stiffness_.size() == 0) return;
+  Eigen::Map<Eigen::VectorXd>(force.data(), interface_stiffness_.rows()).noalias() -= interface_stiffness_ * view(displacement_);
 }
 
 void Coupling::accept(const Step& step) {

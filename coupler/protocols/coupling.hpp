@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "coupler/protocols/link.hpp"
@@ -16,8 +17,8 @@ enum class Masses {
 /// numbering, row-major. Interface vectors only: no elements, no materials.
 class Coupling {
  public:
-  /// Links in the scene's order of participants.
-  Coupling(std::vector<Link> links, InterfaceMap map, double window_size_s);
+  /// Peers in the scene's order of participants, with what they answered to `describe`. Throws as InterfaceMap does.
+  Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& descriptions, double window_size_s);
   Coupling(const Coupling&) = delete;
   Coupling& operator=(const Coupling&) = delete;
 
@@ -25,10 +26,10 @@ class Coupling {
   /// protocols. `request`: see Link::post_initialize.
   void initialize(const wire::Message& request);
   /// The two halves of it, for protocols that ask the explicit participants something in between. `interface_stiffness`
-  /// S [N/m], shared numbering, row-major: the force on the shared nodes then is what advance_implicit is given plus S
+  /// S [N/m], shared numbering, symmetric: the force on the shared nodes then is what advance_implicit is given plus S
   /// u.
   void initialize_explicit(const wire::Message& request, Masses masses);
-  void initialize_implicit(wire::Message request, Masses masses, std::vector<double> interface_stiffness = {});
+  void initialize_implicit(wire::Message request, Masses masses, Eigen::MatrixXd interface_stiffness = {});
   /// At the present time: the explicit participants take u_Gamma and answer their forces, the implicit one takes their
   /// sum and answers u, v, a; from here on it integrates by `integration` ("implicit_newmark" | "explicit_central").
   void synchronise(const std::string& integration);
@@ -91,7 +92,7 @@ class Coupling {
   bool all_explicit_ = false;
   std::vector<std::size_t> state_sizes_;  ///< numbers of each participant's motion, from `read_state`
   std::vector<double> displacement_, velocity_, acceleration_, prediction_, force_, own_;
-  std::vector<double> interface_stiffness_;
+  Eigen::MatrixXd interface_stiffness_;
 };
 
 }  // namespace ricochet::coupler

@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "coupler/protocols/unit_response.hpp"
+#include "coupler/protocols/vectors.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -37,12 +38,6 @@ Eigen::MatrixXd inverse_where_free(const Eigen::MatrixXd& h, const std::string& 
 
 }  // namespace
 
-Eigen::Map<const Eigen::VectorXd> view(const std::vector<double>& values) {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
-}
-
-std::vector<double> to_vector(const Eigen::VectorXd& values) { return {values.data(), values.data() + values.size()}; }
-
 void DualInterface::start(Coupling& coupling, const wire::Message& request, const Step& probe) {
   wire::Message by_force = request;
   by_force.driven_by = "force";
@@ -57,9 +52,7 @@ void DualInterface::start(Coupling& coupling, const wire::Message& request, cons
     sides_.push_back({&link, link.rows().dofs(), {}, {}, {}});
     measure(sides_.back(), probe, step_s);
   }
-  const Eigen::MatrixXd stiffness =
-      (2.0 / coupling.window_size_s()) * impedance_;  // symmetric: row-major is column-major
-  coupling.initialize_implicit(by_force, Masses::own, {stiffness.data(), stiffness.data() + stiffness.size()});
+  coupling.initialize_implicit(by_force, Masses::own, (2.0 / coupling.window_size_s()) * impedance_);
   start_multipliers(coupling);
 }
 
@@ -68,51 +61,36 @@ void DualInterface::measure(Side& side, const Step& probe, double step_s) {
   link.post_synchronise("explicit_central", std::vector<double>(side.dofs.size(), 0.0));
   link.wait_synchronised();
   side.acceleration = link.acceleration_m_s2();
-  std::vector<double> probes;  // about 1 m/s each
-  const auto& mass = link.description().interface_mass_kg.data;
-  for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-    const double node_mass = mass[i / static_cast<std::size_t>(link.rows().components)];
-    if (!(node_mass > 0)) {
+  std::vector<double> probes = link.own_mass_kg();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (!(probes[i] > 0)) {
       throw ConfigError(
           fmt::format("participant '{}' has no mass at interface node {}: a dual protocol needs own elements "
                       "on either side",
                       link.name(), i / static_cast<std::size_t>(link.rows().components)));
     }
-    probes.push_back(node_mass / step_s);
+    probes[i] /= step_s;  // about 1 m/s each
   }
-  const auto response = unit_response(link, Response::velocity, probe, probes);
-  const auto size = static_cast<Eigen::Index>(side.dofs.size());
-  side.impedance = inverse_where_free(Eigen::Map<const Eigen::MatrixXd>(response.data(), size, size), link.name());
-  for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-    for (std::size_t j = 0; j < side.dofs.size(); ++j) {
-      impedance_(static_cast<Eigen::Index>(side.dofs[i]), static_cast<Eigen::Index>(side.dofs[j])) +=
-          side.impedance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    }
-  }
+  side.impedance = inverse_where_free(unit_response(link, Response::velocity, probe, probes), link.name());
+  link.rows().add_matrix(side.impedance, impedance_);
 }
 
 /// lambda_p = m_p (a - a_p), with a_p the acceleration of a participant alone and a the mass-weighted mean of all.
 void DualInterface::start_multipliers(Coupling& coupling) {
   auto& implicit = *coupling.implicit_link();
   coupling.synchronise_implicit(to_vector(multiplier()));
-  const auto masses = [](const Link& link, std::size_t row) {
-    return link.description().interface_mass_kg.data[row / static_cast<std::size_t>(link.rows().components)];
+  std::vector<double> mass(force_.size(), 0.0), force = mass;
+  const auto add = [&](const Link& link, const std::vector<double>& acceleration) {
+    const auto own_mass = link.own_mass_kg();
+    link.rows().add(own_mass, mass);
+    link.rows().add(to_vector(view(own_mass).cwiseProduct(view(acceleration))), force);
   };
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(held_.size()), force = mass;
-  const auto add = [&](const Link& link, const std::vector<std::size_t>& dofs,
-                       const std::vector<double>& acceleration) {
-    for (std::size_t i = 0; i < dofs.size(); ++i) {
-      mass[static_cast<Eigen::Index>(dofs[i])] += masses(link, i);
-      force[static_cast<Eigen::Index>(dofs[i])] += masses(link, i) * acceleration[i];
-    }
-  };
-  add(implicit, implicit.rows().dofs(), implicit.acceleration_m_s2());
-  for (const auto& side : sides_) add(*side.link, side.dofs, side.acceleration);
+  add(implicit, implicit.acceleration_m_s2());
+  for (const auto& side : sides_) add(*side.link, side.acceleration);
   for (auto& side : sides_) {
-    std::vector<double> multiplier(side.dofs.size());
+    std::vector<double> multiplier = side.link->own_mass_kg();
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      const auto dof = static_cast<Eigen::Index>(side.dofs[i]);
-      multiplier[i] = masses(*side.link, i) * (force[dof] / mass[dof] - side.acceleration[i]);
+      multiplier[i] *= force[side.dofs[i]] / mass[side.dofs[i]] - side.acceleration[i];
     }
     side.link->post_synchronise("explicit_central", multiplier);
     side.link->wait_synchronised();

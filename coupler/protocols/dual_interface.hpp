@@ -7,9 +7,6 @@
 
 namespace ricochet::coupler {
 
-[[nodiscard]] Eigen::Map<const Eigen::VectorXd> view(const std::vector<double>& values);
-[[nodiscard]] std::vector<double> to_vector(const Eigen::VectorXd& values);
-
 /// What the dual protocols share: duplicated nodes with own masses, tied by an interface multiplier lambda [N] (on the
 /// explicit side; the implicit side feels -lambda) so that velocities agree at the end of a step:
 ///   v_implicit = v_explicit,   v_explicit = v_free + H (lambda - lambda_held)

@@ -6,16 +6,13 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "coupler/protocols/vectors.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 /// Columns whose share in the fit is below this are rounding.
 constexpr double rank_tolerance = 1e-8;
-
-Eigen::Map<const Eigen::VectorXd> view(const std::vector<double>& values) {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
-}
 
 Eigen::MatrixXd newest_first(const std::vector<Eigen::VectorXd>& columns, Eigen::Index rows) {
   Eigen::MatrixXd matrix(rows, static_cast<Eigen::Index>(columns.size()));

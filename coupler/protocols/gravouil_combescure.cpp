@@ -1,6 +1,7 @@
 #include "coupler/protocols/gravouil_combescure.hpp"
 
 #include "coupler/protocols/unit_response.hpp"
+#include "coupler/protocols/vectors.hpp"
 
 namespace ricochet::coupler {
 
@@ -8,20 +9,11 @@ void GravouilCombescure::start(Coupling& coupling, const wire::Message& request)
   interface_.start(coupling, request, Step{.substep = 1, .ends_window = substeps_ == 1});
   auto& implicit = *coupling.implicit_link();
   // The response to a force includes the answer of the link's stiffness, R = (I + H_i Z)^-1 H_i; H_i = R (I - Z R)^-1.
-  const auto& mass = implicit.description().interface_mass_kg.data;
-  std::vector<double> probes;
-  for (std::size_t i = 0; i < implicit.input().size(); ++i) {
-    probes.push_back(mass[i / static_cast<std::size_t>(implicit.rows().components)] / coupling.window_size_s());
-  }
-  const auto response = unit_response(implicit, Response::velocity, Step{}, probes);
-  const auto dofs = implicit.rows().dofs();
-  const auto size = static_cast<Eigen::Index>(dofs.size());
-  Eigen::MatrixXd r(size, size);
-  for (std::size_t i = 0; i < dofs.size(); ++i) {
-    for (std::size_t j = 0; j < dofs.size(); ++j) {
-      r(static_cast<Eigen::Index>(dofs[i]), static_cast<Eigen::Index>(dofs[j])) = -response[i * dofs.size() + j];
-    }
-  }
+  const std::vector<double> probes = to_vector(view(implicit.own_mass_kg()) / coupling.window_size_s());
+  const Eigen::MatrixXd response = unit_response(implicit, Response::velocity, Step{}, probes);
+  const auto size = response.rows();
+  Eigen::MatrixXd r = Eigen::MatrixXd::Zero(size, size);
+  implicit.rows().add_matrix(-response, r);
   const auto identity = Eigen::MatrixXd::Identity(size, size);
   implicit_operator_ = (identity - r * interface_.impedance()).partialPivLu().solve(r);
   velocity_problem_.compute(identity + implicit_operator_ * interface_.impedance());

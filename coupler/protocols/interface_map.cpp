@@ -170,6 +170,11 @@ void InterfaceRows::add(const std::vector<double>& own_values, std::vector<doubl
   }
 }
 
+void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const {
+  const auto to = dofs();
+  shared_matrix(to, to) += own;
+}
+
 InterfaceMap::InterfaceMap(const std::vector<wire::Message>& descriptions) : rows_(descriptions.size()) {
   std::vector<Node> nodes;  // the implicit participant's first, then the scene's order
   for (const bool implicit : {true, false}) {

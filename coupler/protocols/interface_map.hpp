@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct InterfaceRows {
   void scatter(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
   /// shared[rows[i]] += own[i]: forces of all participants that meet at a node.
   void add(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
+  /// shared[rows[i], rows[j]] += own[i, j].
+  void add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const;
 };
 
 /// Which nodes of the participants are one node of the structure, and its mass (Eq. 28: the sum of the lumped masses of

@@ -32,6 +32,14 @@ Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& row
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
 
+std::vector<double> Link::own_mass_kg() const {
+  std::vector<double> masses;
+  for (const double mass : description_.interface_mass_kg.data) {
+    masses.insert(masses.end(), static_cast<std::size_t>(rows_.components), mass);
+  }
+  return masses;
+}
+
 void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
   request.kind = wire::Kind::initialize;
   if (request.driven_by.empty()) request.driven_by = implicit() ? "force" : "displacement";

@@ -75,6 +75,8 @@ class Link {
   [[nodiscard]] const std::vector<double>& input() const { return received_input_; }
   /// The last answer, own rows: displacement [m] of who is driven by force, else force [N].
   [[nodiscard]] const std::vector<double>& output() const { return output_; }
+  /// Lumped mass of its own elements, per row of the interface and component [kg].
+  [[nodiscard]] std::vector<double> own_mass_kg() const;
   [[nodiscard]] const std::vector<double>& velocity_m_s() const { return velocity_; }
   [[nodiscard]] const std::vector<double>& acceleration_m_s2() const { return acceleration_; }
   [[nodiscard]] const ContactReport& contact() const { return contact_; }

@@ -39,6 +39,8 @@ struct ProtocolEntry {
 [[nodiscard]] const std::vector<ProtocolEntry>& protocols();
 /// Throws ConfigError with the nearest known name.
 [[nodiscard]] const ProtocolEntry& find_protocol(const std::string& name);
+/// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
+void require_capability(const wire::Message& description, const std::string& needed, const std::string& activity);
 /// Refuses a participant that lacks what the protocol needs: ConfigError naming the participant, the capability and the
 /// protocol. Coupled protocols also need exactly one implicit participant.
 void check_capabilities(const ProtocolEntry& protocol, const std::vector<wire::Message>& descriptions);

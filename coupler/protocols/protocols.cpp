@@ -71,19 +71,22 @@ const ProtocolEntry& find_protocol(const std::string& name) {
                                 did_you_mean(name, names)));
 }
 
+void require_capability(const wire::Message& description, const std::string& needed, const std::string& activity) {
+  const auto& has = description.capabilities;
+  if (std::find(has.begin(), has.end(), needed) != has.end()) return;
+  throw ConfigError(fmt::format("participant '{}' ({}) cannot take part in {}: it lacks the capability \"{}\" (it has: "
+                                "{}); choose another protocol or another solver",
+                                description.participant, description.solver, activity, needed,
+                                has.empty() ? "none" : fmt::format("{}", fmt::join(has, ", "))));
+}
+
 void check_capabilities(const ProtocolEntry& protocol, const std::vector<wire::Message>& descriptions) {
   int implicit = 0;
   for (const auto& description : descriptions) {
     const bool is_implicit = description.role == "implicit";
     implicit += is_implicit ? 1 : 0;
     for (const auto& needed : is_implicit ? protocol.implicit_capabilities : protocol.explicit_capabilities) {
-      const auto& has = description.capabilities;
-      if (std::find(has.begin(), has.end(), needed) != has.end()) continue;
-      throw ConfigError(
-          fmt::format("participant '{}' ({}) cannot take part in protocol {}: it lacks the capability \"{}\" "
-                      "(it has: {}); choose another protocol or another solver",
-                      description.participant, description.solver, protocol.name, needed,
-                      has.empty() ? "none" : fmt::format("{}", fmt::join(has, ", "))));
+      require_capability(description, needed, fmt::format("protocol {}", protocol.name));
     }
   }
   if (protocol.coupled && implicit != 1) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "coupler/protocols/link.hpp"
@@ -10,11 +11,11 @@ namespace ricochet::coupler {
 enum class Response { output, velocity };
 
 /// How the answer of a participant at the end of a window depends on its link input: column j is the change of the
-/// answer per unit of link input j, by one trial window each. Row-major, as wide as the link. `probes`: the change that
+/// answer per unit of link input j, by one trial window each; as wide as the link. `probes`: the change that
 /// is tried, per input, large enough to stand out of the rounding of the answer itself. Needs the capability
 /// "repeat_window" and a synchronised link; leaves a trial behind, so synchronise again. Throws ConfigError naming the
 /// participant if the response is not symmetric: it would not be that of a linear, conservative solver.
-[[nodiscard]] std::vector<double> unit_response(Link& link, Response response, const Step& step,
-                                                const std::vector<double>& probes);
+[[nodiscard]] Eigen::MatrixXd unit_response(Link& link, Response response, const Step& step,
+                                            const std::vector<double>& probes);
 
 }  // namespace ricochet::coupler

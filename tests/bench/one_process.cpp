@@ -62,26 +62,12 @@ class LocalParticipant {
 
 coupler::Coupling couple(std::vector<std::unique_ptr<LocalParticipant>>& participants, double window_size_s) {
   std::vector<wire::Message> descriptions;
-  for (auto& participant : participants) descriptions.push_back(participant->description());
-  coupler::InterfaceMap map(descriptions);
-  std::vector<coupler::Link> links;
-  for (std::size_t p = 0; p < participants.size(); ++p) {
-    links.emplace_back(participants[p]->peer(), descriptions[p], map.rows(p));
+  std::vector<coupler::Peer> peers;
+  for (auto& participant : participants) {
+    descriptions.push_back(participant->description());
+    peers.push_back(participant->peer());
   }
-  return {std::move(links), std::move(map), window_size_s};
-}
-
-wire::Message initialize_request(const scene::Scene& scene, const scene::Plan& plan) {
-  wire::Message request;
-  request.window_size_s = plan.window_size_s;
-  request.protocol = scene.coupling.protocol;
-  request.substeps = scene.coupling.substeps;
-  request.history_every = scene.output.history_every;
-  request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
-  request.separation_windows = scene.coupling.separation_windows;
-  request.last_window = plan.windows;
-  request.timeout_s = scene.coupling.timeout_s;
-  return request;
+  return {std::move(peers), descriptions, window_size_s};
 }
 
 }  // namespace
@@ -97,7 +83,7 @@ double run_in_one_process(const std::string& scene_path) {
   auto coupling = couple(participants, plan.window_size_s);
   const auto& entry = coupler::find_protocol(scene.coupling.protocol);
   const auto protocol = entry.make(coupler::protocol_settings(scene.coupling));
-  protocol->start(coupling, initialize_request(scene, plan));
+  protocol->start(coupling, coupler::initialize_request(scene, plan.window_size_s, plan.windows, ""));
   const coupler::LoopSettings settings{plan.windows, plan.window_size_s, scene.coupling.resynchronise_every,
                                        entry.coupled, false};
   coupler::TimeLoop loop(coupling, *protocol, settings, [&coupling](std::int64_t) {

@@ -286,12 +286,9 @@ class FakeParticipant {
 inline std::unique_ptr<Coupling> unstarted(const std::vector<FakeParticipant*>& participants, double dt) {
   std::vector<wire::Message> descriptions;
   for (const auto* p : participants) descriptions.push_back(p->description());
-  InterfaceMap map(descriptions);
-  std::vector<Link> links;
-  for (std::size_t i = 0; i < participants.size(); ++i) {
-    links.emplace_back(participants[i]->peer(), descriptions[i], map.rows(i));
-  }
-  return std::make_unique<Coupling>(std::move(links), std::move(map), dt);
+  std::vector<Peer> peers;
+  for (auto* p : participants) peers.push_back(p->peer());
+  return std::make_unique<Coupling>(std::move(peers), descriptions, dt);
 }
 
 /// The same, started as the primal protocols do.

@@ -341,8 +341,8 @@ TEST(StabilityRefuses, AParticipantThatCannotLoadAState) {
                                    "executable = \"" RICOCHET_BUILD "/spring_mass\"\n"
                                    "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
   EXPECT_THAT(refused({}, bars("hughes_liu") + participants),
-              HasSubstr("participant 'spring' cannot take part in `ricochet stability`: it lacks the capability "
-                        "\"load_state\" (it has: repeat_window)"));
+              HasSubstr("cannot take part in `ricochet stability`: it lacks the capability \"load_state\" (it has: "
+                        "repeat_window)"));
 }
 
 }  // namespace

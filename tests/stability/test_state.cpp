@@ -66,12 +66,9 @@ class InOneProcess {
       locals_.push_back(std::make_unique<Local>(problem_, spec));
       descriptions.push_back(locals_.back()->description());
     }
-    coupler::InterfaceMap map(descriptions);
-    std::vector<coupler::Link> links;
-    for (std::size_t p = 0; p < locals_.size(); ++p) {
-      links.emplace_back(locals_[p]->peer(), descriptions[p], map.rows(p));
-    }
-    coupling_ = std::make_unique<coupler::Coupling>(std::move(links), std::move(map), problem_.window_size_s);
+    std::vector<coupler::Peer> peers;
+    for (auto& local : locals_) peers.push_back(local->peer());
+    coupling_ = std::make_unique<coupler::Coupling>(std::move(peers), descriptions, problem_.window_size_s);
     wire::Message request;
     request.window_size_s = problem_.window_size_s;
     request.until_separated_plus_s = -1.0;
