@@ -56,7 +56,7 @@ ResultsDirectory::~ResultsDirectory() {
 void ResultsDirectory::remove_former_results() const {
   std::error_code ignored;
   for (const auto* name :
-       {"history.csv", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html", "results.csv",
+       {"history.csv", "calibration.csv", "scene.toml", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html", "results.csv",
         "study.json"}) {
     fs::remove(file(name), ignored);
   }

@@ -11,6 +11,7 @@
 #include "coupler/interrupted.hpp"
 #include "coupler/participants.hpp"
 #include "coupler/report/report.hpp"
+#include "coupler/step_choice.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -66,12 +67,16 @@ std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan
 }
 
 void run_scene(const std::string& scene_path, const std::string& out) {
-  const auto problem = scene::build_problem(scene::load_scene(scene_path));
-  const auto plan = scene::plan(problem);
-  print_warnings(plan);
+  auto problem = scene::build_problem(scene::load_scene(scene_path));
+  auto plan = scene::plan(problem);
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out);
+  if (problem.scene.time.largest_step_s) {
+    problem = scene::build_problem(scene::load_scene(choose_step(problem, results)));
+    plan = scene::plan(problem);
+  }
+  print_warnings(plan);
   std::string table;
   try {
     table = compute_scene(problem, plan, executables, results);
@@ -87,8 +92,12 @@ void run_scene(const std::string& scene_path, const std::string& out) {
 }
 
 void check_scene(const std::string& scene_path) {
-  const auto plan = scene::plan(scene::build_problem(scene::load_scene(scene_path)));
-  fmt::print("{}", scene::to_text(plan));
+  const auto problem = scene::build_problem(scene::load_scene(scene_path));
+  fmt::print("{}", scene::to_text(scene::plan(problem)));
+  if (problem.scene.time.largest_step_s) {
+    fmt::print("this is the largest step: `ricochet run` measures whether a smaller one, with less of it implicit, takes less "
+               "time\n");
+  }
 }
 
 }  // namespace ricochet::coupler

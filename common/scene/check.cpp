@@ -58,7 +58,9 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
 }
 
 /// "time.step_s", or "time" if the step follows from the safety factor.
-std::string step_place(const Scene& scene) { return scene.where(scene.time.step_s ? "time.step_s" : "time"); }
+std::string step_place(const Scene& scene) {
+  return scene.where(scene.time.largest_step_s ? "time.largest_step_s" : scene.time.step_s ? "time.step_s" : "time");
+}
 
 void check_critical_step(const Problem& problem, const ParticipantPlan& participant,
                          std::vector<std::string>& warnings) {

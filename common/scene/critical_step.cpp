@@ -88,6 +88,17 @@ double element_bound_time_step(const BodyProblem& body, const std::vector<bool>&
   return fem::element_critical_time_step(part_of(body, of_element));
 }
 
+std::vector<double> element_critical_steps(const Problem& problem) {
+  std::vector<double> steps;
+  for (const BodyProblem& body : problem.bodies) {
+    for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+      steps.push_back(step_of(fem::element_max_frequency_squared(body.section, body.material,
+                                                                 fem::element_coordinates(body.mesh, e))));
+    }
+  }
+  return steps;
+}
+
 double penalty_critical_time_step(const Problem& problem) {
   Whole whole = assemble(problem);
   add_springs(problem, whole);

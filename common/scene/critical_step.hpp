@@ -17,6 +17,9 @@ namespace ricochet::scene {
 /// the exact one, because every node's mass is at least the sum of theirs (Hughes, The Finite Element Method, 9.2).
 [[nodiscard]] double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
 
+/// The element bound of every element of all bodies by itself [s]; the order means nothing.
+[[nodiscard]] std::vector<double> element_critical_steps(const Problem& problem);
+
 /// Critical time step of central difference on all bodies with every contact pair closed by a penalty spring of
 /// alpha * area [N/m]. For two equal bars, or one against a rigid plane, of element size h:
 ///   dt = (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha_n/k)^2))),  k = E A/h,  s = 2 for two bars, 1 against a plane.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <string_view>
 
 #include "common/scene/loaders.hpp"
 #include "common/scene/protocols.hpp"
@@ -41,14 +42,17 @@ void load_protocol_settings(TableReader& table, Coupling& coupling) {
 
 Time load_time(TableReader& table, bool has_contact) {
   Time time;
-  if (table.has("step_s") && table.has("safety_factor"))
-    table.refuse("safety_factor", "both step_s and safety_factor", "one of them");
+  for (const char* one : {"safety_factor", "largest_step_s"})
+    for (const char* other : {"step_s", "safety_factor"})
+      if (std::string_view(one) != other && table.has(one) && table.has(other))
+        table.refuse(one, fmt::format("both {} and {}", other, one), "one of them");
   if (table.has("step_s")) time.step_s = table.number("step_s", above(0.0));
+  if (table.has("largest_step_s")) time.step_s = time.largest_step_s = table.number("largest_step_s", above(0.0));
   time.safety_factor = table.number("safety_factor", {0.0, 1.0, false, true}, time.safety_factor);
   time.end_s = table.number("end_s", above(0.0));
   if (time.step_s && time.end_s < *time.step_s)
     table.refuse("end_s", fmt::format("{}, shorter than one step", time.end_s),
-                 fmt::format("at least step_s = {}", *time.step_s));
+                 fmt::format("at least {} = {}", time.largest_step_s ? "largest_step_s" : "step_s", *time.step_s));
   table.only_if(has_contact, "until_separated_plus_s", "a [contact] table");
   if (table.has("until_separated_plus_s"))
     time.until_separated_plus_s = table.number("until_separated_plus_s", at_least(0.0));

@@ -45,12 +45,16 @@ void load_bodies(TableReader& root, Scene& scene) {
   }
 }
 
-/// The automatic partition asks which elements the step is too long for.
-void check_automatic_partition(const TableReader& root, const Scene& scene) {
+/// The automatic partition asks which elements the step is too long for; only with it a step can be chosen by the cost.
+void check_automatic_partition(const TableReader& root, Scene& scene) {
   const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
-  if (hybrid && scene.partition.rule == PartitionRule::automatic && !scene.time.step_s)
+  if (!hybrid) scene.time.largest_step_s.reset();  // nothing to choose
+  const bool automatic = scene.partition.rule == PartitionRule::automatic;
+  if (hybrid && automatic && !scene.time.step_s)
     root.refuse("time", "no step_s, which the automatic partition needs",
-                "step_s, or a [partition] by implicit_length_m or implicit_groups");
+                "step_s or largest_step_s, or a [partition] by implicit_length_m or implicit_groups");
+  if (hybrid && !automatic && scene.time.largest_step_s)
+    root.refuse("time.largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
 }
 
 void load_tables(TableReader& root, Scene& scene) {

@@ -70,7 +70,9 @@ void set(toml::value& root, const Override& change) {
     throw ConfigError(fmt::format("found the key \"{}\", but \"{}\" is no table; allowed: a key of docs/scene.md",
                                   change.key, words[words.size() - 2]));
   }
-  if (change.key == "time.step_s") at->as_table().erase("safety_factor");
+  if (change.key == "time.step_s") {
+    for (const char* other : {"safety_factor", "largest_step_s"}) at->as_table().erase(other);
+  }
   at->as_table()[words.back()] = to_toml(change.value);
 }
 

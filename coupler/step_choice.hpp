@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/problem.hpp"
+#include "coupler/results_directory.hpp"
+
+/// The step and, with `rule = "auto"`, the implicit part that take the least time (`time.largest_step_s`): found by running
+/// the scene's own processes for some windows with each of a few candidates. Measured, not modelled: elements, factor,
+/// contact, exchange and what of it runs at the same time are all in it.
+namespace ricochet::coupler {
+
+/// Steps worth trying, longest first: the largest allowed, and below it, by powers of two, the next at which other elements
+/// become explicit, which is 0.9 of the critical step of some element. `element_steps_s`: of all elements, any order.
+[[nodiscard]] std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s);
+
+/// Measures the candidates, prints what it has found, and writes it to calibration.csv. Returns the scene file to run:
+/// scene.toml in the results folder, the scene with the step chosen. Candidates that were measured before with the same
+/// scene, meshes and programs are not run again. Throws what the best candidate's run throws if all fail.
+[[nodiscard]] std::string choose_step(const scene::Problem& problem, const ResultsDirectory& results);
+
+}  // namespace ricochet::coupler
