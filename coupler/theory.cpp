@@ -36,6 +36,12 @@ double length_along(const scene::BodyProblem& body, const Eigen::Vector2d& norma
   return high - low;
 }
 
+/// Until the wave of the impact is back at the contact [s]; it is not where an absorbing surface takes it up.
+double transit(const scene::Problem& problem, std::size_t body) {
+  if (!problem.scene.bodies[body].absorbing.empty()) return HUGE_VAL;
+  return 2 * length_along(problem.bodies[body], problem.contact.normal) / wave_speed(problem, body);
+}
+
 double velocity_along(const scene::Body& body, const Eigen::Vector2d& normal) {
   double velocity = 0.0;
   for (std::size_t c = 0; c < body.initial_velocity_m_s.size(); ++c) {
@@ -54,14 +60,14 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   const double closing =
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;
-  const double transit_a = 2 * length_along(problem.bodies[a], contact.normal) / wave_speed(problem, a);
-  const double transit_b = 2 * length_along(problem.bodies[b], contact.normal) / wave_speed(problem, b);
+  const double transit_a = transit(problem, a), transit_b = transit(problem, b);
   const double z_a = impedance(problem, a), z_b = impedance(problem, b);
   const bool equal = std::abs(z_a - z_b) <= 1e-9 * z_a;
   const bool a_decides = equal ? transit_a <= transit_b : z_a < z_b;
   const bool bar = problem.scene.model == scene::Model::bar;
   ImpactTheory theory;
   theory.contact_duration_s = a_decides ? transit_a : transit_b;
+  if (!std::isfinite(theory.contact_duration_s)) return std::nullopt;
   theory.other_body_returns_later = theory.contact_duration_s <= (1 + 1e-9) * (a_decides ? transit_b : transit_a);
   theory.closing_velocity_m_s = closing;
   theory.body = problem.bodies[a_decides ? a : b].name;

@@ -21,7 +21,8 @@ struct ImpactTheory {
   bool other_body_returns_later = false;  ///< else a wave of the other body changes the stress before the end
 };
 
-/// Empty without contact, with a rigid plane, or if the bodies do not approach each other.
+/// Empty without contact, with a rigid plane, if the bodies do not approach each other, or if the body whose wave
+/// would end the contact absorbs it.
 [[nodiscard]] std::optional<ImpactTheory> impact_theory(const scene::Problem& problem);
 
 }  // namespace ricochet::coupler

@@ -54,7 +54,33 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   if (problem_.scene.coupling.protocol == "all_explicit" && !problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup.window_size_s);
   }
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    windows_[b].front = WaveFront(states_[b], driven_nodes(b));
+    if (all_rows_) windows_[b].front.reach_all();
+  }
   interface_force(output);
+}
+
+/// Shared and contact nodes.
+std::vector<int> ExplicitSolver::driven_nodes(std::size_t b) const {
+  std::vector<int> nodes = states_[b].shared_nodes;
+  if (!contact_) return nodes;
+  for (const auto& pair : contact_->surface().pairs) {
+    for (const auto& side : {pair.a, pair.b}) {
+      if (side.part == static_cast<int>(b)) nodes.push_back(side.node);
+    }
+  }
+  return nodes;
+}
+
+int ExplicitSolver::rows_computed() const {
+  int sum = 0;
+  if (driven_by_force()) {
+    for (const auto& window : subcycled_) sum += window.rows_computed();
+  } else {
+    for (const auto& window : windows_) sum += window.front.rows_computed();
+  }
+  return sum;
 }
 
 void ExplicitSolver::take_link(const solver::BodyState& state, const std::vector<double>& link_input, std::size_t& next,
@@ -94,12 +120,12 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
       window.internal_old.swap(window.internal);
       window.external_old = window.external;
     }
-    states_[b].stiffness.multiply(states_[b].u, window.internal);
-    window.external = window.external_old;
+    window.front.multiply(states_[b].stiffness, states_[b].u, window.internal);
+    states_[b].external.at(time_s, window.external);
     account_interface(b, window.u, states_[b].u);
   }
   trial_ = false;
-  find_accelerations(time_s);
+  find_accelerations(time_s, Velocity::now);
   for (auto& state : states_) state.constrain_velocity(time_s, setup_.window_size_s, state.v);
   interface_force(output);
   update_status();
@@ -131,8 +157,8 @@ void ExplicitSolver::predict(std::int64_t window) {
     w.u = fem::predicted_displacement(state.u, state.v, state.a, dt, fem::beta_explicit);
     state.constrain_displacement(time_s, w.u);
     for (const int dof : state.shared_dofs) w.u[dof] = state.u[dof];
-    state.stiffness.multiply(w.u, w.internal);
-    state.external.at(time_s, w.external);
+    w.front.multiply(state.stiffness, w.u, w.internal);
+    if (!state.external.zero()) state.external.at(time_s, w.external);
     for (std::size_t i = 0; i < w.near_rows.size(); ++i) {
       w.near_internal[static_cast<Eigen::Index>(i)] = w.internal[w.near_rows[i]];
     }
@@ -199,26 +225,52 @@ void ExplicitSolver::accept() {
   ++window_;
   trial_ = false;
   for (std::size_t b = 0; b < states_.size(); ++b) {
-    states_[b].v += (0.5 * dt) * states_[b].a;
+    half_a_step(b);
     states_[b].u.swap(windows_[b].u);
   }
   const double time_s = static_cast<double>(window_) * dt;
-  find_accelerations(time_s);
+  find_accelerations(time_s, Velocity::half_a_step_before);
   if (contact_) contact_->apply(states_, u_before_);
-  for (auto& state : states_) {
-    state.v += (0.5 * dt) * state.a;
-    state.constrain_velocity(time_s, dt, state.v);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    half_a_step(b);
+    states_[b].constrain_velocity(time_s, dt, states_[b].v);
   }
   account();
   update_status();
 }
 
+/// v += dt/2 a, where there is an acceleration.
+void ExplicitSolver::half_a_step(std::size_t b) {
+  auto& state = states_[b];
+  for (const auto& [first, last] : windows_[b].front.rows()) {
+    const auto count = last - first;
+    state.v.segment(first, count) += (0.5 * setup_.window_size_s) * state.a.segment(first, count);
+  }
+}
+
+/// The forces of dashpots join f.
+void ExplicitSolver::set_dashpot_forces(solver::BodyState& state, Window& w, Velocity velocity) const {
+  for (const auto& d : state.dashpots) {
+    if (state.external.zero()) w.external[d.dof] = 0.0;  // what it was a window ago
+    const double others = w.external[d.dof] - w.internal[d.dof], v = state.v[d.dof];
+    w.external[d.dof] += velocity == Velocity::now
+                             ? d.force(v)
+                             : d.force_after_step(v, others, state.mass[d.dof], setup_.window_size_s);
+  }
+}
+
 /// a = M^-1 (f - K u), the given motion at constrained dofs; the reactions there, R = M a + K u - f, join f.
-void ExplicitSolver::find_accelerations(double time_s) {
+void ExplicitSolver::find_accelerations(double time_s, Velocity velocity) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto& w = windows_[b];
-    state.a = state.inverse_mass.cwiseProduct(w.external - w.internal);
+    w.front.grow(w.internal);
+    set_dashpot_forces(state, w, velocity);
+    for (const auto& [first, last] : w.front.rows()) {
+      const auto count = last - first;
+      state.a.segment(first, count) = state.inverse_mass.segment(first, count).cwiseProduct(
+          w.external.segment(first, count) - w.internal.segment(first, count));
+    }
     state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
     for (const auto& c : state.constrained) w.external[c.dof] = state.mass[c.dof] * state.a[c.dof] + w.internal[c.dof];
   }
@@ -260,7 +312,9 @@ void ExplicitSolver::load_state(const std::vector<double>& state, participant::F
   for (auto& window : windows_) {
     window.external.setZero();
     window.external_old = window.external;
+    if (!driven_by_force()) window.front.reach_all();
   }
+  for (auto& window : subcycled_) window.reach_all();
   if (contact_) contact_->freeze(contact);
   contact_started_ = false;  // a_n contains the contact force that closes the gap at n + 1
 }
@@ -277,7 +331,10 @@ void ExplicitSolver::write_fields(std::int64_t window) {
 void ExplicitSolver::initialize_subcycling() {
   states_ = solver::initial_states(problem_, *spec_, true);
   solver::take_interface_mass(setup_.interface_mass_kg, states_);
-  for (const auto& state : states_) subcycled_.emplace_back(state, setup_.substeps, step_s());
+  for (const auto& state : states_) {
+    subcycled_.emplace_back(state, setup_.substeps, step_s());
+    if (all_rows_) subcycled_.back().reach_all();
+  }
 }
 
 void ExplicitSolver::shared_motion(Link& output) const {

@@ -10,6 +10,7 @@
 #include "common/solver/separation.hpp"
 #include "explicit_solver/explicit_contact.hpp"
 #include "explicit_solver/subcycled_window.hpp"
+#include "explicit_solver/wave_front.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -17,7 +18,8 @@ namespace ricochet::explicit_solver {
 ///   u_{n+1} = u_n + dt v_n + dt^2/2 a_n,   a_{n+1} = M^-1 (f_{n+1} - K u_{n+1}),   v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
 /// Stable for dt <= 2/omega_max(K_E, M). Shared nodes take the displacement the link gives; the answer is P = K u - f there.
 /// As the only participant (`all_explicit`) it also enforces the contact. Driven by force (dual protocols) it integrates its
-/// shared nodes, too, in one or more steps a window: SubcycledWindow.
+/// shared nodes, too, in one or more steps a window: SubcycledWindow. Rows that no wave has reached are left out (WaveFront), to
+/// the same bits.
 ///
 /// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
 /// which the method conserves energy exactly.
@@ -42,6 +44,10 @@ class ExplicitSolver final : public participant::Participant {
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
   [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
+  /// Rows of K u that a step computes at present, all parts together.
+  [[nodiscard]] int rows_computed() const;
+  /// Computes all rows from `initialize` on: what the tests and the benchmark compare with.
+  void compute_all_rows() { all_rows_ = true; }
 
  private:
   /// Per part: the window being tried, and what the last accepted one left.
@@ -53,6 +59,7 @@ class ExplicitSolver final : public participant::Participant {
     std::vector<int> near_rows;
     fem::SparseMatrix shared_columns;           ///< K: near rows x shared dofs
     Eigen::VectorXd near_internal, shared_moved;  ///< K u in the near rows before that; by how much they have moved
+    WaveFront front;
   };
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
@@ -64,7 +71,12 @@ class ExplicitSolver final : public participant::Participant {
   void take_link(const solver::BodyState& state, const std::vector<double>& link_input, std::size_t& next,
                  Eigen::VectorXd& u) const;
   void interface_force(participant::Link& output) const;
-  void find_accelerations(double time_s);
+  /// What `state.v` is when accelerations are sought.
+  enum class Velocity { now, half_a_step_before };
+  void find_accelerations(double time_s, Velocity velocity);
+  void half_a_step(std::size_t part);
+  void set_dashpot_forces(solver::BodyState& state, Window& window, Velocity velocity) const;
+  [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
   void account();
   void set_shared_columns(std::size_t part);
   void predict(std::int64_t window);
@@ -83,6 +95,7 @@ class ExplicitSolver final : public participant::Participant {
   participant::Setup setup_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
+  bool all_rows_ = false;
   bool contact_started_ = false;  ///< the contact has made the accelerations of the first window
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;

@@ -57,6 +57,12 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
     index[static_cast<std::size_t>(dof)] = static_cast<int>(near_.size());
     near_.push_back(dof);
   }
+  std::vector<int> near_nodes;  // whatever the multiplier moves is among them
+  for (int node = 0; node < state.part.nodes(); ++node) {
+    if (reached[static_cast<std::size_t>(node)]) near_nodes.push_back(node);
+  }
+  front_ = WaveFront(state, near_nodes);
+  for (const auto& d : state.dashpots) near_dashpots_ = near_dashpots_ || index[static_cast<std::size_t>(d.dof)] >= 0;
   for (const int dof : state.shared_dofs) near_of_shared_.push_back(index[static_cast<std::size_t>(dof)]);
   for (const auto& c : state.constrained) {
     const int at = index[static_cast<std::size_t>(c.dof)];
@@ -81,9 +87,10 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
   force_ = force;
-  state.stiffness.multiply(state.u, internal_);
-  external_.setZero();
+  front_.multiply(state.stiffness, state.u, internal_);
+  front_.grow(internal_);
   state.external.at(time_s, external_);
+  for (const auto& d : state.dashpots) external_[d.dof] += d.force(state.v[d.dof]);
   state.a = state.inverse_mass.cwiseProduct(external_ - internal_);
   for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
     const int dof = state.shared_dofs[i];
@@ -95,7 +102,7 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
 }
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
-  if (tried_ && steps == steps_ && state.external.zero()) {
+  if (tried_ && steps == steps_ && state.external.zero() && !near_dashpots_) {
     correct(state, begin_s, force - trial_force_);
   } else {
     run(state, begin_s, steps, force);
@@ -112,6 +119,15 @@ void SubcycledWindow::account(const BodyState& state, int dof, double mean_force
   given.work_j += mean_force * moved;
   given.impulse_n += dt_ * mean_force * state.normal[c];
   given.impulse_t += dt_ * mean_force * state.tangent[c];
+}
+
+/// Forces of the dashpots at the end of a step; they join f.
+void SubcycledWindow::set_dashpot_forces(const BodyState& state) {
+  for (const auto& d : state.dashpots) {
+    if (state.external.zero()) trial_external_[d.dof] = 0.0;  // what it was a step ago
+    const double others = trial_external_[d.dof] - trial_internal_[d.dof];
+    trial_external_[d.dof] += d.force_after_step(v_[d.dof] + 0.5 * dt_ * a_[d.dof], others, state.mass[d.dof], dt_);
+  }
 }
 
 void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
@@ -134,8 +150,10 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     state.constrain_displacement(time_s, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
-    state.stiffness.multiply(u_, trial_internal_);
+    front_.multiply(state.stiffness, u_, trial_internal_);
+    front_.grow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
+    set_dashpot_forces(state);
     for (const auto& c : state.constrained) {
       trial_external_[c.dof] = state.mass[c.dof] * c.acceleration(time_s, dt_) + trial_internal_[c.dof];
     }
@@ -144,6 +162,7 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     };
     if (state.external.zero()) {
       for (const auto& c : state.constrained) add(c.dof);
+      for (const auto& d : state.dashpots) add(d.dof);
     } else {
       for (int dof = 0; dof < state.part.dofs(); ++dof) add(dof);
     }

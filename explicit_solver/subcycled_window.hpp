@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/solver/body_state.hpp"
+#include "explicit_solver/wave_front.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -15,7 +16,7 @@ namespace ricochet::explicit_solver {
 /// layers of nodes:
 ///   M da_j = -K du_j + j/m dlambda_m
 /// (Prakash, Hjelmstad: A FETI-based multi-time-step coupling method, Int. J. Numer. Meth. Engng 61, 2004, split free
-/// and link problems alike). Where loads act the window is computed anew instead.
+/// and link problems alike). Where loads act, or dashpots within that reach, the window is computed anew instead.
 class SubcycledWindow {
  public:
   /// `substeps`: the largest number of steps in a window; `dt` of one step [s].
@@ -38,6 +39,9 @@ class SubcycledWindow {
   /// K u of the accepted motion [N].
   [[nodiscard]] const Eigen::VectorXd& internal() const { return internal_; }
 
+  void reach_all() { front_.reach_all(); }
+  [[nodiscard]] int rows_computed() const { return front_.rows_computed(); }
+
  private:
   /// What the surroundings did during a trial.
   struct Given {
@@ -46,10 +50,12 @@ class SubcycledWindow {
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
   void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& change);
   void account(const solver::BodyState& state, int dof, double mean_force, double moved, Given& given) const;
+  void set_dashpot_forces(const solver::BodyState& state);
   void clear_correction();
   [[nodiscard]] double interface_work() const;
 
   double dt_ = 0.0;
+  WaveFront front_;
   // accepted
   Eigen::VectorXd internal_, external_, force_;  ///< K u; f with reactions; lambda per shared dof
   // the trial that was computed in full
@@ -62,6 +68,7 @@ class SubcycledWindow {
   std::vector<int> near_;                                                        ///< dofs, ascending
   std::vector<int> near_of_shared_;                                              ///< per shared dof, index into near_
   std::vector<std::pair<int, const solver::ConstrainedDof*>> near_constrained_;  ///< index into near_, and the dof
+  bool near_dashpots_ = false;
   fem::StiffnessProduct near_stiffness_;
   Eigen::VectorXd near_inverse_mass_, du_, dv_, da_, da_new_, d_internal_, d_internal_old_, d_force_;
   Eigen::MatrixXd d_shared_path_;

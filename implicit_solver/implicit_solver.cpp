@@ -91,6 +91,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   for (const auto& state : states_) {
     moved_.push_back(state.u);
     internal_.push_back(state.u);
+    dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
   }
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
@@ -114,7 +115,7 @@ void ImplicitSolver::add_interface_stiffness(double scale, fem::SparseMatrix& a)
   a += s;
 }
 
-/// A = M + dt^2/4 (K + S) on the dofs that are free.
+/// A = M + dt/2 C + dt^2/4 (K + S) on the dofs that are free.
 void ImplicitSolver::factorise() {
   const double dt = setup_.window_size_s;
   fem::SparseMatrix a = (0.25 * dt * dt) * stiffness_;
@@ -122,6 +123,7 @@ void ImplicitSolver::factorise() {
   Eigen::VectorXd mass(a.rows());
   for (std::size_t b = 0; b < states_.size(); ++b) {
     segment(mass, b) = states_[b].mass;
+    for (const auto& d : states_[b].dashpots) mass[offsets_[b] + d.dof] += 0.5 * dt * d.coefficient_kg_s;
     for (int dof = 0; dof < states_[b].part.dofs(); ++dof) {
       active[static_cast<std::size_t>(offsets_[b] + dof)] = states_[b].free[static_cast<std::size_t>(dof)];
     }
@@ -199,6 +201,9 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
     auto& state = states_[b];
     auto q = segment(residual_, b);
     state.stiffness.multiply(state.u, internal_[b]);
+    for (const auto& d : state.dashpots) {
+      external_[offsets_[b] + d.dof] = load_on(b, d.dof, external_) + d.force(state.v[d.dof]);
+    }
     q = segment(external_, b) - internal_[b] - segment(link_, b);
     state.a = state.inverse_mass.cwiseProduct(q);
     state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
@@ -245,6 +250,7 @@ void ImplicitSolver::prepare(std::int64_t window) {
     segment(rhs_, b) = state.mass.cwiseProduct(dt * state.v + quarter * state.a) + quarter * segment(residual_, b);
     if (!state.external.zero()) segment(rhs_, b) += quarter * (segment(trial_.external, b) - segment(external_, b));
   }
+  damp_rhs();
   constrain_increment(time_s);
   if (link_in_root_) factor_->forward(rhs_);
   prepared_ = window;
@@ -311,6 +317,7 @@ void ImplicitSolver::find_rates() {
     segment(trial_.residual, b) = state.mass.cwiseProduct(a);
   }
   if (contact_) find_contact_rates();
+  set_dashpot_forces();
 }
 
 /// Takes the contact forces out of q (and, where the law does not remember them, out of a), then applies Eq. 25.
@@ -363,6 +370,12 @@ void ImplicitSolver::advance_explicit(double time_s) {
     for (const auto& c : state.constrained) trial_.increment[offsets_[b] + c.dof] = c.at(time_s) - state.u[c.dof];
     moved_[b] = state.u + segment(trial_.increment, b);
     state.stiffness.multiply(moved_[b], internal_[b]);
+    for (const auto& d : state.dashpots) {
+      const auto dof = offsets_[b] + d.dof;
+      const double load = load_on(b, d.dof, trial_.external), others = load - trial_.link[dof] - internal_[b][d.dof];
+      const double half_velocity = state.v[d.dof] + 0.5 * dt * state.a[d.dof];
+      trial_.external[dof] = load + d.force_after_step(half_velocity, others, state.mass[d.dof], dt);
+    }
     segment(trial_.residual, b) = segment(trial_.external, b) - segment(trial_.link, b) - internal_[b];
     segment(trial_.acceleration, b) = state.inverse_mass.cwiseProduct(segment(trial_.residual, b));
     segment(trial_.velocity, b) = fem::corrected_velocity(state.v, state.a, segment(trial_.acceleration, b), dt);

@@ -18,6 +18,8 @@ namespace ricochet::implicit_solver {
 /// explicit elements at the shared nodes) one window is
 ///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r
 ///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T r
+/// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
+/// dt^2/2 C v_n on the right.
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
 /// The operator is factored once; contact forces r come from a small dense problem (ImplicitContact, RootProblem).
 ///
@@ -59,6 +61,8 @@ class ImplicitSolver final : public participant::Participant {
     return combined.segment(offsets_[part], states_[part].part.dofs());
   }
   void factorise();
+  void damp_rhs();
+  [[nodiscard]] double load_on(std::size_t part, int dof, const Eigen::VectorXd& external) const;
   void external_force(double time_s, Eigen::VectorXd& external);
   void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
   void add_stiffness_force(bool of_increment, Eigen::VectorXd& link);
@@ -71,6 +75,7 @@ class ImplicitSolver final : public participant::Participant {
   void constrain_increment(double time_s);
   void find_rates();
   void find_contact_rates();
+  void set_dashpot_forces();
   void constrain_rates(double time_s);
   void account();
   [[nodiscard]] double shared_staggered_energy(std::size_t part) const;
@@ -85,6 +90,7 @@ class ImplicitSolver final : public participant::Participant {
   fem::SparseMatrix stiffness_;                  ///< all parts, block diagonal
   Eigen::VectorXd residual_, external_, link_;   ///< q, f (with reactions) and L of the last accepted window
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
+  std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;

@@ -12,7 +12,7 @@
 namespace ricochet::fem {
 namespace {
 
-constexpr int lanes = 8, nodes_of_slice = 4;
+constexpr int lanes = StiffnessProduct::rows_of_slice, nodes_of_slice = lanes / 2;
 using Vector = double __attribute__((vector_size(lanes * sizeof(double))));
 
 Vector load(const double* from) {
@@ -31,7 +31,7 @@ Vector load_pairs(const double* u, const int* dof) {
 }
 
 /// Whether K maps a constant component to zero, up to round-off.
-bool translation_is_free(const SparseMatrix& stiffness, int components, int component) {
+bool maps_to_zero(const SparseMatrix& stiffness, int components, int component) {
   constexpr double round_off = 1e-9;
   double largest_sum = 0.0, largest_entry = 0.0;
   for (int row = 0; row < stiffness.rows(); ++row) {
@@ -48,7 +48,7 @@ bool translation_is_free(const SparseMatrix& stiffness, int components, int comp
 }  // namespace
 
 StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components) : components_(components) {
-  for (int c = 0; c < components; ++c) follows_[c] = translation_is_free(stiffness, components, c) ? 1.0 : 0.0;
+  for (int c = 0; c < components; ++c) follows_[c] = maps_to_zero(stiffness, components, c) ? 1.0 : 0.0;
   const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / lanes : 0;
   slice_start_.push_back(0);
   for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice);
@@ -115,11 +115,15 @@ void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice) {
 }
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
+  multiply(u, result, 0, static_cast<int>(u.size()));
+}
+
+void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
   const double* values = u.data();
   const double x = follows_[0], y = follows_[1];
   const Vector follows = {x, y, x, y, x, y, x, y};
-  const int slices = static_cast<int>(slice_start_.size()) - 1;
-  for (int s = 0; s < slices; ++s) {
+  const int end_slice = std::min(last, first_row_) / lanes;
+  for (int s = first / lanes; s < end_slice; ++s) {
     const Vector own = follows * load(values + s * lanes);
     Vector same_sum{}, cross_sum{};
     const int end = slice_start_[static_cast<std::size_t>(s) + 1];
@@ -135,16 +139,17 @@ void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& resul
     const Vector sum = same_sum + cross_sum;
     std::memcpy(result.data() + s * lanes, &sum, sizeof sum);
   }
-  if (rows_.rows() > 0) multiply_rows(u, result);
+  if (last > first_row_) multiply_rows(u, result, std::max(first, first_row_), last);
 }
 
-void StiffnessProduct::multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
-  for (int r = 0; r < rows_.rows(); ++r) {
+void StiffnessProduct::multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
+  for (int row = first; row < last; ++row) {
     double own[2] = {0.0, 0.0}, sum = 0.0;
-    const int node = (first_row_ + r) / components_;
+    const int node = row / components_;
     for (int c = 0; c < components_; ++c) own[c] = follows_[c] * u[node * components_ + c];
-    for (SparseMatrix::InnerIterator it(rows_, r); it; ++it) sum += it.value() * (u[it.col()] - own[it.col() % components_]);
-    result[first_row_ + r] = sum;
+    for (SparseMatrix::InnerIterator it(rows_, row - first_row_); it; ++it)
+      sum += it.value() * (u[it.col()] - own[it.col() % components_]);
+    result[row] = sum;
   }
 }
 

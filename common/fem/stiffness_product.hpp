@@ -24,6 +24,13 @@ class StiffnessProduct {
 
   /// result = K u [N]; both of K's size, different vectors.
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
+  /// The same in the rows first ... last - 1 only, to the same bits. `first` is the first row of a slice, `last` the end of
+  /// one (of the last slice: the number of rows).
+  void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
+
+  static constexpr int rows_of_slice = 8;
+  /// Whether rows take this component relative to their own node.
+  [[nodiscard]] bool translation_is_free(int component) const { return follows_[component] != 0.0; }
 
   /// Share of the slots whose four neighbours are one load.
   [[nodiscard]] double contiguous_share() const;
@@ -38,7 +45,7 @@ class StiffnessProduct {
     alignas(64) double cross[8] = {};
   };
   void add_slice(const SparseMatrix& stiffness, int slice);
-  void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
+  void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
   std::vector<int> slice_start_;            ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
   std::vector<Slot> slots_;

@@ -18,6 +18,12 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);
 /// Initial displacement (linear along the axis) and velocity. Throws ConfigError where it moves a support.
 void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body);
 
+/// damping_kg_s of the absorbing surfaces. Throws ConfigError for an unknown surface, one that is perpendicular to no
+/// coordinate, one without area, and one that is held along its normal.
+void set_absorbing(const Scene& scene, const Body& spec, BodyProblem& body);
+/// Throws ConfigError if a contact node lies on an absorbing surface.
+void refuse_absorbing_contact(const Problem& problem);
+
 /// Node pairs of the contact surfaces. Throws ConfigError for unknown, curved, not opposite or not matching surfaces,
 /// for bodies that overlap, and for a pair that is held in the normal direction on every side.
 [[nodiscard]] ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies);

@@ -31,6 +31,7 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
     require_surface(scene, fmt::format("body.{}.traction[{}].surface", spec.name, i), body.mesh,
                     spec.tractions[i].surface);
   set_constraints(scene, spec, body);
+  set_absorbing(scene, spec, body);
   set_initial_state(scene, spec, body);
   return body;
 }
@@ -62,6 +63,7 @@ Problem build_problem(const Scene& scene) {
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
   problem.contact = build_contact(scene, problem.bodies);
+  refuse_absorbing_contact(problem);
   set_partition(problem);
   problem.window_size_s = window_size(problem);
   return problem;

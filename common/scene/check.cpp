@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/scene/build.hpp"
 #include "common/scene/check_contact.hpp"
+#include "common/scene/check_reach.hpp"
 #include "common/scene/critical_step.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -122,6 +123,7 @@ Plan plan(const Problem& problem) {
   check_materials(problem, plan.warnings);
   check_penalty(problem, plan);
   check_friction(problem, plan);
+  plan.notes = unreached_ends(problem);
   return plan;
 }
 
@@ -144,6 +146,7 @@ std::string to_text(const Plan& plan) {
   if (plan.penalty_critical_s > 0.0)
     text += fmt::format("penalty: critical step in contact {:.6g} s\n", plan.penalty_critical_s);
   for (const std::string& warning : plan.warnings) text += "warning: " + warning + "\n";
+  for (const std::string& note : plan.notes) text += "note: " + note + "\n";
   return text;
 }
 

@@ -25,6 +25,7 @@ struct Plan {
   double penalty_delay_s = 0;        ///< bars: by how much the penalty model releases late, 1.678347 tau; else 0
   double penalty_critical_s = 0;     ///< all_explicit with penalty: critical step while in contact; else 0
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;    ///< what could be left out; see check_reach.hpp
 };
 
 /// What each participant has to do; refuses nothing.

@@ -122,6 +122,15 @@ PrescribedDisplacement load_prescribed(TableReader& table, Model model, const st
   return prescribed;
 }
 
+AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
+  AbsorbingSurface absorbing{load_surface(table, surfaces), Wave::bar};
+  table.only_if(model != Model::bar, "wave", "two dimensions: a bar has one wave");
+  if (model != Model::bar && table.word("wave", {"bar", "dilatational"}) == "dilatational")
+    absorbing.wave = Wave::dilatational;
+  table.finish();
+  return absorbing;
+}
+
 void load_initial_state(TableReader& table, std::size_t components, Body& body) {
   const auto vector = [&](TableReader& from, const std::string& key) {
     return from.has(key) ? from.numbers(key, any_number(), components) : std::vector<double>(components, 0.0);
@@ -170,6 +179,12 @@ Body load_body(TableReader& table, Model model, const std::string& folder) {
     body.tractions.push_back(load_traction(entry, model, surfaces));
   for (TableReader& entry : table.tables("prescribed", "prescribed"))
     body.prescribed.push_back(load_prescribed(entry, model, surfaces));
+  for (TableReader& entry : table.tables("absorbing", "absorbing")) {
+    AbsorbingSurface absorbing = load_absorbing(entry, model, surfaces);
+    for (const AbsorbingSurface& other : body.absorbing)
+      if (other.surface == absorbing.surface) entry.refuse("surface", "\"" + other.surface + "\" a second time", "each surface once");
+    body.absorbing.push_back(std::move(absorbing));
+  }
   table.finish();
   return body;
 }

@@ -37,6 +37,7 @@ struct BodyProblem {
   std::vector<bool> fixed_dof;                   ///< supports and the axis r = 0 (u_r); prescribed dofs too
   Eigen::VectorXd prescribed_displacement_m;     ///< per dof, amplitude excluded; 0 on supports
   std::vector<int> prescribed_index;             ///< per dof: which Body::prescribed, -1 none
+  Eigen::VectorXd damping_kg_s;                  ///< per dof: dashpots of the absorbing surfaces; 0 elsewhere and where held
   Eigen::VectorXd initial_displacement_m;        ///< per dof (on prescribed dofs their value at t = 0)
   Eigen::VectorXd initial_velocity_m_s;          ///< per dof (0 on fixed dofs)
 };
@@ -74,6 +75,8 @@ class ExternalForce {
   ExternalForce() = default;  ///< no load
   ExternalForce(const Body& body, const fem::Part& part);
   [[nodiscard]] bool zero() const { return terms_.empty(); }
+  /// Per dof of the part: some load acts on it at some time.
+  [[nodiscard]] std::vector<bool> loaded(int dofs) const;
   /// Adds nothing and allocates nothing where there is no load. `force` has part.dofs() entries, overwritten.
   void at(double time_s, Eigen::VectorXd& force) const;
 

@@ -59,6 +59,18 @@ struct PrescribedDisplacement {
   Amplitude amplitude;
 };
 
+/// The long wave that an absorbing surface takes up, which fixes its speed along the surface's normal.
+enum class Wave {
+  bar,           ///< free sides: sqrt(E/rho) of bars and slender cylinders, sqrt(E/(rho (1 - nu^2))) of a plate in plane strain
+  dilatational,  ///< no strain across: c_L (Eq. 26)
+};
+
+/// Dashpots in place of a continuation of the body.
+struct AbsorbingSurface {
+  std::string surface;
+  Wave wave = Wave::bar;
+};
+
 struct Body {
   std::string name;
   Material material;
@@ -72,6 +84,7 @@ struct Body {
   std::vector<Support> supports;
   std::vector<Traction> tractions;
   std::vector<PrescribedDisplacement> prescribed;
+  std::vector<AbsorbingSurface> absorbing;
 };
 
 struct SurfaceName {

@@ -86,13 +86,25 @@ void set_motion(const scene::Problem& problem, BodyState& state) {
   }
 }
 
-BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, bool shared_integrated) {
+/// Dashpots of the nodes that only this participant moves; the implicit one takes those of shared nodes, whole.
+void set_dashpots(const scene::BodyProblem& whole, scene::Role role, BodyState& state) {
+  const int components = fem::components(state.part.mesh.model);
+  std::vector<bool> mine = state.integrated;
+  for (const int dof : state.shared_dofs) mine[static_cast<std::size_t>(dof)] = role == scene::Role::implicit_solver;
+  for (int dof = 0; dof < state.part.dofs(); ++dof) {
+    const int node = state.part.body_node[static_cast<std::size_t>(dof / components)];
+    const double coefficient = whole.damping_kg_s[node * components + dof % components];
+    if (coefficient > 0.0 && mine[static_cast<std::size_t>(dof)]) state.dashpots.push_back({dof, coefficient, state.v[dof]});
+  }
+}
+
+BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role, bool shared_integrated) {
   const int components = problem.scene.components();
   const auto index = static_cast<std::size_t>(owned.body);
   scene::ExternalForce external(problem.scene.bodies[index], owned.part);
   BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part), .stiffness = {},
                   .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .free = {}, .mass = {},
-                  .inverse_mass = {}, .constrained = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
+                  .inverse_mass = {}, .constrained = {}, .dashpots = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
                   .normal = {}, .tangent = {}, .totals = {}};
   state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
@@ -104,6 +116,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   }
   set_directions(problem, state);
   set_motion(problem, state);
+  set_dashpots(problem.bodies[index], role, state);
   state.set_mass(state.part.lumped_mass);
   return state;
 }
@@ -114,7 +127,7 @@ std::vector<BodyState> initial_states(const scene::Problem& problem, const scene
                                       bool shared_integrated) {
   std::vector<BodyState> states;
   for (auto& owned : scene::participant_parts(problem, participant)) {
-    states.push_back(initial_state(problem, std::move(owned), shared_integrated));
+    states.push_back(initial_state(problem, std::move(owned), participant.role, shared_integrated));
   }
   return states;
 }

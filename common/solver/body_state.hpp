@@ -26,6 +26,25 @@ struct ConstrainedDof {
   }
 };
 
+/// A degree of freedom of an absorbing surface, where a dashpot stands in for more of the body: force -c (v - v_0), so that a
+/// body in flight is not braked. Central difference takes it at n + 1 too,
+///   M a_{n+1} = f - c (v_{n+1} - v_0),   v_{n+1} = v_{n+1/2} + dt/2 a_{n+1},
+/// which is M (v_{n+3/2} - v_{n+1/2})/dt = f - c ((v_{n+3/2} + v_{n+1/2})/2 - v_0). The staggered energy then changes by
+/// -dt v c v (v_0 = 0) and is positive for dt < 2/omega_max as without dashpots: the critical time step is the same.
+struct Dashpot {
+  int dof = 0;
+  double coefficient_kg_s = 0.0;
+  double initial_velocity_m_s = 0.0;  ///< v_0
+
+  /// At a velocity [N].
+  [[nodiscard]] double force(double velocity_m_s) const { return -coefficient_kg_s * (velocity_m_s - initial_velocity_m_s); }
+  /// At the end of an explicit step, from v_{n+1/2} and all other forces on the mass [N].
+  [[nodiscard]] double force_after_step(double half_velocity_m_s, double others_n, double mass_kg, double dt) const {
+    const double a = (others_n + force(half_velocity_m_s)) / (mass_kg + 0.5 * dt * coefficient_kg_s);
+    return force(half_velocity_m_s + 0.5 * dt * a);
+  }
+};
+
 struct BodyState {
   int body = -1;                    ///< index into Problem::bodies
   std::string name;
@@ -38,6 +57,7 @@ struct BodyState {
   Eigen::VectorXd mass;             ///< per dof, what this participant integrates; 0 elsewhere [kg]
   Eigen::VectorXd inverse_mass;     ///< 1/mass; 0 where constrained, not integrated or massless [1/kg]
   std::vector<ConstrainedDof> constrained;
+  std::vector<Dashpot> dashpots;    ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
   Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
   Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
@@ -49,8 +69,9 @@ struct BodyState {
   void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
   void constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const;
   void constrain_displacement(double time_s, Eigen::VectorXd& displacement) const;
-  /// Accounts loads, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n) to the external
-  /// work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions at constrained dofs [N].
+  /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n) to the external
+  /// work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions at constrained dofs and
+  /// the forces of dashpots [N].
   template <class MeanForce, class Increment>
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
     const int components = fem::components(part.mesh.model);
@@ -64,6 +85,7 @@ struct BodyState {
     };
     if (external.zero()) {
       for (const auto& c : constrained) account(c.dof);
+      for (const auto& d : dashpots) account(d.dof);
     } else {
       for (int dof = 0; dof < part.dofs(); ++dof) account(dof);
     }

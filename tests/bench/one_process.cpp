@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/participant/session.hpp"
@@ -18,11 +19,13 @@ namespace {
 /// A solver and its end of the conversation.
 class LocalParticipant {
  public:
-  LocalParticipant(const scene::Problem& problem, const scene::ParticipantSpec& spec) : spec_(spec) {
+  LocalParticipant(const scene::Problem& problem, const scene::ParticipantSpec& spec, bool all_rows) : spec_(spec) {
     if (spec.role == scene::Role::implicit_solver) {
       solver_ = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
     } else {
-      solver_ = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
+      auto solver = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
+      if (all_rows) solver->compute_all_rows();
+      solver_ = std::move(solver);
     }
     session_ = std::make_unique<participant::Session>(*solver_);
     session_->hello(answer_);
@@ -72,13 +75,13 @@ coupler::Coupling couple(std::vector<std::unique_ptr<LocalParticipant>>& partici
 
 }  // namespace
 
-double run_in_one_process(const std::string& scene_path) {
+double run_in_one_process(const std::string& scene_path, bool all_rows) {
   const auto problem = scene::build_problem(scene::load_scene(scene_path));
   const auto plan = scene::plan(problem);
   const auto& scene = problem.scene;
   std::vector<std::unique_ptr<LocalParticipant>> participants;
   for (const auto& spec : scene.participants) {
-    participants.push_back(std::make_unique<LocalParticipant>(problem, spec));
+    participants.push_back(std::make_unique<LocalParticipant>(problem, spec, all_rows));
   }
   auto coupling = couple(participants, plan.window_size_s);
   const auto& entry = coupler::find_protocol(scene.coupling.protocol);

@@ -14,7 +14,7 @@ namespace ricochet::bench {
 namespace {
 
 constexpr int across = 10, along = 160;  // of the 0.5 mm mesh
-constexpr double step_s = 5.4e-8, edge_mm = 0.5;
+constexpr double step_s = 5.4e-8, edge_mm = 0.5, length_m = 0.08;
 
 std::string replaced_everywhere(std::string text, std::string_view from, std::string_view to) {
   std::size_t at = text.find(from);
@@ -52,6 +52,11 @@ std::string write_reference_scene(const SceneChoice& choice, const std::string& 
                                             {"output.history_every", windows},
                                             {"output.fields_every", 0.0}};
   if (choice.substeps > 1) overrides.push_back({"coupling.substeps", static_cast<double>(choice.substeps)});
+  if (choice.carbide_lengths > 1) {
+    const double lengths = choice.carbide_lengths;
+    overrides.push_back({"body.carbide.mesh.length_m", lengths * length_m});
+    overrides.push_back({"body.carbide.mesh.elements", std::vector<double>{1.0 * n * across, lengths * n * along}});
+  }
   scene::write_variant(path, overrides, path);
   return path;
 }

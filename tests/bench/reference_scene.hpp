@@ -11,6 +11,7 @@ struct SceneChoice {
   int substeps = 1;  ///< the window is `substeps` steps long
   long steps = 300;  ///< steps of the explicit side: `steps / substeps` windows
   std::string transport = "auto";
+  int carbide_lengths = 1;  ///< length of the carbide cylinder over that of the scene
   std::string participants;  ///< [[participant]] tables, as text; empty: the shipped ones
 };
 

@@ -20,6 +20,9 @@ constexpr double whole_scene_steps = 763;  // of the 0.5 mm mesh, until 10 us af
 /// Protocols that are timed on the coarsest mesh only, for the table of protocols.
 const std::vector<std::string> others = {"kim", "kim_predicted", "belytschko_mullen", "gravouil_combescure", "fixed_point"};
 
+/// Lengths of the carbide cylinder that show what rows without a wave cost; the long one on the coarsest mesh only.
+std::vector<int> carbide_lengths(bool coarsest) { return coarsest ? std::vector<int>{1, 8} : std::vector<int>{1}; }
+
 std::string dual(int substeps) { return fmt::format("prakash_hjelmstad, m = {}", substeps); }
 
 std::map<std::string, SceneChoice> methods(int refinement, bool coarsest, long steps) {
@@ -95,6 +98,26 @@ void SceneRuns::repeat() {
         runs.push_back(run_scene(scene, choice.substeps, folder_ + "/run"));
       }
     }
+    for (const int lengths : carbide_lengths(n == refinements_.front())) {
+      SceneChoice choice;
+      choice.refinement = n;
+      choice.steps = steps_;
+      choice.protocol = "all_explicit";
+      choice.carbide_lengths = lengths;
+      const std::string scene = write_reference_scene(choice, folder_ + "/scene.toml");
+      for (const bool all_rows : {false, true}) {
+        unreached_s_[{n, lengths, all_rows}].push_back(in_child([&] { return run_in_one_process(scene, all_rows); }));
+      }
+    }
+  }
+}
+
+void SceneRuns::add_unreached(int n, std::vector<Row>& rows) const {
+  for (const int lengths : carbide_lengths(n == refinements_.front())) {
+    rows.push_back({fmt::format("all_explicit: rows that waves have reached / all rows, carbide of {} mm", 80 * lengths),
+                    mesh_name(n),
+                    quotients(unreached_s_.at({n, lengths, false}), unreached_s_.at({n, lengths, true})),
+                    {}});
   }
 }
 
@@ -192,6 +215,7 @@ std::vector<Row> SceneRuns::rows(const Kernels& kernels) const {
   std::vector<Row> rows;
   for (const int n : refinements_) {
     add_costs(n, rows);
+    add_unreached(n, rows);
     if (n == refinements_.front()) add_others(n, rows);
     add_dual(n, rows);
     add_setup(n, rows);

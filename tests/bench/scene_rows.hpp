@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/bench/kernel_rows.hpp"
@@ -21,6 +22,7 @@ class SceneRuns {
  private:
   using Runs = std::vector<SceneRun>;
   [[nodiscard]] const Runs& at(int refinement, const std::string& method) const;
+  void add_unreached(int refinement, std::vector<Row>& rows) const;
   void add_costs(int refinement, std::vector<Row>& rows) const;
   void add_others(int n, std::vector<Row>& rows) const;
   void add_dual(int refinement, std::vector<Row>& rows) const;
@@ -33,6 +35,8 @@ class SceneRuns {
   long steps_;
   std::map<int, double> unknowns_;                   ///< of the whole structure
   std::map<int, std::map<std::string, Runs>> runs_;  ///< by refinement and method
+  /// all_explicit in one process [s per step]: by refinement, length of the carbide cylinder and whether all rows are computed.
+  std::map<std::tuple<int, int, bool>, std::vector<double>> unreached_s_;
 };
 
 /// The exchange of a window through the coupler over a plain ping-pong of the same bytes; repeated like the scenes.

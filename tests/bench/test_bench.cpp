@@ -60,6 +60,7 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
                            "\"hughes_liu: set-up / stepping through the whole scene\",0.25 mm",
                            "\"hughes_liu: growth of time per step from 0.5 mm / of unknowns\",0.25 mm",
                            "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
+                           "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
                            "\"K u: element by element / explicit kernel\",0.25 mm",
                            "\"condensed factor: solves per second / bound\",0.5 mm"}) {
     EXPECT_EQ(names.count(name), 1U) << name;

@@ -28,6 +28,22 @@ TEST(ImpactTheory, EqualBarsOfCarpenter) {
   EXPECT_NEAR(theory->contact_duration_s, 148.393e-6 - 49.456e-6, 2e-9);
 }
 
+// The wave of an absorbing body does not come back: it ends no contact, and of the body that would, there is no theory.
+TEST(ImpactTheory, KnowsThatAnAbsorbingSurfaceReturnsNothing) {
+  const auto theory_with = [](const char* config, const std::string& absorbing) {
+    auto scene = scene::load_scene(configs + config);
+    for (auto& body : scene.bodies)
+      if (body.name == absorbing) body.absorbing.push_back({body.name == "left" ? "start" : "end", scene::Wave::bar});
+    return impact_theory(scene::build_problem(scene));
+  };
+  EXPECT_FALSE(theory_with("unequal_bars.toml", "bar")) << "of lower impedance than the striker";
+  const auto equal = theory_with("two_bars.toml", "right"), whole = theory_with("two_bars.toml", "none");
+  ASSERT_TRUE(equal && whole);
+  EXPECT_EQ(equal->contact_duration_s, whole->contact_duration_s);
+  EXPECT_EQ(equal->body, "left");
+  EXPECT_TRUE(equal->other_body_returns_later);
+}
+
 TEST(ImpactTheory, NoneWithARigidPlane) { EXPECT_FALSE(theory_of("rod_on_stop.toml")); }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "common/fem/part.hpp"
 
@@ -38,6 +39,23 @@ TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
   const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "anvil"))), 1e-14);
+}
+
+TEST(StiffnessProduct, OfSomeSlicesHasTheSameBitsAndLeavesTheOtherRows) {
+  for (const Part& part : {whole(bar_mesh(graded_coordinates(0.0, 1.0, 20, 1.0))),
+                           whole(quadrilateral_mesh(Model::axisymmetric, graded_coordinates(0.0, 0.1, 5, 2.0), graded_coordinates(0.0, 1.0, 7, 1.0)))}) {
+    const StiffnessProduct product(part.stiffness, components(part.mesh.model));
+    const int n = part.dofs(), slice = StiffnessProduct::rows_of_slice;
+    Eigen::VectorXd u(n), all(n);
+    for (int i = 0; i < n; ++i) u[i] = std::sin(1.7 * i);
+    product.multiply(u, all);
+    for (const auto& [first, last] : {std::pair{0, slice}, {slice, n}, {2 * slice, n}, {slice, 2 * slice}, {slice, slice}}) {
+      Eigen::VectorXd some = Eigen::VectorXd::Constant(n, 1e99), expected = some;
+      expected.segment(first, last - first) = all.segment(first, last - first);
+      product.multiply(u, some, first, last);
+      EXPECT_EQ(some, expected) << first << ' ' << last;
+    }
+  }
 }
 
 // A body that has flown far: forces as of the body at its place, and no sum of them that would push it on.

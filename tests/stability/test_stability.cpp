@@ -154,6 +154,22 @@ TEST_P(DualEdge, IsThatOfTheExplicitSideAloneForEverySubstepping) {
 
 INSTANTIATE_TEST_SUITE_P(Substeps, DualEdge, testing::Values(1, 2, 3, 5, 10));
 
+/// Dashpots in central difference: they damp, and the edge stays where it is without them.
+TEST(AbsorbingEdge, IsThatOfTheBodyWithoutAbsorbingSurfaces) {
+  TemporaryFolder folder;
+  for (const char* protocol : {"hughes_liu", "prakash_hjelmstad"}) {
+    const std::string text = replaced(std::string(protocol) == "hughes_liu" ? bars(protocol) : graded_bars(protocol, 2), "[contact]",
+                                      "[[body.absorbing]]\nsurface = \"end\"\n[contact]");
+    const auto result = study(folder.write(text), folder, {"--sweep", "courant=0.9,0.999,1.003"});
+    ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
+    ASSERT_EQ(result.rows.size(), 6U);
+    for (const auto& row : result.rows) {
+      EXPECT_EQ(row.at("verdict"), number(row, "courant") < 1.0 ? "stable" : "unstable")
+          << protocol << " " << row.at("courant") << " " << row.at("contact") << " " << row.at("growth_per_window");
+    }
+  }
+}
+
 // Row 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
 TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) {
   TemporaryFolder folder;

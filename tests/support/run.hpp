@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -29,7 +30,7 @@ inline History read_history(const std::string& path) {
     std::istringstream row(line);
     for (const auto& name : names) {
       std::getline(row, cell, ',');
-      history[name].push_back(std::stod(cell));
+      history[name].push_back(std::strtod(cell.c_str(), nullptr));  // std::stod refuses what is nearly zero
     }
   }
   return history;

@@ -1,0 +1,136 @@
+#include "explicit_solver/wave_front.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace ricochet::explicit_solver {
+
+using solver::BodyState;
+
+namespace {
+
+constexpr int rows_of_slice = fem::StiffnessProduct::rows_of_slice;
+
+/// Per row: something other than the part's own elements may act on it.
+std::vector<bool> acted_on(const BodyState& state, const std::vector<int>& driven) {
+  std::vector<bool> rows = state.external.loaded(state.part.dofs());
+  const int components = fem::components(state.part.mesh.model);
+  for (const int node : driven) {
+    for (int c = 0; c < components; ++c) rows[static_cast<std::size_t>(node * components + c)] = true;
+  }
+  for (const auto& c : state.constrained) {
+    if (c.amplitude != nullptr) rows[static_cast<std::size_t>(c.dof)] = true;
+  }
+  return rows;
+}
+
+/// Whether the nodes of a row do not all begin with its own displacement and velocity (a component whose translation does make
+/// forces: with zero).
+bool starts_uneven(const BodyState& state, int row) {
+  const int components = fem::components(state.part.mesh.model), node = row / components;
+  for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
+    const int c = static_cast<int>(it.col()) % components, own = node * components + c;
+    for (const auto* values : {&state.u, &state.v}) {
+      if ((*values)[it.col()] != (state.stiffness.translation_is_free(c) ? (*values)[own] : 0.0)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+WaveFront::WaveFront(const BodyState& state, const std::vector<int>& driven) : size_(state.part.dofs()) {
+  const int slices = (size_ + rows_of_slice - 1) / rows_of_slice;
+  set_neighbours(state, slices);
+  reach_.assign(static_cast<std::size_t>(slices), Reach::none);
+  for (auto* list : {&front_, &next_front_}) list->reserve(static_cast<std::size_t>(slices));
+  rows_.reserve(static_cast<std::size_t>(slices));
+  const std::vector<bool> acted = acted_on(state, driven);
+  for (int row = 0; row < size_; ++row) {
+    const int slice = row / rows_of_slice;
+    if (reach_[static_cast<std::size_t>(slice)] == Reach::reached) continue;
+    if (acted[static_cast<std::size_t>(row)] || starts_uneven(state, row)) reach(slice);
+  }
+  const auto reached = [this](int slice) { return reach_[static_cast<std::size_t>(slice)] == Reach::reached; };
+  next_front_.erase(std::remove_if(next_front_.begin(), next_front_.end(), reached), next_front_.end());
+  front_.swap(next_front_);
+  collect_rows();
+}
+
+void WaveFront::set_neighbours(const BodyState& state, int slices) {
+  neighbour_start_.push_back(0);
+  for (int slice = 0; slice < slices; ++slice) {
+    std::set<int> near;
+    for (int row = slice * rows_of_slice; row < std::min((slice + 1) * rows_of_slice, size_); ++row) {
+      for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
+        near.insert(static_cast<int>(it.col()) / rows_of_slice);
+      }
+    }
+    neighbour_.insert(neighbour_.end(), near.begin(), near.end());
+    neighbour_start_.push_back(static_cast<int>(neighbour_.size()));
+  }
+}
+
+/// K is symmetric in structure: the rows that read a slice's displacement are in the slices that it reads.
+void WaveFront::reach(int slice) {
+  reach_[static_cast<std::size_t>(slice)] = Reach::reached;
+  const int end = neighbour_start_[static_cast<std::size_t>(slice) + 1];
+  for (int k = neighbour_start_[static_cast<std::size_t>(slice)]; k < end; ++k) {
+    const int other = neighbour_[static_cast<std::size_t>(k)];
+    auto& state = reach_[static_cast<std::size_t>(other)];
+    if (state != Reach::none) continue;
+    state = Reach::next;
+    next_front_.push_back(other);
+  }
+}
+
+void WaveFront::collect_rows() {
+  rows_.clear();
+  for (std::size_t slice = 0; slice < reach_.size(); ++slice) {
+    if (reach_[slice] == Reach::none) continue;
+    const int first = static_cast<int>(slice) * rows_of_slice, last = std::min(first + rows_of_slice, size_);
+    if (!rows_.empty() && rows_.back().last == first) {
+      rows_.back().last = last;
+    } else {
+      rows_.push_back({first, last});
+    }
+  }
+}
+
+int WaveFront::rows_computed() const {
+  int sum = 0;
+  for (const auto& rows : rows_) sum += rows.last - rows.first;
+  return sum;
+}
+
+void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u, Eigen::VectorXd& force) const {
+  for (const auto& rows : rows_) stiffness.multiply(u, force, rows.first, rows.last);
+}
+
+void WaveFront::grow(const Eigen::VectorXd& force) {
+  if (front_.empty()) return;
+  const auto at_rest = [&](int slice) {
+    const int first = slice * rows_of_slice, last = std::min(first + rows_of_slice, size_);
+    return std::all_of(force.data() + first, force.data() + last, [](double f) { return f == 0.0; });
+  };
+  next_front_.clear();
+  const std::size_t none_reached = front_.size();
+  for (const int slice : front_) {
+    if (at_rest(slice)) {
+      next_front_.push_back(slice);
+    } else {
+      reach(slice);
+    }
+  }
+  const bool unchanged = next_front_.size() == none_reached && std::equal(front_.begin(), front_.end(), next_front_.begin());
+  front_.swap(next_front_);
+  if (!unchanged) collect_rows();
+}
+
+void WaveFront::reach_all() {
+  std::fill(reach_.begin(), reach_.end(), Reach::reached);
+  front_.clear();
+  collect_rows();
+}
+
+}  // namespace ricochet::explicit_solver

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::explicit_solver {
+
+/// The rows of a part that a wave can have reached; in all others K u is exactly zero and is not computed.
+///
+/// A node that no force has ever acted on has the velocity it began with, and a row takes displacements relative to its own
+/// node (StiffnessProduct): where a row and its neighbours began alike and none of them has felt a force, all of them have
+/// moved by the same bits, and K u there is 0.0, not nearly so. Rows are kept by the slices of the product. A slice is
+/// *reached* once K u in it has not been zero, and from the start where anything else may move it; the neighbours of a reached
+/// slice are computed, too, and looked at after every product. No slice ever falls back, so that trial windows that are given
+/// up leave no more than some rows too many.
+class WaveFront {
+ public:
+  WaveFront() = default;
+  /// `state` before the first window. Reached at once: `driven` nodes, which the interface or a contact moves, loads, prescribed
+  /// motion, and rows whose neighbours do not begin with the same displacement and velocity.
+  WaveFront(const solver::BodyState& state, const std::vector<int>& driven);
+
+  /// Rows first ... last - 1.
+  struct Rows {
+    int first = 0, last = 0;
+  };
+  /// The rows to compute, ascending, none touching the next; all others have no force and no acceleration.
+  [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
+  [[nodiscard]] int rows_computed() const;
+
+  /// force = K u [N] in these rows; the others are left alone.
+  void multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u, Eigen::VectorXd& force) const;
+  /// Moves the front on to the neighbours of the rows where K u has become other than zero.
+  void grow(const Eigen::VectorXd& force);
+  /// From here on every row is computed: the motion is no longer what the part began with.
+  void reach_all();
+
+ private:
+  enum class Reach : unsigned char { none, next, reached };
+  void set_neighbours(const solver::BodyState& state, int slices);
+  void reach(int slice);
+  void collect_rows();
+
+  int size_ = 0;                                  ///< rows of the part
+  std::vector<int> neighbour_start_, neighbour_;  ///< slices with an entry in the rows of slice s, s itself included
+  std::vector<Reach> reach_;                      ///< per slice
+  std::vector<int> front_, next_front_;           ///< slices that are computed, but not reached
+  std::vector<Rows> rows_;
+};
+
+}  // namespace ricochet::explicit_solver
