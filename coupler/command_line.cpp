@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "coupler/contract_check.hpp"
+#include "coupler/report/pictures.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/run.hpp"
 #include "coupler/stability_study.hpp"
@@ -56,8 +57,8 @@ void define(CLI::App& app, Arguments& arguments) {
   auto* study = app.add_subcommand("study", "Compute a scene by many methods and settings: error against time");
   study->add_option("STUDY", arguments.study, "Study file (TOML)")->required();
   study->add_option("--out", arguments.out, "Results folder; default: out/<name of the study file>")->type_name("DIR");
-  auto* report = app.add_subcommand("report", "Write the charts of a run or a study once more: DIR/report.html");
-  report->add_option("DIR", arguments.results, "Results folder of a run or a study")->required();
+  auto* report = app.add_subcommand("report", "Write the charts once more: DIR/report.html, and each as a picture in DIR/charts");
+  report->add_option("DIR", arguments.results, "Results folder of a run, a study or a stability map")->required();
   auto* contract = app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
   contract->add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
       ->required();
@@ -94,6 +95,18 @@ std::vector<std::string> option_names(const CLI::App& app) {
                                 did_you_mean(extra, known)));
 }
 
+/// The page, which a browser draws, and its charts as files.
+void write_report(const std::string& folder) {
+  const auto page = report::write_report(folder);
+  fmt::print("wrote {}\n", page);
+  const auto pictures = report::draw_pictures(page);
+  if (pictures.obstacle.empty()) {
+    fmt::print("wrote {} pictures (SVG) in {}\n", pictures.count, pictures.folder);
+  } else {
+    fmt::print("{}\n", pictures.obstacle);
+  }
+}
+
 bool check_contract(const Arguments& arguments) {
   const auto require_positive = [](const char* option, double value) {
     if (!(value > 0.0)) throw ConfigError(fmt::format("{}: found {}, allowed: a number of seconds > 0", option, value));
@@ -125,7 +138,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (app.got_subcommand("check")) check_scene(arguments.scene);
   if (app.got_subcommand("stability")) study_stability(arguments.stability);
   if (app.got_subcommand("study")) run_study(arguments.study, arguments.out);
-  if (app.got_subcommand("report")) fmt::print("wrote {}\n", report::write_report(arguments.results));
+  if (app.got_subcommand("report")) write_report(arguments.results);
   if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
   if (app.got_subcommand("check-participant") && !check_contract(arguments)) {
     return static_cast<int>(ExitCode::protocol);

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "common/base/error.hpp"
@@ -49,24 +50,23 @@ ResultsDirectory::ResultsDirectory(const std::string& path) : path_(fs::absolute
 
 ResultsDirectory::~ResultsDirectory() {
   std::error_code ignored;
-  for (const auto* folder : {"fields", "logs"}) fs::remove(file(folder), ignored);  // only if it is empty
+  for (const auto* folder : {"fields", "logs", "charts"}) fs::remove(file(folder), ignored);  // only if it is empty
   close(descriptor_);
 }
 
 void ResultsDirectory::remove_former_results() const {
   std::error_code ignored;
   for (const auto* name :
-       {"history.csv", "calibration.csv", "scene.toml", "summary.json", "trace.json", "report.html", "stability.csv", "stability.html", "results.csv",
-        "study.json"}) {
+       {"history.csv", "axial_stress.csv", "calibration.csv", "scene.toml", "summary.json", "trace.json", "report.html",
+        "stability.csv", "stability.html", "results.csv", "study.json"}) {
     fs::remove(file(name), ignored);
   }
-  for (const auto* folder : {"fields", "logs", "variants"}) {
+  static const std::map<std::string, std::set<std::string>> ours = {
+      {"fields", {".vtu", ".pvd", ".axial_stress"}}, {"logs", {".log"}}, {"variants", {".toml"}}, {"charts", {".svg"}}};
+  for (const auto& [folder, extensions] : ours) {
     std::vector<fs::path> old;
     for (const auto& entry : fs::directory_iterator(file(folder), ignored)) {
-      const auto extension = entry.path().extension();
-      const bool ours =
-          extension == ".vtu" || extension == ".pvd" || extension == ".log" || extension == ".toml";
-      if (ours) old.push_back(entry.path());
+      if (extensions.count(entry.path().extension().string()) > 0) old.push_back(entry.path());
     }
     for (const auto& path : old) fs::remove(path, ignored);
   }

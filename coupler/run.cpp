@@ -86,9 +86,10 @@ void run_scene(const std::string& scene_path, const std::string& out) {
     throw;
   }
   const bool reported = try_report(results.path());
+  const std::string waves = problem.scene.output.axial_stress_every > 0 ? ", axial_stress.csv" : "";
   const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
-  fmt::print("{}results in {}: history.csv, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
-             results.path(), fields, reported ? ", report.html" : "");
+  fmt::print("{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
+             results.path(), waves, fields, reported ? ", report.html" : "");
 }
 
 void check_scene(const std::string& scene_path) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "coupler/axial_stress.hpp"
 #include "coupler/coupled_run.hpp"
 
 namespace ricochet::coupler {
@@ -92,12 +93,14 @@ void CoupledRun::write_files() {
     const double separation = coupling_->contact().separation_time_s;
     if (separation >= 0) summary_.separation_time_s = separation;
   }
-  std::vector<std::string> names;
+  std::vector<std::string> names, bodies;
   for (const auto& participant : scene_.participants) names.push_back(participant.name);
+  for (const auto& body : scene_.bodies) bodies.push_back(body.name);
   write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, plan_.window_size_s);
   const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
+  add_up_axial_stress(results_, names, bodies);
 }
 
 }  // namespace ricochet::coupler

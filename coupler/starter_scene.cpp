@@ -51,6 +51,7 @@ transport = "auto"             # shared memory on this machine, ZeroMQ where tha
 [output]
 history_every = 1              # windows per row of history.csv
 fields_every = 50              # windows per ParaView snapshot; 0: none
+axial_stress_every = 5         # windows per row of axial_stress.csv, the x-t diagram of the report; 0: none
 )";
 
 }  // namespace

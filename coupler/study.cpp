@@ -43,6 +43,7 @@ class Study {
 /// What is measured is the computation, not the snapshots.
 std::vector<scene::Override> with_no_fields(std::vector<scene::Override> changes) {
   changes.push_back({"output.fields_every", 0.0});
+  changes.push_back({"output.axial_stress_every", 0.0});
   return changes;
 }
 

@@ -38,8 +38,14 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   if (driven_by_force()) {
     initialize_subcycling();
     shared_motion(output);
-    return;
+  } else {
+    initialize_internal_forces();
+    interface_force(output);
   }
+  axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
+}
+
+void ExplicitSolver::initialize_internal_forces() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& window = windows_[b];
     window.u = states_[b].u;
@@ -52,13 +58,12 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
     set_shared_columns(b);
   }
   if (problem_.scene.coupling.protocol == "all_explicit" && !problem_.contact.pairs.empty()) {
-    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup.window_size_s);
+    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup_.window_size_s);
   }
   for (std::size_t b = 0; b < states_.size(); ++b) {
     windows_[b].front = WaveFront(states_[b], driven_nodes(b));
     if (all_rows_) windows_[b].front.reach_all();
   }
-  interface_force(output);
 }
 
 /// Shared and contact nodes.
@@ -237,6 +242,7 @@ void ExplicitSolver::accept() {
   }
   account();
   update_status();
+  axial_stress_.add(window_, states_);
 }
 
 /// v += dt/2 a, where there is an acceleration.
@@ -380,7 +386,7 @@ void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std
 
 void ExplicitSolver::accept_subcycling() {
   for (std::size_t b = 0; b < states_.size(); ++b) subcycled_[b].accept(states_[b]);
-  if (substep_ == 0 || substep_ == setup_.substeps) ++window_;
+  if (substep_ == 0 || substep_ == setup_.substeps) axial_stress_.add(++window_, states_);
 }
 
 }  // namespace ricochet::explicit_solver

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/participant/participant.hpp"
+#include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/separation.hpp"
 #include "explicit_solver/explicit_contact.hpp"
@@ -63,6 +64,7 @@ class ExplicitSolver final : public participant::Participant {
   };
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
+  void initialize_internal_forces();
   void initialize_subcycling();
   void synchronise_subcycling(const std::vector<double>& force, participant::Link& output);
   void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::Link& output);
@@ -93,6 +95,7 @@ class ExplicitSolver final : public participant::Participant {
   int substep_ = 0;                         ///< of the trial; 0: whole window
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;
+  solver::AxialStressFile axial_stress_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
   bool all_rows_ = false;

@@ -96,6 +96,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
   factorise();
+  axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
   put_output(trial_, output);
 }
 
@@ -399,6 +400,7 @@ void ImplicitSolver::accept() {
   const int every = problem_.scene.coupling.resynchronise_every;
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
+  axial_stress_.add(window_, states_);
 }
 
 /// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise add up

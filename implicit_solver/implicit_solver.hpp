@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/participant/participant.hpp"
+#include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/separation.hpp"
 #include "implicit_solver/condensed_factor.hpp"
@@ -107,6 +108,7 @@ class ImplicitSolver final : public participant::Participant {
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Window trial_;
   participant::Setup setup_;
+  solver::AxialStressFile axial_stress_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "common/base/base64.hpp"
 #include "common/base/error.hpp"
 
 namespace ricochet::fem {
@@ -19,20 +20,6 @@ static_assert(std::endian::native == std::endian::little, "the file is declared 
 
 using Parts = std::vector<const Part*>;
 using Fields = std::vector<const Eigen::VectorXd*>;
-
-std::string base64(std::string_view bytes) {
-  static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63U];
-  }
-  return text;
-}
 
 /// One DataArray: its length in bytes as UInt64, then the values, encoded in one go.
 template <class Number>

@@ -83,6 +83,7 @@ Output load_output(TableReader& table) {
   Output output;
   output.history_every = table.integer("history_every", 1, most, output.history_every);
   output.fields_every = table.integer("fields_every", 0, most, output.fields_every);
+  output.axial_stress_every = table.integer("axial_stress_every", 0, most, output.axial_stress_every);
   table.finish();
   return output;
 }

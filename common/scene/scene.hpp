@@ -164,6 +164,7 @@ struct ParticipantSpec {
 struct Output {
   int history_every = 1;                 ///< windows per row of history.csv
   int fields_every = 0;                  ///< windows per VTU snapshot; 0: none
+  int axial_stress_every = 0;            ///< windows per row of axial_stress.csv; 0: none
 };
 
 struct Scene {

@@ -27,7 +27,7 @@ const Schema& scene_schema() {
         "resynchronise_every", "after_separation", "separation_windows", "timeout_s", "transport",
         "address", "port", "energy_growth_limit"}},
       {"participant", {"name", "role", "bodies", "groups", "executable", "start"}},
-      {"output", {"history_every", "fields_every"}},
+      {"output", {"history_every", "fields_every", "axial_stress_every"}},
   };
   return tables;
 }

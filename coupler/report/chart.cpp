@@ -10,8 +10,11 @@
 namespace ricochet::report {
 
 std::string to_json(const Chart& chart) {
-  return fmt::format(R"({{"id": {}, "link": {}, "columns": {}, "rows": {}, "spec": {}}})", Json(chart.id).dump(),
-                     Json(chart.link).dump(), Json(chart.columns).dump(), chart.rows.dump(), chart.spec);
+  const std::string note = chart.note + (chart.note.empty() || chart.caption.empty() ? "" : " ") + chart.caption;
+  return fmt::format(
+      R"({{"id": {}, "title": {}, "note": {}, "link": {}, "columns": {}, "rows": {}, "spec": {}}})",
+      Json(chart.id).dump(), Json(chart.title).dump(), Json(note).dump(), Json(chart.link).dump(),
+      Json(chart.columns).dump(), chart.rows.dump(), chart.spec);
 }
 
 std::string to_html(const Chart& chart) {

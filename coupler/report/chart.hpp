@@ -17,13 +17,14 @@ struct Chart {
   std::string id;     ///< of the HTML element, and name of a saved picture
   std::string title;
   std::string note;   ///< below the title; may be empty
+  std::string caption;  ///< follows the note where the chart stands alone, as a picture file; may be empty
   std::string link;   ///< charts with the same word zoom together; empty: it does not zoom
   std::string spec;   ///< Vega-Lite JSON
   std::vector<std::string> columns;
   Json rows = Json::array();
 };
 
-/// What page.js draws it from: {"id", "link", "columns", "rows", "spec"}.
+/// What page.js and draw_pictures.js draw it from: {"id", "title", "note", "link", "columns", "rows", "spec"}.
 [[nodiscard]] std::string to_json(const Chart& chart);
 
 /// The HTML frame that page.js draws it into.

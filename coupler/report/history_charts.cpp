@@ -7,6 +7,7 @@
 #include <map>
 
 #include "coupler/report/assets.hpp"
+#include "coupler/report/outliers.hpp"
 #include "coupler/report/quantity.hpp"
 #include "coupler/report/text.hpp"
 #include "coupler/report/thinning.hpp"
@@ -79,14 +80,18 @@ std::string titled(const std::string& title, const std::string& unit) {
 /// A Vega expression that turns the field names c0, c1, ... of the legend into the labels.
 std::string legend(const Json& labels) { return fmt::format("({})[datum.label]", labels.dump()); }
 
+/// Below `rounding`, in SI units, a value is drawn as 0, or -1e-20 would give the axis a negative part.
 void add_rows(Chart& chart, const std::vector<Series>& shown, const std::vector<double>& time, double time_factor,
-              double factor) {
+              double factor, double rounding) {
   std::vector<const std::vector<double>*> values;
   for (const auto& series : shown) values.push_back(series.values);
   const auto kept = thin(time, values, chart_width);
   for (const auto row : kept) {
     Json cells = {drawn(time_factor * time[row])};
-    for (const auto* column : values) cells.push_back(drawn(factor * (*column)[row]));
+    for (const auto* column : values) {
+      const double value = (*column)[row];
+      cells.push_back(drawn(std::abs(value) <= rounding ? 0.0 : factor * value));
+    }
     chart.rows.push_back(std::move(cells));
   }
   if (kept.size() == time.size()) return;
@@ -109,6 +114,48 @@ TimeAxis time_axis(const std::vector<double>& time, const std::vector<double>& e
   axis.to = axis.unit.factor * time.back();
   for (const double event : events_s) axis.events.push_back({{"time", drawn(axis.unit.factor * event)}});
   return axis;
+}
+
+/// The extreme value of every series beyond the range that a chart shows at first: marked at its edge, told in the note.
+Json beyond(Chart& chart, const std::vector<Series>& shown, const std::vector<double>& time, const ShownRange& range,
+            const TimeAxis& axis, const std::string& si_unit) {
+  Json marks = Json::array();
+  for (const auto& series : shown) {
+    const auto& values = *series.values;
+    std::vector<std::size_t> extremes;
+    for (std::size_t row = 0; row < values.size(); ++row) {
+      if (!std::isfinite(values[row]) || range.holds(values[row])) continue;
+      const auto same_side = std::find_if(extremes.begin(), extremes.end(), [&](std::size_t other) {
+        return (values[other] > range.high) == (values[row] > range.high);
+      });
+      if (same_side == extremes.end()) {
+        extremes.push_back(row);
+      } else if (std::abs(values[row]) > std::abs(values[*same_side])) {
+        *same_side = row;
+      }
+    }
+    for (const auto row : extremes) {
+      const bool up = values[row] > range.high, left = time[row] < 0.5 * (time.front() + time.back());
+      const auto value = quantity(values[row], si_unit, 4);
+      const std::string arrow = up ? "▲" : "▼";
+      marks.push_back({{"time", drawn(axis.unit.factor * time[row])},
+                       {"up", up},
+                       {"align", left ? "left" : "right"},
+                       {"label", left ? arrow + " " + value : value + " " + arrow}});
+      chart.note += fmt::format("{}Beyond the axis {}: {} reaches {} at {}; enlarge that time to see it whole.",
+                                chart.note.empty() ? "" : " ", arrow, series.label, value, quantity(time[row], "s", 4));
+    }
+  }
+  return marks;
+}
+
+/// A Vega expression for what is drawn of a value: itself in an enlarged chart, else the nearest value in the range.
+std::string shown_value(const ShownRange& range, double factor, const std::string& whole) {
+  std::string value = "datum.value";
+  if (std::isfinite(range.high)) value = fmt::format("min({}, {:.6g})", value, factor * range.high);
+  if (std::isfinite(range.low)) value = fmt::format("max({}, {:.6g})", value, factor * range.low);
+  if (value == "datum.value") return value;
+  return fmt::format("({}) && isValid(datum.value) ? {} : datum.value", whole, value);
 }
 
 Chart make_chart(const Json& entry, const std::vector<Series>& shown, const std::vector<double>& time,
@@ -134,7 +181,12 @@ Chart make_chart(const Json& entry, const std::vector<Series>& shown, const std:
     labels[field] = series.label;
     tooltip.push_back({{"field", field}, {"title", titled(series.label, unit.name)}, {"format", ".5~g"}});
   }
-  add_rows(chart, shown, time, axis.unit.factor, unit.factor);
+  add_rows(chart, shown, time, axis.unit.factor, unit.factor, 1e-9 * most);
+  std::vector<const std::vector<double>*> values;
+  for (const auto& series : shown) values.push_back(series.values);
+  const auto range = entry.at("template") == "lines" ? shown_range(values) : ShownRange{};
+  const auto marks = beyond(chart, shown, time, range, axis, entry.at("unit"));
+  const std::string whole = fmt::format("from == {} && to == {}", Json(axis.from).dump(), Json(axis.to).dump());
   const std::string y_title = entry.at("y_title");
   chart.spec = fill_json(asset(entry.at("template").get<std::string>() + ".json"),
                          {{"description", Json(chart.title + " over time").dump()},
@@ -143,7 +195,11 @@ Chart make_chart(const Json& entry, const std::vector<Series>& shown, const std:
                           {"to", Json(axis.to).dump()},
                           {"time_title", Json(time_title).dump()},
                           {"y_title", Json(titled(y_title, unit.name)).dump()},
+                          {"y_format", unit.factor * most < 1e-2 ? "\".3~e\"" : "\".6~g\""},
                           {"events", axis.events.dump()},
+                          {"shown", Json(shown_value(range, unit.factor, whole)).dump()},
+                          {"beyond", marks.dump()},
+                          {"whole", Json(whole + " ? 1 : 0").dump()},
                           {"fields", fields.dump()},
                           {"colors", colors.dump()},
                           {"dashes", dashes.dump()},

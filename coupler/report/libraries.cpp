@@ -13,7 +13,7 @@ std::string libraries_html() {
     text += fmt::format("<script>/*! {}\n{}*/\n{}</script>\n", library, asset(library + ".license"),
                         inside_script(asset(library + ".js")));
   }
-  return text;
+  return text + fmt::format("<script>/*! chart_spec\n*/\n{}</script>\n", inside_script(asset("chart_spec.js")));
 }
 
 }  // namespace ricochet::report

@@ -4,7 +4,7 @@
 
 namespace ricochet::report {
 
-/// The chart libraries as <script> elements, each with its licence.
+/// The chart libraries, each with its licence, and chart_spec.js as <script> elements.
 [[nodiscard]] std::string libraries_html();
 
 }  // namespace ricochet::report

@@ -1,11 +1,7 @@
-// Draws the charts of <script id="charts">: [{id, link, columns, rows, spec}], see chart.hpp.
+// Draws the charts of <script id="charts"> with what chart_spec.js, before it in the page, makes of them.
 "use strict";
 
 const views = [];  // {link, view, from, to, rows}
-
-function named(columns, row) {
-  return Object.fromEntries(columns.map((column, i) => [column, row[i]]));
-}
 
 // Charts over time have the time as their first column, and draw and scale only what lies in the range.
 function hasSomethingIn(chart, from, to) {
@@ -39,21 +35,12 @@ function enlargeOnDrag(chart, view) {
 }
 
 async function draw(chart) {
-  const spec = { ...chart.spec, data: { values: chart.rows.map((row) => named(chart.columns, row)) } };
-  const config = {
-    font: "system-ui, sans-serif",
-    background: "#ffffff",
-    axis: { labelFontSize: 12, titleFontSize: 12, titleFontWeight: "normal", gridColor: "#e4e4e4" },
-    axisY: { minExtent: 60, titlePadding: 8 },
-    legend: { orient: "top", labelFontSize: 12, labelLimit: 300, symbolSize: 900, symbolStrokeWidth: 2 },
-    view: { stroke: "#999999" },
-  };
-  const { view } = await vegaEmbed("#" + chart.id, spec, {
+  const { view } = await vegaEmbed("#" + chart.id, withData(chart), {
     mode: "vega-lite",
     renderer: "canvas",
     actions: { export: true, source: false, compiled: false, editor: false },
     downloadFileName: chart.id,
-    config,
+    config: chartConfig,
   });
   if (chart.link === "") return;  // nothing to enlarge
   views.push({ link: chart.link, rows: chart.rows, view, from: view.signal("from"), to: view.signal("to") });

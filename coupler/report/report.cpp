@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 
 #include "common/base/error.hpp"
@@ -12,6 +14,8 @@
 #include "coupler/report/history_table.hpp"
 #include "coupler/report/libraries.hpp"
 #include "coupler/report/quantity.hpp"
+#include "coupler/report/stability_maps.hpp"
+#include "coupler/report/stress_waves.hpp"
 #include "coupler/report/study_page.hpp"
 #include "coupler/report/summary_page.hpp"
 #include "coupler/report/text.hpp"
@@ -50,20 +54,25 @@ void add_theory(HistoryTable& table, const Json& summary) {
   table.columns.push_back(std::move(values));
 }
 
+/// What the dotted lines are; empty if there are none.
+std::string events_text(const std::vector<Event>& events) {
+  std::string list, last;
+  for (const auto& event : events) {
+    list += list.empty() ? "Dotted vertical lines: " : ", ";
+    if (event.name != last) list += event.name + " ";
+    list += quantity(event.time_s, "s");
+    last = event.name;
+  }
+  return list.empty() ? "" : list + ".";
+}
+
 std::string help_html(const HistoryTable& table, const std::vector<Event>& events) {
   if (table.rows() < 2) return "<p>The run ended before there was a history to draw.</p>";
   std::string text =
       "<p>Point at a chart to read values. Drag over a stretch of time to enlarge it in all charts over time, "
       "double-click to go back.</p>";
   if (events.empty()) return text;
-  std::string list, last;
-  for (const auto& event : events) {
-    list += list.empty() ? "" : ", ";
-    if (event.name != last) list += event.name + " ";
-    list += quantity(event.time_s, "s");
-    last = event.name;
-  }
-  return text + "<p>Dotted vertical lines: " + escape_html(list) + ".</p>";
+  return text + "<p>" + escape_html(events_text(events)) + "</p>";
 }
 
 std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryTable& table,
@@ -71,11 +80,20 @@ std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryT
   std::vector<double> times;
   for (const auto& event : events) times.push_back(event.time_s);
   auto charts = history_charts(table, times);
+  const auto axial = folder / "axial_stress.csv";
+  if (table.rows() > 1 && std::filesystem::exists(axial)) {
+    const auto& time = table.columns.front();
+    auto waves = stress_wave_charts(read_history(axial.string()), {time.front(), time.back(), times});
+    const auto after = charts.begin() + std::min<std::ptrdiff_t>(1, std::ssize(charts));  // beside the stress at the contact
+    charts.insert(after, std::make_move_iterator(waves.begin()), std::make_move_iterator(waves.end()));
+  }
+  for (auto& chart : charts) chart.caption = events_text(events);
   // A run that was killed has written no trace; the rest of the page is worth having all the same.
   const auto trace = folder / "trace.json";
   if (std::filesystem::exists(trace)) {
     if (auto chart = timeline(read_text(trace.string()))) charts.push_back(std::move(*chart));
   }
+  for (auto& map : stability_maps(folder)) charts.push_back(std::move(map));
   return charts;
 }
 
@@ -103,11 +121,14 @@ std::string page_of(const std::filesystem::path& folder) {
 }  // namespace
 
 std::string write_report(const std::string& directory) {
-  const auto path = (std::filesystem::path(directory) / "report.html").string();
-  if (std::filesystem::exists(std::filesystem::path(directory) / "study.json")) {
+  const std::filesystem::path folder(directory);
+  const auto path = (folder / "report.html").string();
+  if (std::filesystem::exists(folder / "study.json")) {
     write_atomically(path, study_page(directory));
     return path;
   }
+  const auto stability = folder / "stability.html";
+  if (std::filesystem::exists(stability) && !std::filesystem::exists(folder / "summary.json")) return stability.string();
   try {
     write_atomically(path, page_of(directory));
   } catch (const Json::exception& error) {

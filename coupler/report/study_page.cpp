@@ -137,6 +137,7 @@ Chart chart_of(const Json& study, const std::vector<CsvRow>& rows, const std::st
   chart.id = fmt::format("{}_{}", quantity, cost.column);
   chart.title = fmt::format("Error of the {} against {}", words(quantity), cost.name);
   if (quantity == "energy_drift") chart.title = fmt::format("Energy drift against {}", cost.name);
+  chart.caption = "Lines join the best runs of a method; rings on the broad grey line are the Pareto front.";
   chart.columns = {"cost", "error", "front", "best", "method"};
   for (std::size_t i = 1; i < columns.size(); ++i) chart.columns.push_back(fmt::format("shown{}", i));
   for (std::size_t p = 0; p < points.at.size(); ++p) {

@@ -25,12 +25,14 @@ struct Process {
   std::vector<Span> spans;
 };
 
-/// Keeps of a trace only names and the spans of windows 1 to `timeline_windows`, already while it is parsed.
+constexpr int last_settled = first_settled + timeline_windows - 1;
+
+/// Keeps of a trace only names and the spans of windows that may be shown, already while it is parsed.
 Json parse(const std::string& text) {
   const auto keep = [](int, Json::parse_event_t event, Json& value) {
     if (event != Json::parse_event_t::object_end || value.value("ph", "") != "X") return true;
     const int window = value.at("args").at("window");
-    return 1 <= window && window <= timeline_windows;
+    return 1 <= window && window <= last_settled;
   };
   try {
     return Json::parse(text, keep).at("traceEvents");
@@ -39,14 +41,25 @@ Json parse(const std::string& text) {
   }
 }
 
+/// The first window to be shown: the first settled one if there are enough of them, else window 1.
+int first_window(const Json& events) {
+  for (const auto& event : events) {
+    if (event.at("ph") == "X" && event.at("args").at("window") == last_settled) return first_settled;
+  }
+  return 1;
+}
+
 std::vector<Process> processes_of(const Json& events) {
+  const int first = first_window(events), last = first + timeline_windows - 1;
   std::map<int, Process> by_id;  // ascending: the order in which the run named them
   for (const auto& event : events) {
     auto& process = by_id[event.at("pid").get<int>()];
     if (event.at("name") == "process_name") process.name = event.at("args").at("name");
     if (event.at("ph") != "X") continue;
+    const int window = event.at("args").at("window");
+    if (window < first || window > last) continue;
     const double begin = event.at("ts"), duration = event.at("dur");
-    process.spans.push_back({begin, begin + duration, event.at("args").at("window"), event.at("name")});
+    process.spans.push_back({begin, begin + duration, window, event.at("name")});
   }
   std::vector<Process> processes;
   for (auto& [id, process] : by_id) {
@@ -80,13 +93,14 @@ std::optional<Chart> timeline(const std::string& trace_json) {
   auto processes = processes_of(parse(trace_json));
   if (processes.empty()) return std::nullopt;
   double first = processes.front().spans.front().begin_us, last = first;
-  int windows = 0;
+  int first_window = processes.front().spans.front().window, last_window = first_window;
   Json names = Json::array();
   for (auto& process : processes) {
     process.spans = without_gaps(process.spans);
     first = std::min(first, process.spans.front().begin_us);
     last = std::max(last, process.spans.back().end_us);
-    windows = std::max(windows, process.spans.back().window);
+    first_window = std::min(first_window, process.spans.front().window);
+    last_window = std::max(last_window, process.spans.back().window);
     names.push_back(process.name);
   }
   const auto unit = display_unit(1e-6 * (last - first), "s");
@@ -94,7 +108,8 @@ std::optional<Chart> timeline(const std::string& trace_json) {
   Chart chart;
   chart.id = "timeline";
   chart.title = "Who computes, who waits";
-  chart.note = fmt::format("The first {} windows, in wall time; trace.json (ui.perfetto.dev) has the others.", windows);
+  chart.note = fmt::format("Windows {} to {}, in wall time; trace.json (ui.perfetto.dev) has the others.", first_window,
+                           last_window);
   chart.link = "wall";
   chart.columns = {"process", "state", "activity", "window", "begin", "end", "duration"};
   for (const auto& process : processes) {
@@ -115,7 +130,7 @@ std::optional<Chart> timeline(const std::string& trace_json) {
                           {"width", Json(chart_width).dump()},
                           {"from", "0"},
                           {"to", Json(factor * (last - first)).dump()},
-                          {"time_title", Json(fmt::format("wall time since the first window [{}]", unit.name)).dump()},
+                          {"time_title", Json(fmt::format("wall time since the first of them [{}]", unit.name)).dump()},
                           {"processes", names.dump()},
                           {"tooltip", tooltip.dump()}});
   return chart;

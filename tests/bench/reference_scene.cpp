@@ -50,7 +50,8 @@ std::string write_reference_scene(const SceneChoice& choice, const std::string& 
                                             {"coupling.transport", choice.transport},
                                             {"coupling.after_separation", "implicit"},
                                             {"output.history_every", windows},
-                                            {"output.fields_every", 0.0}};
+                                            {"output.fields_every", 0.0},
+                                            {"output.axial_stress_every", 0.0}};
   if (choice.substeps > 1) overrides.push_back({"coupling.substeps", static_cast<double>(choice.substeps)});
   if (choice.carbide_lengths > 1) {
     const double lengths = choice.carbide_lengths;

@@ -73,6 +73,7 @@ role = "implicit"
 [output]
 history_every = 2
 fields_every = 50
+axial_stress_every = 5
 )";
 
 TEST(LoadScene, BodyFieldByField) {
@@ -153,6 +154,7 @@ TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
   EXPECT_EQ(scene.coupling.energy_growth_limit, 0.01);
   EXPECT_EQ(scene.output.history_every, 2);
   EXPECT_EQ(scene.output.fields_every, 50);
+  EXPECT_EQ(scene.output.axial_stress_every, 5);
 }
 
 TEST(LoadScene, ParticipantsFieldByField) {
@@ -178,6 +180,7 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
   EXPECT_EQ(scene.coupling.resynchronise_every, defaults.resynchronise_every);
   EXPECT_EQ(scene.coupling.transport, "auto");
   EXPECT_EQ(scene.output.history_every, 1);
+  EXPECT_EQ(scene.output.axial_stress_every, 0);
   EXPECT_EQ(scene.contact->enforcement, Enforcement::multiplier);
   EXPECT_EQ(scene.contact->multiplier_update, Contact{}.multiplier_update);
   EXPECT_THAT(scene.body("carbide").initial_velocity_m_s, ElementsAre(0.0, 0.0));

@@ -228,6 +228,7 @@ const std::vector<Wrong> runs{
     {"port_range", c, "protocol = \"hughes_liu\"", "transport = \"tcp\"\nport = 70000", 21, {"from 0 to 65535"}},
     {"timeout_zero", c, "protocol = \"hughes_liu\"", "timeout_s = 0", 20, {"timeout_s: found 0", "> 0"}},
     {"history_never", c, "fields_every = 0", "history_every = 0", 22, {"an integer from 1"}},
+    {"axial_stress_negative", c, "fields_every = 0", "axial_stress_every = -1", 22, {"an integer from 0"}},
 };
 
 const std::string coupling_end = "[output]\nfields_every = 0\n";

@@ -1,0 +1,19 @@
+#include <gtest/gtest.h>
+
+#include "common/base/base64.hpp"
+
+namespace ricochet {
+namespace {
+
+// RFC 4648, section 10.
+TEST(Base64, KnownTexts) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64(std::string_view("\xff\x00\xfe", 3)), "/wD+");
+}
+
+}  // namespace
+}  // namespace ricochet
