@@ -58,7 +58,7 @@ void ResultsDirectory::remove_former_results() const {
   std::error_code ignored;
   for (const auto* name :
        {"history.csv", "axial_stress.csv", "calibration.csv", "scene.toml", "summary.json", "trace.json", "report.html",
-        "stability.csv", "stability.html", "results.csv", "study.json"}) {
+        "stability.csv", "stability.html", "results.csv", "histories.csv", "study.json"}) {
     fs::remove(file(name), ignored);
   }
   static const std::map<std::string, std::set<std::string>> ours = {

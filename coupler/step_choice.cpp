@@ -28,7 +28,8 @@ Candidate measure(const scene::Problem& problem, double step_s, const std::strin
   const auto& time = problem.scene.time;
   const double windows = std::min(time.end_s / step_s, static_cast<double>(windows_measured));
   StudyCase run(problem.scene.path,
-                {{"time.step_s", step_s}, {"time.end_s", windows * step_s}, {"output.fields_every", 0.0}}, folder);
+                {{"time.step_s", step_s}, {"time.end_s", windows * step_s}, {"output.fields_every", 0.0}, {"output.axial_stress_every", 0.0}},
+                folder);
   if (!run.failed() && run.repeats() == 0) run.compute();
   Candidate candidate{.step_s = step_s, .error = run.error()};
   if (run.failed()) return candidate;

@@ -10,6 +10,7 @@
 #include "common/base/write_file.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/results_directory.hpp"
+#include "coupler/study_reference.hpp"
 #include "coupler/study_results.hpp"
 
 namespace ricochet::coupler {
@@ -23,81 +24,28 @@ class Study {
   void run();
 
  private:
-  void find_reference();
-  void compute_reference();
   void prepare_rows();
   void compute_rows();
   void measure(StudyRow& row) const;
+  void compare_histories();
   [[nodiscard]] double remaining_s(std::size_t next, int repeat) const;
-  void write_files() const;
+  void write_results() const;
+  void write_histories() const;
   [[nodiscard]] Json description() const;
 
   StudyFile file_;
   const ResultsDirectory& results_;
-  Observation reference_;
-  std::string reference_text_;
-  std::vector<std::optional<double>> reference_errors_;  ///< of the study's quantities
+  std::vector<StudyReference> references_;
   std::vector<StudyRow> rows_;
 };
-
-/// What is measured is the computation, not the snapshots.
-std::vector<scene::Override> with_no_fields(std::vector<scene::Override> changes) {
-  changes.push_back({"output.fields_every", 0.0});
-  changes.push_back({"output.axial_stress_every", 0.0});
-  return changes;
-}
-
-StudyCase computed(const std::string& what, const std::string& scene, const std::vector<scene::Override>& changes,
-                   const std::string& folder) {
-  StudyCase run(scene, with_no_fields(changes), folder);
-  if (!run.failed() && run.repeats() == 0) {
-    fmt::print("{}: computed in {}\n", what, run.folder());
-    std::fflush(stdout);
-    run.compute();
-  } else if (!run.failed()) {
-    fmt::print("{}: from {}\n", what, run.folder());
-  }
-  if (run.failed()) {
-    throw Error(static_cast<ExitCode>(run.exit_code()), fmt::format("the {} failed: {}", what, run.error()));
-  }
-  return run;
-}
-
-void Study::compute_reference() {
-  const auto& spec = file_.reference;
-  const auto run = computed("reference", file_.scene, spec.changes, results_.file("reference"));
-  auto finer = spec.changes;
-  finer.insert(finer.end(), spec.refine.begin(), spec.refine.end());
-  const auto refined = computed("reference, refined", file_.scene, finer, results_.file("reference"));
-  reference_ = run.observation();
-  const auto check = refined.observation();
-  for (const auto& quantity : file_.quantities) reference_errors_.push_back(error_of(quantity, reference_, check));
-  std::vector<std::string> words;
-  for (const auto& change : spec.changes) words.push_back(fmt::format("{} = {}", change.key, text_of(change)));
-  reference_text_ = fmt::format("{}", fmt::join(words, ", "));
-}
-
-void Study::find_reference() {
-  if (!file_.reference.exact) {
-    compute_reference();
-  } else {
-    reference_ = exact_impact(scene::build_problem(scene::load_scene(file_.scene)));
-    reference_text_ = "impedance theory, exact";
-    reference_errors_.assign(file_.quantities.size(), 0.0);
-  }
-  fmt::print("reference: {}\n", reference_text_);
-  for (std::size_t q = 0; q < file_.quantities.size(); ++q) {
-    const auto& error = reference_errors_[q];
-    fmt::print("  own error of {:<18} {}\n", file_.quantities[q], error ? fmt::format("{:.3g}", *error) : "no value");
-  }
-}
 
 void Study::prepare_rows() {
   for (const auto& settings : combinations(file_.variations)) {
     for (const auto& method : file_.methods) {
-      auto changes = settings;
-      changes.push_back({"coupling.protocol", method});
-      rows_.push_back({method, settings, StudyCase(file_.scene, with_no_fields(changes), results_.file("runs")), {}});
+      auto changes = merged(settings, method.changes);
+      changes.push_back({"coupling.protocol", method.protocol});
+      StudyCase run(file_.scene, with_no_fields(changes), results_.file("runs"));
+      rows_.push_back({method.name, settings, std::move(run), {}, {}, {}, {}});
       rows_.back().errors.resize(file_.quantities.size());
       if (rows_.back().run.repeats() > 0) measure(rows_.back());
     }
@@ -110,9 +58,30 @@ void Study::prepare_rows() {
 }
 
 void Study::measure(StudyRow& row) const {
-  const auto seen = row.run.observation();
+  const auto& reference = reference_of(references_, row.settings).seen;
+  row.seen = row.run.observation();
   for (std::size_t q = 0; q < file_.quantities.size(); ++q) {
-    row.errors[q] = error_of(file_.quantities[q], seen, reference_);
+    row.errors[q] = error_of(file_.quantities[q], *row.seen, reference);
+  }
+}
+
+/// Rows with the same settings stand together, one for each method.
+void Study::compare_histories() {
+  const auto& histories = file_.histories;
+  if (!histories.wanted()) return;
+  const auto rms = [&](const Observation& run, const Observation& other) -> std::optional<double> {
+    const auto difference =
+        rms_difference(history_of(histories.quantity, run), history_of(histories.quantity, other), other);
+    return difference ? std::optional(*difference / histories.over_pa) : std::nullopt;
+  };
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    auto& row = rows_[r];
+    if (!row.seen) continue;
+    if (!row.rms_reference) row.rms_reference = rms(*row.seen, reference_of(references_, row.settings).seen);
+    const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(r - r % file_.methods.size());
+    const auto other =
+        std::find_if(first, rows_.end(), [&](const StudyRow& o) { return o.method == histories.compare_to; });
+    if (!row.rms_compared && other->seen) row.rms_compared = rms(*row.seen, *other->seen);
   }
 }
 
@@ -144,41 +113,101 @@ void Study::compute_rows() {
       auto& row = rows_[r];
       if (row.run.failed() || row.run.repeats() >= repeat) continue;
       row.run.compute();
-      if (!row.run.failed() && repeat == 1) measure(row);
-      write_files();
+      if (!row.run.failed() && repeat == 1) {
+        measure(row);
+        compare_histories();
+        write_histories();
+      }
+      write_results();
       const std::string cost =
           row.run.failed()
               ? row.run.error()
               : fmt::format("{:.3f} s wall, {:.3f} s CPU", row.run.costs().back().wall_s, row.run.costs().back().cpu_s);
       fmt::print("[{}/{}] {}: {}, {}; about {:.0f} s left\n",
-                 static_cast<std::size_t>(repeat - 1) * rows_.size() + r + 1, total, label_of(row), row.run.status(),
-                 cost, remaining_s(r + 1, repeat));
+                 static_cast<std::size_t>(repeat - 1) * rows_.size() + r + 1, total, label_of(file_, row),
+                 row.run.status(), cost, remaining_s(r + 1, repeat));
       std::fflush(stdout);
     }
   }
 }
 
-Json Study::description() const {
+/// Settings as a table of texts, as they stand in results.csv.
+Json described(const std::vector<scene::Override>& settings) {
+  Json table = Json::object();
+  for (const auto& setting : settings) table[setting.key] = text_of(setting);
+  return table;
+}
+
+Json described(const StudyFile& file, const StudyReference& reference) {
   Json errors = Json::object();
-  for (std::size_t q = 0; q < file_.quantities.size(); ++q) {
-    errors[file_.quantities[q]] = reference_errors_[q] ? Json(*reference_errors_[q]) : Json(nullptr);
+  for (std::size_t q = 0; q < file.quantities.size(); ++q) {
+    errors[file.quantities[q]] = reference.errors[q] ? Json(*reference.errors[q]) : Json(nullptr);
   }
-  return {{"study", file_.path},        {"study_file", file_.text},         {"scene", file_.scene},
-          {"methods", file_.methods},   {"parameters", varied_keys(file_)}, {"quantities", file_.quantities},
-          {"repeats", file_.repeats},   {"reference", reference_text_},     {"reference_errors", errors},
+  return {{"reference", reference.text},
+          {"run", reference.key},
+          {"follows", described(reference.follows)},
+          {"errors", errors}};
+}
+
+Json described(const HistoriesSpec& histories) {
+  if (!histories.wanted()) return nullptr;
+  return {{"quantity", histories.quantity},
+          {"over_pa", histories.over_pa},
+          {"over_name", histories.over_name},
+          {"compare_to", histories.compare_to}};
+}
+
+Json described(const PublishedRatio& ratio) {
+  return {{"methods", ratio.methods},
+          {"over", ratio.over},
+          {"at", described(ratio.at)},
+          {"time_ratio", ratio.time_ratio},
+          {"source", ratio.source}};
+}
+
+Json Study::description() const {
+  Json references = Json::array(), published = Json::array(), axes = Json::array();
+  for (const auto& reference : references_) references.push_back(described(file_, reference));
+  for (const auto& ratio : file_.published) published.push_back(described(ratio));
+  Json together = Json::array();
+  for (const auto& variation : file_.variations) {
+    for (const auto& key : telling_keys(variation)) axes.push_back(key);
+    if (std::find(variation.keys.begin(), variation.keys.end(), file_.along) != variation.keys.end())
+      together = variation.keys;
+  }
+  return {{"study", file_.path},
+          {"study_file", file_.text},
+          {"scene", file_.scene},
+          {"methods", method_names(file_)},
+          {"parameters", varied_keys(file_)},
+          {"axes", axes},
+          {"along", file_.along},
+          {"along_together", together},
+          {"quantities", file_.quantities},
+          {"repeats", file_.repeats},
+          {"references", references},
+          {"histories", described(file_.histories)},
+          {"published", published},
           {"version", RICOCHET_VERSION}};
 }
 
-void Study::write_files() const {
+void Study::write_results() const {
   write_atomically(results_.file("results.csv"), to_csv(file_, rows_));
   write_atomically(results_.file("study.json"),
                    description().dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+void Study::write_histories() const {
+  if (file_.histories.wanted())
+    write_atomically(results_.file("histories.csv"), histories_csv(file_, references_, rows_));
+}
+
 void Study::run() {
-  find_reference();
+  references_ = find_references(file_, results_.file("reference"));
   prepare_rows();
-  write_files();
+  compare_histories();
+  write_results();
+  write_histories();
   compute_rows();
   fmt::print("\n{}", to_table(file_, rows_));
 }
@@ -189,9 +218,11 @@ void run_study(const std::string& study_path, const std::string& out) {
   auto file = load_study(study_path);
   const std::string stem = std::filesystem::path(file.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out);
+  const bool histories = file.histories.wanted();
   Study(std::move(file), results).run();
   report::write_report(results.path());
-  fmt::print("results in {}: results.csv, study.json, report.html, runs/, reference/\n", results.path());
+  fmt::print("results in {}: results.csv, study.json, {}report.html, runs/, reference/\n", results.path(),
+             histories ? "histories.csv, " : "");
 }
 
 }  // namespace ricochet::coupler

@@ -65,6 +65,8 @@ StudyCase::StudyCase(const std::string& scene_path, const std::vector<scene::Ove
   while (read_repeat(repeats() + 1)) continue;
 }
 
+std::string StudyCase::key() const { return fs::path(folder_).filename().string(); }
+
 /// Takes a repeat that is there; false if there is none that counts.
 bool StudyCase::read_repeat(int repeat) {
   const std::string path = repeat_folder(repeat) + "/summary.json";
@@ -93,6 +95,7 @@ void StudyCase::fail(const std::string& status, int exit_code, const std::string
 
 void StudyCase::compute() {
   const int repeat = repeats() + 1;
+  if (read_repeat(repeat)) return;  // by another method or setting that comes to the same scene
   try {
     const ResultsDirectory results(repeat_folder(repeat));
     compute_scene(*problem_, *plan_, executables_, results);

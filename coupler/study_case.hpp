@@ -26,7 +26,8 @@ class StudyCase {
   /// Writes the variant and checks it; one that is refused has the status "scene_wrong".
   StudyCase(const std::string& scene_path, const std::vector<scene::Override>& changes, const std::string& folder);
 
-  /// Computes one more repeat. What ends it early becomes the status, but Interrupted goes through.
+  /// Computes one more repeat, or takes one that is there by now. What ends it early becomes the status, but
+  /// Interrupted goes through.
   void compute();
   [[nodiscard]] bool failed() const { return !error_.empty(); }
   [[nodiscard]] int repeats() const { return static_cast<int>(costs_.size()); }
@@ -35,6 +36,7 @@ class StudyCase {
   [[nodiscard]] const std::string& error() const { return error_; }  ///< first line
   [[nodiscard]] int exit_code() const { return exit_code_; }
   [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] std::string key() const;  ///< name of the folder
   [[nodiscard]] const scene::Problem& problem() const { return *problem_; }
   [[nodiscard]] long long steps() const { return steps_; }
   [[nodiscard]] double step_s() const { return plan_ ? plan_->window_size_s : 0.0; }

@@ -11,6 +11,7 @@
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
 #include "coupler/report/history_table.hpp"
+#include "coupler/study_keys.hpp"
 #include "coupler/study_measures.hpp"
 
 namespace ricochet::coupler {
@@ -24,83 +25,14 @@ constexpr int most_repeats = 1000;
 
 const scene::Schema& study_schema() {
   static const scene::Schema tables{
-      {"study", {"scene", "methods", "vary", "quantities", "repeats", "reference"}},
-      {"reference", {"exact", "protocol", "changes", "refine"}},
+      {"study",
+       {"scene", "methods", "method", "vary", "quantities", "repeats", "reference", "along", "histories", "published"}},
+      {"method", {"name", "protocol", "changes"}},
+      {"reference", {"exact", "protocol", "changes", "refine", "follow"}},
+      {"histories", {"quantity", "over_pa", "over_name", "compare_to"}},
+      {"published", {"methods", "over", "at", "time_ratio", "source"}},
   };
   return tables;
-}
-
-/// A value below a table whose keys are those of a scene: its whole key in the scene, and where it stands.
-struct Leaf {
-  std::string key;
-  const toml::value* value;
-};
-
-/// Nested tables are dotted keys: { time.step_s = 1 } and { "time.step_s" = 1 } are the same. In the file's order.
-void collect(const toml::value& table, const std::string& path, std::vector<Leaf>& leaves) {
-  for (const auto& [key, value] : table.as_table()) {
-    const std::string full = path.empty() ? key : path + "." + key;
-    if (value.is_table()) {
-      collect(value, full, leaves);
-    } else {
-      leaves.push_back({full, &value});
-    }
-  }
-}
-
-std::vector<std::string> words_of(const std::string& key) {
-  std::vector<std::string> words;
-  std::istringstream stream(key);
-  for (std::string word; std::getline(stream, word, '.');) words.push_back(word);
-  return words;
-}
-
-/// Follows a key through the tables of a scene; below a list of tables (body, participant) comes a name.
-void check_scene_key(const TableReader& reader, const std::string& at, const Leaf& leaf) {
-  const auto& schema = scene::scene_schema();
-  const auto words = words_of(leaf.key);
-  std::string kind = "scene";
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto& known = schema.at(kind);
-    if (std::find(known.begin(), known.end(), words[i]) == known.end()) {
-      reader.fail(*leaf.value, at,
-                  fmt::format("\"{}\" in the key {}{}", words[i], leaf.key, did_you_mean(words[i], known)),
-                  scene::one_of(known));
-    }
-    if (schema.count(words[i]) == 0) return;  // a key, or a table of names of bodies
-    kind = words[i];
-    if (kind == "body" || kind == "participant") ++i;
-  }
-  reader.fail(*leaf.value, at, fmt::format("the table \"{}\"", leaf.key),
-              "one of its keys: " + scene::one_of(schema.at(kind)));
-}
-
-std::vector<Leaf> leaves_of(const TableReader& reader, const toml::value& table, const std::string& at) {
-  if (!table.is_table()) reader.fail(table, at, scene::value_text(table), "a table of keys of the scene");
-  std::vector<Leaf> leaves;
-  collect(table, "", leaves);
-  if (leaves.empty()) reader.fail(table, at, "an empty table", "keys of the scene");
-  const auto place = [](const Leaf& leaf) { return std::make_pair(leaf.value->location().line(), leaf.key); };
-  std::sort(leaves.begin(), leaves.end(), [&](const Leaf& a, const Leaf& b) { return place(a) < place(b); });
-  for (const auto& leaf : leaves) check_scene_key(reader, at, leaf);
-  return leaves;
-}
-
-bool is_number(const toml::value& value) { return value.is_floating() || value.is_integer(); }
-double number_of(const toml::value& value) {
-  return value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
-}
-
-Override override_of(const TableReader& reader, const std::string& at, const std::string& key,
-                     const toml::value& value) {
-  if (is_number(value)) return {key, number_of(value)};
-  if (value.is_string()) return {key, value.as_string().str};
-  const bool list = value.is_array() && !value.as_array().empty() &&
-                    std::all_of(value.as_array().begin(), value.as_array().end(), is_number);
-  if (!list) reader.fail(value, at + "." + key, scene::value_text(value), "a number, a text or a list of numbers");
-  std::vector<double> numbers;
-  for (const auto& entry : value.as_array()) numbers.push_back(number_of(entry));
-  return {key, numbers};
 }
 
 Variation load_variation(const TableReader& reader, const toml::value& table, const std::string& at) {
@@ -142,33 +74,96 @@ std::vector<Variation> load_variations(TableReader& root) {
   return variations;
 }
 
-std::vector<Override> load_changes(TableReader& reader, const std::string& key) {
-  std::vector<Override> changes;
-  const toml::value* table = reader.open(key);
-  if (table == nullptr) return changes;
-  const std::string at = reader.path() + "." + key;
-  for (const auto& leaf : leaves_of(reader, *table, at))
-    changes.push_back(override_of(reader, at, leaf.key, *leaf.value));
-  return changes;
+void load_methods(TableReader& root, StudyFile& study) {
+  for (const auto& protocol : root.words("methods", scene::protocol_names()))
+    study.methods.push_back({protocol, protocol, {}});
+  for (auto& reader : root.tables("method", "method")) {
+    const Method method{reader.text("name"), reader.word("protocol", scene::protocol_names()),
+                        load_changes(reader, "changes")};
+    const auto known = method_names(study);
+    if (std::find(known.begin(), known.end(), method.name) != known.end())
+      reader.refuse("name", fmt::format("\"{}\" a second time", method.name), "each method once");
+    study.methods.push_back(method);
+    reader.finish();
+  }
 }
 
-void load_computed(TableReader& reader, ReferenceSpec& reference) {
+/// Keys that differ from reference to reference cannot be changed by it as well.
+void load_follow(TableReader& reader, const StudyFile& study, ReferenceSpec& reference) {
+  if (!reader.has("follow")) return;
+  reference.follow = reader.words("follow", varied_keys(study));
+  for (const auto* changes : {&reference.changes, &reference.refine}) {
+    for (const auto& change : *changes) {
+      if (std::count(reference.follow.begin(), reference.follow.end(), change.key) > 0)
+        reader.refuse("follow", fmt::format("\"{}\", which the reference changes", change.key), "another varied key");
+    }
+  }
+}
+
+void load_computed(TableReader& reader, const StudyFile& study, ReferenceSpec& reference) {
   reference.changes = load_changes(reader, "changes");
   reference.refine = load_changes(reader, "refine");
   if (reference.refine.empty())
     reader.missing("refine", "what one more refinement changes, for the reference's own error");
+  load_follow(reader, study, reference);
   reference.changes.push_back({"coupling.protocol", reader.word("protocol", scene::protocol_names())});
 }
 
-ReferenceSpec load_reference(TableReader reader) {
+ReferenceSpec load_reference(TableReader reader, const StudyFile& study) {
   ReferenceSpec reference;
   reference.exact = reader.has("exact");
   if (reference.exact) (void)reader.word("exact", {"impedance_theory"});
-  for (const char* key : {"protocol", "changes", "refine"})
+  for (const char* key : {"protocol", "changes", "refine", "follow"})
     reader.only_if(!reference.exact, key, "a computed reference");
-  if (!reference.exact) load_computed(reader, reference);
+  if (!reference.exact) load_computed(reader, study, reference);
   reader.finish();
   return reference;
+}
+
+HistoriesSpec load_histories(TableReader& root, const StudyFile& study) {
+  HistoriesSpec histories;
+  if (!root.has("histories")) return histories;
+  auto reader = root.table("histories", "histories");
+  histories.quantity = reader.word("quantity", history_names());
+  histories.over_pa = reader.number("over_pa", scene::above(0.0));
+  histories.over_name = reader.text("over_name");
+  histories.compare_to = reader.word("compare_to", method_names(study));
+  reader.finish();
+  return histories;
+}
+
+/// A key that is varied, with one of its values.
+void check_setting(const TableReader& reader, const StudyFile& study, const Override& setting) {
+  std::vector<std::string> values;
+  for (const auto& variation : study.variations) {
+    for (const auto& settings : variation.settings) {
+      for (const auto& known : settings) {
+        if (known.key == setting.key) values.push_back(text_of(known));
+      }
+    }
+  }
+  const auto keys = varied_keys(study);
+  if (values.empty())
+    reader.refuse("at", fmt::format("\"{}\"{}", setting.key, did_you_mean(setting.key, keys)), scene::one_of(keys));
+  if (std::find(values.begin(), values.end(), text_of(setting)) == values.end()) {
+    reader.refuse("at", fmt::format("{} = {}", setting.key, text_of(setting)),
+                  fmt::format("a value that the study varies: {}", fmt::join(values, ", ")));
+  }
+}
+
+std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& study) {
+  std::vector<PublishedRatio> all;
+  for (auto& reader : root.tables("published", "published")) {
+    auto& entry = all.emplace_back();
+    entry.methods = reader.words("methods", method_names(study));
+    entry.over = reader.word("over", method_names(study));
+    entry.at = load_changes(reader, "at");
+    for (const auto& setting : entry.at) check_setting(reader, study, setting);
+    entry.time_ratio = reader.number("time_ratio", scene::above(0.0));
+    entry.source = reader.text("source");
+    reader.finish();
+  }
+  return all;
 }
 
 toml::value parse(const std::string& path, const std::string& text) {
@@ -198,14 +193,38 @@ StudyFile load_study(const std::string& path) {
   study.scene = (fs::path(study.path).parent_path() / root.text("scene")).lexically_normal().string();
   if (!fs::is_regular_file(study.scene))
     root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
-  study.methods = root.words("methods", scene::protocol_names());
+  load_methods(root, study);
   study.variations = load_variations(root);
   study.quantities = quantity_names();
   if (root.has("quantities")) study.quantities = root.words("quantities", quantity_names());
   study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
-  study.reference = load_reference(root.table("reference", "reference"));
+  study.reference = load_reference(root.table("reference", "reference"), study);
+  if (root.has("along")) study.along = root.word("along", varied_keys(study));
+  study.histories = load_histories(root, study);
+  study.published = load_published(root, study);
   root.finish();
   return study;
+}
+
+std::vector<std::string> method_names(const StudyFile& file) {
+  std::vector<std::string> names;
+  for (const auto& method : file.methods) names.push_back(method.name);
+  return names;
+}
+
+std::vector<std::string> varied_keys(const StudyFile& file) {
+  std::vector<std::string> all;
+  for (const auto& variation : file.variations) all.insert(all.end(), variation.keys.begin(), variation.keys.end());
+  return all;
+}
+
+std::vector<std::string> telling_keys(const Variation& variation) {
+  for (std::size_t k = 0; k < variation.keys.size(); ++k) {
+    std::set<std::string> values;
+    for (const auto& setting : variation.settings) values.insert(text_of(setting[k]));
+    if (values.size() == variation.settings.size()) return {variation.keys[k]};
+  }
+  return variation.keys;
 }
 
 std::vector<std::vector<Override>> combinations(const std::vector<Variation>& variations) {
@@ -221,6 +240,17 @@ std::vector<std::vector<Override>> combinations(const std::vector<Variation>& va
     all = std::move(more);
   }
   return all;
+}
+
+std::vector<Override> merged(std::vector<Override> settings, const std::vector<Override>& changes) {
+  settings.insert(settings.end(), changes.begin(), changes.end());
+  std::vector<Override> result;
+  for (auto change = settings.begin(); change != settings.end(); ++change) {
+    const auto again = [&](const Override& later) { return later.key == change->key; };
+    const bool last = std::none_of(change + 1, settings.end(), again);
+    if (last && !text_of(*change).empty()) result.push_back(*change);
+  }
+  return result;
 }
 
 std::string text_of(const Override& change) {

@@ -19,23 +19,21 @@ std::optional<double> value_of(const nlohmann::ordered_json& summary, const char
   return found != summary.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
+double contact_period_s(const Observation& of) { return of.contact_end_s - of.contact_begin_s; }
+
 bool is_velocity(const std::string& column) { return column.rfind("velocity_mean_", 0) == 0; }
 
 /// RMS over the contact period of the reference, over the mean of its plateau.
-std::optional<double> history_error(const Curve& run, const Curve& reference, const Observation& of) {
-  const double period_s = of.contact_end_s - of.contact_begin_s;
-  if (!(period_s > 0.0) || run.time_s.empty() || reference.time_s.empty()) return {};
-  double squares = 0.0, plateau = 0.0;
-  int on_plateau = 0;
+std::optional<double> history_error(const std::string& quantity, const Observation& run, const Observation& reference) {
+  const auto& curve = history_of(quantity, reference);
+  const auto rms = rms_difference(history_of(quantity, run), curve, reference);
+  if (!rms) return {};
+  double plateau = 0.0;
   for (int i = 0; i < samples; ++i) {
-    const double phase = (i + 0.5) / samples, time_s = of.contact_begin_s + phase * period_s;
-    const double difference = run.at(time_s) - reference.at(time_s);
-    squares += difference * difference;
-    if (phase < 0.15 || phase > 0.65) continue;
-    plateau += reference.at(time_s);
-    ++on_plateau;
+    const double phase = 0.15 + 0.5 * (i + 0.5) / samples;
+    plateau += curve.at(reference.contact_begin_s + phase * contact_period_s(reference)) / samples;
   }
-  return std::sqrt(squares / samples) / std::abs(plateau / on_plateau);
+  return *rms / std::abs(plateau);
 }
 
 std::optional<double> relative(const std::optional<double>& run, const std::optional<double>& reference, double scale) {
@@ -102,6 +100,9 @@ Observation observe(const report::HistoryTable& history, const nlohmann::ordered
     const auto last = std::find_if(force_n.rbegin(), force_n.rend(), touches).base() - 1;
     seen.contact_begin_s = time_s[static_cast<std::size_t>(first - force_n.begin())];
     seen.contact_end_s = time_s[static_cast<std::size_t>(last - force_n.begin())];
+    // Contact nodes without implicit elements: their stress is not zero, it is not known.
+    const auto& stress = seen.principal_stress_pa.value;
+    if (std::all_of(stress.begin(), stress.end(), [](double pa) { return pa == 0.0; })) seen.principal_stress_pa = {};
   }
   seen.peak_force_n = value_of(summary, "peak_contact_force_n");
   seen.separation_time_s = value_of(summary, "separation_time_s");
@@ -149,17 +150,35 @@ const std::vector<std::string>& quantity_names() {
   return names;
 }
 
+const std::vector<std::string>& history_names() {
+  static const std::vector<std::string> names{"contact_pressure", "principal_stress"};
+  return names;
+}
+
+const Curve& history_of(const std::string& quantity, const Observation& of) {
+  return quantity == "contact_pressure" ? of.contact_pressure_pa : of.principal_stress_pa;
+}
+
+std::optional<double> rms_difference(const Curve& run, const Curve& reference, const Observation& of) {
+  const double period_s = contact_period_s(of);
+  if (!(period_s > 0.0) || run.time_s.empty() || reference.time_s.empty()) return {};
+  double squares = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const double time_s = of.contact_begin_s + (i + 0.5) / samples * period_s;
+    const double difference = run.at(time_s) - reference.at(time_s);
+    squares += difference * difference;
+  }
+  return std::sqrt(squares / samples);
+}
+
 std::optional<double> error_of(const std::string& quantity, const Observation& run, const Observation& reference) {
-  if (quantity == "contact_pressure")
-    return history_error(run.contact_pressure_pa, reference.contact_pressure_pa, reference);
-  if (quantity == "principal_stress")
-    return history_error(run.principal_stress_pa, reference.principal_stress_pa, reference);
+  const auto& histories = history_names();
+  if (std::find(histories.begin(), histories.end(), quantity) != histories.end())
+    return history_error(quantity, run, reference);
   if (quantity == "peak_force")
     return relative(run.peak_force_n, reference.peak_force_n, reference.peak_force_n.value_or(0));
-  if (quantity == "separation_time") {
-    return relative(run.separation_time_s, reference.separation_time_s,
-                    reference.contact_end_s - reference.contact_begin_s);
-  }
+  if (quantity == "separation_time")
+    return relative(run.separation_time_s, reference.separation_time_s, contact_period_s(reference));
   if (quantity == "rebound_velocity") return rebound_error(run, reference);
   if (quantity == "energy_drift") return run.energy_drift;
   throw std::logic_error("no quantity " + quantity);

@@ -40,6 +40,14 @@ struct Observation {
 ///   energy_drift  of the run itself, over the initial energy, whatever the reference.
 [[nodiscard]] const std::vector<std::string>& quantity_names();
 
+/// Quantities that are histories.
+[[nodiscard]] const std::vector<std::string>& history_names();
+[[nodiscard]] const Curve& history_of(const std::string& quantity, const Observation& of);
+
+/// RMS over the contact period of `of` of the difference of two histories [their unit], which over a stress is Eq. 29
+/// of the paper with N large. Empty without contact.
+[[nodiscard]] std::optional<double> rms_difference(const Curve& run, const Curve& reference, const Observation& of);
+
 /// Empty where the run or the reference has no such value.
 [[nodiscard]] std::optional<double> error_of(const std::string& quantity, const Observation& run,
                                              const Observation& reference);

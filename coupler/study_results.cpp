@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <set>
 
 namespace ricochet::coupler {
 namespace {
@@ -33,18 +33,25 @@ std::string cell(const std::string& text) {
 
 std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; }
 
-}  // namespace
-
-std::string label_of(const StudyRow& row) {
-  std::string text = row.method;
-  for (const auto& setting : row.settings) text += fmt::format(" {}={}", setting.key, text_of(setting));
-  return text;
+void add_history(std::string& text, const HistoriesSpec& histories, const std::string& key, const Observation& seen) {
+  const auto& curve = history_of(histories.quantity, seen);
+  for (std::size_t i = 0; i < curve.time_s.size(); ++i)
+    text += fmt::format("{},{:.7g},{:.6g}\n", key, curve.time_s[i], curve.value[i] / histories.over_pa);
 }
 
-std::vector<std::string> varied_keys(const StudyFile& file) {
-  std::vector<std::string> all;
-  for (const auto& variation : file.variations) all.insert(all.end(), variation.keys.begin(), variation.keys.end());
-  return all;
+}  // namespace
+
+std::string label_of(const StudyFile& file, const StudyRow& row) {
+  std::set<std::string> telling;
+  for (const auto& variation : file.variations) {
+    const auto keys = telling_keys(variation);
+    telling.insert(keys.begin(), keys.end());
+  }
+  std::string text = row.method;
+  for (const auto& setting : row.settings) {
+    if (telling.count(setting.key) > 0) text += fmt::format(" {}={}", setting.key, text_of(setting));
+  }
+  return text;
 }
 
 std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
@@ -53,12 +60,14 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
   for (const auto& key : varied_keys(file)) add(key);
   text += ",status";
   for (const auto& quantity : file.quantities) add("error_" + quantity);
+  if (file.histories.wanted()) text += ",rms_reference,rms_compared";
   text += ",wall_s,wall_min_s,wall_max_s,start_s,setup_s,stepping_s,cpu_s,repeats,steps,step_s,run,error\n";
   for (const auto& row : rows) {
-    text += row.method;
+    text += cell(row.method);
     for (const auto& setting : row.settings) add(cell(text_of(setting)));
     add(row.run.status());
     for (const auto& error : row.errors) add(cell(error));
+    if (file.histories.wanted()) text += fmt::format(",{},{}", cell(row.rms_reference), cell(row.rms_compared));
     const auto& costs = row.run.costs();
     if (costs.empty()) {
       text += ",,,,,,,";
@@ -70,27 +79,41 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
         text += fmt::format(",{:.6g}", median(all_of(costs, part)));
       }
     }
-    text += fmt::format(",{},{},{:.17g},{},{}\n", row.run.repeats(), row.run.steps(), row.run.step_s(),
-                        std::filesystem::path(row.run.folder()).filename().string(), cell(row.run.error()));
+    text += fmt::format(",{},{},{:.17g},{},{}\n", row.run.repeats(), row.run.steps(), row.run.step_s(), row.run.key(),
+                        cell(row.run.error()));
+  }
+  return text;
+}
+
+std::string histories_csv(const StudyFile& file, const std::vector<StudyReference>& references,
+                          const std::vector<StudyRow>& rows) {
+  std::string text = "run,time_s,value\n";
+  std::set<std::string> written;  // several rows may come to the same scene
+  for (const auto& reference : references) {
+    if (written.insert(reference.key).second) add_history(text, file.histories, reference.key, reference.seen);
+  }
+  for (const auto& row : rows) {
+    if (row.seen && written.insert(row.run.key()).second) add_history(text, file.histories, row.run.key(), *row.seen);
   }
   return text;
 }
 
 std::string to_table(const StudyFile& file, const std::vector<StudyRow>& rows) {
   std::size_t width = 6;
-  for (const auto& row : rows) width = std::max(width, label_of(row).size());
+  for (const auto& row : rows) width = std::max(width, label_of(file, row).size());
   std::string text = fmt::format("{:<{}} {:>9} {:>9} {:>9}", "run", width, "wall s", "steps s", "CPU s");
   for (const auto& quantity : file.quantities)
     text += fmt::format(" {:>{}}", quantity, std::max<std::size_t>(9, quantity.size()));
   text += "\n";
   for (const auto& row : rows) {
     if (row.run.failed() || row.run.repeats() == 0) {
-      text += fmt::format("{:<{}} {}: {}\n", label_of(row), width, row.run.status(), row.run.error());
+      text += fmt::format("{:<{}} {}: {}\n", label_of(file, row), width, row.run.status(), row.run.error());
       continue;
     }
     const auto& costs = row.run.costs();
-    text += fmt::format("{:<{}} {:>9.3f} {:>9.3f} {:>9.3f}", label_of(row), width, median(all_of(costs, &Cost::wall_s)),
-                        median(all_of(costs, &Cost::stepping_s)), median(all_of(costs, &Cost::cpu_s)));
+    text += fmt::format("{:<{}} {:>9.3f} {:>9.3f} {:>9.3f}", label_of(file, row), width,
+                        median(all_of(costs, &Cost::wall_s)), median(all_of(costs, &Cost::stepping_s)),
+                        median(all_of(costs, &Cost::cpu_s)));
     for (std::size_t q = 0; q < row.errors.size(); ++q) {
       text += fmt::format(" {:>{}}", row.errors[q] ? fmt::format("{:.2e}", *row.errors[q]) : "-",
                           std::max<std::size_t>(9, file.quantities[q].size()));

@@ -12,39 +12,20 @@
 #include "coupler/report/csv_table.hpp"
 #include "coupler/report/history_table.hpp"
 #include "coupler/report/libraries.hpp"
+#include "coupler/report/study_along.hpp"
+#include "coupler/report/study_histories.hpp"
+#include "coupler/report/study_parts.hpp"
+#include "coupler/report/study_times.hpp"
 #include "coupler/report/text.hpp"
 
 namespace ricochet::report {
 namespace {
-
-/// Methods differ by shape and dash as much as by colour (Okabe and Ito's, told apart by colour-blind readers).
-struct Look {
-  const char *color, *shape;
-  std::vector<int> dash;
-};
-const std::vector<Look>& looks() {
-  static const std::vector<Look> all{{"#0072b2", "circle", {1, 0}},         {"#d55e00", "square", {7, 3}},
-                                     {"#009e73", "triangle-up", {2, 2}},    {"#cc79a7", "diamond", {9, 3, 2, 3}},
-                                     {"#000000", "cross", {4, 2}},          {"#e69f00", "triangle-down", {12, 3}},
-                                     {"#56b4e9", "triangle-right", {3, 5}}, {"#8a6d00", "triangle-left", {1, 3}},
-                                     {"#666666", "stroke", {6, 6}}};
-  return all;
-}
 
 struct CostColumn {
   const char *column, *name, *title;
 };
 constexpr CostColumn cost_columns[] = {{"wall_s", "wall time", "wall time, median of the repeats [s]"},
                                        {"cpu_s", "CPU time", "CPU time of all processes, median of the repeats [s]"}};
-
-std::string words(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
-
-std::vector<std::string> texts(const Json& study, const char* key) {
-  return study.at(key).get<std::vector<std::string>>();
-}
 
 /// The runs that have both a cost and an error > 0, which a logarithmic axis can show.
 struct Points {
@@ -110,24 +91,6 @@ std::string shown(const CsvRow& row, const std::string& column) {
   return value ? fmt::format("{:.4g}", *value) : row.at(column);
 }
 
-/// The rule of the reference's own error; none where it is exact or has no such error.
-Json reference_rule(const Json& study, const std::string& quantity) {
-  const auto error = study.at("reference_errors").find(quantity);
-  const bool any = error != study.at("reference_errors").end() && error->is_number() && error->get<double>() > 0.0;
-  if (!any || quantity == "energy_drift") return Json::array();
-  return Json::array({{{"error", drawn(error->get<double>())}, {"label", "error of the reference itself"}}});
-}
-
-/// Vega complains of layers without data.
-std::string without_empty_layers(const std::string& spec_text) {
-  Json spec = Json::parse(spec_text), layers = Json::array();
-  for (const auto& layer : spec.at("layer")) {
-    if (!layer.contains("data") || !layer.at("data").at("values").empty()) layers.push_back(layer);
-  }
-  spec["layer"] = layers;
-  return spec.dump();
-}
-
 Chart chart_of(const Json& study, const std::vector<CsvRow>& rows, const std::string& quantity,
                const CostColumn& cost) {
   const auto points = points_of(rows, cost.column, "error_" + quantity);
@@ -145,30 +108,20 @@ Chart chart_of(const Json& study, const std::vector<CsvRow>& rows, const std::st
     for (const auto& [column, title] : columns) row.push_back(shown(*points.rows[p], column));
     chart.rows.push_back(row);
   }
-  Json colors = Json::array(), shapes = Json::array(), dashes = Json::array();
   const auto methods = texts(study, "methods");
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    const auto& look = looks()[m % looks().size()];
-    colors.push_back(look.color);
-    shapes.push_back(look.shape);
-    dashes.push_back(look.dash);
-  }
+  const auto looks = looks_of(methods);
   const std::string error_title = quantity == "energy_drift" ? "energy drift" : "relative error";
   chart.spec = without_empty_layers(
       fill_json(asset("work_precision.json"), {{"description", Json(chart.title).dump()},
                                                {"cost_title", Json(cost.title).dump()},
                                                {"error_title", Json(error_title).dump()},
                                                {"methods", Json(methods).dump()},
-                                               {"colors", colors.dump()},
-                                               {"shapes", shapes.dump()},
-                                               {"dashes", dashes.dump()},
+                                               {"colors", looks.colors.dump()},
+                                               {"shapes", looks.shapes.dump()},
+                                               {"dashes", looks.dashes.dump()},
                                                {"reference", reference_rule(study, quantity).dump()},
                                                {"tooltip", tooltip(study, error_title)}}));
   return chart;
-}
-
-std::string cell(const std::string& tag, const std::string& text) {
-  return fmt::format("<{0}>{1}</{0}>", tag, escape_html(text));
 }
 
 /// All runs, failed ones with the reason in place of the errors.
@@ -196,43 +149,75 @@ std::string runs_table(const Json& study, const std::vector<CsvRow>& rows) {
   return text + "</tbody>\n</table>\n</div>\n";
 }
 
-std::string reference_html(const Json& study) {
-  std::string errors;
-  for (const auto& [quantity, error] : study.at("reference_errors").items()) {
+std::string errors_of(const Json& reference) {
+  std::string text;
+  for (const auto& [quantity, error] : reference.at("errors").items()) {
     if (quantity == "energy_drift") continue;
-    errors += (errors.empty() ? "" : ", ") + words(quantity) + " " +
-              (error.is_number() ? fmt::format("{:.2g}", error.get<double>()) : std::string("–"));
+    text += (text.empty() ? "" : ", ") + words(quantity) + " " +
+            (error.is_number() ? fmt::format("{:.2g}", error.get<double>()) : std::string("–"));
   }
-  return fmt::format(
-      "<dl><dt>scene</dt><dd>{}</dd>\n<dt>reference</dt><dd>{}</dd>\n<dt>its own error</dt><dd>{}</dd>\n"
-      "<dt>repeats</dt><dd>{}, methods taking turns</dd>\n<dt>version</dt><dd>ricochet {}</dd></dl>\n",
-      escape_html(study.at("scene").get<std::string>()), escape_html(study.at("reference").get<std::string>()),
-      escape_html(errors), study.at("repeats").get<int>(), escape_html(study.at("version").get<std::string>()));
+  return text;
 }
 
-std::string page_of(const Json& study, const std::vector<CsvRow>& rows) {
-  std::string figures, json;
+std::string head_html(const Json& study) {
+  std::string references;
+  for (const auto& reference : study.at("references")) {
+    references +=
+        fmt::format("<dt>reference</dt><dd>{}</dd>\n<dt>its own error</dt><dd>{}</dd>\n",
+                    escape_html(reference.at("reference").get<std::string>()), escape_html(errors_of(reference)));
+  }
+  return fmt::format(
+      "<dl><dt>scene</dt><dd>{}</dd>\n{}<dt>repeats</dt><dd>{}, methods taking turns</dd>\n<dt>version</dt>"
+      "<dd>ricochet {}</dd></dl>\n",
+      escape_html(study.at("scene").get<std::string>()), references, study.at("repeats").get<int>(),
+      escape_html(study.at("version").get<std::string>()));
+}
+
+std::string work_precision_html(const Json& study, const std::vector<CsvRow>& rows, std::vector<std::string>& json) {
+  std::string figures;
   for (const auto& quantity : texts(study, "quantities")) {
     for (const auto& cost : cost_columns) {
       const Chart chart = chart_of(study, rows, quantity, cost);
       if (chart.rows.empty()) continue;
       figures += to_html(chart);
-      json += (json.empty() ? "" : ",\n") + to_json(chart);
+      json.push_back(to_json(chart));
     }
   }
+  return figures;
+}
+
+std::string histories_html(const Json& study, const std::vector<CsvRow>& rows, const std::string& folder,
+                           std::vector<std::string>& json) {
+  const auto charts = overlaid_histories(study, rows, folder);
+  if (charts.empty()) return "";
+  return panels_html(
+      "History of the " + history_title(study),
+      "Drag over a stretch of time to enlarge it in all of them, double-click to go back. The broad grey "
+      "line is the reference.",
+      charts, json);
+}
+
+std::string page_of(const Json& study, const std::vector<CsvRow>& rows, const std::string& folder) {
+  std::vector<std::string> json;
+  std::string figures = times_table(study, rows);
+  figures += histories_html(study, rows, folder, json);
+  figures += rms_table(study, rows);
+  figures += along_html(study, rows, json);
+  figures += work_precision_html(study, rows, json);
+  figures += runs_table(study, rows);
   const std::string title = "Study " + std::filesystem::path(study.at("study").get<std::string>()).stem().string();
   return fill_page(asset("page.html"),
                    {{"title", escape_html(title)},
                     {"style", std::string(asset("page.css"))},
                     {"header", "<h1>" + escape_html(title) + "</h1>\n"},
-                    {"tables", reference_html(study)},
+                    {"tables", head_html(study)},
                     {"help",
-                     "<p>Point at a run to read its settings. Lines join the best runs of a method; rings on the "
-                     "broad grey line are the Pareto front: no run is both faster and more accurate. Left and "
-                     "low is better.</p>"},
-                    {"figures", figures + runs_table(study, rows)},
+                     "<p>Point at a run to read its settings. In charts of error against time lines join the best runs "
+                     "of a method; rings on the broad grey line are the Pareto front: no run is both faster and more "
+                     "accurate. Left and low is better.</p>"},
+                    {"figures", figures},
                     {"libraries", libraries_html()},
-                    {"charts", inside_script("[" + json + "]")},
+                    {"charts", inside_script(fmt::format("[{}]", fmt::join(json, ",\n")))},
                     {"script", std::string(asset("page.js"))}});
 }
 
@@ -251,7 +236,7 @@ std::vector<bool> pareto_front(const std::vector<std::pair<double, double>>& poi
 std::string study_page(const std::string& folder) {
   const std::string path = folder + "/study.json";
   try {
-    return page_of(Json::parse(read_text(path)), read_csv(folder + "/results.csv"));
+    return page_of(Json::parse(read_text(path)), read_csv(folder + "/results.csv"), folder);
   } catch (const Json::exception& error) {
     throw ConfigError(fmt::format("{} is not that of a study: {}", path, error.what()));
   } catch (const std::out_of_range&) {

@@ -1,4 +1,5 @@
 // `ricochet study` with real processes: the exact solution of two bars, resuming, rows that fail.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -178,6 +179,120 @@ exact = "impedance_theory"
   ASSERT_EQ(study(path, out, folder).code, 0);
   EXPECT_EQ(run_id(out, rows[1], 1), first);
   EXPECT_EQ(rows_of(out), rows);
+}
+
+/// Twice the speed, bodies that touch from the start: a linear problem, all of whose stresses double.
+const std::string twice_as_fast = R"(body.left.initial_velocity_m_s = [[5.13588], [10.27176]]
+body.right.initial_velocity_m_s = [[-5.13588], [-10.27176]]
+body.right.mesh.start_m = [0.0, 0.0]
+)";
+
+TEST(Study, AReferenceThatFollowsAVariedKeyScalesWithIt) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(study_text(R"(methods = ["hughes_liu", "all_implicit", "all_explicit"]
+quantities = ["contact_pressure", "rebound_velocity"]
+along = "body.left.initial_velocity_m_s"
+[[vary]]
+)" + twice_as_fast + R"([histories]
+quantity = "contact_pressure"
+over_pa = 206.852e6
+over_name = "rho c v"
+compare_to = "all_implicit"
+[reference]
+protocol = "all_explicit"
+follow = ["body.left.initial_velocity_m_s", "body.right.initial_velocity_m_s", "body.right.mesh.start_m"]
+changes = { time.step_s = 5.565e-7 }
+refine = { time.step_s = 2.7825e-7 }
+)"),
+                                 "study.toml");
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 6U);
+  for (std::size_t m = 0; m < 3; ++m) {
+    const auto &slow = rows[m], &fast = rows[3 + m];
+    EXPECT_LT(number(slow, "error_contact_pressure"), 0.4) << "of a reference at another speed it would be 0.5 or more";
+    for (const char* relative : {"error_contact_pressure", "error_rebound_velocity"})
+      EXPECT_NEAR(number(fast, relative), number(slow, relative), 1e-5 * number(slow, relative)) << slow.at("method");
+    for (const char* absolute : {"rms_compared", "rms_reference"}) {
+      EXPECT_NEAR(number(fast, absolute), 2.0 * number(slow, absolute), 2e-5 * number(slow, absolute));
+      EXPECT_EQ(number(slow, absolute) > 0.0, std::string(absolute) == "rms_reference" || m != 1) << slow.at("method");
+    }
+  }
+  const auto references = nlohmann::json::parse(file_text(out + "/study.json")).at("references");
+  ASSERT_EQ(references.size(), 2U);
+  EXPECT_EQ(references[1].at("follows").at("body.left.initial_velocity_m_s"), "10.27176");
+  fs::remove_all(out + "/runs");
+  fs::remove_all(out + "/reference");
+  const auto again = run_command({ricochet_binary(), "report", out}, folder.path().string());
+  EXPECT_EQ(again.code, 0) << again.error;
+  const auto page = file_text(out + "/report.html");
+  for (const char* chart : {"history_1", "history_2", "along_rms_compared_1", "along_wall_s_1"})
+    EXPECT_THAT(page, HasSubstr(fmt::format("id=\"{}\"", chart))) << "redrawn from the results alone";
+}
+
+TEST(Study, AHistoryOverTheExactStressIsOneWhileTheBarsTouch) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(study_text(R"(methods = ["all_explicit"]
+[histories]
+quantity = "contact_pressure"
+over_pa = 206.852e6
+over_name = "rho c v"
+compare_to = "all_explicit"
+[reference]
+exact = "impedance_theory"
+)"),
+                                 "study.toml");
+  ASSERT_EQ(study(path, out, folder).code, 0);
+  std::istringstream lines(file_text(out + "/histories.csv"));
+  const auto run = rows_of(out)[0].at("run");
+  double sum = 0.0;
+  int count = 0, exact = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const auto cells = cells_of(line);
+    if (cells[0] == "exact" && std::stod(cells[2]) != 0.0) {
+      EXPECT_NEAR(std::stod(cells[2]), 1.0, 1e-4);
+      ++exact;
+    }
+    if (cells[0] != run || std::stod(cells[1]) < 60e-6 || std::stod(cells[1]) > 130e-6) continue;
+    sum += std::stod(cells[2]);
+    ++count;
+  }
+  EXPECT_EQ(exact, 2) << "the corners of the rectangle";
+  ASSERT_GT(count, 20);
+  EXPECT_NEAR(sum / count, 1.0, 0.02);
+}
+
+TEST(Study, MethodsThatComeToTheSameSceneShareItsRuns) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(study_text(R"(methods = ["all_implicit"]
+repeats = 2
+quantities = ["peak_force"]
+[[method]]
+name = "all_implicit, short steps"
+protocol = "all_implicit"
+changes = { time.step_s = 1.113e-6, contact.multiplier_update = "" }
+[[vary]]
+time.step_s = [2.226e-6, 1.113e-6]
+contact.multiplier_update = ["massless", ""]
+[reference]
+exact = "impedance_theory"
+)"),
+                                 "study.toml");
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[1].at("method"), "all_implicit, short steps");
+  EXPECT_NE(rows[0].at("run"), rows[1].at("run"));
+  for (const std::size_t same : {1U, 3U}) {
+    EXPECT_EQ(rows[same].at("run"), rows[2].at("run"));
+    EXPECT_EQ(rows[same].at("repeats"), "2");
+    EXPECT_EQ(rows[same].at("wall_s"), rows[2].at("wall_s"));
+  }
 }
 
 TEST(Study, RefusesAWrongFileAndOneOfWhichNothingCanRun) {

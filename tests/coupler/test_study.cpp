@@ -25,6 +25,7 @@ std::string good_study() {
   return "scene = \"" + bars + R"("
 methods = ["kim", "all_implicit"]
 quantities = ["peak_force"]
+along = "time.step_s"
 [[vary]]
 time.step_s = [2e-6, 1e-6]
 body.left.mesh.elements = [10, 20]
@@ -34,6 +35,22 @@ body.left.mesh.elements = [10, 20]
 protocol = "all_explicit"
 changes = { time.step_s = 1e-7 }
 refine = { time.step_s = 5e-8 }
+follow = ["contact.enforcement"]
+[[method]]
+name = "soft"
+protocol = "kim"
+changes = { contact.penalty_pa_m = 1e12, contact.enforcement = "" }
+[histories]
+quantity = "contact_pressure"
+over_pa = 2e8
+over_name = "p0"
+compare_to = "all_implicit"
+[[published]]
+methods = ["kim", "soft"]
+over = "all_implicit"
+at = { time.step_s = 1e-6 }
+time_ratio = 0.5
+source = "there"
 )";
 }
 
@@ -41,7 +58,7 @@ TEST(StudyFile, ReadsMethodsVariationsAndReference) {
   const test::TemporaryFolder folder;
   const auto study = load_study(folder.write(good_study(), "study.toml"));
   EXPECT_EQ(study.scene, bars);
-  EXPECT_THAT(study.methods, ElementsAre("kim", "all_implicit"));
+  EXPECT_THAT(method_names(study), ElementsAre("kim", "all_implicit", "soft"));
   EXPECT_EQ(study.repeats, 1);
   ASSERT_EQ(study.variations.size(), 2U);
   EXPECT_THAT(study.variations[0].keys, ElementsAre("time.step_s", "body.left.mesh.elements"));
@@ -51,6 +68,28 @@ TEST(StudyFile, ReadsMethodsVariationsAndReference) {
   EXPECT_EQ(text_of(all[1][0]), "1e-06");
   EXPECT_EQ(text_of(all[1][1]), "20");
   EXPECT_EQ(text_of(all[1][2]), "penalty");
+}
+
+TEST(StudyFile, ReadsWhatIsDrawnAndComparedBesides) {
+  const test::TemporaryFolder folder;
+  const auto study = load_study(folder.write(good_study(), "study.toml"));
+  EXPECT_EQ(study.along, "time.step_s");
+  EXPECT_THAT(study.reference.follow, ElementsAre("contact.enforcement"));
+  EXPECT_EQ(study.methods[2].protocol, "kim");
+  EXPECT_EQ(study.histories.quantity, "contact_pressure");
+  EXPECT_EQ(study.histories.over_pa, 2e8);
+  EXPECT_EQ(study.histories.compare_to, "all_implicit");
+  ASSERT_EQ(study.published.size(), 1U);
+  EXPECT_THAT(study.published[0].methods, ElementsAre("kim", "soft"));
+  EXPECT_EQ(text_of(study.published[0].at[0]), "1e-06");
+}
+
+TEST(StudyFile, OfAKeyThatIsSetTwiceTheLastValueCountsAndAnEmptyTextTakesItBack) {
+  const auto changes = merged({{"time.step_s", 1.0}, {"contact.enforcement", std::string("penalty")}},
+                              {{"time.step_s", 2.0}, {"contact.enforcement", std::string()}});
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].key, "time.step_s");
+  EXPECT_EQ(text_of(changes[0]), "2");
 }
 
 TEST(StudyFile, ListsOfNumbersAreValues) {
@@ -69,6 +108,21 @@ TEST(StudyFile, TheShippedOnesLoad) {
     ++studies;
   }
   EXPECT_GE(studies, 2);
+}
+
+TEST(StudyFile, TheFirstKeyWhoseValuesDifferTellsSettingsApart) {
+  const test::TemporaryFolder folder;
+  const auto keys = [&](const std::string& steps) {
+    const auto text = test::replaced(good_study(), "time.step_s = [2e-6, 1e-6]", "time.step_s = " + steps);
+    auto variation =
+        load_study(
+            folder.write(test::replaced(text, "at = {", "at = { contact.enforcement = \"penalty\" } # "), "study.toml"))
+            .variations[0];
+    return telling_keys(variation);
+  };
+  EXPECT_THAT(keys("[2e-6, 1e-6]"), ElementsAre("time.step_s"));
+  EXPECT_THAT(keys("[1e-6, 1e-6]"), ElementsAre("body.left.mesh.elements"));
+  EXPECT_EQ(telling_keys({{"a.b", "c.d"}, {{{"a.b", 1.0}, {"c.d", 1.0}}, {{"a.b", 1.0}, {"c.d", 1.0}}}}).size(), 2U);
 }
 
 TEST(StudyFile, WithoutVariationsThereIsOneCombination) { EXPECT_EQ(combinations({}).size(), 1U); }
@@ -113,32 +167,78 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"unknown_scene_key",
               "time.step_s = [2",
               "time.stepp_s = [2",
-              5,
+              6,
               {"vary[0]", "\"stepp_s\" in the key time.stepp_s", "did you mean \"step_s\"?"}},
-        Wrong{"unknown_scene_table", "\"contact.enf", "\"contacts.enf", 8, {"vary[1]", "did you mean \"contact\"?"}},
-        Wrong{"table_of_scene", "\"contact.enforcement\"", "contact", 8, {"the table \"contact\"", "\"enforcement\""}},
-        Wrong{"no_list", "[2e-6, 1e-6]", "2e-6", 5, {"vary[0].time.step_s", "found 2e-06", "a list"}},
-        Wrong{"unequal_lists", "[10, 20]", "[10, 20, 30]", 6, {"3 values", "2, as many as time.step_s"}},
+        Wrong{"unknown_scene_table", "\"contact.enf", "\"contacts.enf", 9, {"vary[1]", "did you mean \"contact\"?"}},
+        Wrong{"table_of_scene", "\"contact.enforcement\"", "contact", 9, {"the table \"contact\"", "\"enforcement\""}},
+        Wrong{"no_list", "[2e-6, 1e-6]", "2e-6", 6, {"vary[0].time.step_s", "found 2e-06", "a list"}},
+        Wrong{"unequal_lists", "[10, 20]", "[10, 20, 30]", 7, {"3 values", "2, as many as time.step_s"}},
         Wrong{"key_twice",
               "\"contact.enforcement\" = [\"penalty\"]",
               "time.step_s = [1e-7]",
-              7,
+              8,
               {"time.step_s a second time"}},
         Wrong{"protocol_varied",
               "\"contact.enforcement\" = [\"penalty\"]",
               "coupling.protocol = [\"kim\"]",
-              8,
+              9,
               {"the protocol", "methods = "}},
-        Wrong{"value_no_number", "[\"penalty\"]", "[true]", 8, {"found true", "a number, a text or a list"}},
-        Wrong{"vary_no_tables", "[[vary]]\ntime", "[other]\ntime", 4, {"unknown key \"other\""}},
-        Wrong{"no_refinement", "refine = { time.step_s = 5e-8 }", "", 9, {"reference.refine", "refinement"}},
-        Wrong{"no_reference", "[reference]", "[refrence]", 9, {"did you mean \"reference\"?"}},
+        Wrong{"value_no_number", "[\"penalty\"]", "[true]", 9, {"found true", "a number, a text or a list"}},
+        Wrong{"vary_no_tables", "[[vary]]\ntime", "[other]\ntime", 5, {"unknown key \"other\""}},
+        Wrong{"no_refinement", "refine = { time.step_s = 5e-8 }", "", 10, {"reference.refine", "refinement"}},
+        Wrong{"no_reference", "[reference]", "[refrence]", 10, {"did you mean \"reference\"?"}},
         Wrong{"exact_and_computed",
               "protocol = \"all_explicit\"",
               "exact = \"impedance_theory\"",
-              11,
+              12,
               {"reference.changes", "only with a computed reference"}},
-        Wrong{"unknown_exact", "protocol = \"all_explicit\"", "exact = \"theory\"", 10, {"\"impedance_theory\""}}),
+        Wrong{"unknown_exact", "protocol = \"all_explicit\"", "exact = \"theory\"", 11, {"\"impedance_theory\""}},
+        Wrong{"along_nothing",
+              "along = \"time.step_s\"",
+              "along = \"time.stepp_s\"",
+              4,
+              {"did you mean \"time.step_s\"?"}},
+        Wrong{"follows_nothing",
+              "follow = [\"contact",
+              "follow = [\"contacts",
+              14,
+              {"did you mean \"contact.enforcement\"?"}},
+        Wrong{"follows_what_it_changes",
+              "follow = [\"contact.enforcement\"",
+              "follow = [\"time.step_s\"",
+              14,
+              {"\"time.step_s\", which the reference changes"}},
+        Wrong{"method_twice_by_table", "name = \"soft\"", "name = \"kim\"", 16, {"\"kim\" a second time"}},
+        Wrong{"method_of_no_protocol",
+              "protocol = \"kim\"",
+              "protocol = \"soft\"",
+              17,
+              {"method[0].protocol", "\"kim\""}},
+        Wrong{"method_changes_protocol",
+              "contact.penalty_pa_m = 1e12",
+              "coupling.protocol = \"kim\"",
+              18,
+              {"found the protocol", "protocol = "}},
+        Wrong{"method_changes_no_key",
+              "contact.penalty_pa_m",
+              "contact.penalty_pa",
+              18,
+              {"did you mean \"penalty_pa_m\"?"}},
+        Wrong{"no_history", "\"contact_pressure\"", "\"peak_force\"", 20, {"\"principal_stress\""}},
+        Wrong{"over_nothing", "over_pa = 2e8", "over_pa = 0.0", 21, {"histories.over_pa: found 0", "a number > 0"}},
+        Wrong{"compared_to_nothing", "compare_to = \"all_implicit\"", "compare_to = \"fixed_point\"", 23, {"\"soft\""}},
+        Wrong{"published_of_nothing", "[\"kim\", \"soft\"]", "[\"kim\", \"sofd\"]", 25, {"did you mean \"soft\"?"}},
+        Wrong{"published_at_no_axis",
+              "at = { time.step_s = 1e-6 }",
+              "at = { time.end_s = 1e-6 }",
+              27,
+              {"published[0].at", "\"time.end_s\"", "\"time.step_s\""}},
+        Wrong{"published_at_no_value",
+              "at = { time.step_s = 1e-6 }",
+              "at = { time.step_s = 3e-6 }",
+              27,
+              {"found time.step_s = 3e-06", "a value that the study varies: 2e-06, 1e-06"}},
+        Wrong{"published_negative", "time_ratio = 0.5", "time_ratio = -0.5", 28, {"a number > 0"}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(StudyFile, RefusesAMissingAndAnEmptyFile) {
@@ -193,6 +293,17 @@ TEST(StudyMeasures, RmsOfARampIsExact) {
   run.contact_pressure_pa = {{-1.0, 1.0, 2.0, 7.0}, {2.0, 2.0, 2.0, 12.0}};  // 2 (t - 2) above from t = 2 on
   // integral of 4 s^2 over 0..1, over 3, is 4/9
   EXPECT_NEAR(*error_of("contact_pressure", run, reference), std::sqrt(4.0 / 9.0) / 2.0, 1e-6);
+}
+
+TEST(StudyMeasures, AStressThatIsNowhereWhileAForceActsIsNotThere) {
+  // Contact nodes without implicit elements: the implicit side knows no stress.
+  report::HistoryTable history;
+  history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa"};
+  history.columns = {{0.0, 1.0, 2.0}, {0.0, 5.0, 5.0}, {0.0, 1.0, 1.0}, {0.0, 0.0, 0.0}};
+  const auto seen = observe(history, nlohmann::ordered_json::object());
+  EXPECT_TRUE(seen.principal_stress_pa.time_s.empty());
+  EXPECT_FALSE(error_of("principal_stress", seen, plateau(1.0)));
+  EXPECT_TRUE(error_of("contact_pressure", seen, plateau(1.0)));
 }
 
 TEST(StudyMeasures, WhatIsNotThereHasNoError) {
@@ -297,6 +408,37 @@ TEST(CsvTable, ReadsQuotedCellsAndRefusesShortLines) {
   EXPECT_EQ(rows[0].at("b"), "x, \"y\"");
   EXPECT_FALSE(report::number(rows[0], "c"));
   EXPECT_THROW((void)report::read_csv(folder.write("a,b\n1\n", "short.csv")), ConfigError);
+}
+
+TEST(StudyMeasures, AHistorysRmsIsThatOfEquation29) {
+  // Eq. 29 over sigma_0 = 2 of two constant histories, 0.25 apart
+  const auto reference = plateau(1.0), run = plateau(1.25);
+  const auto rms =
+      rms_difference(history_of("principal_stress", run), history_of("principal_stress", reference), reference);
+  EXPECT_NEAR(*rms / 2.0, 0.125, 1e-12);
+  EXPECT_FALSE(rms_difference(history_of("contact_pressure", run), history_of("contact_pressure", run), plateau(0.0)));
+}
+
+const std::string drawn_study = R"({"study": "/there/s.toml", "scene": "a.toml", "methods": ["kim", "all_implicit"],
+  "parameters": ["x.y"], "axes": ["x.y"], "along": "", "along_together": [], "quantities": [], "repeats": 3, "version": "1",
+  "references": [], "histories": null,
+  "published": [{"methods": ["kim"], "over": "all_implicit", "at": {"x.y": "2"}, "time_ratio": 0.614, "source": "T<2>"}]})";
+
+TEST(StudyPage, SetsTimesBesidePublishedOnes) {
+  const test::TemporaryFolder folder;
+  (void)folder.write(drawn_study, "study.json");
+  (void)folder.write(
+      "method,x.y,status,wall_s,wall_min_s,wall_max_s,start_s,setup_s,stepping_s,cpu_s,repeats,steps,step_s,run,error\n"
+      "kim,1,done,9,9,9,0,0,9,9,3,1,1,a,\nall_implicit,1,done,9,9,9,0,0,9,9,3,1,1,b,\n"
+      "kim,2,done,2,1,3,0,0,1,2,3,1,1,c,\nall_implicit,2,done,4,3.2,5,0,0,4,4,3,1,1,d,\n",
+      "results.csv");
+  const auto page = report::study_page(folder.path().string());
+  EXPECT_THAT(
+      page,
+      HasSubstr(
+          "<td>kim</td><td>all_implicit</td><td>x.y = 2</td><td>0.614</td><td>0.250</td><td>0.500 (0.200 to 0.938)</td>"
+          "<td>T&lt;2&gt;</td>"));
+  EXPECT_EQ(page.find("<td>x.y = 1</td><td>0.614"), std::string::npos) << "other settings";
 }
 
 TEST(StudyPage, RefusesWhatIsNoStudy) {
