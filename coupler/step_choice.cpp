@@ -10,6 +10,7 @@
 #include "common/scene/check.hpp"
 #include "common/scene/critical_step.hpp"
 #include "coupler/study_case.hpp"
+#include "coupler/study_reference.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -27,9 +28,7 @@ struct Candidate {
 Candidate measure(const scene::Problem& problem, double step_s, const std::string& folder) {
   const auto& time = problem.scene.time;
   const double windows = std::min(time.end_s / step_s, static_cast<double>(windows_measured));
-  StudyCase run(problem.scene.path,
-                {{"time.step_s", step_s}, {"time.end_s", windows * step_s}, {"output.fields_every", 0.0}, {"output.axial_stress_every", 0.0}},
-                folder);
+  StudyCase run(problem.scene.path, with_no_fields({{"time.step_s", step_s}, {"time.end_s", windows * step_s}}), folder);
   if (!run.failed() && run.repeats() == 0) run.compute();
   Candidate candidate{.step_s = step_s, .error = run.error()};
   if (run.failed()) return candidate;

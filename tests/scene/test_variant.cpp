@@ -83,6 +83,15 @@ TEST_F(Variant, PutsAStepInThePlaceOfASafetyFactor) {
   EXPECT_EQ(load(folder_.write(text), {{"time.step_s", 1e-5}, {"body.rod.mesh.elements", 7.0}}).time.step_s, 1e-5);
 }
 
+TEST_F(Variant, PutsAStepInThePlaceOfALargestOne) {
+  const std::string text = replaced(replaced(bars, "implicit_length_m = " + lengths, "rule = \"auto\""), "step_s", "largest_step_s");
+  const std::string path = folder_.write(text);
+  EXPECT_TRUE(load_scene(path).time.largest_step_s.has_value());
+  const Scene changed = load(path, {{"time.step_s", 1e-6}});
+  EXPECT_EQ(changed.time.step_s, 1e-6);
+  EXPECT_FALSE(changed.time.largest_step_s.has_value());
+}
+
 TEST_F(Variant, RefusesKeysThatLeadNowhere) {
   EXPECT_THAT(refused({{"step_s", 1.0}}), HasSubstr("found the key \"step_s\", allowed: TABLE.KEY"));
   EXPECT_THAT(refused({{"body.lefft.area_m2", 1.0}}), HasSubstr("body.lefft.area_m2: found \"lefft\""));

@@ -197,7 +197,7 @@ const std::vector<Wrong> partitions{
     {"groups_of_structured", c, "implicit_length_m = { steel = 0.005, carbide = 0.0075 }",
      "implicit_groups = { steel = [\"tip\"] }", 15, {"structured mesh has none"}},
     {"auto_without_step", c, "implicit_length_m = { steel = 0.005, carbide = 0.0075 }\n[time]\nstep_s = 1e-7",
-     "rule = \"auto\"\n[time]", 16, {"automatic partition needs"}},
+     "rule = \"auto\"\n[time]", 16, {"automatic partition needs", "largest_step_s"}},
     {"all_of_it_implicit", c, "{ steel = 0.005, carbide = 0.0075 }", "{ steel = 1.0, carbide = 1.0 }", 14,
      {"every element implicit", "\"all_implicit\""}},
     {"nothing_implicit", b, "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\n"
@@ -207,6 +207,14 @@ const std::vector<Wrong> partitions{
 const std::vector<Wrong> runs{
     {"step_and_factor", c, "step_s = 1e-7", "step_s = 1e-7\nsafety_factor = 0.8", 18,
      {"both step_s and safety_factor"}},
+    {"step_and_largest", c, "step_s = 1e-7", "step_s = 1e-7\nlargest_step_s = 2e-7", 18,
+     {"both step_s and largest_step_s"}},
+    {"factor_and_largest", c, "step_s = 1e-7", "safety_factor = 0.5\nlargest_step_s = 2e-7", 18,
+     {"both safety_factor and largest_step_s"}},
+    {"largest_with_lengths", c, "step_s = 1e-7", "largest_step_s = 1e-7", 17,
+     {"a largest step where the [partition] is given", "rule = \"auto\""}},
+    {"end_below_largest", b, "step_s = 2.226e-6\nend_s = 200e-6", "largest_step_s = 2e-6\nend_s = 1e-7", 21,
+     {"at least largest_step_s = 2e-06"}},
     {"step_zero", c, "step_s = 1e-7", "step_s = 0.0", 17, {"> 0"}},
     {"factor_range", c, "step_s = 1e-7", "safety_factor = 1.1", 17, {"> 0 and <= 1"}},
     {"end_missing", c, "end_s = 1e-5", "", 16, {"time.end_s: found nothing"}},
