@@ -374,7 +374,8 @@ void ExplicitSolver::synchronise_subcycling(const std::vector<double>& force, Li
 void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::vector<double>& force, Link& output) {
   std::size_t next = 0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
-    subcycled_[b].advance(states_[b], begin_s, steps, part_of(force, states_[b], next));
+    part_force_ = part_of(force, states_[b], next);
+    subcycled_[b].advance(states_[b], begin_s, steps, part_force_);
   }
   shared_motion(output);
 }

@@ -92,6 +92,7 @@ class ExplicitSolver final : public participant::Participant {
   std::vector<Window> windows_;
   std::vector<const Eigen::VectorXd*> u_before_;
   std::vector<SubcycledWindow> subcycled_;  ///< per part; driven by force only
+  Eigen::VectorXd part_force_;              ///< a part's share of the link input: kept so that no window allocates
   int substep_ = 0;                         ///< of the trial; 0: whole window
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;

@@ -103,7 +103,7 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
   if (tried_ && steps == steps_ && state.external.zero() && !near_dashpots_) {
-    correct(state, begin_s, force - trial_force_);
+    correct(state, begin_s, force);
   } else {
     run(state, begin_s, steps, force);
   }
@@ -186,9 +186,9 @@ void SubcycledWindow::clear_correction() {
   d_given_ = {};
 }
 
-void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eigen::VectorXd& change) {
+void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eigen::VectorXd& force) {
   clear_correction();
-  d_force_ = change;
+  d_force_ = force - trial_force_;
   for (int j = 1; j <= steps_; ++j) {
     const double share = static_cast<double>(j) / steps_;
     du_ += dt_ * dv_ + (0.5 * dt_ * dt_) * da_;
@@ -198,7 +198,7 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
     for (std::size_t i = 0; i < near_of_shared_.size(); ++i) {
       const int at = near_of_shared_[i];
       const auto k = static_cast<Eigen::Index>(i);
-      da_new_[at] += near_inverse_mass_[at] * share * change[k];
+      da_new_[at] += near_inverse_mass_[at] * share * d_force_[k];
       d_shared_path_(k, j) = du_[at];
     }
     for (const auto& [at, c] : near_constrained_) {
@@ -219,14 +219,14 @@ SubcycledWindow::Motion SubcycledWindow::shared_motion(const BodyState& state, s
 
 /// sum_j 1/2 (lambda_{j-1} + lambda_j) . (u_j - u_{j-1}), what the link does on the part.
 double SubcycledWindow::interface_work() const {
-  const Eigen::VectorXd end = trial_force_ + d_force_;
   double work = 0.0;
   for (int j = 1; j <= steps_; ++j) {
     const double middle = (j - 0.5) / steps_;
-    for (Eigen::Index i = 0; i < end.size(); ++i) {
+    for (Eigen::Index i = 0; i < force_.size(); ++i) {
       const double moved =
           shared_path_(i, j) - shared_path_(i, j - 1) + d_shared_path_(i, j) - d_shared_path_(i, j - 1);
-      work += (force_[i] + middle * (end[i] - force_[i])) * moved;
+      const double end = trial_force_[i] + d_force_[i];
+      work += (force_[i] + middle * (end - force_[i])) * moved;
     }
   }
   return work;

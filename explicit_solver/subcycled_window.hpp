@@ -48,7 +48,7 @@ class SubcycledWindow {
     double work_j = 0.0, impulse_n = 0.0, impulse_t = 0.0;
   };
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
-  void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& change);
+  void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& force);
   void account(const solver::BodyState& state, int dof, double mean_force, double moved, Given& given) const;
   void set_dashpot_forces(const solver::BodyState& state);
   void clear_correction();

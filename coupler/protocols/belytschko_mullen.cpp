@@ -23,9 +23,9 @@ void BelytschkoMullen::start(Coupling& coupling, const wire::Message& request) {
 void BelytschkoMullen::step(Coupling& coupling, const Step& step) {
   Step trial = step;
   trial.absolute = trial.records = false;
-  std::vector<double> force = coupling.advance_explicit(trial, coupling.displacement(), Acceptance::trial);
-  coupling.subtract_stiffness_force(force);
-  coupling.advance_implicit(step, force);
+  force_ = coupling.advance_explicit(trial, coupling.displacement(), Acceptance::trial);
+  coupling.subtract_stiffness_force(force_);
+  coupling.advance_implicit(step, force_);
   coupling.advance_explicit(step, coupling.displacement(), Acceptance::at_once);
 }
 

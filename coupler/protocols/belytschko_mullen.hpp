@@ -16,6 +16,9 @@ class BelytschkoMullen final : public Protocol {
  public:
   void start(Coupling& coupling, const wire::Message& request) override;
   void step(Coupling& coupling, const Step& step) override;
+
+ private:
+  std::vector<double> force_;  ///< P_Gamma - K u_Gamma [N]
 };
 
 }  // namespace ricochet::coupler

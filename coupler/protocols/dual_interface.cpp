@@ -49,7 +49,7 @@ void DualInterface::start(Coupling& coupling, const wire::Message& request, cons
   const double step_s = coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(request.substeps));
   for (auto& link : coupling.links()) {
     if (link.implicit()) continue;
-    sides_.push_back({&link, link.rows().dofs(), {}, {}, {}});
+    sides_.push_back({&link, link.rows().dofs(), {}, {}, {}, {}, {}, {}});
     measure(sides_.back(), probe, step_s);
   }
   coupling.initialize_implicit(by_force, Masses::own, (2.0 / coupling.window_size_s()) * impedance_);
@@ -115,29 +115,32 @@ void DualInterface::advance_free(const Step& step) {
   for (auto& side : sides_) {
     side.link->wait_advanced();
     side.free_velocity = view(side.link->velocity_m_s());
-    const Eigen::VectorXd force = view(side.link->input()) - side.impedance * side.free_velocity;
+    side.force.noalias() = side.impedance * side.free_velocity;
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      held_[static_cast<Eigen::Index>(side.dofs[i])] += force[static_cast<Eigen::Index>(i)];
+      held_[static_cast<Eigen::Index>(side.dofs[i])] += side.link->input()[i] - side.force[static_cast<Eigen::Index>(i)];
     }
   }
 }
 
 const std::vector<double>& DualInterface::held_force(const Coupling& coupling) {
-  Eigen::Map<Eigen::VectorXd>(force_.data(), held_.size()) = held_ - impedance_ * view(coupling.velocity());
+  Eigen::Map<Eigen::VectorXd> force(force_.data(), held_.size());
+  force.noalias() = impedance_ * view(coupling.velocity());
+  force = held_ - force;
   coupling.subtract_stiffness_force(force_);
   return force_;
 }
 
 void DualInterface::correct(const Step& step, const std::vector<double>& velocity) {
   for (auto& side : sides_) {
-    Eigen::VectorXd jump(side.free_velocity.size());
+    side.jump.resize(side.free_velocity.size());
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      jump[static_cast<Eigen::Index>(i)] = velocity[side.dofs[i]] - side.free_velocity[static_cast<Eigen::Index>(i)];
+      const auto k = static_cast<Eigen::Index>(i);
+      side.jump[k] = velocity[side.dofs[i]] - side.free_velocity[k];
     }
-    const Eigen::VectorXd change = side.impedance * jump;
-    std::vector<double> multiplier = side.link->input();
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) multiplier[i] += change[static_cast<Eigen::Index>(i)];
-    side.link->post_advance(step, multiplier, Acceptance::at_once);
+    side.force.noalias() = side.impedance * side.jump;
+    side.multiplier = side.link->input();
+    for (std::size_t i = 0; i < side.dofs.size(); ++i) side.multiplier[i] += side.force[static_cast<Eigen::Index>(i)];
+    side.link->post_advance(step, side.multiplier, Acceptance::at_once);
   }
   for (auto& side : sides_) side.link->wait_advanced();
 }

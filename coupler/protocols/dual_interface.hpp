@@ -50,6 +50,8 @@ class DualInterface {
     Eigen::MatrixXd impedance;      ///< Z, own rows; zero where the response is (supports)
     Eigen::VectorXd free_velocity;
     std::vector<double> acceleration;  ///< at t = 0, without multiplier
+    Eigen::VectorXd jump, force;       ///< v - v_free, Z times a velocity: kept so that no window allocates
+    std::vector<double> multiplier;
   };
   void measure(Side& side, const Step& probe, double step_s);
   void start_multipliers(Coupling& coupling);

@@ -255,14 +255,15 @@ int ImplicitContact::pairs_closed() const {
          static_cast<int>(std::count(accepted_.states.begin(), accepted_.states.end(), State::open));
 }
 
-solver::Report ImplicitContact::report(const std::vector<BodyState>& states) const {
-  std::vector<solver::PairForce> forces(surface_.pairs.size());
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    forces[i].normal = accepted_.force[static_cast<Eigen::Index>(i)];
-    if (root_->friction()) forces[i].tangential = accepted_.force[static_cast<Eigen::Index>(forces.size() + i)];
-    forces[i].state = accepted_.states[i];
+solver::Report ImplicitContact::report(const std::vector<BodyState>& states) {
+  const std::size_t pairs = surface_.pairs.size();
+  reported_.resize(pairs);
+  for (std::size_t i = 0; i < pairs; ++i) {
+    reported_[i].normal = accepted_.force[static_cast<Eigen::Index>(i)];
+    if (root_->friction()) reported_[i].tangential = accepted_.force[static_cast<Eigen::Index>(pairs + i)];
+    reported_[i].state = accepted_.states[i];
   }
-  solver::Report report = surface_.report(states, forces);
+  solver::Report report = surface_.report(states, reported_);
   report.energy_contact_j = work_normal_j_;
   report.energy_friction_j = dissipated_friction_j_;
   return report;

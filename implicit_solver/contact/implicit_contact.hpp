@@ -57,7 +57,7 @@ class ImplicitContact {
   /// Held pairs: what the law makes of velocity and elastic acceleration (combined vectors) of the present motion.
   void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
 
-  [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -82,6 +82,7 @@ class ImplicitContact {
   std::optional<RootProblem> root_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
   RootProblem::Solution trial_, accepted_;
+  std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
 };
 

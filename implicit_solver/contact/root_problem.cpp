@@ -151,7 +151,7 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   start_from(last);
   solution_.force = last.force;
   for (solution_.iterations = 1; solution_.iterations <= max_state_iterations; ++solution_.iterations) {
-    const Eigen::VectorXd before = solution_.force;
+    before_ = solution_.force;
     const bool any = std::any_of(states_.begin(), states_.end(), [](const PairState& s) { return s.closed; });
     if (any) {
       solve_linear(gap_free, slip_free, slip_velocity, last);
@@ -159,7 +159,7 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
       solution_.force.setZero();
     }
     const bool changed = update_states(gap_free, slip_free);
-    const double step = (solution_.force - before).cwiseAbs().maxCoeff();
+    const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
     const bool converged = !(friction_ && regularised_) || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff();
     if (!changed && converged) {
       finish();

@@ -73,7 +73,7 @@ class RootProblem {
   std::vector<double> area_m2_;
   std::vector<PairState> states_, factored_states_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd rhs_, motion_;
+  Eigen::VectorXd rhs_, motion_, before_;
   Solution solution_;
 };
 

@@ -1,5 +1,5 @@
-// bench_scenes [--out DIR] [--repeats N] [--steps N] [--refinements N,...]: measures the benchmarks of the README in
-// interleaved repeats, prints one table of ratios and writes DIR/bench.csv.
+// bench_scenes [--out DIR] [--repeats N] [--steps N] [--refinements N,...] [--only GROUP,...]: measures the benchmarks of
+// the README in interleaved repeats, prints one table of ratios and writes DIR/bench.csv, DIR/calculix.csv and .svg.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,9 +7,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
+#include "tests/bench/calculix.hpp"
 #include "tests/bench/kernel_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
 
@@ -21,7 +23,11 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
+  std::vector<std::string> only = {"scenes", "exchange", "kernels", "calculix"};
+  [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
+
+constexpr long calculix_steps = 50;  // it takes a hundred times as long as we do, and more
 
 void define(CLI::App& app, Options& options) {
   app.description("Ratios of times, measured in one run: medians of interleaved repeats.");
@@ -37,6 +43,10 @@ void define(CLI::App& app, Options& options) {
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::IsMember({1, 2, 4}));
+  app.add_option("--only", options.only, "Groups to measure; rows against the machine's bound need scenes and kernels")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::IsMember(options.only));
 }
 
 std::string load_average() {
@@ -44,24 +54,61 @@ std::string load_average() {
   return getloadavg(loads, 1) == 1 ? fmt::format("{:.1f}", loads[0]) : "unknown";
 }
 
+/// What of the options is wanted.
+class Measurements {
+ public:
+  explicit Measurements(const Options& options) : folder_(std::filesystem::absolute(options.out).string()) {
+    if (options.wants("kernels")) kernels_.emplace(folder_, options.refinements, options.repeats);
+    if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("exchange")) exchanges_.emplace(folder_);
+    if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
+  }
+  void repeat() {
+    if (scenes_) scenes_->repeat();
+    if (exchanges_) exchanges_->repeat();
+    if (calculix_) calculix_->repeat();
+  }
+  [[nodiscard]] std::vector<Row> rows() const {
+    std::vector<Row> rows;
+    const auto add = [&rows](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
+    if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
+    if (exchanges_) add(exchanges_->rows());
+    if (calculix_) add(calculix_->rows());
+    if (kernels_) add(kernels_->rows());
+    return rows;
+  }
+  /// Writes the files; returns their names.
+  [[nodiscard]] std::vector<std::string> write() const {
+    write_atomically(folder_ + "/bench.csv", to_csv(rows()));
+    std::vector<std::string> names = {"bench.csv"};
+    if (calculix_) {
+      for (const auto& name : calculix_->write_picture()) names.push_back(name);
+    }
+    return names;
+  }
+  [[nodiscard]] std::string machine() const { return kernels_ ? kernels_->machine() + "; " : ""; }
+
+ private:
+  std::string folder_;
+  std::optional<Kernels> kernels_;
+  std::optional<SceneRuns> scenes_;
+  std::optional<Exchanges> exchanges_;
+  std::optional<CalculixRuns> calculix_;
+};
+
 void measure(const Options& options) {
   std::filesystem::create_directories(options.out);
-  const std::string folder = std::filesystem::absolute(options.out).string();
   const std::string load = load_average();
-  const Kernels kernels(folder, options.refinements, options.repeats);
-  SceneRuns scenes(folder, options.refinements, options.steps);
-  Exchanges exchanges(folder);
+  Measurements measurements(options);
   for (int repeat = 1; repeat <= options.repeats; ++repeat) {
     fmt::print(stderr, "\rrepeat {} of {}", repeat, options.repeats);
-    scenes.repeat();
-    exchanges.repeat();
+    measurements.repeat();
   }
   fmt::print(stderr, "\n");
-  std::vector<Row> rows = scenes.rows(kernels);
-  for (const auto& more : {exchanges.rows(), kernels.rows()}) rows.insert(rows.end(), more.begin(), more.end());
-  write_atomically(folder + "/bench.csv", to_csv(rows));
-  fmt::print("{}\n{} repeats, {} steps, mu = 0.1; {}; load {} at the start, {} at the end\nwrote {}/bench.csv\n",
-             to_text(rows), options.repeats, options.steps, kernels.machine(), load, load_average(), options.out);
+  const auto files = measurements.write();
+  fmt::print("{}\n{} repeats, {} steps, mu = 0.1; {}load {} at the start, {} at the end\nwrote {} in {}\n",
+             to_text(measurements.rows()), options.repeats, options.steps, measurements.machine(), load, load_average(),
+             fmt::join(files, ", "), options.out);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,7 @@ double change(const std::string& path, const std::string& column) {
 }  // namespace
 
 Usage run_command(std::vector<std::string> command, const std::string& log) {
+  const auto begin = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child < 0) throw ParticipantError("cannot start another process");
   if (child == 0) become(command, log);
@@ -70,7 +72,8 @@ Usage run_command(std::vector<std::string> command, const std::string& log) {
   if (wait4(child, &status, 0, &used) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw ParticipantError(fmt::format("{} failed:\n{}", fmt::join(command, " "), file_text(log)));
   }
-  return {seconds(used.ru_utime) + seconds(used.ru_stime), 1024.0 * static_cast<double>(used.ru_maxrss)};
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  return {wall.count(), seconds(used.ru_utime) + seconds(used.ru_stime), 1024.0 * static_cast<double>(used.ru_maxrss)};
 }
 
 SceneRun run_scene(const std::string& scene, int substeps, const std::string& out) {

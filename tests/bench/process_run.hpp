@@ -5,8 +5,9 @@
 
 namespace ricochet::bench {
 
-/// What the kernel counted of a finished command and the processes it waited for.
+/// What a finished command and the processes it waited for took; all but the first as the kernel counted it.
 struct Usage {
+  double wall_s = 0.0;
   double cpu_s = 0.0;              ///< user and system, all processes
   double largest_process_b = 0.0;  ///< largest resident set of any one of them [bytes]
 };

@@ -49,7 +49,7 @@ std::string write_reference_scene(const SceneChoice& choice, const std::string& 
                                             {"coupling.protocol", choice.protocol},
                                             {"coupling.transport", choice.transport},
                                             {"coupling.after_separation", "implicit"},
-                                            {"output.history_every", windows},
+                                            {"output.history_every", choice.every_step ? 1.0 : windows},
                                             {"output.fields_every", 0.0},
                                             {"output.axial_stress_every", 0.0}};
   if (choice.substeps > 1) overrides.push_back({"coupling.substeps", static_cast<double>(choice.substeps)});

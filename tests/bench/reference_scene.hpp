@@ -12,13 +12,14 @@ struct SceneChoice {
   long steps = 300;  ///< steps of the explicit side: `steps / substeps` windows
   std::string transport = "auto";
   int carbide_lengths = 1;  ///< length of the carbide cylinder over that of the scene
+  bool every_step = false;   ///< history of every window, not of the first and the last only
   std::string participants;  ///< [[participant]] tables, as text; empty: the shipped ones
 };
 
 /// Two explicit participants, one per body, beside the implicit one.
 [[nodiscard]] std::string two_explicit_participants();
 
-/// Writes the scene to `path`: no fields, history at the start and the end only, no end before the last window. Returns
+/// Writes the scene to `path`: no fields, history at the start and the end only (unless `every_step`), no end before the last window. Returns
 /// `path`.
 std::string write_reference_scene(const SceneChoice& choice, const std::string& path);
 

@@ -8,7 +8,7 @@
 #include "common/scene/check.hpp"
 #include "tests/bench/exchange.hpp"
 #include "tests/bench/in_child.hpp"
-#include "tests/bench/one_process.hpp"
+#include "tests/support/one_process.hpp"
 #include "tests/bench/reference_scene.hpp"
 
 namespace ricochet::bench {
@@ -92,7 +92,7 @@ void SceneRuns::repeat() {
       auto& runs = runs_[n][method];
       if (method == one_process) {
         SceneRun run;
-        run.window_s = run.step_s = in_child([&scene] { return run_in_one_process(scene); });
+        run.window_s = run.step_s = in_child([&scene] { return test::run_in_one_process(scene); });
         runs.push_back(run);
       } else {
         runs.push_back(run_scene(scene, choice.substeps, folder_ + "/run"));
@@ -106,7 +106,7 @@ void SceneRuns::repeat() {
       choice.carbide_lengths = lengths;
       const std::string scene = write_reference_scene(choice, folder_ + "/scene.toml");
       for (const bool all_rows : {false, true}) {
-        unreached_s_[{n, lengths, all_rows}].push_back(in_child([&] { return run_in_one_process(scene, all_rows); }));
+        unreached_s_[{n, lengths, all_rows}].push_back(in_child([&] { return test::run_in_one_process(scene, all_rows); }));
       }
     }
   }
@@ -211,7 +211,7 @@ void SceneRuns::add_growth(int n, std::vector<Row>& rows) const {
   }
 }
 
-std::vector<Row> SceneRuns::rows(const Kernels& kernels) const {
+std::vector<Row> SceneRuns::rows(const Kernels* kernels) const {
   std::vector<Row> rows;
   for (const int n : refinements_) {
     add_costs(n, rows);
@@ -219,7 +219,7 @@ std::vector<Row> SceneRuns::rows(const Kernels& kernels) const {
     if (n == refinements_.front()) add_others(n, rows);
     add_dual(n, rows);
     add_setup(n, rows);
-    add_bounds(n, kernels, rows);
+    if (kernels) add_bounds(n, *kernels, rows);
     if (n != refinements_.front()) add_growth(n, rows);
   }
   return rows;

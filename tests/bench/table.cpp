@@ -40,6 +40,10 @@ std::string to_text(const std::vector<Row>& rows) {
   std::string text =
       fmt::format("{:<{}}  {:<12} {:>10} {:>10} {:>10}  {}\n", "ratio", width, "at", "median", "min", "max", "wanted");
   for (const auto& row : rows) {
+    if (row.ratios.empty()) {
+      text += fmt::format("{:<{}}  {:<12} {}\n", row.quantity, width, row.at, row.missing);
+      continue;
+    }
     text += fmt::format("{:<{}}  {:<12} {:>10.4g} {:>10.4g} {:>10.4g}  {} {}\n", row.quantity, width, row.at,
                         median(row.ratios), lowest(row), highest(row), level_text(row), verdict(row));
   }
@@ -49,6 +53,10 @@ std::string to_text(const std::vector<Row>& rows) {
 std::string to_csv(const std::vector<Row>& rows) {
   std::string text = "ratio,at,median,min,max,repeats,wanted,verdict\n";
   for (const auto& row : rows) {
+    if (row.ratios.empty()) {
+      text += fmt::format("\"{}\",{},,,,0,{},{}\n", row.quantity, row.at, level_text(row), row.missing);
+      continue;
+    }
     text += fmt::format("\"{}\",{},{:.6g},{:.6g},{:.6g},{},{},{}\n", row.quantity, row.at, median(row.ratios),
                         lowest(row), highest(row), row.ratios.size(), level_text(row), verdict(row));
   }

@@ -17,6 +17,7 @@ struct Row {
   std::string quantity, at;
   std::vector<double> ratios;
   std::optional<Level> level;
+  std::string missing = {};  ///< why there is no figure, if `ratios` is empty
 };
 
 /// Median; of an even count the mean of the middle two. `values` not empty.

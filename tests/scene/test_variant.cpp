@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/scene/problem.hpp"
+#include "tests/scene/scene_text.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::scene {
@@ -84,7 +85,8 @@ TEST_F(Variant, PutsAStepInThePlaceOfASafetyFactor) {
 }
 
 TEST_F(Variant, PutsAStepInThePlaceOfALargestOne) {
-  const std::string text = replaced(replaced(bars, "implicit_length_m = " + lengths, "rule = \"auto\""), "step_s", "largest_step_s");
+  const std::string automatic = replaced(bars, "implicit_length_m = { left = 0.0635, right = 0.0635 }", "rule = \"auto\"");
+  const std::string text = replaced(automatic, "step_s", "largest_step_s");
   const std::string path = folder_.write(text);
   EXPECT_TRUE(load_scene(path).time.largest_step_s.has_value());
   const Scene changed = load(path, {{"time.step_s", 1e-6}});

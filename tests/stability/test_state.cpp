@@ -2,91 +2,24 @@
 // the state is read and loaded, lead to the same. With the solvers themselves, in this process.
 #include <gtest/gtest.h>
 
-#include <memory>
-
-#include "common/participant/session.hpp"
-#include "coupler/participants.hpp"
 #include "coupler/stability/window_map.hpp"
-#include "explicit_solver/explicit_solver.hpp"
-#include "implicit_solver/implicit_solver.hpp"
+#include "tests/support/one_process.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
 namespace {
 
-/// A participant and its session, as a peer of the coupler.
-class Local {
- public:
-  Local(const scene::Problem& problem, const scene::ParticipantSpec& spec) {
-    if (spec.role == scene::Role::implicit_solver) {
-      participant_ = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
-    } else {
-      participant_ = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
-    }
-    session_ = std::make_unique<participant::Session>(*participant_);
-    session_->hello(reply_);
-    description_ = reply_;
-    wire::Message welcome;
-    welcome.kind = wire::Kind::welcome;
-    welcome.participant = spec.name;
-    welcome.timeout_s = 1.0;
-    post(welcome);
-    wire::Message describe;
-    describe.kind = wire::Kind::describe;
-    post(describe);
-    const std::string role = description_.role;
-    description_ = reply_;
-    description_.participant = spec.name;
-    description_.role = role;
-  }
-  [[nodiscard]] const wire::Message& description() const { return description_; }
-  [[nodiscard]] coupler::Peer peer() {
-    return {description_.participant, [this](wire::Message& m) { post(m); },
-            [this]() -> const wire::Message& { return reply_; }};
-  }
-
- private:
-  void post(wire::Message& message) {
-    message.sequence = sequence_++;
-    session_->handle(message, reply_);
-  }
-  std::unique_ptr<participant::Participant> participant_;
-  std::unique_ptr<participant::Session> session_;
-  wire::Message reply_, description_;
-  std::int64_t sequence_ = 0;
-};
-
 /// A scene with all its participants in this process.
 class InOneProcess {
  public:
-  explicit InOneProcess(const std::string& text)
-      : problem_(scene::build_problem(scene::load_scene(folder_.write(text)))) {
-    std::vector<wire::Message> descriptions;
-    for (const auto& spec : problem_.scene.participants) {
-      locals_.push_back(std::make_unique<Local>(problem_, spec));
-      descriptions.push_back(locals_.back()->description());
-    }
-    std::vector<coupler::Peer> peers;
-    for (auto& local : locals_) peers.push_back(local->peer());
-    coupling_ = std::make_unique<coupler::Coupling>(std::move(peers), descriptions, problem_.window_size_s);
-    wire::Message request;
-    request.window_size_s = problem_.window_size_s;
-    request.until_separated_plus_s = -1.0;
-    request.last_window = 1'000'000;
-    request.substeps = problem_.scene.coupling.substeps;
-    protocol_ = coupler::find_protocol(problem_.scene.coupling.protocol).make(coupler::protocol_settings(problem_.scene.coupling));
-    protocol_->start(*coupling_, request);
-  }
+  explicit InOneProcess(const std::string& text) : run_(folder_.write(text)) {}
   [[nodiscard]] coupler::LinearMap map(const std::string& contact) {
-    return coupler::window_map(*coupling_, *protocol_, contact);
+    return coupler::window_map(run_.coupling(), run_.protocol(), contact);
   }
 
  private:
   TemporaryFolder folder_;
-  scene::Problem problem_;
-  std::vector<std::unique_ptr<Local>> locals_;
-  std::unique_ptr<coupler::Coupling> coupling_;
-  std::unique_ptr<coupler::Protocol> protocol_;
+  OneProcess run_;
 };
 
 /// Plates of two bodies with friction, gravity, a load, a support and a moving support, of which nothing may be left.

@@ -1,20 +1,15 @@
-#include "tests/bench/one_process.hpp"
+#include "tests/support/one_process.hpp"
 
 #include <chrono>
-#include <memory>
 #include <utility>
-#include <vector>
 
 #include "common/participant/session.hpp"
-#include "common/scene/check.hpp"
 #include "coupler/participants.hpp"
-#include "coupler/protocols/protocol.hpp"
 #include "coupler/time_loop.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
 
-namespace ricochet::bench {
-namespace {
+namespace ricochet::test {
 
 /// A solver and its end of the conversation.
 class LocalParticipant {
@@ -40,6 +35,7 @@ class LocalParticipant {
     request.run_id = "one process";
     request.sequence = sequence_++;
     session_->handle(request, answer_);
+    if (!session_->over()) session_->work_ahead();
   }
   [[nodiscard]] wire::Message description() {
     wire::Message request;
@@ -63,39 +59,50 @@ class LocalParticipant {
   std::int64_t sequence_ = 0;
 };
 
-coupler::Coupling couple(std::vector<std::unique_ptr<LocalParticipant>>& participants, double window_size_s) {
+namespace {
+
+std::unique_ptr<coupler::Coupling> couple(std::vector<std::unique_ptr<LocalParticipant>>& participants,
+                                          double window_size_s) {
   std::vector<wire::Message> descriptions;
   std::vector<coupler::Peer> peers;
   for (auto& participant : participants) {
     descriptions.push_back(participant->description());
     peers.push_back(participant->peer());
   }
-  return {std::move(peers), descriptions, window_size_s};
+  return std::make_unique<coupler::Coupling>(std::move(peers), descriptions, window_size_s);
 }
 
 }  // namespace
 
-double run_in_one_process(const std::string& scene_path, bool all_rows) {
-  const auto problem = scene::build_problem(scene::load_scene(scene_path));
-  const auto plan = scene::plan(problem);
-  const auto& scene = problem.scene;
-  std::vector<std::unique_ptr<LocalParticipant>> participants;
+OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
+    : problem_(scene::build_problem(scene::load_scene(scene_path))), plan_(scene::plan(problem_)) {
+  const auto& scene = problem_.scene;
   for (const auto& spec : scene.participants) {
-    participants.push_back(std::make_unique<LocalParticipant>(problem, spec, all_rows));
+    participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec, all_rows));
   }
-  auto coupling = couple(participants, plan.window_size_s);
-  const auto& entry = coupler::find_protocol(scene.coupling.protocol);
-  const auto protocol = entry.make(coupler::protocol_settings(scene.coupling));
-  protocol->start(coupling, coupler::initialize_request(scene, plan.window_size_s, plan.windows, ""));
-  const coupler::LoopSettings settings{plan.windows, plan.window_size_s, scene.coupling.resynchronise_every,
-                                       entry.coupled, false};
-  coupler::TimeLoop loop(coupling, *protocol, settings, [&coupling](std::int64_t) {
-    for (auto& link : coupling.links()) static_cast<void>(link.take_records());
-  });
+  coupling_ = couple(participants_, plan_.window_size_s);
+  protocol_ = coupler::find_protocol(scene.coupling.protocol).make(coupler::protocol_settings(scene.coupling));
+  protocol_->start(*coupling_, coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, ""));
+}
+
+OneProcess::~OneProcess() = default;
+
+double OneProcess::run(std::function<void(std::int64_t)> on_records) {
+  const auto& coupling = problem_.scene.coupling;
+  const coupler::LoopSettings settings{plan_.windows, plan_.window_size_s, coupling.resynchronise_every,
+                                       coupler::find_protocol(coupling.protocol).coupled, false};
+  coupler::TimeLoop loop(*coupling_, *protocol_, settings, std::move(on_records));
   const auto begin = std::chrono::steady_clock::now();
   loop.run();
   const std::chrono::duration<double> stepping = std::chrono::steady_clock::now() - begin;
   return stepping.count() / static_cast<double>(loop.window());
 }
 
-}  // namespace ricochet::bench
+double run_in_one_process(const std::string& scene_path, bool all_rows) {
+  OneProcess run(scene_path, all_rows);
+  return run.run([&run](std::int64_t) {
+    for (auto& link : run.coupling().links()) static_cast<void>(link.take_records());
+  });
+}
+
+}  // namespace ricochet::test

@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include "coupler/history_file.hpp"
+#include "tests/support/one_process.hpp"
+#include "tests/support/run.hpp"
+
+// The run of both solvers in one process, against which the benchmarks measure three, computes what three compute: the
+// same text of history.csv, whose 17 digits tell every double from every other.
+
+namespace ricochet {
+namespace {
+
+/// history.csv as the coupler would write it.
+std::string history_in_one_process(const std::string& scene, const std::string& path) {
+  OneProcess run(scene);
+  std::vector<std::string> bodies;
+  for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
+  auto& links = run.coupling().links();
+  std::vector<coupler::History::Source> sources;
+  for (const auto& link : links) sources.push_back({link.name(), link.description().record_columns});
+  coupler::History history(sources, bodies, run.problem().window_size_s,
+                           run.problem().scene.model != scene::Model::axisymmetric);
+  {
+    coupler::HistoryFile file(path, bodies, true);
+    run.run([&](std::int64_t) {
+      for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
+      while (const auto row = history.next()) file.add(*row);
+    });
+  }
+  return test::file_text(path);
+}
+
+/// The paper's impact on a coarser mesh: friction, contact from the first window on, coupling values made absolute twice.
+std::string impact(const std::string& protocol) {
+  auto text = test::config_text("kim_impact");
+  for (int body = 0; body < 2; ++body) text = test::replaced(text, "elements = [10, 160]", "elements = [3, 80]");
+  text = test::with_key(text, "time", "step_s", "1e-7");
+  text = test::with_key(text, "time", "end_s", "25e-6");
+  text = test::with_key(text, "output", "fields_every", "0");
+  return test::with_protocol(text, protocol);
+}
+
+void expect_same_numbers(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::string scene = folder.write(text);
+  const auto three = test::run_file(scene, folder);
+  ASSERT_EQ(three.outcome.code, 0) << three.outcome.error;
+  EXPECT_GT(three.mean("contact_pressure_mean_pa", 1e-6, 20e-6), 1e8) << "the bodies are to be in contact";
+  EXPECT_LT(three.smallest("friction_force_n"), -100.0);
+  const auto one = history_in_one_process(scene, (folder.path() / "one.csv").string());
+  EXPECT_TRUE(one == test::file_text(three.folder + "/history.csv")) << "the histories differ";
+}
+
+TEST(OneProcess, HughesLiuGivesTheSameBitsAsThreeProcesses) { expect_same_numbers(impact("hughes_liu")); }
+
+TEST(OneProcess, PrakashHjelmstadGivesTheSameBitsAsThreeProcesses) {
+  expect_same_numbers(test::with_key(impact("prakash_hjelmstad"), "coupling", "substeps", "2"));
+}
+
+}  // namespace
+}  // namespace ricochet
