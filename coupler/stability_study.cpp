@@ -137,7 +137,7 @@ void Study::print_participants() const {
   fmt::print("{:<16} {:<9} {:>18} {:>18}\n", "participant", "role", "by Lanczos [s]", "element bound [s]");
   for (const auto& p : scene::plan_participants(problem_)) {
     fmt::print("{:<16} {:<9} {:>18} {:>18}\n", p.name, p.role, step_text(p.critical_time_step_s),
-               step_text(p.element_bound_s));
+               step_text(scene::element_bound_time_step(problem_, problem_.scene.participant(p.name))));
   }
   const double critical_s = scene::critical_time_step(scene::plan_participants(problem_));
   fmt::print("critical time step of the scene {} s\n\n", step_text(critical_s));

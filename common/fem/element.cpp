@@ -36,7 +36,10 @@ Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, cons
   return {half * (2.0 * a[0] + b[0]) / 3.0, half * (a[0] + 2.0 * b[0]) / 3.0};
 }
 
-double element_max_frequency_squared(const Section& section, const Material& material, const ElementCoordinates& x) {
+namespace {
+
+/// M_e^-1/2 K_e M_e^-1/2, symmetric.
+ElementMatrix mass_scaled_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
   const int dofs_per_node = components(section.model);
   const Eigen::VectorXd mass = element_lumped_mass(section, material, x);
   ElementMatrix scaled = element_stiffness(section, material, x);
@@ -45,8 +48,26 @@ double element_max_frequency_squared(const Section& section, const Material& mat
       scaled(i, j) /= std::sqrt(mass[i / dofs_per_node] * mass[j / dofs_per_node]);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<ElementMatrix> solver(scaled, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[scaled.rows() - 1];  // they ascend
+  return scaled;
+}
+
+double largest_eigenvalue(const ElementMatrix& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<ElementMatrix> solver(symmetric, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[symmetric.rows() - 1];  // they ascend
+}
+
+}  // namespace
+
+double element_max_frequency_squared(const Section& section, const Material& material, const ElementCoordinates& x) {
+  return largest_eigenvalue(mass_scaled_stiffness(section, material, x));
+}
+
+bool element_frequency_squared_above(const Section& section, const Material& material, const ElementCoordinates& x,
+                                     double limit) {
+  const ElementMatrix scaled = mass_scaled_stiffness(section, material, x);
+  if (scaled.diagonal().maxCoeff() > limit) return true;
+  if (scaled.cwiseAbs().rowwise().sum().maxCoeff() < limit) return false;
+  return largest_eigenvalue(scaled) > limit;
 }
 
 }  // namespace ricochet::fem

@@ -35,13 +35,22 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
   return free;
 }
 
+/// The elements whose critical step an explicit participant keeps: with summed masses all explicit ones of the body, in a dual
+/// protocol its own.
+std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body, const ParticipantSpec& participant) {
+  if (protocol_traits(problem.scene.coupling.protocol).dual) return owned_elements(problem.scene, body, participant);
+  std::vector<bool> is_explicit = body.implicit_element;
+  is_explicit.flip();
+  return is_explicit;
+}
+
 ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
   const bool implicit = participant.role == Role::implicit_solver;
   const bool dual = protocol_traits(problem.scene.coupling.protocol).dual;
   ParticipantPlan plan;
   plan.name = participant.name;
   plan.role = implicit ? "implicit" : "explicit";
-  plan.critical_time_step_s = plan.element_bound_s = infinity;
+  plan.critical_time_step_s = infinity;
   for (const ParticipantPart& part : participant_parts(problem, participant)) {
     plan.nodes += part.part.nodes();
     plan.elements += static_cast<int>(part.part.mesh.elements.size());
@@ -49,11 +58,11 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     plan.unknowns += count_unknowns(problem, part, implicit);
     if (implicit) continue;
     const BodyProblem& body = problem.bodies[at(part.body)];
-    std::vector<bool> is_explicit = body.implicit_element;
-    is_explicit.flip();
-    if (dual) is_explicit = owned_elements(problem.scene, body, participant);
-    plan.critical_time_step_s = std::min(plan.critical_time_step_s, critical_time_step(body, is_explicit, dual));
-    plan.element_bound_s = std::min(plan.element_bound_s, element_bound_time_step(body, is_explicit));
+    const std::vector<bool> concerned = limiting_elements(problem, body, participant);
+    const bool own = std::count(concerned.begin(), concerned.end(), true) == std::ssize(part.part.body_element);
+    plan.critical_time_step_s =
+        std::min(plan.critical_time_step_s, own ? critical_time_step(body, part.part, dual)  // assembled already
+                                                : critical_time_step(body, concerned, dual));
   }
   return plan;
 }
@@ -99,6 +108,17 @@ std::vector<ParticipantPlan> plan_participants(const Problem& problem) {
   for (const ParticipantSpec& participant : problem.scene.participants)
     plans.push_back(plan_participant(problem, participant));
   return plans;
+}
+
+double element_bound_time_step(const Problem& problem, const ParticipantSpec& participant) {
+  double smallest = infinity;
+  for (const BodyProblem& body : problem.bodies) {
+    const std::vector<bool> owned = owned_elements(problem.scene, body, participant);
+    const bool any = std::find(owned.begin(), owned.end(), true) != owned.end();
+    if (participant.role == Role::implicit_solver || !any) continue;
+    smallest = std::min(smallest, element_bound_time_step(body, limiting_elements(problem, body, participant)));
+  }
+  return smallest;
 }
 
 double critical_time_step(const std::vector<ParticipantPlan>& participants) {

@@ -13,7 +13,6 @@ struct ParticipantPlan {
   int nodes = 0, elements = 0, interface_nodes = 0;
   int unknowns = 0;                  ///< free degrees of freedom that it integrates
   double critical_time_step_s = 0;   ///< infinity for an implicit participant
-  double element_bound_s = 0;        ///< the same by the element bound
 };
 struct Plan {
   std::vector<ParticipantPlan> participants;
@@ -30,6 +29,8 @@ struct Plan {
 
 /// What each participant has to do; refuses nothing.
 [[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem);
+/// The critical step of an explicit participant by the element bound [s], see critical_step.hpp; infinity for an implicit one.
+[[nodiscard]] double element_bound_time_step(const Problem& problem, const ParticipantSpec& participant);
 /// 2/omega_max(K_E, M) of everything that is integrated explicitly, the limit that `plan` refuses to exceed and
 /// `ricochet stability` predicts; infinity if nothing is [s].
 [[nodiscard]] double critical_time_step(const std::vector<ParticipantPlan>& participants);

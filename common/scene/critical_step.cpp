@@ -65,12 +65,22 @@ void add_springs(const Problem& problem, Whole& whole) {
 
 }  // namespace
 
+/// In the order in which fem::extract_part sums, so that it gives the same bits.
 Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
-  return part_of(body, std::vector<bool>(body.mesh.elements.size(), true)).lumped_mass;
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.mesh.position.size()));
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    const Eigen::VectorXd own =
+        fem::element_lumped_mass(body.section, body.material, fem::element_coordinates(body.mesh, e));
+    for (Eigen::Index i = 0; i < own.size(); ++i) mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
+  }
+  return mass;
 }
 
 double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass) {
-  const fem::Part part = part_of(body, of_element);
+  return critical_time_step(body, part_of(body, of_element), own_mass);
+}
+
+double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass) {
   if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
   const int components = fem::components(body.section.model);
   const Eigen::VectorXd whole_mass = body_lumped_mass(body);

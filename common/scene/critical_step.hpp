@@ -12,6 +12,8 @@ namespace ricochet::scene {
 /// stiffness of the other elements. `own_mass`: with the mass of those elements alone, the limit of an explicit side that a
 /// dual protocol couples. Supported degrees of freedom are left out; infinity without elements.
 [[nodiscard]] double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass = false);
+/// The same for elements that are assembled already.
+[[nodiscard]] double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass = false);
 
 /// The same by the element bound, 2 / max omega_e over those elements, each with its own lumped mass [s]: never above
 /// the exact one, because every node's mass is at least the sum of theirs (Hughes, The Finite Element Method, 9.2).

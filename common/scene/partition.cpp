@@ -56,14 +56,15 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
 /// Elements that the step is too long for, and the layer along the contact surface.
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
   const auto corners = at(fem::nodes_per_element(body.section.model));
+  const double frequency_squared = 4.0 / (step_s * step_s);
   std::vector<bool> inside;
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
     const auto& element = body.mesh.elements[at(e)];
     const bool touches = std::any_of(element.begin(), element.begin() + static_cast<std::ptrdiff_t>(corners),
                                      [&](int n) { return std::binary_search(contact.begin(), contact.end(), n); });
-    const double frequency_squared = fem::element_max_frequency_squared(
-        body.section, body.material, fem::element_coordinates(body.mesh, e));
-    inside.push_back(touches || 2.0 / std::sqrt(frequency_squared) < step_s);
+    inside.push_back(touches || fem::element_frequency_squared_above(body.section, body.material,
+                                                                     fem::element_coordinates(body.mesh, e),
+                                                                     frequency_squared));
   }
   return inside;
 }

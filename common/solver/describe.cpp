@@ -21,11 +21,13 @@ double smallest_critical_time_step(const scene::Problem& problem, const scene::P
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& state : states) {
     const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
-    std::vector<bool> own = body.implicit_element;
-    if (participant.role == scene::Role::explicit_solver) own.flip();
+    std::vector<bool> concerned = body.implicit_element;
+    if (participant.role == scene::Role::explicit_solver) concerned.flip();
     const bool dual = scene::protocol_traits(problem.scene.coupling.protocol).dual;
-    if (dual) own = scene::owned_elements(problem.scene, body, participant);
-    smallest = std::min(smallest, scene::critical_time_step(body, own, dual));
+    if (dual) concerned = scene::owned_elements(problem.scene, body, participant);
+    const bool own = std::count(concerned.begin(), concerned.end(), true) == std::ssize(state.part.body_element);
+    smallest = std::min(smallest, own ? scene::critical_time_step(body, state.part, dual)  // assembled already
+                                      : scene::critical_time_step(body, concerned, dual));
   }
   return std::isfinite(smallest) ? smallest : 0.0;
 }

@@ -13,6 +13,7 @@
 #include "common/base/write_file.hpp"
 #include "tests/bench/calculix.hpp"
 #include "tests/bench/kernel_rows.hpp"
+#include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
 
 namespace ricochet::bench {
@@ -23,7 +24,7 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "exchange", "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes", "striker", "exchange", "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -60,11 +61,13 @@ class Measurements {
   explicit Measurements(const Options& options) : folder_(std::filesystem::absolute(options.out).string()) {
     if (options.wants("kernels")) kernels_.emplace(folder_, options.refinements, options.repeats);
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
     if (scenes_) scenes_->repeat();
+    if (striker_) striker_->repeat();
     if (exchanges_) exchanges_->repeat();
     if (calculix_) calculix_->repeat();
   }
@@ -72,6 +75,7 @@ class Measurements {
     std::vector<Row> rows;
     const auto add = [&rows](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
+    if (striker_) add(striker_->rows());
     if (exchanges_) add(exchanges_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
@@ -92,6 +96,7 @@ class Measurements {
   std::string folder_;
   std::optional<Kernels> kernels_;
   std::optional<SceneRuns> scenes_;
+  std::optional<RoundedStriker> striker_;
   std::optional<Exchanges> exchanges_;
   std::optional<CalculixRuns> calculix_;
 };

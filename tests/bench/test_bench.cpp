@@ -65,6 +65,8 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
                            "\"hughes_liu: set-up / stepping through the whole scene\",0.25 mm",
                            "\"hughes_liu: growth of time per step from 0.5 mm / of unknowns\",0.25 mm",
                            "\"CalculiX / hughes_liu, first 8 steps, wall time of the whole command\",0.5 mm",
+                           "\"rounded striker: prakash_hjelmstad, m = 16 / all_explicit, whole run\",18 um",
+                           "\"rounded striker, all_implicit: error of the peak force\",18 um",
                            "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
                            "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
                            "\"K u: element by element / explicit kernel\",0.25 mm",

@@ -166,6 +166,18 @@ TEST(ElementFrequency, OfABarIsTwiceTheWaveSpeedOverItsLength) {
   EXPECT_NEAR(frequency, 2.0 * c / 0.025, 1e-12 * frequency);
 }
 
+TEST(ElementFrequency, IsAboveALimitExactlyIfTheEigenvalueIs) {
+  ElementCoordinates x(4, 2);
+  x << 0.01, 0.0, 0.013, 0.001, 0.0125, 0.002, 0.0095, 0.0015;
+  for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
+    const Section section = sample::section(model);
+    const double frequency_squared = element_max_frequency_squared(section, steel, x);
+    for (const double share : {1e-3, 0.5, 0.999, 1.001, 2.0, 1e3}) {
+      EXPECT_EQ(element_frequency_squared_above(section, steel, x, share * frequency_squared), share < 1.0) << share;
+    }
+  }
+}
+
 TEST(EdgeArea, IsExactInEveryModel) {
   EXPECT_EQ(edge_area(sample::section(Model::bar), {0.1, 0.0}, {0.1, 0.0}), Eigen::Vector2d(2.5e-4, 0.0));
   const Eigen::Vector2d a(0.01, 0.02), b(0.04, 0.06);

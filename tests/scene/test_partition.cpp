@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "common/scene/critical_step.hpp"
 #include "common/scene/problem.hpp"
 #include "tests/scene/scene_text.hpp"
 
@@ -63,6 +65,35 @@ TEST(AutomaticRule, TakesFineElementsAndTheContactLayer) {
   for (std::size_t e = 0; e < 20; ++e) {
     const double size = right.mesh.position[e + 1][0] - right.mesh.position[e][0];
     EXPECT_EQ(right.implicit_element[e], e == 0 || size < shortest) << e;
+  }
+}
+
+TEST(AutomaticRule, TakesFromAGradedMeshWhatTheElementsOwnFrequenciesSay) {
+  const Scene scene = load_scene(RICOCHET_SOURCE "/configs/rounded_striker.toml");
+  const Problem problem = build_problem(scene);
+  for (int index = 0; index < 2; ++index) {
+    const BodyProblem& body = problem.bodies[static_cast<std::size_t>(index)];
+    std::vector<bool> contact(body.mesh.position.size(), false);
+    for (const ContactPair& pair : problem.contact.pairs)
+      contact[static_cast<std::size_t>(index == problem.contact.body_a ? pair.node_a : pair.node_b)] = true;
+    for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+      const auto& nodes = body.mesh.elements[static_cast<std::size_t>(e)];
+      const bool touches = std::any_of(nodes.begin(), nodes.end(), [&](int n) { return contact[static_cast<std::size_t>(n)]; });
+      const double critical = 2.0 / std::sqrt(fem::element_max_frequency_squared(
+                                        body.section, body.material, fem::element_coordinates(body.mesh, e)));
+      ASSERT_EQ(body.implicit_element[static_cast<std::size_t>(e)], touches || critical < *scene.time.step_s) << e;
+    }
+  }
+}
+
+TEST(BodyLumpedMass, IsThatOfTheAssembledBodyToTheBit) {
+  const Problem problem = build(cylinders);
+  for (const BodyProblem& body : problem.bodies) {
+    std::vector<int> all(body.mesh.elements.size());
+    std::iota(all.begin(), all.end(), 0);
+    const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, all);
+    EXPECT_EQ(body_lumped_mass(body), part.lumped_mass);
+    EXPECT_EQ(critical_time_step(body, part), critical_time_step(body, std::vector<bool>(all.size(), true)));
   }
 }
 
