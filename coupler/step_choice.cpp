@@ -73,10 +73,10 @@ std::vector<double> candidate_steps(std::vector<double> element_steps_s, double 
   std::sort(element_steps_s.begin(), element_steps_s.end());
   std::vector<double> steps = {largest_s};
   for (double level_s = largest_s; !element_steps_s.empty(); level_s *= 0.5) {
-    const auto above = std::upper_bound(element_steps_s.begin(), element_steps_s.end(), level_s / safety);
-    if (above == element_steps_s.begin()) break;
-    const double step_s = std::min(safety * *(above - 1), level_s);
-    if (step_s < steps.back()) steps.push_back(step_s);
+    // Elements at or above the last candidate are explicit with it already.
+    const auto end = std::lower_bound(element_steps_s.begin(), element_steps_s.end(), std::min(level_s / safety, steps.back()));
+    if (end == element_steps_s.begin()) break;
+    steps.push_back(safety * *(end - 1));
   }
   return steps;
 }

@@ -46,7 +46,7 @@ void load_bodies(TableReader& root, Scene& scene) {
 }
 
 /// The automatic partition asks which elements the step is too long for; only with it a step can be chosen by the cost.
-void check_automatic_partition(const TableReader& root, Scene& scene) {
+void check_automatic_partition(const TableReader& root, const TableReader& time, Scene& scene) {
   const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
   if (!hybrid) scene.time.largest_step_s.reset();  // nothing to choose
   const bool automatic = scene.partition.rule == PartitionRule::automatic;
@@ -54,7 +54,7 @@ void check_automatic_partition(const TableReader& root, Scene& scene) {
     root.refuse("time", "no step_s, which the automatic partition needs",
                 "step_s or largest_step_s, or a [partition] by implicit_length_m or implicit_groups");
   if (hybrid && !automatic && scene.time.largest_step_s)
-    root.refuse("time.largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
+    time.refuse("largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
 }
 
 void load_tables(TableReader& root, Scene& scene) {
@@ -74,7 +74,7 @@ void load_tables(TableReader& root, Scene& scene) {
     TableReader table = root.table("coupling", "coupling");
     scene.coupling = load_coupling(table, scene.contact.has_value());
   }
-  check_automatic_partition(root, scene);
+  check_automatic_partition(root, time, scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
   if (root.has("output")) {

@@ -106,8 +106,8 @@ void write_variant(const std::string& scene_path, const std::vector<Override>& o
   } catch (const std::exception& error) {
     throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", scene_path, error.what()));
   }
-  keep_paths(root, fs::absolute(scene_path).parent_path());
   for (const auto& change : overrides) set(root, change);
+  keep_paths(root, fs::absolute(scene_path).parent_path());
   write_atomically(out_path, toml::format(root, 120, 17));
 }
 

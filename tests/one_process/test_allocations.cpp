@@ -52,7 +52,7 @@ struct Count {
 
 Count count(const std::string& text) {
   const test::TemporaryFolder folder;
-  OneProcess run(folder.write(text));
+  test::OneProcess run(folder.write(text));
   auto& links = run.coupling().links();
   Count result;
   result.links = static_cast<long long>(links.size());

@@ -12,7 +12,7 @@ namespace {
 
 /// history.csv as the coupler would write it.
 std::string history_in_one_process(const std::string& scene, const std::string& path) {
-  OneProcess run(scene);
+  test::OneProcess run(scene);
   std::vector<std::string> bodies;
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   auto& links = run.coupling().links();

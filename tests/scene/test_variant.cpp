@@ -77,6 +77,13 @@ TEST_F(Variant, OfEveryConfigBuildsTheSameProblem) {
   EXPECT_GE(configs, 6) << "one of them with a Gmsh mesh beside it";
 }
 
+TEST_F(Variant, CountsChangedPathsFromTheFolderOfTheScene) {
+  const auto coarse = load_scene(config("rounded_striker"));
+  const auto fine = load(config("rounded_striker"), {{"body.steel.mesh.gmsh", "rounded_striker_fine.msh"},
+                                                     {"body.carbide.mesh.gmsh", "rounded_striker_fine.msh"}});
+  EXPECT_GT(build_problem(fine).bodies[0].mesh.elements.size(), 3 * build_problem(coarse).bodies[0].mesh.elements.size());
+}
+
 TEST_F(Variant, PutsAStepInThePlaceOfASafetyFactor) {
   const std::string text = "model = \"bar\"\n[[body]]\nname = \"rod\"\nmaterial = { youngs_modulus_pa = 1e9, density_kg_m3 "
                            "= 1e3 }\narea_m2 = 1e-4\nmesh = { length_m = 1.0, elements = 4 }\n[time]\nsafety_factor = "

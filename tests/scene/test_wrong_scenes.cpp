@@ -213,7 +213,7 @@ const std::vector<Wrong> runs{
      {"both safety_factor and largest_step_s"}},
     {"largest_with_lengths", c, "step_s = 1e-7", "largest_step_s = 1e-7", 17,
      {"a largest step where the [partition] is given", "rule = \"auto\""}},
-    {"end_below_largest", b, "step_s = 2.226e-6\nend_s = 200e-6", "largest_step_s = 2e-6\nend_s = 1e-7", 21,
+    {"end_below_largest", b, "step_s = 2.226e-6\nend_s = 200e-6", "largest_step_s = 2e-6\nend_s = 1e-7", 20,
      {"at least largest_step_s = 2e-06"}},
     {"step_zero", c, "step_s = 1e-7", "step_s = 0.0", 17, {"> 0"}},
     {"factor_range", c, "step_s = 1e-7", "safety_factor = 1.1", 17, {"> 0 and <= 1"}},
