@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/fem/part.hpp"
+#include "common/fem/stiffness_product.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -97,12 +98,14 @@ double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorX
                              const std::vector<bool>& fixed_dof, double tolerance) {
   const Eigen::VectorXd scale = inverse_root_mass(mass, components, fixed_dof);
   if (scale.isZero(0.0)) return 0.0;
+  const StiffnessProduct product(stiffness, components);  // several times faster than Eigen's
   const Eigen::Index limit = 10 * scale.size() + 100;
-  Eigen::VectorXd v = start_vector(scale), previous = Eigen::VectorXd::Zero(v.size()), w(v.size());
+  Eigen::VectorXd v = start_vector(scale), previous = Eigen::VectorXd::Zero(v.size()), w(v.size()), scaled(v.size());
   Tridiagonal t;
   double beta = 0.0;
   for (Eigen::Index k = 1, check = 1; k <= limit; ++k) {
-    w.noalias() = stiffness * scale.cwiseProduct(v);
+    scaled = scale.cwiseProduct(v);
+    product.multiply(scaled, w);
     w = scale.cwiseProduct(w) - beta * previous;
     const double alpha = v.dot(w);
     w -= alpha * v;
