@@ -35,35 +35,22 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
   return free;
 }
 
-/// The elements whose critical step an explicit participant keeps: with summed masses all explicit ones of the body, in a dual
-/// protocol its own.
-std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body, const ParticipantSpec& participant) {
-  if (protocol_traits(problem.scene.coupling.protocol).dual) return owned_elements(problem.scene, body, participant);
-  std::vector<bool> is_explicit = body.implicit_element;
-  is_explicit.flip();
-  return is_explicit;
-}
-
 ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
   const bool implicit = participant.role == Role::implicit_solver;
-  const bool dual = protocol_traits(problem.scene.coupling.protocol).dual;
   ParticipantPlan plan;
   plan.name = participant.name;
   plan.role = implicit ? "implicit" : "explicit";
   plan.critical_time_step_s = infinity;
-  for (const ParticipantPart& part : participant_parts(problem, participant)) {
+  const std::vector<ParticipantPart> parts = participant_parts(problem, participant);
+  std::vector<AssembledPart> assembled;
+  for (const ParticipantPart& part : parts) {
     plan.nodes += part.part.nodes();
     plan.elements += static_cast<int>(part.part.mesh.elements.size());
     plan.interface_nodes += static_cast<int>(part.shared.size());
     plan.unknowns += count_unknowns(problem, part, implicit);
-    if (implicit) continue;
-    const BodyProblem& body = problem.bodies[at(part.body)];
-    const std::vector<bool> concerned = limiting_elements(problem, body, participant);
-    const bool own = std::count(concerned.begin(), concerned.end(), true) == std::ssize(part.part.body_element);
-    plan.critical_time_step_s =
-        std::min(plan.critical_time_step_s, own ? critical_time_step(body, part.part, dual)  // assembled already
-                                                : critical_time_step(body, concerned, dual));
+    assembled.push_back({part.body, &part.part});
   }
+  if (!implicit) plan.critical_time_step_s = critical_time_step(problem, participant, assembled);
   return plan;
 }
 

@@ -1,9 +1,11 @@
 #include "common/scene/critical_step.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/scene/build.hpp"
+#include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -92,6 +94,25 @@ double critical_time_step(const BodyProblem& body, const fem::Part& part, bool o
     for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
   }
   return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance));
+}
+
+std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body, const ParticipantSpec& participant) {
+  if (protocol_traits(problem.scene.coupling.protocol).dual) return owned_elements(problem.scene, body, participant);
+  std::vector<bool> limiting = body.implicit_element;
+  if (participant.role == Role::explicit_solver) limiting.flip();
+  return limiting;
+}
+
+double critical_time_step(const Problem& problem, const ParticipantSpec& participant, const std::vector<AssembledPart>& parts) {
+  const bool dual = protocol_traits(problem.scene.coupling.protocol).dual;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const AssembledPart& assembled : parts) {
+    const BodyProblem& body = problem.bodies[at(assembled.body)];
+    const std::vector<bool> limiting = limiting_elements(problem, body, participant);
+    const bool same = std::count(limiting.begin(), limiting.end(), true) == std::ssize(assembled.part->body_element);
+    smallest = std::min(smallest, same ? critical_time_step(body, *assembled.part, dual) : critical_time_step(body, limiting, dual));
+  }
+  return smallest;
 }
 
 double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {

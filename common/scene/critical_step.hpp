@@ -15,6 +15,20 @@ namespace ricochet::scene {
 /// The same for elements that are assembled already.
 [[nodiscard]] double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass = false);
 
+/// The elements whose critical step a participant keeps: with summed masses all of its role in the body, in a dual protocol its
+/// own.
+[[nodiscard]] std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
+                                                  const ParticipantSpec& participant);
+
+/// A body's part that is assembled already.
+struct AssembledPart {
+  int body = -1;  ///< index into Problem::bodies
+  const fem::Part* part = nullptr;
+};
+/// Smallest critical step over a participant's parts [s], infinity without any.
+[[nodiscard]] double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
+                                        const std::vector<AssembledPart>& parts);
+
 /// The same by the element bound, 2 / max omega_e over those elements, each with its own lumped mass [s]: never above
 /// the exact one, because every node's mass is at least the sum of theirs (Hughes, The Finite Element Method, 9.2).
 [[nodiscard]] double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element);

@@ -2,34 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/fem/vtk_output.hpp"
 #include "common/scene/critical_step.hpp"
-#include "common/scene/protocols.hpp"
 #include "common/solver/pairs.hpp"
 
 namespace ricochet::solver {
 namespace {
 
-/// Smallest critical time step of central difference over the participant's elements, with the full nodal masses; 0 without
-/// elements. (The switch to all-explicit makes the implicit participant integrate its elements that way, too.)
-double smallest_critical_time_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
-                                   const std::vector<BodyState>& states) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const auto& state : states) {
-    const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
-    std::vector<bool> concerned = body.implicit_element;
-    if (participant.role == scene::Role::explicit_solver) concerned.flip();
-    const bool dual = scene::protocol_traits(problem.scene.coupling.protocol).dual;
-    if (dual) concerned = scene::owned_elements(problem.scene, body, participant);
-    const bool own = std::count(concerned.begin(), concerned.end(), true) == std::ssize(state.part.body_element);
-    smallest = std::min(smallest, own ? scene::critical_time_step(body, state.part, dual)  // assembled already
-                                      : scene::critical_time_step(body, concerned, dual));
-  }
-  return std::isfinite(smallest) ? smallest : 0.0;
+/// Of the participant's elements, 0 without any. (The switch to all-explicit makes the implicit participant integrate its elements
+/// that way, too.)
+double critical_time_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                          const std::vector<BodyState>& states) {
+  std::vector<scene::AssembledPart> parts;
+  for (const auto& state : states) parts.push_back({state.body, &state.part});
+  const double step_s = scene::critical_time_step(problem, participant, parts);
+  return std::isfinite(step_s) ? step_s : 0.0;
 }
 
 }  // namespace
@@ -43,7 +32,7 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();
   d.contact_owner = contact_owner;
-  d.critical_time_step_s = smallest_critical_time_step(problem, participant, states);
+  d.critical_time_step_s = critical_time_step(problem, participant, states);
   for (std::size_t b = 0; b < states.size(); ++b) {
     const auto& state = states[b];
     d.bodies.push_back(state.name);
