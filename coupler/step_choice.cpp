@@ -16,7 +16,6 @@ namespace ricochet::coupler {
 namespace {
 
 constexpr long long windows_measured = 100;
-constexpr double safety = 0.9;
 
 struct Candidate {
   double step_s = 0.0;
@@ -69,14 +68,14 @@ void print(const std::vector<Candidate>& candidates, const Candidate& best, doub
 
 }  // namespace
 
-std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s) {
+std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s, double safety_factor) {
   std::sort(element_steps_s.begin(), element_steps_s.end());
   std::vector<double> steps = {largest_s};
   for (double level_s = largest_s; !element_steps_s.empty(); level_s *= 0.5) {
     // Elements at or above the last candidate are explicit with it already.
-    const auto end = std::lower_bound(element_steps_s.begin(), element_steps_s.end(), std::min(level_s / safety, steps.back()));
+    const auto end = std::lower_bound(element_steps_s.begin(), element_steps_s.end(), std::min(level_s / safety_factor, steps.back()));
     if (end == element_steps_s.begin()) break;
-    steps.push_back(safety * *(end - 1));
+    steps.push_back(safety_factor * *(end - 1));
   }
   return steps;
 }
@@ -85,7 +84,7 @@ std::string choose_step(const scene::Problem& problem, const ResultsDirectory& r
   const auto& time = problem.scene.time;
   const int substeps = problem.scene.coupling.substeps;
   std::vector<Candidate> candidates;
-  for (const double step_s : candidate_steps(scene::element_critical_steps(problem), *time.largest_step_s / substeps)) {
+  for (const double step_s : candidate_steps(scene::element_critical_steps(problem), *time.step_s / substeps, time.safety_factor)) {
     candidates.push_back(measure(problem, substeps * step_s, results.file("calibration")));
   }
   write_atomically(results.file("calibration.csv"), to_csv(candidates));

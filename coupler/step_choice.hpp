@@ -12,8 +12,9 @@
 namespace ricochet::coupler {
 
 /// Steps worth trying, longest first: the largest allowed, and below it, by powers of two, the next at which other elements
-/// become explicit, which is 0.9 of the critical step of some element. `element_steps_s`: of all elements, any order.
-[[nodiscard]] std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s);
+/// become explicit, which is `safety_factor` times the critical step of some element. `element_steps_s`: of all elements, any order.
+[[nodiscard]] std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s,
+                                                  double safety_factor);
 
 /// Measures the candidates, prints what it has found, and writes it to calibration.csv. Returns the scene file to run:
 /// scene.toml in the results folder, the scene with the step chosen. Candidates that were measured before with the same

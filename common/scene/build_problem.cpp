@@ -56,12 +56,22 @@ double window_size(const Problem& problem) {
   return window;
 }
 
+/// A step that is too long for every element would leave none explicit.
+void bound_largest_step(Problem& problem) {
+  Time& time = problem.scene.time;
+  if (!time.largest_step_s) return;
+  const std::vector<double> steps = element_critical_steps(problem);
+  const double longest_s = time.safety_factor * *std::max_element(steps.begin(), steps.end());
+  time.step_s = std::min(*time.step_s, problem.scene.coupling.substeps * longest_s);
+}
+
 }  // namespace
 
 Problem build_problem(const Scene& scene) {
   Problem problem;
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
+  bound_largest_step(problem);
   problem.contact = build_contact(scene, problem.bodies);
   refuse_absorbing_contact(problem);
   set_partition(problem);

@@ -122,7 +122,7 @@ struct Partition {
 
 struct Time {
   std::optional<double> step_s;          ///< else safety_factor times the critical time step of what is explicit
-  std::optional<double> largest_step_s;  ///< then step_s is this, too, until `ricochet run` has chosen a smaller one
+  std::optional<double> largest_step_s;  ///< then step_s is this, or the largest that leaves explicit elements, until `ricochet run` chooses
   double safety_factor = 0.9;
   double end_s = 0.0;                    ///< latest end
   std::optional<double> until_separated_plus_s;

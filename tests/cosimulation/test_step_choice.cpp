@@ -77,6 +77,14 @@ TEST(LargestStep, WhatWasMeasuredIsNotMeasuredAgain) {
   EXPECT_EQ(first.summary.at("window_size_s"), second.summary.at("window_size_s"));
 }
 
+TEST(LargestStep, OneThatIsTooLongForEveryElementLeavesTheOthersToChooseFrom) {
+  const TemporaryFolder folder;
+  const auto run = run_text(graded_bars("largest_step_s = 1e-4"), folder);
+  const Calibration calibration(run);
+  EXPECT_LT(calibration.columns.at("step_s").front(), 5e-5);
+  EXPECT_LT(calibration.columns.at("implicit_elements").front(), 80);
+}
+
 TEST(LargestStep, ABaselineTakesItAsItIs) {
   const TemporaryFolder folder;
   const auto run = run_text(with_protocol(graded_bars("largest_step_s = 1e-5"), "all_implicit"), folder);
