@@ -10,7 +10,6 @@
 #include "common/scene/check.hpp"
 #include "common/scene/critical_step.hpp"
 #include "coupler/study_case.hpp"
-#include "coupler/study_reference.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -27,7 +26,7 @@ struct Candidate {
 Candidate measure(const scene::Problem& problem, double step_s, const std::string& folder) {
   const auto& time = problem.scene.time;
   const double windows = std::min(time.end_s / step_s, static_cast<double>(windows_measured));
-  StudyCase run(problem.scene.path, with_no_fields({{"time.step_s", step_s}, {"time.end_s", windows * step_s}}), folder);
+  StudyCase run(problem.scene.path, {{"time.step_s", step_s}, {"time.end_s", windows * step_s}}, folder);
   if (!run.failed() && run.repeats() == 0) run.compute();
   Candidate candidate{.step_s = step_s, .error = run.error()};
   if (run.failed()) return candidate;
@@ -77,6 +76,8 @@ std::vector<double> candidate_steps(std::vector<double> element_steps_s, double 
     if (end == element_steps_s.begin()) break;
     steps.push_back(safety_factor * *(end - 1));
   }
+  const bool passed_over = !element_steps_s.empty() && element_steps_s.front() < steps.back();  // by halving
+  if (passed_over) steps.push_back(safety_factor * element_steps_s.front());
   return steps;
 }
 

@@ -12,13 +12,15 @@
 namespace ricochet::coupler {
 
 /// Steps worth trying, longest first: the largest allowed, and below it, by powers of two, the next at which other elements
-/// become explicit, which is `safety_factor` times the critical step of some element. `element_steps_s`: of all elements, any order.
+/// become explicit, which is `safety_factor` times the critical step of some element; with the last one all
+/// of them are. `element_steps_s`: of the elements that may become explicit, any order.
 [[nodiscard]] std::vector<double> candidate_steps(std::vector<double> element_steps_s, double largest_s,
                                                   double safety_factor);
 
 /// Measures the candidates, prints what it has found, and writes it to calibration.csv. Returns the scene file to run:
 /// scene.toml in the results folder, the scene with the step chosen. Candidates that were measured before with the same
-/// scene, meshes and programs are not run again. Throws what the best candidate's run throws if all fail.
+/// scene, meshes and programs are not run again. A candidate that fails is printed with its reason; if all fail, it is the
+/// largest step that is returned, whose run then says why.
 [[nodiscard]] std::string choose_step(const scene::Problem& problem, const ResultsDirectory& results);
 
 }  // namespace ricochet::coupler

@@ -44,7 +44,7 @@ void Study::prepare_rows() {
     for (const auto& method : file_.methods) {
       auto changes = merged(settings, method.changes);
       changes.push_back({"coupling.protocol", method.protocol});
-      StudyCase run(file_.scene, with_no_fields(changes), results_.file("runs"));
+      StudyCase run(file_.scene, changes, results_.file("runs"));
       rows_.push_back({method.name, settings, std::move(run), {}, {}, {}, {}});
       rows_.back().errors.resize(file_.quantities.size());
       if (rows_.back().run.repeats() > 0) measure(rows_.back());

@@ -45,8 +45,8 @@ std::string run_key(const std::string& scene_sha256, const std::vector<std::stri
       .substr(0, 16);
 }
 
-StudyCase::StudyCase(const std::string& scene_path, const std::vector<scene::Override>& changes,
-                     const std::string& folder) {
+StudyCase::StudyCase(const std::string& scene_path, std::vector<scene::Override> changes, const std::string& folder) {
+  for (const char* output : {"output.fields_every", "output.axial_stress_every"}) changes.push_back({output, 0.0});
   fs::create_directories(folder);
   const std::string draft = folder + "/draft.toml";
   scene::write_variant(scene_path, changes, draft);

@@ -23,8 +23,9 @@ struct Cost {
 /// that are there already count; one that was interrupted, or whose participant failed, is computed again.
 class StudyCase {
  public:
-  /// Writes the variant and checks it; one that is refused has the status "scene_wrong".
-  StudyCase(const std::string& scene_path, const std::vector<scene::Override>& changes, const std::string& folder);
+  /// Writes the variant, without output of fields and axial stresses (what is measured is the computation), and checks it; one
+  /// that is refused has the status "scene_wrong".
+  StudyCase(const std::string& scene_path, std::vector<scene::Override> changes, const std::string& folder);
 
   /// Computes one more repeat, or takes one that is there by now. What ends it early becomes the status, but
   /// Interrupted goes through.

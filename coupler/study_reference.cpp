@@ -15,7 +15,7 @@ using scene::Override;
 
 StudyCase computed(const std::string& what, const std::string& scene, const std::vector<Override>& changes,
                    const std::string& folder) {
-  StudyCase run(scene, with_no_fields(changes), folder);
+  StudyCase run(scene, changes, folder);
   if (!run.failed() && run.repeats() == 0) {
     fmt::print("{}: computed in {}\n", what, run.folder());
     std::fflush(stdout);
@@ -74,12 +74,6 @@ void print_errors(const StudyFile& file, const StudyReference& reference) {
 }
 
 }  // namespace
-
-std::vector<Override> with_no_fields(std::vector<Override> changes) {
-  changes.push_back({"output.fields_every", 0.0});
-  changes.push_back({"output.axial_stress_every", 0.0});
-  return changes;
-}
 
 std::vector<StudyReference> find_references(const StudyFile& file, const std::string& folder) {
   std::vector<StudyReference> all;

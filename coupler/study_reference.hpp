@@ -17,9 +17,6 @@ struct StudyReference {
   std::vector<std::optional<double>> errors;  ///< its own, of the study's quantities
 };
 
-/// What is measured is the computation, not the snapshots.
-[[nodiscard]] std::vector<scene::Override> with_no_fields(std::vector<scene::Override> changes);
-
 /// Computes what is not in `folder` yet, one reference for every setting of what it follows, and prints their own
 /// errors. Throws what ends one of them.
 [[nodiscard]] std::vector<StudyReference> find_references(const StudyFile& file, const std::string& folder);

@@ -34,6 +34,9 @@ void set_partition(Problem& problem);
 /// The contact nodes of a body, ascending; empty if it takes no part in the contact.
 [[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
 
+/// Per element: a corner of it is among these nodes, which ascend.
+[[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);
+
 /// Per node: belongs to one of the elements.
 [[nodiscard]] std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element);
 

@@ -61,6 +61,7 @@ void bound_largest_step(Problem& problem) {
   Time& time = problem.scene.time;
   if (!time.largest_step_s) return;
   const std::vector<double> steps = element_critical_steps(problem);
+  if (steps.empty()) return;  // all at the contact: refused with any step
   const double longest_s = time.safety_factor * *std::max_element(steps.begin(), steps.end());
   time.step_s = std::min(*time.step_s, problem.scene.coupling.substeps * longest_s);
 }
@@ -71,9 +72,9 @@ Problem build_problem(const Scene& scene) {
   Problem problem;
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
-  bound_largest_step(problem);
   problem.contact = build_contact(scene, problem.bodies);
   refuse_absorbing_contact(problem);
+  bound_largest_step(problem);
   set_partition(problem);
   problem.window_size_s = window_size(problem);
   return problem;

@@ -121,8 +121,11 @@ double element_bound_time_step(const BodyProblem& body, const std::vector<bool>&
 
 std::vector<double> element_critical_steps(const Problem& problem) {
   std::vector<double> steps;
-  for (const BodyProblem& body : problem.bodies) {
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contact, index));
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+      if (at_contact[at(e)]) continue;
       steps.push_back(step_of(fem::element_max_frequency_squared(body.section, body.material,
                                                                  fem::element_coordinates(body.mesh, e))));
     }

@@ -33,7 +33,8 @@ struct AssembledPart {
 /// the exact one, because every node's mass is at least the sum of theirs (Hughes, The Finite Element Method, 9.2).
 [[nodiscard]] double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
 
-/// The element bound of every element of all bodies by itself [s]; the order means nothing.
+/// The element bound of each element that does not touch the contact, by itself [s]: where the automatic partition, which
+/// makes the others implicit with any step, changes. The order means nothing.
 [[nodiscard]] std::vector<double> element_critical_steps(const Problem& problem);
 
 /// Critical time step of central difference on all bodies with every contact pair closed by a penalty spring of

@@ -55,16 +55,12 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
 
 /// Elements that the step is too long for, and the layer along the contact surface.
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
-  const auto corners = at(fem::nodes_per_element(body.section.model));
   const double frequency_squared = 4.0 / (step_s * step_s);
-  std::vector<bool> inside;
-  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
-    const auto& element = body.mesh.elements[at(e)];
-    const bool touches = std::any_of(element.begin(), element.begin() + static_cast<std::ptrdiff_t>(corners),
-                                     [&](int n) { return std::binary_search(contact.begin(), contact.end(), n); });
-    inside.push_back(touches || fem::element_frequency_squared_above(body.section, body.material,
-                                                                     fem::element_coordinates(body.mesh, e),
-                                                                     frequency_squared));
+  std::vector<bool> inside = elements_at(body.mesh, contact);
+  for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
+    if (inside[at(e)]) continue;
+    inside[at(e)] = fem::element_frequency_squared_above(body.section, body.material,
+                                                         fem::element_coordinates(body.mesh, e), frequency_squared);
   }
   return inside;
 }
@@ -183,6 +179,16 @@ std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, co
   }
   for (std::size_t e = 0; e < owned.size(); ++e) owned[e] = owned[e] && !body.implicit_element[e];
   return owned;
+}
+
+std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes) {
+  const auto corners = static_cast<std::ptrdiff_t>(fem::nodes_per_element(mesh.model));
+  std::vector<bool> at_them;
+  for (const auto& element : mesh.elements) {
+    at_them.push_back(std::any_of(element.begin(), element.begin() + corners,
+                                  [&](int n) { return std::binary_search(nodes.begin(), nodes.end(), n); }));
+  }
+  return at_them;
 }
 
 std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element) {

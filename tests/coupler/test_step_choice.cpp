@@ -18,6 +18,7 @@ TEST(CandidateSteps, AreWhereOtherElementsBecomeExplicit) {
 TEST(CandidateSteps, EndWithTheSmallestElementAndBeginWithTheLargestStep) {
   EXPECT_THAT(candidate_steps({3.0, 3.0}, 1.0, 0.9), ElementsAre(1.0)) << "everything is explicit at once";
   EXPECT_THAT(candidate_steps({3.0, 3.0}, 100.0, 0.9), ElementsAre(100.0, DoubleEq(2.7))) << "all implicit, or none";
+  EXPECT_THAT(candidate_steps({5.0, 4.0}, 6.0, 0.9), ElementsAre(6.0, DoubleEq(4.5), DoubleEq(3.6))) << "less than half apart";
   EXPECT_THAT(candidate_steps({}, 1.0, 0.9), ElementsAre(1.0));
 }
 
