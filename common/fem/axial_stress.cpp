@@ -2,27 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/fem/interval.hpp"
 
 namespace ricochet::fem {
 namespace {
-
-struct Interval {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-
-  void hold(double z) {
-    low = std::min(low, z);
-    high = std::max(high, z);
-  }
-  [[nodiscard]] double length() const { return high - low; }
-};
 
 Interval extent(const Mesh& mesh, int element) {
   Interval interval;
   const auto& nodes = mesh.elements[static_cast<std::size_t>(element)];
   for (int i = 0; i < nodes_per_element(mesh.model); ++i) {
     const auto node = static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)]);
-    interval.hold(axis_coordinate(mesh.model, mesh.position[node]));
+    interval.add(axis_coordinate(mesh.model, mesh.position[node]));
   }
   return interval;
 }
@@ -71,8 +62,8 @@ AxialLayers axial_layers(const Mesh& whole, const Section& section, int most) {
   const auto elements = static_cast<int>(whole.elements.size());
   for (int e = 0; e < elements; ++e) {
     const auto element = extent(whole, e);
-    body.hold(element.low);
-    body.hold(element.high);
+    body.add(element.low);
+    body.add(element.high);
     sum += element.length();
   }
   const int along = std::max(1, static_cast<int>(std::lround(body.length() * elements / sum)));

@@ -8,20 +8,13 @@
 #include <utility>
 
 #include "common/fem/element.hpp"
+#include "common/fem/interval.hpp"
 #include "common/scene/build.hpp"
 
 namespace ricochet::scene {
 namespace {
 
-/// Part of a body's axis [m].
-struct Interval {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  void add(double x) {
-    low = std::min(low, x);
-    high = std::max(high, x);
-  }
-  [[nodiscard]] bool empty() const { return low > high; }
-};
+using fem::Interval;
 
 double axis_of(const BodyProblem& body, int node) {
   return fem::axis_coordinate(body.section.model, body.mesh.position[at(node)]);

@@ -15,7 +15,7 @@
 namespace ricochet::wire {
 namespace {
 
-/// Waking a process that sleeps costs some 30 us: what comes later than a few times that is not worth spinning for.
+/// Waking a process that sleeps takes tens of microseconds: what comes much later is not worth spinning for.
 constexpr std::chrono::microseconds longest_spin{300};
 constexpr int looks_between_yields = 20;
 
