@@ -24,7 +24,7 @@ constexpr std::array<std::pair<const char*, double BodyRow::*>, 9> body_columns 
     {"energy_interface_j", &BodyRow::energy_interface_j},
 }};
 
-constexpr std::array<std::pair<const char*, double ContactRow::*>, 10> contact_columns = {{
+constexpr std::array<std::pair<const char*, double ContactRow::*>, 15> contact_columns = {{
     {"gap_min_m", &ContactRow::gap_min_m},
     {"contact_force_n", &ContactRow::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRow::contact_pressure_mean_pa},
@@ -35,6 +35,11 @@ constexpr std::array<std::pair<const char*, double ContactRow::*>, 10> contact_c
     {"pairs_open", &ContactRow::pairs_open},
     {"energy_contact_j", &ContactRow::energy_contact_j},
     {"energy_friction_j", &ContactRow::energy_friction_j},
+    {"contact_impulse_n_s", &ContactRow::contact_impulse_n_s},
+    {"friction_impulse_n_s", &ContactRow::friction_impulse_n_s},
+    {"contact_iterations", &ContactRow::contact_iterations},
+    {"contact_residual", &ContactRow::contact_residual},
+    {"contact_unconverged", &ContactRow::contact_unconverged},
 }};
 
 template <class Table>

@@ -20,7 +20,8 @@ struct ContactRow {
   double gap_min_m = 0, contact_force_n = 0, contact_pressure_mean_pa = 0, principal_stress_mean_pa = 0,
          friction_force_n = 0;
   double pairs_stick = 0, pairs_slip = 0, pairs_open = 0;
-  double energy_contact_j = 0, energy_friction_j = 0;
+  double energy_contact_j = 0, energy_friction_j = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
+  double contact_iterations = 0, contact_residual = 0, contact_unconverged = 0;
 };
 
 /// One window of the whole structure.

@@ -1,8 +1,9 @@
 #include "explicit_solver/explicit_contact.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
+
+#include "common/solver/friction.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -25,7 +26,8 @@ ExplicitContact::ExplicitContact(const scene::Problem& problem, const std::vecto
     : law_(&*problem.scene.contact),
       dt_(dt),
       surface_(problem, parts),
-      forces_(surface_.pairs.size()) {}
+      forces_(surface_.pairs.size()),
+      mean_forces_(surface_.pairs.size()) {}
 
 double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states,
                                      const Eigen::Vector2d& direction) const {
@@ -36,24 +38,6 @@ double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodySta
     for (int c = 0; c < surface_.components; ++c) sum += direction[c] * direction[c] * inverse[side.node * surface_.components + c];
   }
   return sum;
-}
-
-/// `slip_rate`: relative tangential velocity at n + 1/2 without friction; `holding`: the force that would make it zero.
-double ExplicitContact::friction_force(double normal, double slip_rate, double holding) const {
-  const double limit = law_->friction_coefficient * normal;
-  if (law_->friction_law == scene::FrictionLaw::return_mapping) return std::clamp(holding, -limit, limit);
-  if (slip_rate == 0.0 || holding == 0.0) return 0.0;
-  // Eq. 14, 15 at the velocity that friction leaves, v + d tanh(xi v) = slip_rate: taken at slip_rate itself, it would count
-  // what one window of it stops. Newton's method from rest stays on one side, where the law is steepest first.
-  const double xi = law_->friction_regularisation_s_m, stops = limit * std::abs(slip_rate / holding);
-  double v = 0.0;
-  for (int i = 0; i < 50; ++i) {
-    const double tanh = std::tanh(xi * v);
-    const double change = (slip_rate - v - stops * tanh) / (1.0 + stops * xi * (1.0 - tanh * tanh));
-    v += change;
-    if (std::abs(change) <= 1e-14 * std::abs(slip_rate)) break;
-  }
-  return -limit * std::tanh(xi * v);
 }
 
 ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::vector<BodyState>& states, double rate_n,
@@ -74,7 +58,7 @@ ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::
   if (law_->friction_coefficient == 0.0) return force;
   const double inverse = inverse_mass(pair, states, surface_.tangent);
   const double holding = inverse > 0.0 ? -rate_t / (acting_time * inverse) : 0.0;
-  force.tangential = friction_force(force.normal, rate_t, holding);
+  force.tangential = solver::friction(*law_, law_->friction_coefficient * force.normal, rate_t, holding);
   if (force.tangential == holding) force.state = State::stick;
   return force;
 }
@@ -107,18 +91,20 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
   }
 }
 
-void ExplicitContact::account(const Pair& pair, const Force& old, const Force& now, std::vector<BodyState>& states,
+void ExplicitContact::account(const Pair& pair, const Force& mean, std::vector<BodyState>& states,
                               const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto moved = [&](const Eigen::Vector2d& direction) {
     return relative(pair, direction, surface_.components, displacement_of(states)) -
            relative(pair, direction, surface_.components, before_of(u_before));
   };
-  work_normal_j_ += 0.5 * (old.normal + now.normal) * moved(surface_.normal);
-  dissipated_friction_j_ -= 0.5 * (old.tangential + now.tangential) * moved(surface_.tangent);
+  work_normal_j_ += mean.normal * moved(surface_.normal);
+  dissipated_friction_j_ -= mean.tangential * moved(surface_.tangent);
+  impulse_normal_n_s_ += dt_ * mean.normal;
+  impulse_tangential_n_s_ += dt_ * mean.tangential;
   if (pair.b.part >= 0) return;  // forces between two bodies change no total momentum
   auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
-  totals.impulse_n_kg_m_s -= 0.5 * dt_ * (old.normal + now.normal);
-  totals.impulse_t_kg_m_s -= 0.5 * dt_ * (old.tangential + now.tangential);
+  totals.impulse_n_kg_m_s -= dt_ * mean.normal;
+  totals.impulse_t_kg_m_s -= dt_ * mean.tangential;
 }
 
 /// dt^2/8 a^T M a of a pair's nodes: what the staggered metric takes off 1/2 v^T M v. A contact force at n = 0 changes it at
@@ -159,7 +145,10 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     const Force old = forces_[i];
     forces_[i] = find_force(surface_.pairs[i], states, rate(surface_.normal), rate(surface_.tangent), dt_);
     push(surface_.pairs[i], forces_[i], states);
-    account(surface_.pairs[i], old, forces_[i], states, u_before);
+    mean_forces_[i] = {.normal = 0.5 * (old.normal + forces_[i].normal),
+                       .tangential = 0.5 * (old.tangential + forces_[i].tangential),
+                       .state = forces_[i].state};
+    account(surface_.pairs[i], mean_forces_[i], states, u_before);
   }
 }
 
@@ -168,7 +157,9 @@ int ExplicitContact::pairs_closed() const {
 }
 
 solver::Report ExplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::Report report = surface_.report(states, forces_);
+  solver::Report report = surface_.report(states, mean_forces_);
+  report.contact_impulse_n_s = impulse_normal_n_s_;
+  report.friction_impulse_n_s = impulse_tangential_n_s_;
   report.energy_contact_j = work_normal_j_;
   report.energy_friction_j = dissipated_friction_j_;
   return report;

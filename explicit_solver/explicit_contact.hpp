@@ -43,9 +43,8 @@ class ExplicitContact {
                                     double rate_t, double acting_time) const;
   [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     const Eigen::Vector2d& direction) const;
-  [[nodiscard]] double friction_force(double normal, double slip_rate, double holding) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
-  void account(const solver::Pair& pair, const Force& old, const Force& now, std::vector<solver::BodyState>& states,
+  void account(const solver::Pair& pair, const Force& mean, std::vector<solver::BodyState>& states,
                const std::vector<const Eigen::VectorXd*>& u_before);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
 
@@ -53,8 +52,10 @@ class ExplicitContact {
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
-  std::vector<Force> forces_;
+  std::vector<Force> forces_;       ///< r_n
+  std::vector<Force> mean_forces_;  ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
+  double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;
 };
 
 }  // namespace ricochet::explicit_solver

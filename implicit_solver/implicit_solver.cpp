@@ -82,7 +82,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(setup.interface_stiffness.data(), shared, shared);
   if (!problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
-    if (contact_->massless()) contact_->move_masses(states_);
+    contact_->move_masses(states_);
   }
   const auto size = stiffness_.rows();
   for (auto* vector : {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
@@ -340,7 +340,7 @@ void ImplicitSolver::find_contact_rates() {
     trial_.mean_velocity[dof] = trial_.velocity[dof];
     if (!contact_->remembered()) trial_.acceleration[dof] = trial_.residual[dof] * state.inverse_mass[local];
   }
-  contact_->update_rates(states_, trial_.velocity, trial_.acceleration);
+  contact_->update_rates(states_, trial_.bracket, trial_.increment, trial_.velocity, trial_.acceleration);
   for (const auto& [dof, part, local] : roots_) {
     const double before = trial_.mean_velocity[dof];
     trial_.jump[dof] = states_[part].mass[local] * (trial_.velocity[dof] - before);
@@ -436,7 +436,7 @@ void ImplicitSolver::account() {
     }
   }
   if (contact_ && integration_ == Integration::implicit_newmark) {
-    contact_->account(states_, trial_.bracket, trial_.increment, trial_.jump, trial_.mean_velocity, dt);
+    contact_->account(states_, trial_.bracket, trial_.increment, trial_.jump, trial_.mean_velocity);
   }
 }
 
