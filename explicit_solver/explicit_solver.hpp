@@ -65,6 +65,7 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
   void initialize_internal_forces();
+  void settle_at_start();
   void initialize_subcycling();
   void synchronise_subcycling(const std::vector<double>& force, participant::Link& output);
   void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::Link& output);
@@ -90,7 +91,8 @@ class ExplicitSolver final : public participant::Participant {
   const scene::ParticipantSpec* spec_;
   std::vector<solver::BodyState> states_;
   std::vector<Window> windows_;
-  std::vector<const Eigen::VectorXd*> u_before_;
+  std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into windows_
+  std::vector<Eigen::VectorXd*> trial_u_;
   std::vector<SubcycledWindow> subcycled_;  ///< per part; driven by force only
   Eigen::VectorXd part_force_;              ///< a part's share of the link input: kept so that no window allocates
   int substep_ = 0;                         ///< of the trial; 0: whole window

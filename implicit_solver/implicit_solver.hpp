@@ -61,6 +61,8 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] auto segment(const Eigen::VectorXd& combined, std::size_t part) const {
     return combined.segment(offsets_[part], states_[part].part.dofs());
   }
+  void settle_at_start();
+  void settle_massless(const Eigen::VectorXd& external);
   void factorise();
   void damp_rhs();
   [[nodiscard]] double load_on(std::size_t part, int dof, const Eigen::VectorXd& external) const;
@@ -93,6 +95,7 @@ class ImplicitSolver final : public participant::Participant {
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
+  std::vector<Eigen::VectorXd> part_external_;     ///< per part: f for the balance of massless nodes
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;
   std::optional<ImplicitContact> contact_;

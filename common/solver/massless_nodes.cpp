@@ -43,37 +43,155 @@ std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const st
 
 }  // namespace
 
-MasslessNodes::MasslessNodes(const std::vector<Pair>& pairs, const Eigen::Vector2d& normal, std::vector<BodyState>& states)
-    : inward_(pairs.size()), debt_j_(pairs.size(), 0.0), trial_debt_j_(pairs.size(), 0.0) {
+MasslessNodes::MasslessNodes(const ContactSurface& surface, std::vector<BodyState>& states)
+    : surface_(&surface),
+      statics_(states.size()),
+      inward_(surface.pairs.size()),
+      debt_j_(surface.pairs.size(), 0.0),
+      trial_debt_j_(surface.pairs.size(), 0.0) {
+  move_masses(states);
+  factor(states);
+}
+
+void MasslessNodes::move_masses(std::vector<BodyState>& states) {
   for (std::size_t part = 0; part < states.size(); ++part) {
     auto& state = states[part];
-    const int components = fem::components(state.part.mesh.model);
     std::vector<std::pair<std::size_t, double>> sides;  // pair, +1 for B
     std::vector<int> contact;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      for (const auto& [side, sign] : {std::pair{pairs[i].a, -1.0}, std::pair{pairs[i].b, 1.0}}) {
+    for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+      for (const auto& [side, sign] : {std::pair{surface_->pairs[i].a, -1.0}, std::pair{surface_->pairs[i].b, 1.0}}) {
         if (side.part != static_cast<int>(part)) continue;
         sides.emplace_back(i, sign);
         contact.push_back(side.node);
       }
     }
+    if (contact.empty()) continue;
+    auto statics = std::make_unique<Statics>();
+    statics->place.assign(static_cast<std::size_t>(state.part.dofs()), -1);
     const auto inward = inward_neighbours(state, contact);
     for (std::size_t k = 0; k < contact.size(); ++k) {
       if (inward[k].empty()) refuse(state, contact[k]);
       const double share = 1.0 / static_cast<double>(inward[k].size());
-      for (int c = 0; c < components; ++c) {
-        const int dof = contact[k] * components + c;
-        if (normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)]) continue;
+      for (int c = 0; c < surface_->components; ++c) {
+        const int dof = contact[k] * surface_->components + c;
+        if (surface_->normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)]) continue;
         for (const int other : inward[k]) {
-          const int to = other * components + c;
+          const int to = other * surface_->components + c;
           state.mass[to] += share * state.mass[dof];
           if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
-          inward_[sides[k].first].push_back({part, to, sides[k].second * share * normal[c]});
+          inward_[sides[k].first].push_back({part, to, sides[k].second * share * surface_->normal[c]});
         }
         state.mass[dof] = state.inverse_mass[dof] = 0.0;
+        statics->place[static_cast<std::size_t>(dof)] = static_cast<int>(statics->dofs.size());
+        statics->dofs.push_back(dof);
+      }
+    }
+    if (!statics->dofs.empty()) statics_[part] = std::move(statics);
+  }
+}
+
+void MasslessNodes::Statics::solve() {
+  factor.matrixL().solveInPlace(moved);
+  factor.matrixU().solveInPlace(moved);
+}
+
+/// K_cc of every part, and the root problem of the pairs' normal forces with the compliance N K_cc^-1 N^T.
+void MasslessNodes::factor(const std::vector<BodyState>& states) {
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    if (!statics_[part]) continue;
+    auto& statics = *statics_[part];
+    const auto size = static_cast<Eigen::Index>(statics.dofs.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
+      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it) {
+        const int column = statics.place[static_cast<std::size_t>(it.col())];
+        if (column >= 0) entries.emplace_back(static_cast<int>(i), column, it.value());
+      }
+    }
+    Eigen::SparseMatrix<double> k(size, size);
+    k.setFromTriplets(entries.begin(), entries.end());
+    statics.factor.compute(k);
+    if (statics.factor.info() != Eigen::Success) {
+      throw SolverError(fmt::format("body '{}': the stiffness of its massless contact nodes is not positive definite", states[part].name));
+    }
+    statics.moved.setZero(size);
+  }
+  const auto pairs = static_cast<Eigen::Index>(surface_->pairs.size());
+  Eigen::MatrixXd compliance(pairs, pairs);
+  for (Eigen::Index j = 0; j < pairs; ++j) {
+    for (auto& statics : statics_)
+      if (statics) statics->moved.setZero();
+    load(Eigen::VectorXd::Unit(pairs, j));
+    for (auto& statics : statics_)
+      if (statics) statics->solve();
+    for (Eigen::Index i = 0; i < pairs; ++i) {
+      const auto& pair = surface_->pairs[static_cast<std::size_t>(i)];
+      double gap = 0.0;
+      for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
+        if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
+        const auto& statics = *statics_[static_cast<std::size_t>(side.part)];
+        for (int c = 0; c < surface_->components; ++c) {
+          const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
+          if (at >= 0) gap += sign * surface_->normal[c] * statics.moved[at];
+        }
+      }
+      compliance(i, j) = gap;
+    }
+  }
+  scene::Contact normal_only;
+  root_.emplace(normal_only, compliance, std::vector<double>(surface_->pairs.size(), 1.0), 1.0);
+  last_ = root_->open();
+  gap_free_.setZero(pairs);
+}
+
+void MasslessNodes::load(const Eigen::VectorXd& normal_forces) {
+  for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+    const auto& pair = surface_->pairs[i];
+    const double force = normal_forces[static_cast<Eigen::Index>(i)];
+    if (force == 0.0) continue;
+    for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
+      if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
+      auto& statics = *statics_[static_cast<std::size_t>(side.part)];
+      for (int c = 0; c < surface_->components; ++c) {
+        const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
+        if (at >= 0) statics.moved[at] += sign * surface_->normal[c] * force;
       }
     }
   }
+}
+
+const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& states,
+                                             const std::vector<const Eigen::VectorXd*>& external,
+                                             const std::vector<Eigen::VectorXd*>& u) {
+  const auto move = [&] {
+    for (std::size_t part = 0; part < states.size(); ++part) {
+      if (!statics_[part]) continue;
+      auto& statics = *statics_[part];
+      statics.solve();
+      for (std::size_t i = 0; i < statics.dofs.size(); ++i) (*u[part])[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
+      statics.moved.setZero();
+    }
+  };
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    if (!statics_[part]) continue;
+    auto& statics = *statics_[part];
+    for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
+      double force = (*external[part])[statics.dofs[i]];
+      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it)
+        force -= it.value() * (*u[part])[it.col()];
+      statics.moved[static_cast<Eigen::Index>(i)] = force;
+    }
+  }
+  move();
+  const auto of_part = [&](int part) -> const Eigen::VectorXd& { return *u[static_cast<std::size_t>(part)]; };
+  for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+    const auto& pair = surface_->pairs[i];
+    gap_free_[static_cast<Eigen::Index>(i)] = pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
+  }
+  last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
+  load(last_.force);
+  move();
+  return last_.force;
 }
 
 double MasslessNodes::give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,

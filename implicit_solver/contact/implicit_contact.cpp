@@ -71,7 +71,25 @@ bool ImplicitContact::resets() const {
 }
 
 void ImplicitContact::move_masses(std::vector<BodyState>& states) {
-  if (massless()) massless_.emplace(surface_.pairs, surface_.normal, states);
+  if (massless()) massless_.emplace(surface_, states);
+}
+
+void ImplicitContact::settle(const std::vector<BodyState>& states, const std::vector<Eigen::VectorXd>& external,
+                             std::vector<Eigen::VectorXd>& u) {
+  external_of_part_.clear();
+  u_of_part_.clear();
+  for (std::size_t part = 0; part < u.size(); ++part) {
+    external_of_part_.push_back(&external[part]);
+    u_of_part_.push_back(&u[part]);
+  }
+  massless_->settle(states, external_of_part_, u_of_part_);
+}
+
+void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Eigen::VectorXd& velocity) const {
+  massless_->for_each_dof([&](std::size_t part, int dof) {
+    const int at = offsets_[part] + dof;
+    velocity[at] = increment[at] / dt_;
+  });
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
@@ -295,7 +313,7 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
   auto& impulse = impulse_[i];
   const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
   const double free_rate = combined(pair, velocity, surface_.tangent) - inverse * impulse.tangential;
-  const double holding = -free_rate / inverse, given = solver::friction(*law_, limit, free_rate, holding);
+  const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
   const bool sticks = given == holding;
   if (sticks && by_impedance()) {
     const double before = mass_times(i, states, along_tangent, velocity);

@@ -7,7 +7,7 @@
 
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/root_problem.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -44,6 +44,12 @@ class ImplicitContact {
   [[nodiscard]] bool massless() const;
   /// Moves the mass of every contact node along the normal inwards, if the law asks for it.
   void move_masses(std::vector<solver::BodyState>& states);
+
+  /// Displacement of massless nodes in `u` from that of the others, `external` force given; vectors per part.
+  void settle(const std::vector<solver::BodyState>& states, const std::vector<Eigen::VectorXd>& external,
+              std::vector<Eigen::VectorXd>& u);
+  /// Velocity of massless nodes after an explicit step: what they moved by, over its size (combined vectors).
+  void set_massless_velocity(const Eigen::VectorXd& increment, Eigen::VectorXd& velocity) const;
 
   /// Finds the contact forces of the window that is being tried. `increment` holds the free increments at contact dofs
   /// (combined numbering); on return root_force() holds G^T r per root dof.
@@ -112,11 +118,13 @@ class ImplicitContact {
   std::vector<int> root_dofs_;
   double dt_ = 0.0;
   Eigen::MatrixXd gather_;            ///< G: relative motion per root motion, rows as the unknowns of RootProblem
-  std::optional<RootProblem> root_;
+  std::optional<solver::RootProblem> root_;
   std::optional<solver::MasslessNodes> massless_;
   std::vector<double*> velocity_of_part_;
+  std::vector<const Eigen::VectorXd*> external_of_part_;
+  std::vector<Eigen::VectorXd*> u_of_part_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
-  RootProblem::Solution trial_, accepted_;
+  solver::RootProblem::Solution trial_, accepted_;
   /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;

@@ -1,15 +1,13 @@
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/root_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "common/solver/friction.hpp"
-#include "implicit_solver/contact/lemke.hpp"
+#include "common/solver/lemke.hpp"
 
-namespace ricochet::implicit_solver {
-
-using solver::State;
+namespace ricochet::solver {
 
 namespace {
 constexpr int max_state_iterations = 30;
@@ -236,7 +234,7 @@ double RootProblem::tangential_alone(int pair, double slip, double slip_velocity
   const double force = solution_.force[t], limit = law_.friction_coefficient * solution_.force[pair];
   if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
   const double rate = 2.0 / dt_ * compliance_(t, t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
-  return solver::friction(law_, limit, free_rate, -free_rate / rate);
+  return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
 }
 
 /// Slow, but without friction it cannot cycle, and with little of it it does not.
@@ -350,4 +348,4 @@ void RootProblem::finish() {
   }
 }
 
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver

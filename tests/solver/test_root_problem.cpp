@@ -1,14 +1,12 @@
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/root_problem.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-namespace ricochet::implicit_solver {
+namespace ricochet::solver {
 namespace {
-
-using solver::State;
 
 Eigen::MatrixXd random_compliance(int size, std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -167,4 +165,4 @@ TEST(RootProblem, HoldsByItsSpringsWithAPenalty) {
 }
 
 }  // namespace
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace ricochet::implicit_solver {
+namespace ricochet::solver {
 
 /// Solves the linear complementarity problem w = M z + q, w >= 0, z >= 0, w . z = 0 by Lemke's method of complementary pivots
 /// (Cottle, Pang, Stone: The Linear Complementarity Problem, 1992, 4.4), on a dense tableau: about n pivots of n^2 operations.
@@ -10,4 +10,4 @@ namespace ricochet::implicit_solver {
 /// if it ends on a ray.
 int solve_lemke(const Eigen::MatrixXd& m, const Eigen::VectorXd& q, Eigen::VectorXd& z);
 
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver

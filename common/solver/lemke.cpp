@@ -1,9 +1,9 @@
-#include "implicit_solver/contact/lemke.hpp"
+#include "common/solver/lemke.hpp"
 
 #include <cmath>
 #include <vector>
 
-namespace ricochet::implicit_solver {
+namespace ricochet::solver {
 namespace {
 
 /// Pivots below this share of the tableau's entries are round-off.
@@ -95,4 +95,4 @@ int solve_lemke(const Eigen::MatrixXd& m, const Eigen::VectorXd& q, Eigen::Vecto
   return most;
 }
 
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver

@@ -7,7 +7,7 @@
 #include "common/scene/scene.hpp"
 #include "common/solver/pairs.hpp"
 
-namespace ricochet::implicit_solver {
+namespace ricochet::solver {
 
 /// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with friction,
 /// tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
@@ -30,7 +30,7 @@ class RootProblem {
 
   struct Solution {
     Eigen::VectorXd force;              ///< x of the class comment
-    std::vector<solver::State> states;  ///< per pair
+    std::vector<State> states;  ///< per pair
     int iterations = 0;                 ///< linear solves, sweeps and pivots
     /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the largest
     /// normal force.
@@ -93,4 +93,4 @@ class RootProblem {
   Solution solution_;
 };
 
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver
