@@ -64,7 +64,7 @@ TEST(BounceMassless, LosesLessOfItsFlightsThanTheDefault) {
   const TemporaryFolder folder;
   const auto third_flight_s = [&](const std::string& law) {
     const RunResult run = run_text(with_key(scene("hughes_liu"), "contact", "multiplier_update", "\"" + law + "\""), folder, law);
-    EXPECT_EQ(run.summary.at("switches").empty(), law == "massless");
+    EXPECT_FALSE(run.summary.at("switches").empty()) << law;
     const auto list = touches(run);
     return list.at(3).begin_s - list.at(2).end_s;
   };
