@@ -39,7 +39,7 @@ TEST_P(GetfemImpact, AgreesWithOurImplicitSolverToRoundOff) {
   ASSERT_EQ(ours.column("time_s").size(), 201U);
   ASSERT_EQ(theirs.column("time_s"), ours.column("time_s"));
   for (const char* name :
-       {"contact_force_n", "contact_pressure_mean_pa", "pairs_slip", "pairs_open", "energy_kinetic_j",
+       {"contact_force_n", "contact_pressure_mean_pa", "contact_impulse_n_s", "pairs_slip", "pairs_open", "energy_kinetic_j",
         "energy_strain_j", "momentum_n_kg_m_s", "velocity_mean_steel_m_s", "velocity_mean_carbide_m_s"}) {
     const auto &a = theirs.column(name), &b = ours.column(name);
     double difference = 0.0;
