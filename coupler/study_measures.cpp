@@ -21,6 +21,17 @@ std::optional<double> value_of(const nlohmann::ordered_json& summary, const char
 
 double contact_period_s(const Observation& of) { return of.contact_end_s - of.contact_begin_s; }
 
+/// A history of means over the windows that end at the rows: each stands at the middle of its window, and no window ends at
+/// the first row.
+Curve window_means(const std::vector<double>& time_s, const std::vector<double>& values, double window_s) {
+  Curve curve;
+  for (std::size_t row = std::min<std::size_t>(1, time_s.size()); row < time_s.size(); ++row) {
+    curve.time_s.push_back(time_s[row] - 0.5 * window_s);
+    curve.value.push_back(values[row]);
+  }
+  return curve;
+}
+
 bool is_velocity(const std::string& column) { return column.rfind("velocity_mean_", 0) == 0; }
 
 /// RMS over the contact period of the reference, over the mean of the plateau of its history `level`.
@@ -98,15 +109,16 @@ Observation observe(const report::HistoryTable& history, const nlohmann::ordered
     return *values;
   };
   const auto time_s = column("time_s"), force_n = column("contact_force_n");
-  seen.contact_pressure_pa = {time_s, column("contact_pressure_mean_pa")};
+  const double window_s = value_of(summary, "window_size_s").value_or(0.0);
+  seen.contact_pressure_pa = window_means(time_s, column("contact_pressure_mean_pa"), window_s);
   seen.principal_stress_pa = {time_s, column("principal_stress_mean_pa")};
-  seen.contact_force_n = {time_s, force_n};
-  seen.friction_force_n = {time_s, column("friction_force_n")};
+  seen.contact_force_n = window_means(time_s, force_n, window_s);
+  seen.friction_force_n = window_means(time_s, column("friction_force_n"), window_s);
   const auto touches = [](double force) { return force > 0.0; };
   const auto first = std::find_if(force_n.begin(), force_n.end(), touches);
   if (first != force_n.end()) {
     const auto last = std::find_if(force_n.rbegin(), force_n.rend(), touches).base() - 1;
-    seen.contact_begin_s = time_s[static_cast<std::size_t>(first - force_n.begin())];
+    seen.contact_begin_s = time_s[static_cast<std::size_t>(first - force_n.begin())] - window_s;
     seen.contact_end_s = time_s[static_cast<std::size_t>(last - force_n.begin())];
     // Contact nodes without implicit elements: their stress is not zero, it is not known.
     const auto& stress = seen.principal_stress_pa.value;

@@ -20,8 +20,8 @@ struct Curve {
 /// What a run, or an exact solution, says of the quantities of interest.
 struct Observation {
   Curve contact_pressure_pa, principal_stress_pa;     ///< means over the contact surface, positive in compression
-  Curve contact_force_n, friction_force_n;            ///< sums over all pairs
-  double contact_begin_s = 0.0, contact_end_s = 0.0;  ///< first and last force; equal: there was none
+  Curve contact_force_n, friction_force_n;            ///< sums over all pairs; forces and pressure are means over windows
+  double contact_begin_s = 0.0, contact_end_s = 0.0;  ///< of the windows of first and last force; equal: there was none
   std::optional<double> peak_force_n, separation_time_s, energy_drift;
   std::vector<double> rebound_velocity_m_s;  ///< mean velocity of every body along the normal, at the end
   double greatest_speed_m_s = 0.0;           ///< of these mean velocities, at any time

@@ -289,6 +289,19 @@ TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
   }
 }
 
+TEST(StudyMeasures, AForceStandsAtTheMiddleOfItsWindow) {
+  report::HistoryTable history;
+  history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa", "friction_force_n"};
+  history.columns = {{0.0, 1.0, 2.0, 3.0}, {0.0, 5.0, 7.0, 0.0}, {0.0, 1.0, 3.0, 0.0}, {0.0, 1.0, 1.0, 1.0}, {0.0, 0.0, 2.0, 0.0}};
+  const auto seen = observe(history, {{"window_size_s", 0.5}});
+  EXPECT_EQ(seen.contact_begin_s, 0.5) << "where the first window with a force begins";
+  EXPECT_EQ(seen.contact_end_s, 2.0);
+  EXPECT_EQ(seen.contact_pressure_pa.at(0.5), 1.0) << "no window ends at the first row";
+  EXPECT_EQ(seen.contact_pressure_pa.at(1.75), 3.0);
+  EXPECT_EQ(seen.friction_force_n.at(1.25), 1.0);
+  EXPECT_EQ(seen.principal_stress_pa.at(1.0), 1.0) << "a stress is that of its time";
+}
+
 TEST(StudyMeasures, RmsOfARampIsExact) {
   Observation reference, run;
   reference.contact_end_s = run.contact_end_s = 3.0;
