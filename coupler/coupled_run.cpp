@@ -149,9 +149,18 @@ void CoupledRun::take_records(std::int64_t window) {
   while (const auto row = history_->next()) {
     history_file_.add(*row);
     tally_.add(*row);
+    count_contact(*row);
     watch_->check(*row, history_->errors());
     progress_.show(window, *row);
   }
+}
+
+/// A counter holds until its next event, so only changes are kept.
+void CoupledRun::count_contact(const HistoryRow& row) {
+  const ContactCounter now{row.window, row.contact.contact_iterations, row.contact.contact_residual};
+  const ContactCounter last = contact_counters_.empty() ? ContactCounter{} : contact_counters_.back();
+  if (now.iterations == last.iterations && now.residual == last.residual) return;
+  if (contact_counters_.size() < Peers::max_spans) contact_counters_.push_back(now);
 }
 
 void CoupledRun::finish() {

@@ -44,6 +44,7 @@ class CoupledRun {
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);
+  void count_contact(const HistoryRow& row);
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
@@ -61,6 +62,7 @@ class CoupledRun {
   Progress progress_;
   Suspicion suspicion_;
   std::vector<TraceTrack> tracks_;
+  std::vector<ContactCounter> contact_counters_;
   Launcher launcher_;
   wire::Listener listener_;
   Peers peers_;

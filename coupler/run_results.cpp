@@ -46,7 +46,8 @@ void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
   for (std::size_t p = 0; p < peers_.size(); ++p) {
     coupler.waited_for.push_back({peers_.name(p), peers_.waited_for_s(p)});
     *coupler.wait_s += peers_.waited_for_s(p);
-    tracks_.push_back({"coupler", "waits for " + peers_.name(p), peers_.wait_spans(p)});
+    tracks_.push_back({"coupler", "waits for " + peers_.name(p), peers_.wait_spans(p), {}});
+    if (coupling_ && coupling_->links()[p].description().contact_owner) tracks_.back().counters = contact_counters_;
   }
   coupler.compute_s = wall_s - *coupler.wait_s;
   summary_.processes.push_back(coupler);
@@ -69,7 +70,7 @@ void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
       double for_others = 0.0;
       for (const auto& entry : process.waited_for) for_others += entry.time_s;
       process.waited_for.push_back({"coupler", std::max(0.0, words.wait_s - for_others)});
-      auto& track = tracks_.emplace_back(TraceTrack{peers_.name(p), "computes", {}});
+      auto& track = tracks_.emplace_back(TraceTrack{peers_.name(p), "computes", {}, {}});
       for (int i = 0; i < words.spans_s.rows && words.spans_s.columns == 3; ++i) {
         const double* span = &words.spans_s.data[3 * static_cast<std::size_t>(i)];
         track.spans.push_back({static_cast<std::int64_t>(span[0]), span[1], span[2]});
@@ -101,6 +102,8 @@ void CoupledRun::write_files() {
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
   add_up_axial_stress(results_, names, bodies);
+  if (const auto warning = contact_warning(tally_); !warning.empty())
+    fmt::print(stderr, "warning: {}: {}\n", scene_.path, warning);
 }
 
 }  // namespace ricochet::coupler

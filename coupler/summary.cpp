@@ -35,6 +35,13 @@ Json theory_json(const Tally& tally) {
           {"contact_stress_pa", number(tally.theory()->stress_pa)}};
 }
 
+Json contact_json(const ContactTally& contact) {
+  return {{"iterations_mean", number(contact.iterations_mean)},
+          {"iterations_max", number(contact.iterations_max)},
+          {"residual_max", number(contact.residual_max)},
+          {"windows_unconverged", contact.windows_unconverged}};
+}
+
 std::string row(const std::string& label, const std::string& value) {
   return fmt::format("  {:<24} {}\n", label, value);
 }
@@ -91,6 +98,13 @@ std::string process_rows(const Summary& summary) {
 
 }  // namespace
 
+std::string contact_warning(const Tally& tally) {
+  if (tally.contact.windows_unconverged == 0) return "";
+  return fmt::format("{} window{} whose contact forces were not found to 1e-6 of the largest one; worst residual {:.2g}",
+                     tally.contact.windows_unconverged, tally.contact.windows_unconverged == 1 ? "" : "s",
+                     tally.contact.residual_max);
+}
+
 std::string to_json(const Summary& s, const Tally& tally) {
   Json json = {{"status", s.status},
                {"error", s.error},
@@ -116,6 +130,9 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"energy_error_last", number(tally.energy_error_last)},
                {"momentum_error_max", number(tally.momentum_error_max)},
                {"peak_contact_force_n", number(tally.peak_contact_force_n)},
+               {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
+               {"friction_impulse_n_s", number(tally.friction_impulse_n_s)},
+               {"contact", contact_json(tally.contact)},
                {"plateau_stress_pa", number(tally.plateau_stress_pa())},
                {"theory", theory_json(tally)},
                {"largest_drift", number(s.largest_drift)}};
@@ -140,6 +157,7 @@ std::string to_table(const Summary& s, const Tally& tally) {
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
   text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
+  if (const auto warning = contact_warning(tally); !warning.empty()) text += row("warning", warning);
   return text + process_rows(s);
 }
 

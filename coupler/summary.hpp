@@ -54,6 +54,8 @@ struct Summary {
 
 /// The text of summary.json.
 [[nodiscard]] std::string to_json(const Summary& summary, const Tally& tally);
+/// What the user is told of contact forces that were not found; empty if all were.
+[[nodiscard]] std::string contact_warning(const Tally& tally);
 /// The table at the end of a run.
 [[nodiscard]] std::string to_table(const Summary& summary, const Tally& tally);
 

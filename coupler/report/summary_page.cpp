@@ -37,6 +37,16 @@ std::string seconds(const Json& process, const std::string& key) {
   return value ? fmt::format("{:.3f}", *value) : "–";
 }
 
+/// Beside the forces it is about: a reader of the page has not seen what the run said.
+std::string unconverged_row(const Json& summary) {
+  const Json contact = summary.value("contact", Json::object());
+  const auto windows = contact.value("windows_unconverged", 0LL);
+  if (windows == 0) return "";
+  return row("windows whose contact forces were not found",
+             fmt::format("{}; worst residual {:.2g} of the largest force, 1e-6 is wanted", windows,
+                         number(contact, "residual_max").value_or(0.0)));
+}
+
 std::string contact_rows(const Json& summary) {
   const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
   if (!first) return "";
@@ -54,7 +64,8 @@ std::string contact_rows(const Json& summary) {
     text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
                 plateau && stress ? difference(*plateau, *stress) : "");
   }
-  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N"));
+  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+         row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) + unconverged_row(summary);
 }
 
 std::string balance_rows(const Json& summary) {

@@ -179,8 +179,22 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
       header,
       "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
       "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
-      "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,velocity_mean_rod_m_s");
-  EXPECT_THAT(line, AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,1.5")));
+      "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,contact_impulse_n_s,"
+      "friction_impulse_n_s,contact_iterations,contact_residual,contact_unconverged,velocity_mean_rod_m_s");
+  EXPECT_THAT(line, AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,1.5")));
+}
+
+/// A column without a body is one of the contact's owner, or the work of a link.
+TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
+  const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
+  int documented = 0;
+  for (const auto& column : history_columns({})) {
+    const bool known = text_of([&] { History({{"p", {"window", column}}}, {}, 1.0); }).empty();
+    if (!known) continue;
+    EXPECT_THAT(page, HasSubstr("`" + column + "`"));
+    ++documented;
+  }
+  EXPECT_EQ(documented, 16);
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {

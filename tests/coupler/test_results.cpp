@@ -160,9 +160,51 @@ TEST(Summary, WithoutContactNoContactRows) {
   EXPECT_TRUE(nlohmann::json::parse(to_json(Summary{}, Tally(std::nullopt)))["separation_time_s"].is_null());
 }
 
+TEST(Summary, TellsOfContactImpulsesAndOfForcesThatWereNotFound) {
+  Tally tally(std::nullopt);
+  HistoryRow row;
+  const auto add = [&](std::int64_t window, double iterations, double residual, double unconverged) {
+    row.window = window;
+    row.contact.contact_iterations = iterations;
+    row.contact.contact_residual = residual;
+    row.contact.contact_unconverged = unconverged;
+    row.contact.contact_impulse_n_s += 0.5;
+    row.contact.friction_impulse_n_s -= 0.125;
+    tally.add(row);
+  };
+  add(0, 0, 0, 0);
+  add(1, 3, 1e-9, 0);
+  EXPECT_EQ(contact_warning(tally), "");
+  add(3, 10, 2e-5, 2);  // a row of two windows
+  add(4, 3, 0, 2);
+  const auto json = nlohmann::json::parse(to_json(finished(), tally));
+  EXPECT_DOUBLE_EQ(json["contact_impulse_n_s"], 2.0) << "of the last row, which counts from the start";
+  EXPECT_DOUBLE_EQ(json["friction_impulse_n_s"], -0.5);
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_mean"], 4.0) << "16 in 4 windows";
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_max"], 5.0);
+  EXPECT_DOUBLE_EQ(json["contact"]["residual_max"], 2e-5);
+  EXPECT_EQ(json["contact"]["windows_unconverged"], 2);
+  EXPECT_THAT(to_table(finished(), tally),
+              HasSubstr("2 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05"));
+}
+
+TEST(Trace, CountersStandAtTheEndOfTheirWindow) {
+  const TraceTrack track{"coupler", "waits for a", {{0, 1.0, 2.0}, {3, 3.0, 4.0}, {4, 5.0, 6.0}}, {{2, 7, 1e-9}, {4, 0, 0}, {5, 1, 0}}};
+  std::vector<nlohmann::json> counters;
+  const auto json = nlohmann::json::parse(to_trace({track}, 0.0));
+  for (const auto& event : json["traceEvents"]) {
+    if (event["ph"] == "C") counters.push_back(event);
+  }
+  ASSERT_EQ(counters.size(), 4U) << "iterations and residual of two rows; nobody waited for a window 5";
+  EXPECT_DOUBLE_EQ(counters[0]["ts"], 4e6) << "the windows up to 3 were asked for at once";
+  EXPECT_DOUBLE_EQ(counters[0]["args"]["iterations"], 7);
+  EXPECT_DOUBLE_EQ(counters[1]["args"]["residual"], 1e-9);
+  EXPECT_DOUBLE_EQ(counters[2]["ts"], 6e6);
+}
+
 TEST(Trace, IsChromeTraceJson) {
   const auto json = nlohmann::json::parse(to_trace(
-      {{"coupler", "waits for a", {{1, 10.0, 10.5}}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}}}, 10.0));
+      {{"coupler", "waits for a", {{1, 10.0, 10.5}}, {}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}, {}}}, 10.0));
   const auto& events = json["traceEvents"];
   ASSERT_EQ(events.size(), 7U);
   EXPECT_EQ(events[2]["ph"], "X");
