@@ -47,8 +47,8 @@ def read_list():
         path = TREE / mutation.file
         count = path.read_text().count(mutation.find) if path.is_file() else 0
         if count != 1 or "\n" in mutation.find or mutation.find == mutation.replace:
-            raise Wrong(f"mutations.toml, {mutation}\n  its fragment stands {count} times in the file; it must stand there "
-                        "once, in one line, and change")
+            raise Wrong(f"mutations.toml, {mutation}\n  its fragment stands {count} times in the file; it must stand "
+                        "there once, in one line, and change")
     if len({mutation.key() for mutation in mutations}) < len(mutations):
         raise Wrong("mutations.toml: one mutation stands there twice")
     return mutations
@@ -116,7 +116,8 @@ class Scratch:
         log_path = self.build / "mutation.log"
         arguments = [self.build / program, "--gtest_fail_fast", *(f"--gtest_filter={names}" for names in selection)]
         with open(log_path, "w") as log:
-            process = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT, cwd=self.build, start_new_session=True)
+            process = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT, cwd=self.build,
+                                       start_new_session=True)
             try:
                 code = process.wait(timeout_s)
             except subprocess.TimeoutExpired:
