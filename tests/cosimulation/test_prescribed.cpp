@@ -38,7 +38,7 @@ TEST_P(Prescribed, MotionSendsThePulseOfTheoryThroughBothBars) {
   const RunResult run = run_text(pushed_bars(method, implicit_length), folder);
   const double force = impedance * velocity_m_s;
   EXPECT_NEAR(run.mean("contact_force_n", 0.55, 0.8), force, 0.01 * force) << "from 0.5 s on";
-  EXPECT_EQ(run.mean("contact_force_n", 0.0, 0.4), 0.0) << "the pulse is not there yet";
+  EXPECT_LT(run.mean("contact_force_n", 0.0, 0.4), 1e-3 * force) << "the pulse is not there yet";
   EXPECT_NEAR(run.last("momentum_n_kg_m_s"), force * push_s, 0.01 * force * push_s);
   const double work = force * velocity_m_s * push_s;
   EXPECT_NEAR(run.last("energy_external_j"), work, 0.02 * work);
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Combine(testing::Values(Method{"hughes_liu", "protocol = \"hughes_liu\"\n"}, Method{"kim", "protocol = \"kim\"\n"},
                                      Method{"belytschko_mullen", "protocol = \"belytschko_mullen\"\n"},
                                      Method{"fixed_point", "protocol = \"fixed_point\"\n"},
-                                     Method{"prakash_hjelmstad", "protocol = \"prakash_hjelmstad\"\nsubsteps = 3\n"},
+                                     Method{"prakash_hjelmstad", "protocol = \"prakash_hjelmstad\"\nsubsteps = 2\n"},
                                      Method{"gravouil_combescure", "protocol = \"gravouil_combescure\"\nsubsteps = 1\n"},
                                      Method{"all_implicit", "protocol = \"all_implicit\"\n"},
                                      Method{"all_explicit", "protocol = \"all_explicit\"\n"}),
