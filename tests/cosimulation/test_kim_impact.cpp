@@ -109,8 +109,8 @@ TEST(KimImpactMultiplierUpdate, TheDefaultIsTheCalmerOneOfTheTwo) {
   const RunResult kane = run_text(with_key(kim("hughes_liu", 0.1), "contact", "multiplier_update", "\"fully_implicit\""), folder, "c");
   EXPECT_EQ(reset.column("contact_force_n"), standard.column("contact_force_n"));
   const double calm = reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6), chatter = kane.deviation("contact_pressure_mean_pa", 5e-6, 20e-6);
-  EXPECT_LT(calm, 25e6) << "measured: 17 MPa";
-  EXPECT_GT(chatter, 10.0 * calm) << "measured: 671 MPa";
+  EXPECT_NEAR(calm, 17e6, 1.7e6);
+  EXPECT_NEAR(chatter, 671e6, 67e6);
   EXPECT_LE(kane.largest("energy_error"), 1e-5) << "the fully implicit law never gains energy";
   for (const RunResult* run : {&reset, &kane}) EXPECT_LT(run->summary.at("momentum_error_max").get<double>(), 1e-10);
 }
@@ -123,9 +123,14 @@ TEST(KimImpactMultiplierUpdate, AMasslessContactNodeCostsNoEnergy) {
     };
     const RunResult implicit = massless("all_implicit"), hybrid = massless("hughes_liu");
     const RunResult reset = run_text(kim("hughes_liu", friction), folder, "reset");
-    EXPECT_LT(reset.last("energy_error"), -1.5e-3) << "measured: -1.7e-3";
-    EXPECT_NEAR(implicit.last("energy_error"), 0.0, 1e-5) << "measured: 1e-6";
-    EXPECT_NEAR(hybrid.last("energy_error"), 0.0, 6e-4) << "measured: 3.4e-4, most of it the two metrics at the interface";
+    if (friction > 0.0) {
+      EXPECT_NEAR(reset.last("energy_error"), -1.7e-3, 1.7e-4);
+      EXPECT_NEAR(hybrid.last("energy_error"), 3.4e-4, 3.4e-5) << "most of it the two metrics at the interface";
+    }
+    EXPECT_NEAR(implicit.last("energy_error"), 0.0, 5e-6);
+    EXPECT_NEAR(hybrid.last("energy_error"), 0.0, 6e-4);
+    const double calm = implicit.deviation("contact_pressure_mean_pa", 5e-6, 20e-6), expected = friction > 0.0 ? 17.2e6 : 34.6e6;
+    EXPECT_NEAR(calm, expected, 0.1 * expected) << friction;
     for (const RunResult* run : {&implicit, &hybrid}) {
       EXPECT_LT(run->summary.at("momentum_error_max").get<double>(), 1e-10);
       EXPECT_NEAR(run->mean("contact_pressure_mean_pa", 5e-6, 20e-6), 853.8e6, 0.005 * 853.8e6);

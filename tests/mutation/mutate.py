@@ -124,7 +124,7 @@ class Scratch:
                 os.killpg(process.pid, signal.SIGKILL)
                 code = process.wait()
         text = log_path.read_text(errors="replace")
-        failed = re.search(r"^\[  FAILED  \] (\S+?),? ", text, re.M)
+        failed = re.search(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.M)
         if code == 0 and not failed:
             return None
         began = re.findall(r"^\[ RUN      \] (\S+)", text, re.M)
