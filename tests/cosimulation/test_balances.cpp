@@ -70,6 +70,24 @@ INSTANTIATE_TEST_SUITE_P(Protocols, LoadedBars,
                                          "protocol = \"gravouil_combescure\"\nsubsteps = 2", "protocol = \"all_implicit\"",
                                          "protocol = \"all_explicit\""));
 
+// In two dimensions momentum along the contact surface has an account of its own.
+TEST(LoadedPlates, GainTheLoadsMomentumInBothDirections) {
+  const TemporaryFolder folder;
+  for (const std::string protocol : {"hughes_liu", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {
+    std::string text = with_protocol(config_text("sticking_plates"), protocol);
+    if (protocol == "prakash_hjelmstad") text = with_key(text, "coupling", "substeps", "2");
+    for (int body = 0; body < 2; ++body) {
+      text = replaced(text, "density_kg_m3 = 1000.0 }\nmesh", "density_kg_m3 = 1000.00 }\ngravity_m_s2 = [4e3, 2e3]\nmesh");
+    }
+    const RunResult run = run_text(with_key(text, "coupling", "after_separation", "\"implicit\""), folder, protocol);
+    const double impulse = 2.0 * 1000.0 * 0.25 * 0.0075 * run.last("time_s");
+    EXPECT_NEAR(run.last("momentum_n_kg_m_s"), impulse * 2e3, 1e-9 * impulse * 2e3) << protocol;
+    EXPECT_NEAR(run.last("momentum_t_kg_m_s"), -impulse * 4e3, 1e-9 * impulse * 4e3) << protocol << ": t = -x";
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9) << protocol;
+    EXPECT_LT(unowned_j(run), 1e-10 * run.column("energy_kinetic_j")[0]) << protocol;
+  }
+}
+
 struct Shape {
   const char* name;
   const char* model;

@@ -110,11 +110,11 @@ class Scratch:
     def write(self, mutation, text):
         (self.folder / mutation.file).write_text(text)
 
-    def first_failure(self, stage, timeout_s):
-        """Name of the first test that fails, crashes or hangs; None if all pass."""
-        program, *selection = stage.split()
+    def first_failure(self, program, names, excluded, timeout_s):
+        """Name of the first test that fails, crashes or hangs; None if all pass. `names`: a --gtest_filter."""
         log_path = self.build / "mutation.log"
-        arguments = [self.build / program, "--gtest_fail_fast", *(f"--gtest_filter={names}" for names in selection)]
+        negative = (":" if "-" in names else "-") + ":".join(excluded) if excluded else ""
+        arguments = [self.build / program, "--gtest_fail_fast", f"--gtest_filter={names}{negative}"]
         with open(log_path, "w") as log:
             process = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT, cwd=self.build,
                                        start_new_session=True)
@@ -130,13 +130,22 @@ class Scratch:
         began = re.findall(r"^\[ RUN      \] (\S+)", text, re.M)
         return failed.group(1) if failed else began[-1] if began else "start"
 
+    def noticed_by(self, stage, timeout_s):
+        """Name of a test that fails twice, so that no race has done it; None if there is none."""
+        program, names = (stage.split() + ["*"])[:2]
+        excluded = []
+        while failed := self.first_failure(program, names, excluded, timeout_s):
+            if failed == "start" or self.first_failure(program, failed, [], timeout_s):
+                return failed
+            excluded.append(failed)
+        return None
+
     def passes_unmutated(self, stage, test):
         """Whether the test passes on the tree as it is: only then has it noticed anything."""
         if test in self.passing:
             return True
         program = stage.split()[0]
-        selection = "" if test == "start" else f" {test}"
-        if not self.builds(program) or self.first_failure(program + selection, 900.0):
+        if not self.builds(program) or self.first_failure(program, "*" if test == "start" else test, [], 900.0):
             return False
         self.passing.add(test)
         self.passing_path.write_text("\n".join(sorted(self.passing)) + "\n")
@@ -152,7 +161,7 @@ def try_out(scratch, mutation, timeout_s):
         try:
             if not scratch.builds(stage):
                 return "does not build", stage
-            failed = scratch.first_failure(stage, timeout_s)
+            failed = scratch.noticed_by(stage, timeout_s)
         finally:
             scratch.write(mutation, original)
         if failed and scratch.passes_unmutated(stage, failed):
