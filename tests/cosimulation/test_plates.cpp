@@ -22,6 +22,11 @@ TEST_P(Plates, StickBelowTheLimit) {
   EXPECT_NEAR(std::abs(r.mean("friction_force_n", 50e-6, 400e-6)) / area_m2, shear, 0.01 * shear);
   EXPECT_GT(r.mean("pairs_stick", 50e-6, 400e-6), 0.9 * r.mean("pairs_slip", 50e-6, 400e-6) + 1.0);
   EXPECT_LT(r.last("energy_friction_j") / r.column("energy_kinetic_j").front(), 2e-3) << "sticking dissipates nothing";
+  // Mohr's circle: -p, nu / (1 - nu) of that across the plate, and the shear.
+  const double across = pressure_pa / 3.0, radius = std::hypot(0.5 * (pressure_pa - across), shear);
+  const double principal = 0.5 * (pressure_pa + across) + radius;
+  EXPECT_NEAR(principal, 1.14180e7, 1e2);
+  EXPECT_NEAR(r.mean("principal_stress_mean_pa", 50e-6, 400e-6), principal, 0.005 * principal);
 }
 
 TEST_P(Plates, SlipAboveTheLimit) {
@@ -42,6 +47,22 @@ TEST_P(Plates, SlipAboveTheLimit) {
 
 TEST_P(Plates, KeepMomentumInBothDirections) {
   EXPECT_LT(run("slipping_plates").summary.at("momentum_error_max").get<double>(), 1e-10);
+}
+
+// With a penalty of a quarter of an element's stiffness. A pair that sticks remembers its traction, tau = tau_n - alpha w slip: what acts on the
+// plateau is the sum of all its slips.
+TEST_P(Plates, StickAndSlipWithAPenaltyToo) {
+  const auto with_penalty = [&](const std::string& scene) {
+    const std::string text = with_key(with_protocol(config_text(scene), GetParam()), "contact", "penalty_pa_m", "1.2e11");
+    return run_text(with_key(text, "contact", "enforcement", "\"penalty\""), folder_, scene);
+  };
+  const double shear = 1000 * c_s * 3.0, limit = 0.3 * pressure_pa;
+  for (const auto& [scene, traction] : {std::pair{"sticking_plates", shear}, std::pair{"slipping_plates", limit}}) {
+    const RunResult r = with_penalty(scene);
+    EXPECT_NEAR(r.mean("contact_pressure_mean_pa", 50e-6, 400e-6), pressure_pa, 0.005 * pressure_pa) << scene;
+    EXPECT_NEAR(std::abs(r.mean("friction_force_n", 50e-6, 400e-6)) / area_m2, traction, 0.01 * traction) << scene;
+    EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10) << scene;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, Plates, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
