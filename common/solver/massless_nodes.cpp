@@ -189,6 +189,7 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
     gap_free_[static_cast<Eigen::Index>(i)] = pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
   }
   last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
+  require_solved(last_);
   load(last_.force);
   move();
   return last_.force;

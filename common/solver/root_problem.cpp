@@ -1,9 +1,12 @@
 #include "common/solver/root_problem.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "common/base/error.hpp"
 #include "common/solver/friction.hpp"
 #include "common/solver/lemke.hpp"
 
@@ -13,6 +16,8 @@ namespace {
 constexpr int max_state_iterations = 30;
 constexpr int max_sweeps = 5000;
 constexpr double round_off = 1e-12;
+/// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
+constexpr double residual_to_stop = 1e-3;
 /// Residual that round-off leaves; above, another method tries.
 constexpr double converged_residual = 1e-10;
 }  // namespace
@@ -346,6 +351,14 @@ void RootProblem::finish() {
     const bool stick = state.tangent == Tangent::stick || (friction_ && held(i));
     solution_.states[static_cast<std::size_t>(i)] = !state.closed ? State::open : stick ? State::stick : State::slip;
   }
+}
+
+void require_solved(const RootProblem::Solution& solution) {
+  if (solution.residual <= residual_to_stop) return;
+  throw SolverError(fmt::format(
+      "the forces of {} contact pairs were not found: after {} iterations their conditions are violated by {:.2g} of the largest "
+      "force, allowed: {:.0e}; use a smaller time.step_s, contact.friction_coefficient or contact.friction_regularisation_s_m",
+      solution.states.size(), solution.iterations, solution.residual, residual_to_stop));
 }
 
 }  // namespace ricochet::solver

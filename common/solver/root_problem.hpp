@@ -93,4 +93,7 @@ class RootProblem {
   Solution solution_;
 };
 
+/// Throws SolverError for a residual above 1e-3: such contact forces mean nothing.
+void require_solved(const RootProblem::Solution& solution);
+
 }  // namespace ricochet::solver

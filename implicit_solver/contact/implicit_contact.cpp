@@ -1,11 +1,8 @@
 #include "implicit_solver/contact/implicit_contact.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
-#include "common/base/error.hpp"
 #include "common/fem/element.hpp"
 #include "common/solver/friction.hpp"
 
@@ -172,19 +169,8 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     slip_velocity_[k] = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, accepted_);
-  require_solved(states);
+  solver::require_solved(trial_);
   root_force_.noalias() = gather_.transpose() * trial_.force;
-}
-
-/// Contact forces with a residual of more than this part of the largest one mean nothing.
-constexpr double residual_to_stop = 1e-3;
-
-void ImplicitContact::require_solved(const std::vector<BodyState>& states) const {
-  if (trial_.residual <= residual_to_stop) return;
-  throw SolverError(fmt::format(
-      "the contact forces of {} pairs were not found: after {} iterations their conditions are violated by {:.2g} of the largest "
-      "force (allowed: {:.0e}); lower the friction coefficient or the step, or use friction_law = \"regularised\" (first contact body: '{}')",
-      surface_.pairs.size(), trial_.iterations, trial_.residual, residual_to_stop, states.front().name));
 }
 
 double ImplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states, Direction direction) const {
@@ -354,6 +340,8 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
                    .tangential = root_->friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
                    .state = trial_.states[i]};
     remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
+    const bool touched = trial_.states[i] != State::open || accepted_.states[i] != State::open;
+    if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
   }
   if (frozen_) {
     if (held()) hold_means(states, velocity, acceleration);

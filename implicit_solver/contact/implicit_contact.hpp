@@ -107,7 +107,6 @@ class ImplicitContact {
                  const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
   void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration) const;
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
-  void require_solved(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const;
 
   const scene::Problem* problem_;  ///< materials for the impedances

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <regex>
 
@@ -67,6 +69,42 @@ TEST(Readme, EveryProtocolOfTheTableRunsAndSaysWhatItIs) {
     EXPECT_NE(text.find("\n| `" + protocol + "`"), std::string::npos) << protocol;
     const RunResult run = run_file(folder.write(with_protocol(config_text("two_bars"), protocol)), folder);
     EXPECT_EQ(run.summary.at("protocol"), protocol);
+  }
+}
+
+// The table of protocols: "-0.21 % to 0" of the energy on the way through the reference scene, and the momentum.
+TEST(Readme, EnergyAndMomentumOfTheTableAreThoseOfTheRuns) {
+  struct Row {
+    const char *protocol, *energy, *momentum;
+    int substeps;
+    double lowest, highest, momentum_error;
+  };
+  const std::string text = readme();
+  for (const Row& row : {Row{"hughes_liu", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0}, Row{"kim", "-0.27 % to 0 ", "1e-4", 0, -0.0027, 0.0, 1e-4},
+                         Row{"kim_predicted", "-0.22 % to 0 ", "exact", 0, -0.0022, 0.0, 0.0},
+                         Row{"belytschko_mullen", "-0.20 % to 0 ", "exact", 0, -0.0020, 0.0, 0.0},
+                         Row{"prakash_hjelmstad", "-0.21 % to 0 at m = 1 ", "exact", 1, -0.0021, 0.0, 0.0},
+                         Row{"prakash_hjelmstad", "to +0.05 % at m = 4,", "exact", 4, -0.0021, 5e-4, 0.0},
+                         Row{"prakash_hjelmstad", "+0.5 % at m = 16 ", "exact", 16, -0.0021, 5e-3, 0.0},
+                         Row{"gravouil_combescure", "", "1e-4 at m = 2", 2, 0.0, 0.0, 1e-4},
+                         Row{"fixed_point", "-0.21 % to 0 ", "to the tolerance", 0, -0.0021, 0.0, 0.0},
+                         Row{"all_implicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0},
+                         Row{"all_explicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0}}) {
+    std::smatch line;
+    ASSERT_TRUE(std::regex_search(text, line, std::regex("\n\\| `" + std::string(row.protocol) + "`[^\n]*"))) << row.protocol;
+    EXPECT_NE(line.str().find(row.energy), std::string::npos) << row.protocol << ": " << row.energy;
+    EXPECT_NE(line.str().find(row.momentum), std::string::npos) << row.protocol << ": " << row.momentum;
+    const TemporaryFolder folder;
+    std::string scene = with_key(with_protocol(config_text("kim_impact"), row.protocol), "output", "fields_every", "0");
+    if (row.substeps > 0) scene = with_key(scene, "coupling", "substeps", std::to_string(row.substeps));
+    if (row.substeps > 0) scene = with_key(scene, "time", "step_s", fmt::format("{:.17g}", 5.4e-8 * row.substeps));
+    const RunResult run = run_text(scene, folder);
+    if (row.substeps <= 1) {
+      EXPECT_NEAR(run.smallest("energy_error"), row.lowest, -0.1 * row.lowest) << row.protocol;
+    }
+    EXPECT_NEAR(run.largest("energy_error"), row.highest, std::max(0.1 * row.highest, 5e-5)) << row.protocol << " " << row.substeps;
+    const double momentum = run.summary.at("momentum_error_max").get<double>();
+    EXPECT_NEAR(momentum, row.momentum_error, row.momentum_error > 0.0 ? 0.5 * row.momentum_error : 1e-9) << row.protocol;
   }
 }
 

@@ -18,24 +18,25 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Two distorted bodies of one model with a displacement and a velocity each, written to one file.
+/// Three distorted bodies of one model with a displacement and a velocity each, written to one file.
 struct Written {
-  explicit Written(Model model) : model_(model), parts{sample::distorted_part(model), second_part(model)} {
+  explicit Written(Model model) : model_(model), parts{sample::distorted_part(model), part_of(model, {1, 3}), part_of(model, {0})} {
     for (const Part& part : parts) {
       displacement.push_back(sample::nodal(part.mesh, [](const auto& x) {
         return Eigen::Vector2d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0]);
       }));
       velocity.push_back(sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector2d(7.0 + x[0], -30.0); }));
     }
-    write_vtu(path(), {&parts[0], &parts[1]}, {&displacement[0], &displacement[1]}, {&velocity[0], &velocity[1]});
+    write_vtu(path(), {&parts[0], &parts[1], &parts[2]}, {&displacement[0], &displacement[1], &displacement[2]},
+              {&velocity[0], &velocity[1], &velocity[2]});
   }
   ~Written() { std::filesystem::remove(path()); }
   Written(const Written&) = delete;
   Written& operator=(const Written&) = delete;
 
   [[nodiscard]] std::string path() const { return sample::temporary_path(sample::name(model_) + ".vtu"); }
-  static Part second_part(Model model) {
-    return extract_part(sample::distorted_mesh(model), "second", sample::section(model), sample::steel, {1, 3});
+  static Part part_of(Model model, const std::vector<int>& elements) {
+    return extract_part(sample::distorted_mesh(model), "other", sample::section(model), sample::steel, elements);
   }
 
   Model model_;
@@ -43,10 +44,10 @@ struct Written {
   std::vector<Eigen::VectorXd> displacement, velocity;
 };
 
-/// Values per cell of a function of a part's element and its displacement, over both bodies.
+/// Values per cell of a function of a part's element and its displacement, over all bodies.
 std::vector<double> per_cell(const Written& written, const std::function<double(const StressVector&)>& value) {
   std::vector<double> values;
-  for (std::size_t p = 0; p < 2; ++p) {
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
     const Part& part = written.parts[p];
     for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
       const ElementVector u = element_displacement(part.mesh, e, written.displacement[p]);
@@ -60,7 +61,7 @@ std::vector<double> per_cell(const Written& written, const std::function<double(
 std::vector<double> per_node(const Written& written, const std::vector<Eigen::VectorXd>& fields) {
   std::vector<double> values;
   const int width = components(written.model_);
-  for (std::size_t p = 0; p < 2; ++p) {
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
     for (int node = 0; node < written.parts[p].nodes(); ++node) {
       for (int c = 0; c < 3; ++c) values.push_back(c < width ? fields[p][node * width + c] : 0.0);
     }
@@ -84,7 +85,7 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
     fields["stress_principal_" + principal[static_cast<std::size_t>(c)]] =
         per_cell(written, [c, model](const StressVector& s) { return principal_stresses(model, s)[c]; });
   }
-  for (std::size_t p = 0; p < 2; ++p) {
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
     for (const int element : written.parts[p].body_element) {
       fields["body"].push_back(static_cast<double>(p));
       fields["element"].push_back(element);

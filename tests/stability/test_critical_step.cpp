@@ -27,7 +27,7 @@ TEST(CourantOne, TheShortestWaveGrowsInAllExplicit) {
     return run_text(text, folder).largest("energy_strain_j");
   };
   EXPECT_LT(strain(0.999), 1.1 * 0.125);
-  EXPECT_GT(strain(1.0), 10.0 * 0.125) << "measured: 1047 J of the rod's 0.125 J";
+  EXPECT_GT(strain(1.0), 1e3) << "of the rod's 0.125 J";
   EXPECT_THAT(check_text(long_rod("all_explicit", 1.0), folder).out, HasSubstr("may grow from impact to impact"));
   EXPECT_THAT(check_text(long_rod("all_explicit", 0.999), folder).out, Not(HasSubstr("warning")));
 }
@@ -35,7 +35,7 @@ TEST(CourantOne, TheShortestWaveGrowsInAllExplicit) {
 TEST(CourantOne, AHybridGainsEnergyEarlier) {
   const TemporaryFolder folder;
   const double edge = measured_edge(0.9, 0.995, [&](double factor) { return grows(long_rod("hughes_liu", factor), folder); });
-  EXPECT_GT(edge, 0.95) << "the share from which check warns";
+  EXPECT_NEAR(edge, 0.972, 0.01) << "check warns from 0.95 on";
   EXPECT_THAT(check_text(long_rod("hughes_liu", 0.955), folder).out, HasSubstr("may grow from impact to impact"));
   EXPECT_THAT(check_text(long_rod("hughes_liu", 0.945), folder).out, Not(HasSubstr("warning")));
   const RunResult run = run_file(folder.write(long_rod("hughes_liu", 1.0)), folder);
@@ -91,15 +91,19 @@ TEST(StiffImplicitNeighbour, DoesNotLowerTheStepOfTheExplicitElements) {
 
 // Row 2 without a penalty: in contact, a layer much stiffer than what is behind it is one to its inner node.
 TEST(StiffContactLayer, MakesEnergyLikeAPenalty) {
-  for (const char* protocol : {"hughes_liu", "all_implicit"}) {
+  for (const auto& [protocol, expected] : {std::pair{"hughes_liu", 1.05}, std::pair{"all_implicit", 1.18}}) {
     for (const double ratio : {1.0, 100.0}) {
       const TemporaryFolder folder;
       (void)folder.write(stiff_tip_mesh(ratio), "tip.msh");
       std::string text = replaced(stiff_tip(protocol, 0.8 * 0.05 / 1000.0), "initial_gap_m = 1.0", "initial_gap_m = 0.1");
       text = replaced(text, "initial_displacement_m = { start = [-1e-3], end = [1e-3] }", "initial_velocity_m_s = [20.0]");
       const double growth = unwatched_growth(text, folder);
-      EXPECT_EQ(growth > 0.5, ratio > 1.0) << protocol << ", " << ratio << ": " << growth << "; measured: 1.05 and 1.18 at 100";
-      EXPECT_EQ(growth > 0.01, ratio > 1.0) << protocol << ", " << ratio << ": " << growth;
+      if (ratio > 1.0) {
+        EXPECT_NEAR(growth, expected, 0.1 * expected) << protocol;
+      }
+      if (ratio == 1.0) {
+        EXPECT_LT(growth, 0.01) << protocol;
+      }
     }
   }
 }

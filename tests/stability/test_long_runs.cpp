@@ -40,7 +40,8 @@ RunResult run_long(const std::string& protocol, const TemporaryFolder& folder, i
 
 struct Level {
   const char* protocol;
-  double momentum, energy;
+  double momentum;  ///< at most: it is round-off, and not the same on every machine
+  double energy;    ///< range; below 1e-6 at most, for the same reason
   int substeps = 1;
 };
 
@@ -54,7 +55,11 @@ TEST_P(LongRun, KeepsMomentumAndEnergyWithoutTrend) {
   EXPECT_LT(momentum, GetParam().momentum);
   const Halves energy(run.column("energy_error"));
   RecordProperty("energy_error_range", number(energy.range()));
-  EXPECT_LT(energy.range(), GetParam().energy);
+  if (GetParam().energy < 1e-6) {
+    EXPECT_LT(energy.range(), GetParam().energy);
+  } else {
+    EXPECT_NEAR(energy.range(), GetParam().energy, 0.1 * GetParam().energy);
+  }
   // Without trend: the second half of the run stays within what the first has seen, and as far.
   const double slack = std::max(0.1 * energy.range(), 1e-8);  // u . P of a bar that has flown 10 m
   EXPECT_LT(energy.second_high, energy.first_high + slack);
@@ -62,9 +67,9 @@ TEST_P(LongRun, KeepsMomentumAndEnergyWithoutTrend) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, LongRun,
-                         testing::Values(Level{"hughes_liu", 5e-9, 0.02}, Level{"all_implicit", 5e-9, 1e-8},
-                                         Level{"all_explicit", 1e-12, 1e-8}, Level{"belytschko_mullen", 5e-9, 1e-8}, Level{"fixed_point", 5e-9, 0.02},
-                                         Level{"prakash_hjelmstad", 1e-8, 0.02}, Level{"prakash_hjelmstad", 1e-8, 0.2, 4}),
+                         testing::Values(Level{"hughes_liu", 2e-9, 9e-3}, Level{"all_implicit", 3e-9, 3e-9},
+                                         Level{"all_explicit", 2e-13, 1e-8}, Level{"belytschko_mullen", 2e-9, 6e-9}, Level{"fixed_point", 2e-9, 7e-3},
+                                         Level{"prakash_hjelmstad", 3e-9, 1.5e-2}, Level{"prakash_hjelmstad", 6e-9, 0.2, 4}),
                          [](const auto& test) { return test.param.protocol + std::string("_") + std::to_string(test.param.substeps); });
 
 // A dual protocol that dissipates: energy only falls, and so does what moves inside the bar; the flight remains.
@@ -87,10 +92,35 @@ TEST(LongRunKim, OnlyLosesEnergyAndHoldsItsMomentumToALevel) {
   const Halves energy(run.column("energy_error")), momentum(run.column("momentum_n_kg_m_s"));
   EXPECT_LE(energy.first_high, 1e-4);
   EXPECT_LE(energy.second_high, energy.first_low + 0.01) << "what is lost stays lost";
-  EXPECT_GT(energy.second_low, -0.5);
-  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-2);
+  EXPECT_NEAR(energy.range(), 0.07, 0.007);
+  EXPECT_NEAR(run.summary.at("momentum_error_max").get<double>(), 9e-4, 0.9e-4);
   EXPECT_LT(momentum.second_high - momentum.second_low, 1.05 * (momentum.first_high - momentum.first_low));
 }
+
+/// Bodies that bounce for 1e5 windows on massless contact nodes: hundreds of impacts, each of which closes and opens a pair. Under
+/// these protocols nothing but the contact could make energy; `hughes_liu` lets it creep at its interface, docs/limits.md.
+class LongBounce : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+TEST_P(LongBounce, KeepsItsEnergyWithinOnePercentAndIsNotStopped) {
+  const auto& [scene, protocol] = GetParam();
+  const TemporaryFolder folder;
+  auto text = with_key(with_protocol(config_text(scene), protocol), "contact", "multiplier_update", "\"massless\"");
+  const double courant_window_s = std::string(scene) == "rod_on_stop" ? 0.009 : 9e-6;  // of 100 elements at Courant 0.9
+  text = with_key(text, "time", "end_s", number(windows * courant_window_s));
+  text = with_key(text, "output", "history_every", "50");
+  const RunResult run = run_file(folder.write(text), folder, "out", 500.0);
+  EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
+  EXPECT_GT(run.summary.at("steps").get<int>(), 0.99 * windows);
+  EXPECT_GT(run.smallest("energy_error"), -0.01);
+  EXPECT_LT(run.largest("energy_error"), 0.01);
+  const auto& impulse = run.column("contact_impulse_n_s");
+  EXPECT_GT(impulse.back() - impulse[impulse.size() / 2], 0.4 * impulse.back()) << "it goes on bouncing as before";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, LongBounce,
+                         testing::Combine(testing::Values("rod_on_stop", "bouncing_bar"),
+                                          testing::Values("belytschko_mullen", "all_implicit", "all_explicit")),
+                         [](const auto& test) { return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param); });
 
 }  // namespace
 }  // namespace ricochet::test
