@@ -88,6 +88,22 @@ TEST(LoadedPlates, GainTheLoadsMomentumInBothDirections) {
   }
 }
 
+// A guide along the bodies holds shared nodes, too: what it pushes is in the momentum along the contact surface.
+TEST(GuidedPlates, TheGuidesImpulseIsThatOfItsReactions) {
+  const TemporaryFolder folder;
+  for (const std::string protocol : {"hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {
+    std::string text = with_protocol(config_text("sticking_plates"), protocol);
+    for (int body = 0; body < 2; ++body) {
+      text = replaced(text, ", periodic_across = true }", " }\nsupport = [{ surface = \"inner\", fixed = [\"x\"] }]");
+      text = replaced(text, body == 0 ? "[3.0, 10.0]" : "[-3.0, -10.0]", body == 0 ? "[0.0, 10.0]" : "[0.0, -10.0]");
+    }
+    const RunResult run = run_text(with_key(text, "coupling", "after_separation", "\"implicit\""), folder, protocol);
+    EXPECT_GT(run.largest("momentum_t_kg_m_s") - run.smallest("momentum_t_kg_m_s"), 0.1) << "plates widen away from it";
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9) << protocol;
+    EXPECT_LT(unowned_j(run), 1e-10 * run.column("energy_kinetic_j")[0]) << protocol;
+  }
+}
+
 struct Shape {
   const char* name;
   const char* model;

@@ -113,6 +113,8 @@ TEST_F(Ring, DoesNotTrustCountersThatCannotBe) {
   memory_->written = 0;
   memory_->read = 1;  // more than was ever written
   EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send("x"); }), HasSubstr("the receiver corrupted the shared"));
+  memory_->read = 0U - (RingMemory::capacity + 1);  // one byte more is unread than the ring holds
+  EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send("x"); }), HasSubstr("262145 bytes unread in a ring of 262144"));
 }
 
 TEST_F(Ring, CountsBeyond32Bits) {
