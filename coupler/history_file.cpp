@@ -35,7 +35,8 @@ std::vector<std::string> history_columns(const std::vector<std::string>& bodies)
                                       "energy_interface_j",
                                       "energy_error",
                                       "momentum_n_kg_m_s",
-                                      "momentum_t_kg_m_s"};
+                                      "momentum_t_kg_m_s",
+                                      "angular_momentum_kg_m2_s"};
   for (const auto& body : bodies) columns.push_back(fmt::format("velocity_mean_{}_m_s", body));
   return columns;
 }
@@ -69,7 +70,7 @@ void HistoryFile::add(const HistoryRow& row) {
   for (const double value : {gap, c.contact_force_n, c.contact_pressure_mean_pa, c.principal_stress_mean_pa,
                              c.friction_force_n, c.pairs_stick, c.pairs_slip, c.pairs_open, s.energy_kinetic_j,
                              s.energy_strain_j, s.energy_external_j, c.energy_contact_j, c.energy_friction_j,
-                             s.energy_interface_j, row.energy_error, s.momentum_n_kg_m_s, s.momentum_t_kg_m_s}) {
+                             s.energy_interface_j, row.energy_error, s.momentum_n_kg_m_s, s.momentum_t_kg_m_s, s.angular_momentum_kg_m2_s}) {
     put(value);
   }
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);

@@ -119,6 +119,8 @@ void ExplicitContact::account(const Pair& pair, const Force& old, const Force& n
   auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
   totals.impulse_n_kg_m_s -= 0.5 * dt_ * (old.normal + now.normal);
   totals.impulse_t_kg_m_s -= 0.5 * dt_ * (old.tangential + now.tangential);
+  const Eigen::Vector2d sum = (old.normal + now.normal) * surface_.normal + (old.tangential + now.tangential) * surface_.tangent;
+  states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(pair.a.node, -0.5 * dt_ * sum);
 }
 
 /// dt^2/8 a^T M a of a pair's nodes: what the staggered metric takes off 1/2 v^T M v. A contact force at n = 0 changes it at

@@ -246,6 +246,10 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
       auto& totals = states[static_cast<std::size_t>(side.part)].totals;
       totals.impulse_n_kg_m_s += 0.5 * dt * along(bracket, surface_.normal) + along(jump, surface_.normal);
       totals.impulse_t_kg_m_s += 0.5 * dt * along(bracket, surface_.tangent) + along(jump, surface_.tangent);
+      if (surface_.components == 2) {
+        states[static_cast<std::size_t>(side.part)].add_angular_impulse(
+            side.node, 0.5 * dt * bracket.segment<2>(first) + jump.segment<2>(first));
+      }
     }
   }
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "coupler/conserved.hpp"
 #include "coupler/history_file.hpp"
 #include "tests/support/one_process.hpp"
 #include "tests/support/run.hpp"
@@ -19,7 +20,7 @@ std::string history_in_one_process(const std::string& scene, const std::string& 
   std::vector<coupler::History::Source> sources;
   for (const auto& link : links) sources.push_back({link.name(), link.description().record_columns});
   coupler::History history(sources, bodies, run.problem().window_size_s,
-                           run.problem().scene.model != scene::Model::axisymmetric);
+                           coupler::conserved_by(run.problem()));
   {
     coupler::HistoryFile file(path, bodies, true);
     run.run([&](std::int64_t) {
