@@ -44,6 +44,7 @@ class CoupledRun {
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);
+  void note_departures(std::int64_t window);
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
@@ -68,6 +69,7 @@ class CoupledRun {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;
   std::unique_ptr<EnergyWatch> watch_;
+  OutsideModel outside_;
   std::unique_ptr<TimeLoop> loop_;
 };
 

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "common/scene/check.hpp"
+
+/// What `plan` says of the limits of the model: small strain, small displacement, contact only where one is declared. Internal to
+/// common/scene.
+namespace ricochet::scene {
+
+/// Bodies without a contact between them: throws ConfigError where two overlap at the start; warns where two meet on a straight flight
+/// at their initial velocities, which bodies in contact leave when they first touch.
+void check_overlaps(const Problem& problem, Plan& plan);
+
+}  // namespace ricochet::scene
