@@ -132,7 +132,7 @@ bool CoupledRun::may_switch() {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
-  } else if (critical < plan_.window_size_s) {  // of a solver that has elements we know nothing of
+  } else if (critical > 0 && critical < plan_.window_size_s) {  // of a solver that has elements we know nothing of
     obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
   }
   if (obstacle.empty()) return true;

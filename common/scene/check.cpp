@@ -146,6 +146,7 @@ Plan plan(const Problem& problem) {
   check_friction(problem, plan);
   check_impact(problem, plan);
   check_overlaps(problem, plan);
+  check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
   plan.switch_obstacle = switch_obstacle(problem);
   if (!plan.switch_obstacle.empty())

@@ -93,4 +93,26 @@ void check_overlaps(const Problem& problem, Plan& plan) {
   }
 }
 
+void check_slip_in_flight(const Problem& problem, Plan& plan) {
+  const ContactGeometry& contact = problem.contact;
+  const bool slides = !contact.pairs.empty() && contact.body_b >= 0 && problem.scene.components() == 2;
+  const double touch_s = slides ? first_contact_s(problem) : 0.0;
+  if (!std::isfinite(touch_s) || touch_s == 0.0) return;
+  const Eigen::Vector2d tangent(-contact.normal[1], contact.normal[0]);
+  const Eigen::Vector2d v = velocity(problem.scene.bodies[at(contact.body_a)]) - velocity(problem.scene.bodies[at(contact.body_b)]);
+  std::vector<double> places;
+  for (const ContactPair& pair : contact.pairs)
+    places.push_back(tangent.dot(problem.bodies[at(contact.body_a)].mesh.position[at(pair.node_a)]));
+  std::sort(places.begin(), places.end());
+  double edge_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < places.size(); ++i) edge_m = std::min(edge_m, places[i] - places[i - 1]);
+  const double slip_m = std::abs(v.dot(tangent)) * touch_s;
+  if (!(slip_m > 0.5 * edge_m)) return;
+  const bool ended = problem.bodies[at(contact.body_a)].mesh.period_m == 0.0;
+  plan.warnings.push_back(fmt::format(
+      "when the bodies touch, at {:.4g} s, they have moved {:.3g} m along the contact surface, {:.3g} element edges{}", touch_s, slip_m,
+      slip_m / edge_m, ended && slip_m > edge_m ? ": nodes are past the end of their partner's surface, and the run stops there"
+                                                : ": pressure and friction act that far from their place"));
+}
+
 }  // namespace ricochet::scene

@@ -10,4 +10,8 @@ namespace ricochet::scene {
 /// at their initial velocities, which bodies in contact leave when they first touch.
 void check_overlaps(const Problem& problem, Plan& plan);
 
+/// Warns if the nodes of two bodies that fly towards each other are no longer opposite when they touch: half an element edge aside, or
+/// wholly past the other surface.
+void check_slip_in_flight(const Problem& problem, Plan& plan);
+
 }  // namespace ricochet::scene

@@ -65,6 +65,13 @@ TEST_P(OffPartner, IsNoContact) {
   EXPECT_LE(run.last("time_s"), 1e-3 + 2e-4);
 }
 
+TEST(Flight, AsideOfThePartnerIsPredicted) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(check(sideways("hughes_liu", 100.0), folder).out, HasSubstr("moved 0.1 m along the contact surface, 10 element edges: nodes are past"));
+  EXPECT_THAT(check(sideways("hughes_liu", 7.0), folder).out, HasSubstr("0.7 element edges: pressure and friction act"));
+  EXPECT_THAT(check(sideways("hughes_liu", 3.0), folder).out, Not(HasSubstr("element edges")));
+}
+
 TEST_P(OffPartner, SlipOfLessIsSaidWithItsSize) {
   const TemporaryFolder folder;
   const auto run = run_text(sideways(GetParam(), 7.0), folder);  // 7 mm along edges of 10 mm when they touch
