@@ -47,8 +47,8 @@ Interval boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v,
       if (gap_low >= 0.0 || gap_high <= 0.0) return {1.0, 0.0};
       continue;
     }
-    const auto [first, last] = std::minmax(gap_low / v[axis], gap_high / v[axis]);
-    time = {std::max(time.begin_s, first), std::min(time.end_s, last)};
+    const double one = gap_low / v[axis], other = gap_high / v[axis];
+    time = {std::max(time.begin_s, std::min(one, other)), std::min(time.end_s, std::max(one, other))};
   }
   return time;
 }
