@@ -15,10 +15,6 @@ constexpr double closed_share = 1e-6;
 /// Nodes that move against each other by less than this share of the shortest edge cannot invert an element.
 constexpr double safe_share = 0.2;
 
-Eigen::Vector2d displacement(const BodyState& state, int node, int components) {
-  return {state.u[node * components], components == 2 ? state.u[node * components + 1] : 0.0};
-}
-
 /// Smallest Jacobian at a corner of a moved quadrilateral over that of the reference.
 double smallest_jacobian_ratio(const fem::ElementCoordinates& x, const std::array<Eigen::Vector2d, 4>& u) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -40,9 +36,28 @@ double principal_strain(const Eigen::Matrix2d& gradient) {
   return std::abs(mean) + std::hypot(difference, 0.5 * (gradient(0, 1) + gradient(1, 0)));
 }
 
-double depth_of(const fem::Mesh& mesh, int element, const Eigen::Vector2d& normal) {
-  const Eigen::VectorXd along = fem::element_coordinates(mesh, element) * normal;
-  return along.maxCoeff() - along.minCoeff();
+/// u_r / r at an element's middle.
+double hoop_strain(const fem::Mesh& mesh, const std::array<int, 4>& nodes, const std::array<Eigen::Vector2d, 4>& u) {
+  double u_r = 0.0, r = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    u_r += u[i][0];
+    r += mesh.position[static_cast<std::size_t>(nodes[i])][0];
+  }
+  return u_r / r;
+}
+
+/// Per node the smallest extent along the normal of the elements there [m].
+std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector2d& normal) {
+  std::vector<double> depth_m(mesh.position.size(), std::numeric_limits<double>::infinity());
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const Eigen::VectorXd along = fem::element_coordinates(mesh, e) * normal;
+    const double own_m = along.maxCoeff() - along.minCoeff();
+    for (int i = 0; i < fem::nodes_per_element(mesh.model); ++i) {
+      const int node = mesh.elements[static_cast<std::size_t>(e)][static_cast<std::size_t>(i)];
+      depth_m[static_cast<std::size_t>(node)] = std::min(depth_m[static_cast<std::size_t>(node)], own_m);
+    }
+  }
+  return depth_m;
 }
 
 }  // namespace
@@ -99,15 +114,7 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
   for (const bool first : {true, false}) {
     const int body = first ? contact.body_a : contact.body_b;
     if (body < 0) continue;
-    const auto& mesh = problem.bodies[static_cast<std::size_t>(body)].mesh;
-    std::vector<double> depth_m(mesh.position.size(), std::numeric_limits<double>::infinity());
-    for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-      const double own_m = depth_of(mesh, e, contact.normal);
-      for (int i = 0; i < fem::nodes_per_element(mesh.model); ++i) {
-        double& smallest = depth_m[static_cast<std::size_t>(mesh.elements[static_cast<std::size_t>(e)][static_cast<std::size_t>(i)])];
-        smallest = std::min(smallest, own_m);
-      }
-    }
+    const auto depth_m = depths(problem.bodies[static_cast<std::size_t>(body)].mesh, contact.normal);
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const int node = first ? contact.pairs[i].node_a : contact.pairs[i].node_b;
       pairs_[i].depth_m = std::min(pairs_[i].depth_m, depth_m[static_cast<std::size_t>(node)]);
@@ -136,7 +143,7 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
     for (std::size_t e = 0; e < elements_[p].size(); ++e) {
       const auto& element = elements_[p][e];
       const auto& nodes = mesh.elements[e];
-      const Eigen::Vector2d place = mesh.position[static_cast<std::size_t>(nodes[0])];
+      const Eigen::Vector2d& place = mesh.position[static_cast<std::size_t>(nodes[0])];
       if (components == 1) {
         const double stretch = (state.u[nodes[1]] - state.u[nodes[0]]) * element.inverse_diagonals(0, 0);
         strain.take(std::abs(stretch), place);
@@ -144,26 +151,18 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
         continue;
       }
       std::array<Eigen::Vector2d, 4> u;
-      double moved = 0.0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        u[i] = displacement(state, nodes[i], components);
-        moved = std::max(moved, (u[i] - u[0]).squaredNorm());
-      }
+      for (std::size_t i = 0; i < 4; ++i) u[i] = state.u.segment<2>(2 * nodes[i]);
       Eigen::Matrix2d differences;
       differences << u[2] - u[0], u[3] - u[1];
       const Eigen::Matrix2d gradient = differences * element.inverse_diagonals;
-      double largest = principal_strain(gradient);
-      if (mesh.model == fem::Model::axisymmetric) {
-        double u_r = 0.0, r = 0.0;
-        for (std::size_t i = 0; i < 4; ++i) {
-          u_r += u[i][0];
-          r += mesh.position[static_cast<std::size_t>(nodes[i])][0];
-        }
-        largest = std::max(largest, std::abs(u_r / r));
+      // No principal strain and no rotation is larger than the gradient: nearly every element is done with here.
+      if (gradient.squaredNorm() > strain_limit * strain_limit) {
+        strain.take(principal_strain(gradient), place);
+        rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
       }
-      strain.take(largest, place);
-      rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
-      if (moved <= std::pow(safe_share * element.shortest_edge_m, 2)) continue;
+      if (mesh.model == fem::Model::axisymmetric) strain.take(std::abs(hoop_strain(mesh, nodes, u)), place);
+      const double moved = std::max({(u[1] - u[0]).squaredNorm(), (u[2] - u[0]).squaredNorm(), (u[3] - u[0]).squaredNorm()});
+      if (moved <= safe_share * safe_share * element.shortest_edge_m * element.shortest_edge_m) continue;
       const double ratio = smallest_jacobian_ratio(fem::element_coordinates(mesh, static_cast<int>(e)), u);
       if (ratio <= 0.0) inverted.take(1.0 - ratio, place);
     }
@@ -194,7 +193,7 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
 /// Where a node of a pair has got to, along the tangent [m].
 double ModelWatch::along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const {
   const auto& state = states[static_cast<std::size_t>(side.part)];
-  return pairs_[pair].along_m + surface_->tangent.dot(displacement(state, side.node, 2));
+  return pairs_[pair].along_m + surface_->tangent.dot(state.u.segment<2>(2 * side.node));
 }
 
 void ModelWatch::look_past_ends(std::int64_t window, const std::vector<BodyState>& states) {
