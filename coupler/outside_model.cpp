@@ -29,23 +29,28 @@ std::string place(const Departed& d) {
 
 std::string text_of(const Departed& d) {
   if (d.kind == "strain") {
-    return fmt::format("strain of {:.3g} % {}: strain is small no more, expect errors of stresses and forces of about {:.2g} %", 100 * d.size,
+    return fmt::format("strain of {:.3g} % {}: strain is small no more, expect errors of stresses and forces of "
+                       "about {:.2g} %", 100 * d.size,
                        place(d), 100 * d.size);
   }
   if (d.kind == "rotation") {
-    return fmt::format("rotation of {:.3g} degrees {}: small strain sees in it a strain of {:.2g} that is not there, and the stress of that",
+    return fmt::format("rotation of {:.3g} degrees {}: small strain sees in it a strain of {:.2g} that is not "
+                       "there, and the stress of that",
                        d.size * 180.0 / std::numbers::pi, place(d), 0.5 * d.size * d.size);
   }
   if (d.kind == "slip") {
-    return fmt::format("nodes in contact {} are {:.3g} element edges from being opposite: pressure and friction act that far from their place",
+    return fmt::format("nodes in contact {} are {:.3g} element edges from being opposite: pressure and friction act "
+                       "that far from their place",
                        place(d), d.size);
   }
   if (d.kind == "inverted_element") return fmt::format("an element {} is turned inside out", place(d));
   if (d.kind == "off_partner") {
-    return fmt::format("a node in contact {} has slid {:.3g} element edges past the end of its partner's surface, and is still pressed",
+    return fmt::format("a node in contact {} has slid {:.3g} element edges past the end of its partner's surface, "
+                       "and is still pressed",
                        place(d), d.size);
   }
-  return fmt::format("a contact node {} lies {:.3g} of an element's depth within the other body: the penalty is too soft for this impact, or "
+  return fmt::format("a contact node {} lies {:.3g} of an element's depth within the other body: the penalty is too "
+                     "soft for this impact, or "
                      "the step too long", place(d), d.size);
 }
 
@@ -65,7 +70,8 @@ std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, st
          .y_m = overlap.place[1],
          .looks = 1,
          .wrong = true,
-         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at ({:.6g}, {:.6g}) m, t = {:.6g} s, with no contact between them",
+         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at ({:.6g}, {:.6g}) m, t = {:.6g} s, with no "
+                             "contact between them",
                              overlap.body, overlap.other, overlap.depth_m, overlap.place[0], overlap.place[1], overlap.time_s)},
         news);
   }
@@ -127,7 +133,8 @@ std::optional<double> OutsideModel::valid_until_s() const {
 void OutsideModel::stop_if_wrong() const {
   const auto first = std::find_if(found_.begin(), found_.end(), [](const Departed& d) { return d.wrong; });
   if (first == found_.end()) return;
-  throw ModelError(fmt::format("left the model: {}; what was written up to t = {:.6g} s is valid, later rows and fields are not",
+  throw ModelError(fmt::format("left the model: {}; what was written up to t = {:.6g} s is valid, later rows and "
+                               "fields are not",
                                first->text, *valid_until_s()));
 }
 

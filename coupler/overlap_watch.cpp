@@ -26,6 +26,7 @@ Eigen::Vector2d mean(const std::vector<Eigen::Vector2d>& values) {
 
 OverlapWatch::OverlapWatch(const scene::Problem& problem, double window_size_s)
     : window_size_s_(window_size_s), pairs_(scene::pairs_without_contact(problem)) {
+  if (pairs_.empty()) return;
   for (const auto& body : problem.bodies) {
     Body watched{body.name, scene::Shape(body), {}, {}, {}};
     const std::size_t nodes = watched.shape.outline().nodes.size();

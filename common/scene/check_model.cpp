@@ -78,7 +78,8 @@ void check_overlaps(const Problem& problem, Plan& plan) {
     shape_b.move(initial_displacement(problem, b, shape_b.outline()));
     const Shape::Overlap overlap = shape_a.overlap(shape_b);
     if (overlap.depth_m > overlap_tolerance(shape_a, shape_b))
-      throw ConfigError(fmt::format("{}: found a body that overlaps body \"{}\" by {:.3g} m at ({:.6g}, {:.6g}) m, with no contact between "
+      throw ConfigError(fmt::format("{}: found a body that overlaps body \"{}\" by {:.3g} m at ({:.6g}, {:.6g}) m, "
+                                    "with no contact between "
                                     "them; allowed: bodies that are apart",
                                     problem.scene.where("body." + b.name + ".mesh"), a.name, overlap.depth_m, overlap.place[0],
                                     overlap.place[1]));
@@ -88,7 +89,8 @@ void check_overlaps(const Problem& problem, Plan& plan) {
     const Eigen::Vector2d v = velocity(problem.scene.bodies[at(pair.first)]) - velocity(problem.scene.bodies[at(pair.second)]);
     const double meeting_s = meeting_time(shape_a, shape_b, start, v, until_s);
     if (std::isfinite(meeting_s))
-      plan.warnings.push_back(fmt::format("bodies \"{}\" and \"{}\" meet at about {:.4g} s if they fly straight on, and no contact is declared "
+      plan.warnings.push_back(fmt::format("bodies \"{}\" and \"{}\" meet at about {:.4g} s if they fly straight on, "
+                                          "and no contact is declared "
                                           "between them: the run stops there", a.name, b.name, meeting_s));
   }
 }
@@ -110,8 +112,10 @@ void check_slip_in_flight(const Problem& problem, Plan& plan) {
   if (!(slip_m > 0.5 * edge_m)) return;
   const bool ended = problem.bodies[at(contact.body_a)].mesh.period_m == 0.0;
   plan.warnings.push_back(fmt::format(
-      "when the bodies touch, at {:.4g} s, they have moved {:.3g} m along the contact surface, {:.3g} element edges{}", touch_s, slip_m,
-      slip_m / edge_m, ended && slip_m > edge_m ? ": nodes are past the end of their partner's surface, and the run stops there"
+      "when the bodies touch, at {:.4g} s, they have moved {:.3g} m along the contact surface, {:.3g} element "
+      "edges{}", touch_s, slip_m,
+      slip_m / edge_m, ended && slip_m > edge_m ? ": nodes are past the end of their partner's surface, and the run "
+                                                  "stops there"
                                                 : ": pressure and friction act that far from their place"));
 }
 

@@ -17,7 +17,8 @@ std::string switch_obstacle(const Problem& problem) {
     const double critical = critical_time_step(body, all);
     if (problem.window_size_s > critical)
       return fmt::format(
-          "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the step of {:.6g} s",
+          "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
+          "step of {:.6g} s",
           body.name, critical, problem.window_size_s);
   }
   return "";
