@@ -22,7 +22,7 @@ namespace {
 
 const char* const exit_codes =
     "Exit codes: 0 done, 2 the scene or the command line is wrong, 3 unstable, 4 a participant failed,\n"
-    "            5 the coupling protocol was broken, 130 interrupted (Ctrl-C; 128 + signal).";
+    "            5 the coupling protocol was broken, 6 the run left the model, 130 interrupted (Ctrl-C; 128 + signal).";
 
 struct Arguments {
   std::string scene, study, out, name, results;

@@ -45,6 +45,7 @@ class CoupledRun {
   void step();
   void take_records(std::int64_t window);
   void count_contact(const HistoryRow& row);
+  void note_departures(std::int64_t window);
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
@@ -70,6 +71,8 @@ class CoupledRun {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;
   std::unique_ptr<EnergyWatch> watch_;
+  OutsideModel outside_;
+  ContactRow since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;
 };
 

@@ -36,6 +36,7 @@ std::vector<std::string> history_columns(const std::vector<std::string>& bodies)
                                       "energy_error",
                                       "momentum_n_kg_m_s",
                                       "momentum_t_kg_m_s",
+                                      "angular_momentum_kg_m2_s",
                                       "contact_impulse_n_s",
                                       "friction_impulse_n_s",
                                       "contact_iterations",
@@ -75,8 +76,8 @@ void HistoryFile::add(const HistoryRow& row) {
                              c.friction_force_n, c.pairs_stick, c.pairs_slip, c.pairs_open, s.energy_kinetic_j,
                              s.energy_strain_j, s.energy_external_j, c.energy_contact_j, c.energy_friction_j,
                              s.energy_interface_j, row.energy_error, s.momentum_n_kg_m_s, s.momentum_t_kg_m_s,
-                             c.contact_impulse_n_s, c.friction_impulse_n_s, c.contact_iterations, c.contact_residual,
-                             c.contact_unconverged}) {
+                             s.angular_momentum_kg_m2_s, c.contact_impulse_n_s, c.friction_impulse_n_s, c.contact_iterations,
+                             c.contact_residual, c.contact_unconverged}) {
     put(value);
   }
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numeric>
 
 #include "common/base/error.hpp"
+#include "coupler/energy_watch.hpp"
 #include "coupler/executable.hpp"
 #include "coupler/run_id.hpp"
 
@@ -51,7 +53,7 @@ wire::Message initialize_request(const scene::Scene& scene, double window_size_s
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol;
   request.substeps = scene.coupling.substeps;
-  request.history_every = scene.output.history_every;
+  request.history_every = std::gcd(static_cast<std::int64_t>(scene.output.history_every), EnergyWatch::every);  // rows for both
   request.fields_every = scene.output.fields_every;
   request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
   request.separation_windows = scene.coupling.separation_windows;

@@ -49,6 +49,8 @@ std::string status_of(const std::exception& error) {
       return "unstable";
     case ExitCode::protocol:
       return "protocol_broken";
+    case ExitCode::model:
+      return "left_model";
     default:
       return "participant_failed";
   }

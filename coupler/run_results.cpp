@@ -91,6 +91,7 @@ void CoupledRun::write_files() {
   }
   if (coupling_) {
     summary_.largest_drift = coupling_->largest_drift();
+    summary_.interface_drift_m = coupling_->interface_drift_m();
     const double separation = coupling_->contact().separation_time_s;
     if (separation >= 0) summary_.separation_time_s = separation;
   }

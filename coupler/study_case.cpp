@@ -73,7 +73,7 @@ bool StudyCase::read_repeat(int repeat) {
   if (!fs::is_regular_file(path)) return false;
   const auto summary = report::read_summary(path);
   const std::string status = summary.value("status", "");
-  if (status == "unstable") {
+  if (status == "unstable" || status == "left_model") {
     fail(status, summary.value("exit_code", 0), summary.value("error", status));
     return false;
   }

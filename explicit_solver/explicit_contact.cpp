@@ -128,6 +128,8 @@ void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double t
   auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
   totals.impulse_n_kg_m_s -= normal_n_s;
   totals.impulse_t_kg_m_s -= tangential_n_s;
+  states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
+      pair.a.node, -(normal_n_s * surface_.normal + tangential_n_s * surface_.tangent));
 }
 
 /// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping pair that this

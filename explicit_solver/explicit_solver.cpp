@@ -46,6 +46,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
     interface_force(output);
   }
   axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
+  outline_ = solver::WatchedOutline(problem_, states_);
 }
 
 void ExplicitSolver::initialize_internal_forces() {
@@ -256,6 +258,7 @@ void ExplicitSolver::accept() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     half_a_step(b);
     states_[b].u.swap(windows_[b].u);
+    set_shared_velocity(b);
   }
   const double time_s = static_cast<double>(window_) * dt;
   find_accelerations(time_s, Velocity::half_a_step_before);
@@ -268,6 +271,13 @@ void ExplicitSolver::accept() {
   account();
   update_status();
   axial_stress_.add(window_, states_);
+  model_watch_.look(window_, states_);
+}
+
+/// The link says where shared nodes are, not how fast: their mean velocity over the window, for the fields. Nothing else reads it.
+void ExplicitSolver::set_shared_velocity(std::size_t b) {
+  auto& state = states_[b];
+  for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - windows_[b].u[dof]) / setup_.window_size_s;
 }
 
 /// v += dt/2 a, where there is an acceleration.
@@ -412,7 +422,9 @@ void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std
 
 void ExplicitSolver::accept_subcycling() {
   for (std::size_t b = 0; b < states_.size(); ++b) subcycled_[b].accept(states_[b]);
-  if (substep_ == 0 || substep_ == setup_.substeps) axial_stress_.add(++window_, states_);
+  if (substep_ != 0 && substep_ != setup_.substeps) return;
+  axial_stress_.add(++window_, states_);
+  model_watch_.look(window_, states_);
 }
 
 }  // namespace ricochet::explicit_solver

@@ -8,7 +8,9 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
+#include "common/solver/watched_outline.hpp"
 #include "explicit_solver/explicit_contact.hpp"
 #include "explicit_solver/subcycled_window.hpp"
 #include "explicit_solver/wave_front.hpp"
@@ -41,6 +43,9 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  void finish() override { model_watch_.look(window_, states_, true); }
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
@@ -78,6 +83,7 @@ class ExplicitSolver final : public participant::Participant {
   enum class Velocity { now, half_a_step_before };
   void find_accelerations(double time_s, Velocity velocity);
   void half_a_step(std::size_t part);
+  void set_shared_velocity(std::size_t part);
   void set_dashpot_forces(solver::BodyState& state, Window& window, Velocity velocity) const;
   [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
   void account();
@@ -99,6 +105,8 @@ class ExplicitSolver final : public participant::Participant {
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;
   solver::AxialStressFile axial_stress_;
+  solver::ModelWatch model_watch_;
+  solver::WatchedOutline outline_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
   bool all_rows_ = false;

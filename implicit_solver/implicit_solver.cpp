@@ -97,6 +97,8 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   first_staggered_j_ = interface_work_j_;
   factorise();
   axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
+  outline_ = solver::WatchedOutline(problem_, states_);
   put_output(trial_, output);
 }
 
@@ -427,6 +429,7 @@ void ImplicitSolver::accept() {
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
   axial_stress_.add(window_, states_);
+  model_watch_.look(window_, states_);
 }
 
 /// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise add up

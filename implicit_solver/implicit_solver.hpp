@@ -8,7 +8,9 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
+#include "common/solver/watched_outline.hpp"
 #include "implicit_solver/condensed_factor.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
 
@@ -41,6 +43,9 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  void finish() override { model_watch_.look(window_, states_, true); }
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
@@ -112,6 +117,8 @@ class ImplicitSolver final : public participant::Participant {
   Window trial_;
   participant::Setup setup_;
   solver::AxialStressFile axial_stress_;
+  solver::ModelWatch model_watch_;
+  solver::WatchedOutline outline_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part

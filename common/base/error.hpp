@@ -12,6 +12,7 @@ enum class ExitCode : int {
   unstable = 3,     ///< the computation left the range where its numbers mean anything
   participant = 4,  ///< a participant is missing, died, hung or failed by itself
   protocol = 5,     ///< a peer broke the wire or the legal order of messages
+  model = 6,        ///< the run left what the model describes: the user changes the scene
 };
 
 class Error : public std::runtime_error {
@@ -31,6 +32,9 @@ struct SolverError : Error {
 };
 struct ParticipantError : Error {
   explicit ParticipantError(const std::string& text) : Error(ExitCode::participant, text) {}
+};
+struct ModelError : Error {
+  explicit ModelError(const std::string& text) : Error(ExitCode::model, text) {}
 };
 struct ProtocolError : Error {
   explicit ProtocolError(const std::string& text) : Error(ExitCode::protocol, text) {}

@@ -92,7 +92,7 @@ int serve(Participant& participant, const ServeOptions& options) {
 int participant_main(int argc, const char* const* argv, const MakeParticipant& make) {
   std::string name = "participant";
   try {
-    const auto arguments = parse_arguments(argc, argv);
+    auto arguments = parse_arguments(argc, argv);
     name = arguments.name;
     const auto participant = make(arguments);
     return serve(*participant, arguments.options);

@@ -272,33 +272,6 @@ void Session::write_fields() {
   fields_window_ = accepted_window_;
 }
 
-void Session::put_absolute(wire::Array& absolute) const {
-  set(absolute, output_.value, nodes_, description_.components);
-}
-
-void Session::put_rates(Message& reply) const {
-  const int rows = moves_ ? nodes_ : 0;
-  set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
-  set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
-}
-
-void Session::put_contact(Message& reply) const {
-  reply.pairs_closed = contact_.pairs_closed;
-  reply.gap_min_m = contact_.gap_min_m;
-  reply.gap_rate_min_m_s = contact_.gap_rate_min_m_s;
-  reply.separated = contact_.separated;
-  reply.separation_time_s = contact_.separation_time_s;
-  reply.finished_early = contact_.finished;
-}
-
-void Session::put_records(bool requested, Message& reply) {
-  const int columns = static_cast<int>(description_.record_columns.size());
-  reply.records.resize(0, columns);
-  if (!requested) return;
-  reply.records.rows = static_cast<int>(rows_.size()) / columns;
-  reply.records.data.swap(rows_);
-}
-
 void Session::require_rows(const wire::Array& array, std::string_view field, int columns) const {
   require(array.rows == nodes_ && array.columns == columns,
           "the coupler sent '{}' with {} x {} numbers, the interface of participant '{}' has {} x {}", field,

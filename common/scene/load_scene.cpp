@@ -57,6 +57,12 @@ void check_automatic_partition(const TableReader& root, const TableReader& time,
     time.refuse("largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
 }
 
+/// Which protocol runs is known after the contact has been read.
+void check_contact_keys(TableReader& root, const Scene& scene) {
+  if (!scene.contact || protocol_traits(scene.coupling.protocol).layout != Layout::all_explicit) return;
+  root.table("contact", "contact").only_if(false, "impact_update", "an implicit side, which \"all_explicit\" has not");
+}
+
 void load_tables(TableReader& root, Scene& scene) {
   scene.model = load_model(root);
   load_bodies(root, scene);
@@ -74,6 +80,7 @@ void load_tables(TableReader& root, Scene& scene) {
     TableReader table = root.table("coupling", "coupling");
     scene.coupling = load_coupling(table, scene.contact.has_value());
   }
+  check_contact_keys(root, scene);
   check_automatic_partition(root, time, scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));

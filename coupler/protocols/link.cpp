@@ -11,6 +11,9 @@
 namespace ricochet::coupler {
 namespace {
 
+/// Kinds of `departures`, from 1 on.
+constexpr double departure_kinds = 6;
+
 void set(wire::Array& array, const std::vector<double>& values, int columns) {
   array.rows = static_cast<int>(values.size()) / columns;
   array.columns = columns;
@@ -183,7 +186,36 @@ void Link::take_rates(const wire::Message& answer) {
   acceleration_.assign(answer.acceleration_m_s2.data.begin(), answer.acceleration_m_s2.data.end());
 }
 
+void Link::require_body(double body, const char* field) const {
+  if (body >= 0 && body < static_cast<double>(description_.bodies.size()) && body == std::floor(body)) return;
+  throw ProtocolError(fmt::format("participant '{}' named body {} in '{}', it has {}", name(), body, field,
+                                  description_.bodies.size()));
+}
+
+void Link::take_departures(const wire::Message& answer) {
+  const auto require_columns = [&](const wire::Array& array, int columns, const char* field) {
+    if (array.rows == 0 || array.columns == columns) return;
+    throw ProtocolError(fmt::format("participant '{}' sent '{}' with rows of {} numbers, expected {}", name(), field,
+                                    array.columns, columns));
+  };
+  require_columns(answer.departures, wire::departure_columns, "departures");
+  require_columns(answer.outline, 2 + rows_.components, "outline");
+  for (int row = 0; row < answer.departures.rows; ++row) {
+    const double* values = &answer.departures.data[static_cast<std::size_t>(row * wire::departure_columns)];
+    if (!(values[0] >= 1 && values[0] <= departure_kinds && values[0] == std::floor(values[0]))) {
+      throw ProtocolError(fmt::format("participant '{}' sent the unknown kind {} in 'departures'", name(), values[0]));
+    }
+    require_body(values[1], "departures");
+  }
+  for (int row = 0; row < answer.outline.rows; ++row) {
+    require_body(answer.outline.data[static_cast<std::size_t>(row * answer.outline.columns)], "outline");
+  }
+  if (answer.departures.rows > 0) departures_ = answer.departures;  // what has left once stays told
+  if (answer.outline.rows > 0) outline_ = answer.outline;
+}
+
 void Link::take_records_of(const wire::Message& answer) {
+  take_departures(answer);
   if (answer.records.rows == 0) return;
   if (answer.records.columns != static_cast<int>(description_.record_columns.size())) {
     throw ProtocolError(fmt::format("participant '{}' sent history rows of {} numbers, it announced {} columns", name(),

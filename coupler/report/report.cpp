@@ -39,12 +39,12 @@ std::vector<Event> events_of(const Json& summary) {
   return events;
 }
 
-/// Column theory_contact_stress_pa: the stress of impedance theory while it says that the bodies touch.
+/// Column theory_contact_stress_pa: the stress of impedance theory until the first wave comes back to the contact.
 void add_theory(HistoryTable& table, const Json& summary) {
   const auto first = number(summary, "first_contact_s");
   const Json theory = summary.value("theory", Json());
   if (!first || theory.is_null()) return;
-  const double end_s = *first + number(theory, "contact_duration_s").value_or(0.0);
+  const double end_s = *first + number(theory, "first_step_s").value_or(0.0);
   const double stress_pa = number(theory, "contact_stress_pa").value_or(0.0);
   std::vector<double> values;
   for (const double time : table.columns.front()) {

@@ -77,6 +77,9 @@ std::string balance_rows(const Json& summary) {
                 fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", *last, *lowest, *highest));
   }
   if (momentum) text += row("momentum error", fmt::format("{:.3e}", *momentum));
+  const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
+  if (angular && *angular > 0) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
+  if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
   return text;
 }
 
@@ -91,6 +94,10 @@ std::string course_rows(const Json& summary) {
   }
   if (!switches.empty()) text += row("integration switched", switches);
   for (const auto& note : summary.value("notes", Json::array())) text += row("note", note);
+  for (const auto& departed : summary.value("outside_model", Json::array())) {
+    text += row("outside the model", departed.value("text", ""));
+  }
+  if (const auto until = number(summary, "valid_until_s")) text += row("valid until", quantity(*until, "s"));
   const Json phases = summary.value("phases", Json::object());
   // A phase that the run did not come to the end of has no time.
   const auto wall = [](const std::optional<double>& value) {

@@ -398,6 +398,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
     totals.impulse_n_kg_m_s -= impulse_[i].normal;
     totals.impulse_t_kg_m_s -= impulse_[i].tangential;
+    states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
+        pair.a.node, -(impulse_[i].normal * surface_.normal + impulse_[i].tangential * surface_.tangent));
   }
 }
 

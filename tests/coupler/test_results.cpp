@@ -11,7 +11,9 @@
 
 #include "common/base/error.hpp"
 #include "coupler/command_line.hpp"
+#include "coupler/csv_cell.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/report/csv_table.hpp"
 #include "coupler/results_directory.hpp"
 #include "coupler/run.hpp"
 #include "coupler/run_id.hpp"
@@ -111,7 +113,7 @@ Summary finished() {
 }
 
 Tally tally_on_plateau() {
-  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6});
+  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6, 30.0, true, 31.2e-6});
   HistoryRow row;
   for (int i = 0; i <= 30; ++i) {
     row.time_s = i * 1e-6;
@@ -283,6 +285,34 @@ TEST_F(ResultsTest, StarterSceneIsAcceptedByCheckAndNeverOverwrites) {
   EXPECT_EQ(path, folder_ + "/impact.toml");
   EXPECT_EQ(command_line_error({"check", path.c_str()}), "");
   EXPECT_THROW(write_starter_scene(path), ConfigError);
+}
+
+TEST(CsvCell, IsReadAsItWasWritten) {
+  const std::string text = "found \"x\", allowed: 1, 2";
+  EXPECT_EQ(csv_cell(text), "\"found \"\"x\"\", allowed: 1, 2\"");
+  EXPECT_EQ(csv_cell("plain"), "plain");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two lines\"");
+  const std::string path = testing::TempDir() + "cells_" + std::to_string(getpid()) + ".csv";
+  std::ofstream(path) << "error,step\n" << csv_cell(text) << ",1\n";
+  EXPECT_EQ(report::read_csv(path).at(0).at("error"), text);
+  std::filesystem::remove(path);
+}
+
+TEST(Summary, SaysWhatLeftTheModel) {
+  Summary summary = finished();
+  summary.valid_until_s = 2e-6;
+  summary.outside_model.push_back({.kind = "off_partner", .body = "striker", .size = 1.5, .first_s = 3e-6, .time_s = 4e-6, .within_s = 2e-6,
+                                   .x_m = 0.1, .y_m = 0.2, .looks = 3, .wrong = true, .text = "it slid off"});
+  const auto json = nlohmann::json::parse(to_json(summary, tally_on_plateau()));
+  EXPECT_EQ(json["valid_until_s"], 2e-6);
+  const auto& entry = json["outside_model"].at(0);
+  EXPECT_EQ(entry["kind"], "off_partner");
+  EXPECT_EQ(entry["body"], "striker");
+  EXPECT_EQ(entry["size"], 1.5);
+  EXPECT_EQ(entry["place_m"], nlohmann::json({0.1, 0.2}));
+  EXPECT_EQ(entry["looks"], 3);
+  EXPECT_TRUE(entry["results_wrong"]);
+  EXPECT_THAT(to_table(summary, tally_on_plateau()), HasSubstr("it slid off"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "coupler/conserved.hpp"
 #include "coupler/history_file.hpp"
 #include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"

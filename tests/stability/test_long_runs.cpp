@@ -122,5 +122,17 @@ INSTANTIATE_TEST_SUITE_P(Scenes, LongBounce,
                                           testing::Values("belytschko_mullen", "all_implicit", "all_explicit")),
                          [](const auto& test) { return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param); });
 
+TEST(LongRunKim, KeepsLessOfItsMomentumWhereImpactsNeverEnd) {
+  const TemporaryFolder folder;
+  std::string text = with_key(with_protocol(config_text("rod_on_stop"), "kim"), "output", "history_every", "100");
+  text = with_key(text, "time", "end_s", "900.0");  // 99 985 windows
+  const RunResult run = run_file(folder.write(text), folder, "out", 500.0);
+  EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
+  const double momentum = run.summary.at("momentum_error_max").get<double>();
+  RecordProperty("momentum_error", number(momentum));
+  EXPECT_GT(momentum, 1.3e-2);
+  EXPECT_LT(momentum, 2e-2);
+}
+
 }  // namespace
 }  // namespace ricochet::test

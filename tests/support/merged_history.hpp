@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/conserved.hpp"
 #include "coupler/history.hpp"
 #include "tests/support/one_process.hpp"
 
@@ -13,7 +14,7 @@ inline coupler::History history_of(OneProcess& run) {
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   std::vector<coupler::History::Source> sources;
   for (const auto& link : run.coupling().links()) sources.push_back({link.name(), link.description().record_columns});
-  return coupler::History(sources, bodies, run.problem().window_size_s, run.problem().scene.model != scene::Model::axisymmetric);
+  return coupler::History(sources, bodies, run.problem().window_size_s, coupler::conserved_by(run.problem()));
 }
 
 /// All rows of a scene computed in one process: what history.csv is written from, with the sums per body.

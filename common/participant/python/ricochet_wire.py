@@ -6,10 +6,10 @@ import math, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 2
+VERSION = 3
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
-CONTACT = ("pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float separated:boolean separation_time_s:float "
-           "finished_early:boolean")
+ANSWER = ("records:array departures:array outline:array pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float "
+          "separated:boolean separation_time_s:float finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
     "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
              "shared_memory_path:text shared_memory_key:integer",
@@ -27,15 +27,16 @@ FIELDS = {  # every message of docs/wire.md
     "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array",
     "advance": "windows:integer link_increment:array link_absolute:array accept_at_once:boolean "
                "absolute_requested:boolean records_requested:boolean",
-    "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array records:array " + CONTACT,
+    "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array " + ANSWER,
     "accept": "records_requested:boolean",
-    "accepted": "records:array " + CONTACT,
+    "accepted": ANSWER,
     "load_state": "state:array frozen_contact:text",
     "state_loaded": "",
     "read_state": "",
     "state": "state:array state_scale:array",
     "finish": "",
-    "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array",
+    "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array "
+                "departures:array",
     "failure": "error_code:integer error_culprit:text error_text:text",
 }
 FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) for kind, own in FIELDS.items()}
