@@ -9,6 +9,7 @@
 #include "coupler/energy_watch.hpp"
 #include "coupler/history_file.hpp"
 #include "coupler/launcher.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/peers.hpp"
 #include "coupler/progress.hpp"
 #include "coupler/results_directory.hpp"
@@ -47,6 +48,9 @@ class CoupledRun {
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
+  void write_fields_and_trace();
+  void write_summary();
+  void reserve_summary() const;
 
   const scene::Problem& problem_;
   const scene::Scene& scene_;
@@ -63,6 +67,7 @@ class CoupledRun {
   std::vector<TraceTrack> tracks_;
   Launcher launcher_;
   wire::Listener listener_;
+  KeyFiles keys_;
   Peers peers_;
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Coupling> coupling_;

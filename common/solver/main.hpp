@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/participant/participant.hpp"
 #include "common/scene/problem.hpp"
 
@@ -15,6 +16,7 @@ namespace ricochet::solver {
 /// ENDPOINT. `Solver` is made from a scene::Problem and the participant's name. Returns the exit code.
 template <class Solver>
 int solver_main(int argc, char** argv) {
+  prepare_process();
   std::string name = argv[0];
   try {
     auto arguments = participant::parse_arguments(argc, argv);
@@ -25,9 +27,8 @@ int solver_main(int argc, char** argv) {
     Solver solver(std::move(problem), name);
     return participant::serve(solver, arguments.options);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: error: %s\n", name.c_str(), error.what());
-    const auto* known = dynamic_cast<const Error*>(&error);
-    return static_cast<int>(known ? known->code() : ExitCode::participant);
+    std::fprintf(stderr, "%s: error: %s\n", name.c_str(), text_of(error).c_str());
+    return exit_code_of_exception(error);
   }
 }
 

@@ -151,7 +151,7 @@ const std::vector<KindEntry>& schema() {
         records}},
       {Kind::failure,
        "failure",
-       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol"},
+       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 7 machine"},
         {"error_culprit", &M::error_culprit, "", "who failed: name of a participant, or `coupler`"},
         {"error_text", &M::error_text, "", "what happened, and where"}}},
   };

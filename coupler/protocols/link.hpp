@@ -93,6 +93,7 @@ class Link {
   void take_absolute(const wire::Message& answer);
   void take_rates(const wire::Message& answer);
   void take_records_of(const wire::Message& answer);
+  [[nodiscard]] std::int64_t window_of(const wire::Message& answer) const;
   void require_rows(const wire::Array& array, const char* field) const;
 
   Peer peer_;
@@ -105,6 +106,7 @@ class Link {
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;
   std::int64_t window_ = 0;
+  std::int64_t history_every_ = 1, next_row_ = 0;  ///< windows of history rows
 };
 
 }  // namespace ricochet::coupler

@@ -2,7 +2,7 @@
 
 Needs Debian's python3-zmq, python3-msgpack, python3-numpy. A participant needs ricochet_participant.py only.
 """
-import math, sys, time
+import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
@@ -42,12 +42,12 @@ FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) fo
 
 
 class RunError(Exception):
-    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol."""
+    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 7 machine."""
     code = 4
 
     def __init__(self, text, code=None):
         super().__init__(text)
-        self.code = code if code in (2, 3, 5) else type(self).code
+        self.code = code if code in (2, 3, 5, 7) else type(self).code
 
 
 class ConfigError(RunError):
@@ -148,11 +148,28 @@ def encode(message):
     return msgpack.packb(message, use_bin_type=True)
 
 
+def read_key(path, timeout_s=60.0):
+    """The three lines by which the coupler and this participant know each other. The file may come later."""
+    end = time.monotonic() + timeout_s
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.02)
+    try:
+        with open(path, "rb") as file:
+            keys = dict(line.split() for line in file.read().splitlines())
+        return {word: keys[word.encode()] for word in ("coupler", "public", "secret")}
+    except (OSError, ValueError, KeyError) as error:
+        raise ConfigError(f"--key: {path} is no key of a run: {error}") from None
+
+
 class Channel:
     """One DEALER socket. Every wait has a deadline; a connection that breaks ends the run."""
 
-    def __init__(self, endpoint, watch_stdin):
+    def __init__(self, endpoint, watch_stdin, key=None):
         self.socket = zmq.Context.instance().socket(zmq.DEALER)
+        if key:
+            keys = read_key(key)
+            self.socket.curve_serverkey = keys["coupler"]
+            self.socket.curve_publickey, self.socket.curve_secretkey = keys["public"], keys["secret"]
         self.socket.setsockopt(zmq.LINGER, 500)  # for the last words
         self.monitor = self.socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         self.poller = zmq.Poller()
