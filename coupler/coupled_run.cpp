@@ -83,6 +83,7 @@ void CoupledRun::phases(const std::vector<std::string>& executables) {
 void CoupledRun::start(const std::vector<std::string>& executables) {
   launch_participants(scene_, executables, results_, listener_, launcher_, keys_);
   peers_.handshake();
+  keys_.remove();
 }
 
 void CoupledRun::setup() {

@@ -115,10 +115,11 @@ std::size_t largest_message(const scene::Problem& problem) {
   return std::min(wire::max_message_bytes, least + per_body * problem.bodies.size() + per_node * nodes);
 }
 
-KeyFiles::~KeyFiles() {
+void KeyFiles::remove() {
   std::error_code ignored;
   for (const auto& path : paths_) std::filesystem::remove(path, ignored);
   if (!paths_.empty()) std::filesystem::remove(results_.file("keys"), ignored);  // only if it is empty
+  paths_.clear();
 }
 
 std::string KeyFiles::write(const std::string& participant, const std::string& text) {

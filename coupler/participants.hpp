@@ -36,15 +36,17 @@ namespace ricochet::coupler {
 /// Largest message that participants of this scene can have to send [bytes].
 [[nodiscard]] std::size_t largest_message(const scene::Problem& problem);
 
-/// Keys for participants that are started by hand: files that only this user may read, gone with this object.
+/// Keys for participants that are started by hand: files that only this user may read, gone with this object at the latest.
 class KeyFiles {
  public:
   explicit KeyFiles(const ResultsDirectory& results) : results_(results) {}
   KeyFiles(const KeyFiles&) = delete;
   KeyFiles& operator=(const KeyFiles&) = delete;
-  ~KeyFiles();
+  ~KeyFiles() { remove(); }
   /// Path of the file. Throws MachineError or ConfigError if it cannot be written.
   std::string write(const std::string& participant, const std::string& text);
+  /// Everybody is there.
+  void remove();
 
  private:
   const ResultsDirectory& results_;

@@ -64,6 +64,7 @@ std::vector<ContactStability> measure_stability(const scene::Problem& problem,
   try {
     launch_participants(scene, executables, results, listener, launcher, keys);
     peers.handshake();
+    keys.remove();
     auto measured = measure(problem, frozen_contacts, results, peers);
     check_exit_codes(scene, peers, launcher);
     return measured;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int most_elements = 1'000'000;  // of a body
 /// Far beyond every material, in any system of units; wave speeds and energies of other values leave the range of numbers.
-constexpr Range densities{1e-15, 1e15, true, true};
+constexpr Range densities{1e-15, 1e20, true, true};
 /// With fewer, an element would meet its own image: nodes lie within half a period of each other.
 constexpr int fewest_periodic_elements = 3;
 

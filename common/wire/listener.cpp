@@ -84,7 +84,7 @@ struct Listener::Impl {
   bool receive_socket(std::string& sender, Message& message);
   bool is_of_its_sender(const std::string& sender);
   /// Whether the socket, or a file that `ready` has nothing against, has something to read until then.
-  enum class Look { nothing, something, stop };
+  enum class Look { nothing, something, closed, stop };
   Look look(Deadline until, const std::function<bool(std::size_t)>& ready);
 
   zmq::context_t context;
@@ -166,6 +166,8 @@ bool Listener::receive(std::string& identity, Message& message, Deadline deadlin
       impl_->next_look = now + look_every;
       const auto seen = impl_->look(until, ready);
       if (seen == Impl::Look::stop) return false;
+      // Who closed its connection may have left last words.
+      if (seen == Impl::Look::closed) return impl_->receive_socket(identity, message) || impl_->receive_shared(awaited, identity, message);
       if (seen == Impl::Look::something && impl_->receive_socket(identity, message)) return true;
     }
     if (impl_->receive_shared(awaited, identity, message)) return true;
@@ -230,7 +232,7 @@ Listener::Impl::Look Listener::Impl::look(Deadline until, const std::function<bo
   if (!poll(items, until)) return Look::nothing;
   const auto closings = door.closings();
   if (std::any_of(items.begin(), items.begin() + door_items, [](const auto& item) { return item.revents != 0; })) door.attend();
-  if (door.closings() != closings) return Look::stop;
+  if (door.closings() != closings) return Look::closed;
   for (std::size_t i = own_items; i < items.size(); ++i) {
     if (items[i].revents != 0 && !ready(i - own_items)) return Look::stop;
   }
