@@ -45,12 +45,13 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, c
       tally_(impact_theory(problem)),
       history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
       progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
-      listener_(listen_endpoint(scene_.coupling, summary_.run_id)),
+      listener_(listen_endpoint(scene_.coupling), participant_names(scene_), largest_message(problem)),
+      keys_(results),
       peers_(listener_, launcher_, expected_peers(scene_),
              {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s, scene_.coupling.transport,
-              scene_.where("coupling.transport")}),
+              scene_.where("coupling.transport"), largest_message(problem)}),
       outside_(problem, plan.window_size_s) {
-  write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
+  reserve_summary();
 }
 
 void CoupledRun::run(const std::vector<std::string>& executables) {
@@ -84,8 +85,9 @@ void CoupledRun::phases(const std::vector<std::string>& executables) {
 }
 
 void CoupledRun::start(const std::vector<std::string>& executables) {
-  launch_participants(scene_, executables, results_, listener_, launcher_);
+  launch_participants(scene_, executables, results_, listener_, launcher_, keys_);
   peers_.handshake();
+  keys_.remove();
 }
 
 void CoupledRun::setup() {

@@ -9,6 +9,7 @@
 #include "coupler/energy_watch.hpp"
 #include "coupler/history_file.hpp"
 #include "coupler/launcher.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/peers.hpp"
 #include "coupler/progress.hpp"
 #include "coupler/results_directory.hpp"
@@ -49,6 +50,9 @@ class CoupledRun {
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
+  void write_fields_and_trace();
+  void write_summary();
+  void reserve_summary() const;
 
   const scene::Problem& problem_;
   const scene::Scene& scene_;
@@ -66,6 +70,7 @@ class CoupledRun {
   std::vector<ContactCounter> contact_counters_;
   Launcher launcher_;
   wire::Listener listener_;
+  KeyFiles keys_;
   Peers peers_;
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Coupling> coupling_;

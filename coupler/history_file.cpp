@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "common/base/error.hpp"
 
@@ -51,7 +51,7 @@ HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodie
       has_contact_(has_contact),
       descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
       flushed_(std::chrono::steady_clock::now()) {
-  if (descriptor_ < 0) throw ConfigError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+  if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
   pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies), ","));
   flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
@@ -87,17 +87,12 @@ void HistoryFile::add(const HistoryRow& row) {
 
 void HistoryFile::flush() {
   flushed_ = std::chrono::steady_clock::now();
-  std::size_t done = 0;
-  while (done < pending_.size()) {
-    const auto written = write(descriptor_, pending_.data() + done, pending_.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      pending_.clear();
-      throw ConfigError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
-    }
-    done += static_cast<std::size_t>(written);
-  }
-  pending_.clear();
+  const std::string rows = std::exchange(pending_, {});
+  const auto before = lseek(descriptor_, 0, SEEK_END);
+  const int error = write_all(descriptor_, rows);
+  if (error == 0) return;
+  if (before >= 0 && ftruncate(descriptor_, before) != 0) std::fprintf(stderr, "ricochet: %s ends with half a row\n", path_.c_str());
+  throw_errno(error, "cannot write " + path_);
 }
 
 }  // namespace ricochet::coupler

@@ -160,13 +160,15 @@ struct ServeOptions {
   std::string endpoint;      ///< ipc://... or tcp://host:port
   double timeout_s = 60.0;   ///< longest wait for the coupler until it states its own
   bool watch_stdin = false;  ///< end at once when stdin closes: the launcher that holds its other end is gone
+  std::string key{};         ///< file with the key by which the coupler knows this participant; empty: it asks for none
 };
 
 /// Runs a participant until the coupler says finish (returns 0) or something fails (returns the exit code of
 /// base/error.hpp, after telling the coupler and printing one line to stderr). Never throws.
 int serve(Participant& participant, const ServeOptions& options);
 
-/// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
+/// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT --key FILE
+/// [--watch-stdin].
 struct Arguments {
   std::string scene;  ///< empty if not given: a participant need not read it
   std::string name;   ///< of the participant in the scene

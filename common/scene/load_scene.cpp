@@ -6,6 +6,7 @@
 #include <toml.hpp>
 
 #include "common/base/sha256.hpp"
+#include "common/scene/check_text.hpp"
 #include "common/scene/loaders.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -21,6 +22,7 @@ std::string read_text(const std::string& path) {
 }
 
 toml::value parse(const std::string& path, const std::string& text) {
+  check_text(path, text);
   std::istringstream stream(text);
   try {
     return toml::parse(stream, path);

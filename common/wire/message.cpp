@@ -161,7 +161,7 @@ const std::vector<KindEntry>& schema() {
         departures}},
       {Kind::failure,
        "failure",
-       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 6 left the model"},
+       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 6 left the model, 7 machine"},
         {"error_culprit", &M::error_culprit, "", "who failed: name of a participant, or `coupler`"},
         {"error_text", &M::error_text, "", "what happened, and where"}}},
   };

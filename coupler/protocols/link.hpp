@@ -99,6 +99,7 @@ class Link {
   void take_records_of(const wire::Message& answer);
   void take_departures(const wire::Message& answer);
   void require_body(double body, const char* field) const;
+  [[nodiscard]] std::int64_t window_of(const wire::Message& answer) const;
   void require_rows(const wire::Array& array, const char* field) const;
 
   Peer peer_;
@@ -112,6 +113,7 @@ class Link {
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;
   std::int64_t window_ = 0;
+  std::int64_t history_every_ = 1, next_row_ = 0;  ///< windows of history rows
 };
 
 }  // namespace ricochet::coupler

@@ -46,35 +46,101 @@ class ResultsTest : public testing::Test {
   }
 };
 
+const std::vector<std::string> run_names = {"history.csv", "summary.json", "fields/implicit_#.vtu", "logs/a.log"};
+
 TEST_F(ResultsTest, FormerResultsGoOtherFilesStay) {
-  for (const auto* name : {"history.csv", "summary.json", "fields/implicit_00000001.vtu", "fields/x.pvd", "logs/a.log",
-                           "notes.txt", "fields/mine.png"}) {
-    touch(name);
+  const std::vector<std::string> others = {"notes.txt", "results.csv", "fields/mine.png", "fields/other_1.vtu", "charts/mine.svg"};
+  for (const auto& name : others) touch(name);
+  {
+    const ResultsDirectory results(folder_, run_names);
+    for (const auto* name : {"history.csv", "fields/implicit_00000001.vtu", "fields/implicit_2.vtu.part", "logs/a.log"}) touch(name);
   }
-  const ResultsDirectory results(folder_ + "/");
+  const ResultsDirectory results(folder_ + "/", run_names);
   EXPECT_EQ(results.path(), folder_);
   EXPECT_FALSE(fs::exists(results.file("history.csv")));
   EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
-  EXPECT_FALSE(fs::exists(results.file("fields/x.pvd")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_2.vtu.part")));
   EXPECT_FALSE(fs::exists(results.log("a")));
-  EXPECT_TRUE(fs::exists(results.file("notes.txt")));
-  EXPECT_TRUE(fs::exists(results.file("fields/mine.png")));
+  for (const auto& name : others) EXPECT_EQ(read(results.file(name)), "old") << name;
+}
+
+TEST_F(ResultsTest, AFileThatIsNotOursIsRefusedAndNothingIsTouched) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  for (const std::string foreign : {"summary.json", "fields/implicit_00000001.vtu", "logs/a.log", "summary.json.part"}) {
+    touch(foreign);
+    try {
+      const ResultsDirectory results(folder_, run_names);
+      FAIL() << foreign;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(folder_ + "/" + foreign), HasSubstr("move it away")));
+    }
+    EXPECT_EQ(read(folder_ + "/" + foreign), "old");
+    EXPECT_TRUE(fs::exists(folder_ + "/history.csv"));
+    fs::remove(folder_ + "/" + foreign);
+  }
+}
+
+TEST_F(ResultsTest, WhatTheUserChangedAfterwardsIsTheUsers) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  std::ofstream(folder_ + "/history.csv") << "my own notes";
+  EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  const ResultsDirectory other(folder_, {"summary.json"});
+  EXPECT_EQ(read(folder_ + "/history.csv"), "my own notes");
+}
+
+TEST_F(ResultsTest, WhatAKilledRunLeftIsOurs) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  std::ofstream(folder_ + "/" + OwnFiles::list_name, std::ios::app) << "history.csv\t-1\t-1\nfields/implicit_#.vtu\t-1\t-1\n";
+  touch("history.csv");
+  touch("fields/implicit_00000001.vtu");
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_FALSE(fs::exists(results.file("history.csv")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
+}
+
+TEST_F(ResultsTest, AListThatLeadsOutOfTheFolderRemovesNothing) {
+  const std::string outside = folder_ + "_outside";
+  fs::create_directories(outside);
+  std::ofstream(outside + "/thesis.tex") << "old";
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  const std::string list = read(folder_ + "/" + OwnFiles::list_name);
+  for (const std::string& name : {"../" + fs::path(outside).filename().string() + "/thesis.tex", outside + "/thesis.tex"}) {
+    std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << name << "\t-1\t-1\n";
+    EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  }
+  fs::create_symlink(outside, folder_ + "/link");
+  std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << "link/thesis.tex\t-1\t-1\n";
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_EQ(read(outside + "/thesis.tex"), "old");
+  fs::remove_all(outside);
 }
 
 TEST_F(ResultsTest, TwoRunsInOneFolderAreRefusedButOneAfterTheOtherIsFine) {
   {
-    const ResultsDirectory first(folder_);
-    EXPECT_THROW(ResultsDirectory second(folder_), ConfigError);
+    const ResultsDirectory first(folder_, {});
+    EXPECT_THROW(ResultsDirectory second(folder_, {}), ConfigError);
   }
-  EXPECT_NO_THROW(ResultsDirectory again(folder_));
+  EXPECT_NO_THROW(ResultsDirectory again(folder_, {}));
 }
 
 TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
-  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent"), ConfigError);
+  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent", {}), ConfigError);
 }
 
 TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
-  const ResultsDirectory results(folder_);
+  const ResultsDirectory results(folder_, {});
   for (const auto* name :
        {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
     touch(std::string("fields/") + name);
@@ -92,7 +158,7 @@ TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
 
 TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
   {
-    const ResultsDirectory results(folder_);
+    const ResultsDirectory results(folder_, {});
     write_pvd(results, "scene", {"explicit"}, 0.5);
   }
   EXPECT_FALSE(fs::exists(folder_ + "/fields"));
@@ -218,14 +284,14 @@ TEST(Trace, IsChromeTraceJson) {
 TEST(RunId, EndpointsPerTransport) {
   EXPECT_NE(make_run_id(), make_run_id());
   scene::Coupling coupling;
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
   coupling.transport = "zmq";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
   coupling.transport = "tcp";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://127.0.0.1:*");
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://127.0.0.1:*");
   coupling.port = 5555;
   coupling.address = "::1";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://[::1]:5555");
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://[::1]:5555");
   EXPECT_EQ(local_endpoint("tcp://0.0.0.0:5555"), "tcp://127.0.0.1:5555");
   EXPECT_EQ(local_endpoint("tcp://10.0.0.7:5555"), "tcp://10.0.0.7:5555");
   EXPECT_EQ(local_endpoint("ipc://@x"), "ipc://@x");

@@ -46,7 +46,7 @@ TEST(Text, TemplatesAreFilledOnceAndWhollyOrNotAtAll) {
 class Page : public SampleRun {};
 
 TEST_F(Page, IsOneFileWithoutReferencesToTheNetwork) {
-  EXPECT_EQ(write_report(folder_), path("report.html"));
+  EXPECT_EQ(write_report(folder_).path, path("report.html"));
   const auto page = read("report.html");
   EXPECT_LT(page.size(), 3'000'000U);
   const std::regex reference("<(script|link|img)[^>]*(src|href)=\"?(https?:|//)");

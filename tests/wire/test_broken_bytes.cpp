@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "common/base/error.hpp"
 #include "tests/wire/samples.hpp"
@@ -196,6 +197,26 @@ TEST(Decode, TakesTheMessageThatWasNotBroken) {
 }
 
 /// The types that `synchronise` does not have.
+/// A byte each on the wire, 24 in memory.
+TEST(Decode, RefusesValuesByTheHundredThousandBeforeTheyTakeMemory) {
+  const auto error_of = [](const std::string& bytes) -> std::string {
+    Message message;
+    try {
+      decode(bytes, "x", message);
+    } catch (const ProtocolError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  std::string many = packed(std::map<std::string, std::vector<int>>{{"a", std::vector<int>(60'000, 1)},
+                                                                      {"b", std::vector<int>(60'000, 300)},
+                                                                      {"c", std::vector<int>(60'000, 70'000)}});
+  EXPECT_THAT(error_of(many), HasSubstr("x sent a message of more than 131072 values"));
+  EXPECT_THAT(error_of(packed(std::vector<double>(131'073, 0.5))), HasSubstr("a message of more than 131072 values"));
+  EXPECT_THAT(error_of(packed(std::vector<std::string>(50'000, "text"))), HasSubstr("an array, expected a message"));
+  EXPECT_THAT(error_of(packed(std::string(200'000, 'x'))), HasSubstr("a text, expected a message"));
+}
+
 TEST(Decode, RefusesWrongTypesOfTheOtherFields) {
   const auto refused = [](Kind kind, const std::string& field, const std::string& value, const std::string& says) {
     const std::string bytes = encoded(sample(kind));

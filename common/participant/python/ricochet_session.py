@@ -92,7 +92,7 @@ class Session:
 
     def advance(self, request):
         at_once, last = request["accept_at_once"], self.setup["last_window"]
-        self.require(request["window"] == self.accepted + 1 <= last, f"window {request['window']}")
+        self.require(request["window"] == self.accepted + 1 <= last and not request["substep"], f"window {request['window']}")
         self.require(request["windows"] == 1 or (self.shape[0] == 0 and at_once and request["windows"] > 0),
                      "several windows at once to a participant with interface nodes")
         self.require(self.state == "ready" or "repeat_window" in self.description.capabilities, "a repeated window")

@@ -2,7 +2,7 @@
 
 Needs Debian's python3-zmq, python3-msgpack, python3-numpy. A participant needs ricochet_participant.py only.
 """
-import math, sys, time
+import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
@@ -43,12 +43,12 @@ FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) fo
 
 
 class RunError(Exception):
-    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol."""
+    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 7 machine."""
     code = 4
 
     def __init__(self, text, code=None):
         super().__init__(text)
-        self.code = code if code in (2, 3, 5) else type(self).code
+        self.code = code if code in (2, 3, 5, 7) else type(self).code
 
 
 class ConfigError(RunError):
@@ -93,9 +93,9 @@ def read_number(value):
 
 def of_type(kind):
     def read(value):
-        if type(value) is not kind:
-            raise ValueError(f"is not of type {kind.__name__}")
-        return value
+        if type(value) is kind:
+            return value
+        raise ValueError(f"is not of type {kind.__name__}")
     return read
 
 
@@ -108,10 +108,9 @@ READ = {"text": of_type(str), "texts": read_texts, "boolean": of_type(bool), "in
 
 
 def no_duplicates(pairs):
-    names = [name for name, value in pairs]
-    if len(set(names)) != len(names):
-        raise ValueError("a field there twice")
-    return dict(pairs)
+    if len(dict(pairs)) == len(pairs):
+        return dict(pairs)
+    raise ValueError("a field there twice")
 
 
 def decode(data):
@@ -149,18 +148,32 @@ def encode(message):
     return msgpack.packb(message, use_bin_type=True)
 
 
+def read_key(path, end):
+    """The three lines by which the coupler and this participant know each other. The file may come until `end`."""
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.02)
+    try:
+        with open(path, "rb") as file:
+            keys = dict(map(bytes.split, file))
+        return [keys[word] for word in (b"coupler", b"public", b"secret")]
+    except (OSError, ValueError, KeyError) as error:
+        raise ConfigError(f"--key: {path} is no key of a run: {error}") from None
+
+
 class Channel:
     """One DEALER socket. Every wait has a deadline; a connection that breaks ends the run."""
 
-    def __init__(self, endpoint, watch_stdin):
-        self.socket = zmq.Context.instance().socket(zmq.DEALER)
-        self.socket.setsockopt(zmq.LINGER, 500)  # for the last words
-        self.monitor = self.socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+    def __init__(self, endpoint, watch_stdin, key=None):
+        self.socket = s = zmq.Context.instance().socket(zmq.DEALER)
+        if key:
+            s.curve_serverkey, s.curve_publickey, s.curve_secretkey = read_key(key, time.monotonic() + 60)
+        s.setsockopt(zmq.LINGER, 500)  # for the last words
+        self.monitor = s.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         self.poller = zmq.Poller()
         for source in [self.socket, self.monitor] + ([sys.stdin.fileno()] if watch_stdin else []):
             self.poller.register(source, zmq.POLLERR if isinstance(source, int) else zmq.POLLIN)
         try:
-            self.socket.connect(endpoint)
+            s.connect(endpoint)
         except zmq.ZMQError as error:
             raise ConfigError(f"cannot connect to '{endpoint}': {error}") from None
 
