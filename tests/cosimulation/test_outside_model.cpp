@@ -14,6 +14,13 @@ std::string body(const std::string& name, const std::string& mesh, const std::st
          mesh + " }\ninitial_velocity_m_s = " + velocity + "\n" + more;
 }
 
+/// "[x, more]", and without more "[x]".
+std::string list(double x, const std::string& more = "") {
+  std::ostringstream text;
+  text << '[' << std::to_string(x) << more << ']';
+  return text.str();
+}
+
 std::string settings(double step_s, double end_s, const std::string& protocol) {
   return "[time]\nstep_s = " + std::to_string(step_s * 1e6) + "e-6\nend_s = " + std::to_string(end_s * 1e6) + "e-6\n[coupling]\nprotocol = \"" +
          protocol + "\"\n";
@@ -49,7 +56,7 @@ Outcome check(const std::string& text, const TemporaryFolder& folder) {
 std::string sideways(const std::string& protocol, double velocity_m_s) {
   const std::string mesh = "height_m = 0.05, elements = [5, 4], length_m = 0.04";
   return "model = \"plane_strain\"\n" + body("lower", "start_m = -0.04, " + mesh, "[0.0, 0.0]") +
-         body("upper", mesh, "[" + std::to_string(velocity_m_s) + ", -1.0]") +
+         body("upper", mesh, list(velocity_m_s, ", -1.0")) +
          "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\n"
          "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" + settings(5e-6, 1.3e-3, protocol);
 }
@@ -86,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Outside, OffPartner, testing::Values("hughes_liu", "all
 
 /// Two bars of 1 m with c = 1000 m/s; each is strained by half the closing speed over c.
 std::string bars(double closing_m_s, double step_s, const std::string& protocol = "hughes_liu") {
-  return "model = \"bar\"\n" + body("left", "start_m = -1.0, length_m = 1.0, elements = 50", "[" + std::to_string(closing_m_s) + "]") +
+  return "model = \"bar\"\n" + body("left", "start_m = -1.0, length_m = 1.0, elements = 50", list(closing_m_s)) +
          body("right", "length_m = 1.0, elements = 50", "[0.0]") +
          "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { left = 0.1, right = 0.1 }\n" +
          settings(step_s, 1.5e-3, protocol);
@@ -121,16 +128,16 @@ TEST(Step, ThatMovesTheBodiesByAnElementIsRefused) {
 }
 
 /// "left" hits "right" at 1 mm/ms, which then flies on to a third bar that no contact keeps away.
-std::string third_bar(const std::string& protocol, const std::string& velocity) {
+std::string third_bar(const std::string& protocol, double velocity_m_s) {
   return replaced(bars(2.0, 1.8e-5, protocol), "[contact]",
-                  body("third", "start_m = 1.002, length_m = 0.02, elements = 1", "[" + velocity + "]") + "[contact]");
+                  body("third", "start_m = 1.002, length_m = 0.02, elements = 1", list(velocity_m_s)) + "[contact]");
 }
 
 class ThirdBody : public testing::TestWithParam<std::string> {};
 
 TEST_P(ThirdBody, ThatAnotherMeetsWithoutAContactStopsTheRun) {
   const TemporaryFolder folder;
-  const std::string text = replaced(third_bar(GetParam(), "0.0"), "end_s = 1500", "end_s = 6000");
+  const std::string text = replaced(third_bar(GetParam(), 0.0), "end_s = 1500", "end_s = 6000");
   EXPECT_THAT(check(text, folder).out, Not(HasSubstr("no contact"))) << "not on a straight flight from the start";
   const auto run = run_file(folder.write(text), folder);
   expect_left(run, "overlap", "with no contact between them");
@@ -140,7 +147,7 @@ TEST_P(ThirdBody, ThatAnotherMeetsWithoutAContactStopsTheRun) {
 
 TEST_P(ThirdBody, ThatFliesThroughAThinOneBetweenTwoLooksIsSeen) {
   const TemporaryFolder folder;  // 0.58 m in 32 windows, through 0.02 m into the bar of 1 m
-  std::string text = replaced(third_bar(GetParam(), "-1000.0"), "start_m = 1.002", "start_m = 1.4");
+  std::string text = replaced(third_bar(GetParam(), -1000.0), "start_m = 1.002", "start_m = 1.4");
   text = replaced(text, "start_m = -1.0", "start_m = -1.002");  // "left" comes later
   EXPECT_THAT(check(text, folder).out, HasSubstr("meet at about 0.0004"));
   const auto run = run_file(folder.write(text), folder);
@@ -153,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(Outside, ThirdBody, testing::Values("hughes_liu", "all_
 
 TEST(Overlap, AtTheStartIsRefused) {
   const TemporaryFolder folder;
-  const auto refused = check(replaced(third_bar("hughes_liu", "0.0"), "start_m = 1.002", "start_m = 0.99"), folder);
+  const auto refused = check(replaced(third_bar("hughes_liu", 0.0), "start_m = 1.002", "start_m = 0.99"), folder);
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.error, HasSubstr("overlaps body \"right\" by 0.01 m"));
 }

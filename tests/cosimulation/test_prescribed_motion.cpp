@@ -68,7 +68,9 @@ TEST(EnergyWatchInARun, HistoryEveryChangesNoVerdict) {
     if (first.empty()) first = error;
     EXPECT_EQ(error, first) << rows;
     const auto& time = run.column("time_s");
-    if (time.size() > 1) EXPECT_NEAR(time[1], std::stod(rows) * 2.226e-6, 1e-12);
+    if (time.size() > 1) {
+      EXPECT_NEAR(time[1], std::stod(rows) * 2.226e-6, 1e-12);
+    }
   }
 }
 
