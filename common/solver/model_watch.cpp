@@ -167,9 +167,9 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
       if (ratio <= 0.0) inverted.take(1.0 - ratio, place);
     }
     const int part = static_cast<int>(p);
-    if (strain.size > strain_limit) report(Kind::strain, part, window, strain);
-    if (rotation.size > rotation_limit) report(Kind::rotation, part, window, rotation);
-    if (inverted.size > 0.0) report(Kind::inverted, part, window, inverted);
+    if (strain.size > strain_limit) report(Kind::strain, part, last_look_, window, strain);
+    if (rotation.size > rotation_limit) report(Kind::rotation, part, last_look_, window, rotation);
+    if (inverted.size > 0.0) report(Kind::inverted, part, last_look_, window, inverted);
   }
 }
 
@@ -186,8 +186,8 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
     if (gap_m <= closed_share * pairs_[i].edge_m) slip.take(size, pairs_[i].x);
   }
   const int part = surface_->pairs.front().a.part;
-  if (slip.size > slip_limit) report(Kind::slip, part, window, slip);
-  if (penetration.size > penetration_limit) report(Kind::penetration, part, window, penetration);
+  if (slip.size > slip_limit) report(Kind::slip, part, last_look_, window, slip);
+  if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
 }
 
 /// Where a node of a pair has got to, along the tangent [m].
@@ -207,14 +207,14 @@ void ModelWatch::look_past_ends(std::int64_t window, const std::vector<BodyState
     if (past_m < off_limit * pairs_[i].edge_m || surface_->gap(pairs[i], states) > closed_share * pairs_[i].edge_m) continue;
     worst.take(past_m / pairs_[i].edge_m, pairs_[i].x);
   }
-  if (worst.size > 0.0) report(Kind::off_partner, pairs.front().a.part, window, worst);
+  if (worst.size > 0.0) report(Kind::off_partner, pairs.front().a.part, window - 1, window, worst);
 }
 
-void ModelWatch::report(Kind kind, int part, std::int64_t window, const Worst& worst) {
+void ModelWatch::report(Kind kind, int part, std::int64_t last_without, std::int64_t window, const Worst& worst) {
   auto found = std::find_if(found_.begin(), found_.end(),
                             [&](const participant::Departure& d) { return d.kind == kind && d.body == part; });
   if (found == found_.end()) {
-    found_.push_back({.kind = kind, .body = part, .last_without = std::min(last_look_, window - 1), .first = window});
+    found_.push_back({.kind = kind, .body = part, .last_without = last_without, .first = window});
     found = found_.end() - 1;
   }
   ++found->looks;

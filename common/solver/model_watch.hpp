@@ -22,7 +22,7 @@ namespace ricochet::solver {
 /// A look costs less than K u and is made every `every` windows; pairs that have slipped are looked at after each.
 class ModelWatch {
  public:
-  static constexpr std::int64_t every = 16;
+  static constexpr std::int64_t every = 32;
   static constexpr double strain_limit = 0.02;
   static constexpr double rotation_limit = 0.034906585039886591;  ///< 2 degrees
   static constexpr double slip_limit = 0.5, off_limit = 1.0, penetration_limit = 1.0;
@@ -61,7 +61,7 @@ class ModelWatch {
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
   void look_past_ends(std::int64_t window, const std::vector<BodyState>& states);
   [[nodiscard]] double along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const;
-  void report(participant::DepartureKind kind, int part, std::int64_t window, const Worst& worst);
+  void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window, const Worst& worst);
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;
