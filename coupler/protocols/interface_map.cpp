@@ -38,7 +38,8 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
   require(components >= 1 && components <= 3,
           says(fmt::format("has {} components per node, allowed are 1 to 3", components)));
   const auto require_shape = [&](const wire::Array& array, const char* field, int columns) {
-    require(array.rows == count && array.columns == columns,
+    const auto size = static_cast<std::size_t>(count) * static_cast<std::size_t>(columns);
+    require(array.rows == count && (array.columns == columns || count == 0) && array.data.size() == size,
             says(fmt::format("describes its interface with arrays of different shapes: '{}' is {} x {}, expected {} x {}", field, array.rows,
                              array.columns, count, columns)));
   };

@@ -187,7 +187,11 @@ class FakeParticipant {
     for (auto& value : answer_.increment.data) value += corrupt_increment;
     if (m.absolute_requested) set(answer_.absolute, output_);
     answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at;
-    if (m.records_requested) answer_.records = {1, 1, {static_cast<double>(answer_.window)}};
+    answer_.records.resize(0, 1);
+    for (; m.records_requested && next_row_ <= answer_.window; ++next_row_) {
+      answer_.records.resize(answer_.records.rows + 1, 1);
+      answer_.records.data.back() = static_cast<double>(next_row_);
+    }
     if (m.records_requested) answer_.departures = departures, answer_.outline = outline;
     if (m.accept_at_once) accept();
   }
@@ -273,6 +277,7 @@ class FakeParticipant {
   Chain chain_;
   std::vector<int> shared_;
   wire::Message answer_;
+  std::int64_t next_row_ = 0;  ///< of history
   Eigen::VectorXd link_accepted_, link_trial_, output_accepted_, output_;
   Eigen::VectorXd u1, v1, a1;  ///< of the trial
   Eigen::MatrixXd interface_stiffness_;

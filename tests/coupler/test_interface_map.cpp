@@ -94,7 +94,10 @@ TEST(InterfaceMap, MalformedDescriptionsAreRefusedByName) {
   EXPECT_THAT(refusal({wrong}), HasSubstr("negative"));
   wrong = description("a", "explicit", {{0, 0.0, 1.0, 1.0}});
   wrong.interface_mass_kg.data.clear();
-  EXPECT_THAT(refusal({wrong}), HasSubstr("different lengths"));
+  EXPECT_THAT(refusal({wrong}), HasSubstr("different shapes"));
+  wrong = description("a", "explicit", {{0, 0.0, 1.0, 1.0}, {0, 0.0, 2.0, 1.0}});
+  std::swap(wrong.interface_mass_kg.rows, wrong.interface_mass_kg.columns);
+  EXPECT_THAT(refusal({wrong}), HasSubstr("'interface_mass_kg' is 1 x 2, expected 2 x 1"));
   wrong = description("a", "explicit", {});
   wrong.components = 1;
   EXPECT_THAT(refusal({wrong, description("b", "implicit", {})}), HasSubstr("components"));

@@ -133,8 +133,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Thrown{"participant", [] { throw ParticipantError("p"); }, 4, "window 1: p"},
                     Thrown{"protocol", [] { throw ProtocolError("w"); }, 5, "window 1: w"},
                     Thrown{"standard", [] { throw std::runtime_error("singular"); }, 3, "window 1: singular"},
-                    Thrown{"memory", [] { throw std::bad_alloc(); }, 4, "out of memory"},
-                    Thrown{"disk", [] { throw std::system_error(ENOSPC, std::generic_category(), "fields"); }, 4,
+                    Thrown{"memory", [] { throw std::bad_alloc(); }, 7, "out of memory"},
+                    Thrown{"disk", [] { throw std::system_error(ENOSPC, std::generic_category(), "fields"); }, 7,
                            "No space left"},
                     Thrown{"a_number", [] { throw 7; }, 3, "not a std::exception"}),
     [](const auto& param_info) { return param_info.param.name; });

@@ -8,7 +8,20 @@
 #include <sstream>
 #include <string>
 
+#include "common/base/error.hpp"
+
 namespace ricochet::report {
+
+/// What a ConfigError says that the action throws; empty if it throws none.
+template <class Action>
+std::string config_error(Action action) {
+  try {
+    action();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
 
 /// Results folder of a made-up run, removed at the end of the test.
 class SampleRun : public testing::Test {

@@ -19,16 +19,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-template <class Action>
-std::string config_error(Action action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Text, HtmlIsEscaped) {
   EXPECT_EQ(escape_html(R"(<b a="1">'x' & y</b>)"), "&lt;b a=&quot;1&quot;&gt;&#39;x&#39; &amp; y&lt;/b&gt;");
 }
