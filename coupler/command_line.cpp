@@ -22,7 +22,8 @@ namespace {
 
 const char* const exit_codes =
     "Exit codes: 0 done, 2 the scene or the command line is wrong, 3 unstable, 4 a participant failed,\n"
-    "            5 the coupling protocol was broken, 130 interrupted (Ctrl-C; 128 + signal).";
+    "            5 the coupling protocol was broken, 6 the run left the model,\n"
+    "            7 the machine lacks something (memory, disk, files), 130 interrupted (Ctrl-C; 128 + signal).";
 
 struct Arguments {
   std::string scene, study, out, name, results;
@@ -98,7 +99,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 /// The page, which a browser draws, and its charts as files.
 void write_report(const std::string& folder) {
   const auto page = report::write_report(folder);
-  fmt::print("wrote {}\n", page);
+  fmt::print("wrote {}\n", page.path);
   const auto pictures = report::draw_pictures(page);
   if (pictures.obstacle.empty()) {
     fmt::print("wrote {} pictures (SVG) in {}\n", pictures.count, pictures.folder);

@@ -18,9 +18,10 @@ ContractPeer::ContractPeer(const ContractCommand& command)
     : run_id_(make_run_id()),
       timeout_s_(command.timeout_s),
       log_(std::filesystem::temp_directory_path() / ("ricochet-check-" + run_id_ + ".log")),
-      listener_(std::make_unique<wire::Listener>("ipc://@ricochet-" + run_id_)) {
-  LaunchRequest request{participant, command.words.front(), {command.words.begin() + 1, command.words.end()}, log_};
-  request.arguments.insert(request.arguments.end(), {"--connect", listener_->endpoint()});
+      listener_(std::make_unique<wire::Listener>("ipc://*", std::vector<std::string>{participant})) {
+  LaunchRequest request{participant, command.words.front(), {command.words.begin() + 1, command.words.end()}, log_,
+                        wire::to_text(listener_->key_of(participant))};
+  request.arguments.insert(request.arguments.end(), {"--connect", listener_->endpoint(), "--key", LaunchRequest::key_path});
   launcher_.launch(request);
 }
 
@@ -33,6 +34,7 @@ ContractPeer::~ContractPeer() {
 const wire::Message& ContractPeer::meet() {
   if (!hear()) throw_ended("before it said hello");
   if (inbox_.kind == wire::Kind::failure) throw ParticipantError("it failed at start: " + inbox_.error_text);
+  listener_->limit(identity_, wire::default_largest_message);
   return inbox_;
 }
 

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "common/scene/protocols.hpp"
+#include "coupler/conserved.hpp"
 #include "coupler/participants.hpp"
 #include "coupler/run_id.hpp"
 
@@ -42,11 +45,13 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, c
       tally_(impact_theory(problem)),
       history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
       progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
-      listener_(listen_endpoint(scene_.coupling, summary_.run_id)),
+      listener_(listen_endpoint(scene_.coupling), participant_names(scene_), largest_message(problem)),
+      keys_(results),
       peers_(listener_, launcher_, expected_peers(scene_),
              {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s, scene_.coupling.transport,
-              scene_.where("coupling.transport")}) {
-  write_atomically(results_.file("summary.json"), to_json(summary_, tally_));
+              scene_.where("coupling.transport"), largest_message(problem)}),
+      outside_(problem, plan.window_size_s) {
+  reserve_summary();
 }
 
 void CoupledRun::run(const std::vector<std::string>& executables) {
@@ -80,8 +85,9 @@ void CoupledRun::phases(const std::vector<std::string>& executables) {
 }
 
 void CoupledRun::start(const std::vector<std::string>& executables) {
-  launch_participants(scene_, executables, results_, listener_, launcher_);
+  launch_participants(scene_, executables, results_, listener_, launcher_, keys_);
   peers_.handshake();
+  keys_.remove();
 }
 
 void CoupledRun::setup() {
@@ -94,8 +100,7 @@ void CoupledRun::setup() {
     sources.push_back({peers_.name(p), descriptions[p].record_columns});
   }
   prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s,
-                                       scene_.model != scene::Model::axisymmetric);
+  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s, conserved_by(problem_));
   coupling_ = std::make_unique<Coupling>(std::move(peers), descriptions, plan_.window_size_s);
   protocol_ = protocol_entry_.make(protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
@@ -112,7 +117,8 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
     if (description.role == "explicit")
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
-  watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, suspicion_, names, body_names(scene_));
+  watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_, names,
+                                         body_names(scene_));
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.
@@ -123,11 +129,13 @@ bool CoupledRun::may_switch() {
   const auto& capabilities = implicit->description().capabilities;
   const double critical = implicit->description().critical_time_step_s;
   std::string obstacle;
-  if (!protocol_entry_.may_switch) {
+  if (!scene::protocol_traits(protocol_entry_.name).may_switch) {
     obstacle = fmt::format("protocol {} couples it implicitly only", protocol_entry_.name);
   } else if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
     obstacle = "it lacks the capability \"switch_integration\"";
-  } else if (critical < plan_.window_size_s) {
+  } else if (!plan_.switch_obstacle.empty()) {
+    obstacle = plan_.switch_obstacle;
+  } else if (critical > 0 && critical < plan_.window_size_s) {  // of a solver that has elements we know nothing of
     obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
   }
   if (obstacle.empty()) return true;
@@ -137,7 +145,7 @@ bool CoupledRun::may_switch() {
 
 void CoupledRun::step() {
   const LoopSettings settings{plan_.windows, plan_.window_size_s, scene_.coupling.resynchronise_every,
-                              protocol_entry_.coupled, may_switch()};
+                              protocol_entry_.coupled, may_switch(), outside_.watches_overlaps()};
   loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
                                      [this](std::int64_t window) { take_records(window); });
   loop_->run();
@@ -146,12 +154,40 @@ void CoupledRun::step() {
 
 void CoupledRun::take_records(std::int64_t window) {
   for (std::size_t p = 0; p < peers_.size(); ++p) history_->add(p, coupling_->links()[p].take_records());
-  while (const auto row = history_->next()) {
-    history_file_.add(*row);
-    tally_.add(*row);
-    watch_->check(*row, history_->errors());
-    progress_.show(window, *row);
+  note_departures(window);
+  const auto valid_until_s = outside_.valid_until_s();
+  while (auto row = history_->next()) {
+    count_contact(*row);
+    since_last_row_.contact_iterations += row->contact.contact_iterations;
+    since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
+    const bool valid = !valid_until_s || row->time_s <= *valid_until_s;
+    if (valid && row->window % scene_.output.history_every == 0) {
+      row->contact.contact_iterations = std::exchange(since_last_row_.contact_iterations, 0.0);
+      row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
+      history_file_.add(*row);
+      tally_.add(*row);
+      progress_.show(window, *row);
+    }
+    watch_->check(*row);
   }
+  outside_.stop_if_wrong();
+}
+
+void CoupledRun::note_departures(std::int64_t window) {
+  for (const auto& text : outside_.update(coupling_->links(), window)) {
+    progress_.close();
+    fmt::print(stderr, "warning: {}\n", text);
+  }
+  summary_.outside_model = outside_.found();
+  summary_.valid_until_s = outside_.valid_until_s();
+}
+
+/// A counter holds until its next event, so only changes are kept.
+void CoupledRun::count_contact(const HistoryRow& row) {
+  const ContactCounter now{row.window, row.contact.contact_iterations, row.contact.contact_residual};
+  const ContactCounter last = contact_counters_.empty() ? ContactCounter{} : contact_counters_.back();
+  if (now.iterations == last.iterations && now.residual == last.residual) return;
+  if (contact_counters_.size() < Peers::max_spans) contact_counters_.push_back(now);
 }
 
 void CoupledRun::finish() {

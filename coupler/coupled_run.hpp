@@ -9,6 +9,7 @@
 #include "coupler/energy_watch.hpp"
 #include "coupler/history_file.hpp"
 #include "coupler/launcher.hpp"
+#include "coupler/participants.hpp"
 #include "coupler/peers.hpp"
 #include "coupler/progress.hpp"
 #include "coupler/results_directory.hpp"
@@ -44,9 +45,14 @@ class CoupledRun {
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);
+  void count_contact(const HistoryRow& row);
+  void note_departures(std::int64_t window);
   void finish();
   void take_times(const std::vector<wire::Message>& last_words);
   void write_files();
+  void write_fields_and_trace();
+  void write_summary();
+  void reserve_summary() const;
 
   const scene::Problem& problem_;
   const scene::Scene& scene_;
@@ -61,13 +67,17 @@ class CoupledRun {
   Progress progress_;
   Suspicion suspicion_;
   std::vector<TraceTrack> tracks_;
+  std::vector<ContactCounter> contact_counters_;
   Launcher launcher_;
   wire::Listener listener_;
+  KeyFiles keys_;
   Peers peers_;
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;
   std::unique_ptr<EnergyWatch> watch_;
+  OutsideModel outside_;
+  ContactRow since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;
 };
 

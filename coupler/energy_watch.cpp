@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "common/base/error.hpp"
+#include "common/scene/critical_step.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
-/// A run that starts at rest has no energy to compare with at first: its first rows are not judged.
-constexpr std::int64_t rows_before_judging_a_start_at_rest = 20;
+constexpr double smallest_strain = 1e-12;
 
 double energy(const BodyRow& body) { return body.energy_kinetic_j + body.energy_strain_j; }
 
@@ -54,23 +54,36 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
   return fmt::format("likely cause: {}", fmt::join(causes, "; or "));
 }
 
-EnergyWatch::EnergyWatch(double limit, Suspicion suspicion, std::vector<std::string> participants,
+double energy_floor_j(const scene::Problem& problem) {
+  double sum = 0.0;
+  for (const auto& body : problem.bodies) {
+    sum += scene::body_lumped_mass(body).sum() * body.material.youngs_modulus_pa / body.material.density_kg_m3;
+  }
+  return smallest_strain * smallest_strain * sum;
+}
+
+EnergyWatch::EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
                          std::vector<std::string> bodies)
     : limit_(limit),
+      floor_j_(floor_j),
       suspicion_(std::move(suspicion)),
       participants_(std::move(participants)),
       bodies_(std::move(bodies)) {}
 
-void EnergyWatch::check(const HistoryRow& row, const Errors& errors) {
-  ++rows_;
-  const double growth = row.energy_error * (errors.reference_energy_j() > 0 ? errors.reference_energy_j() : 1.0);
-  if (!finite(row)) stop(row, "a result is not finite", growth);
-  const bool at_rest = errors.first_energy_j() <= 0 && rows_ <= rows_before_judging_a_start_at_rest;
-  if (row.energy_error > limit_ && !at_rest) {
-    stop(row,
-         fmt::format("the energy balance has grown by {:.3g} % (coupling.energy_growth_limit = {:.3g} %)",
-                     100 * row.energy_error, 100 * limit_),
-         growth);
+void EnergyWatch::check(const HistoryRow& row) {
+  if (!finite(row)) stop(row, "a result is not finite", 0.0);
+  if (row.window % every != 0) return;
+  const double growth_j = balance_.created_j(row), reference_j = std::max(balance_.reference_j(), floor_j_);
+  if (growth_j <= limit_ * reference_j) {
+    growing_since_.reset();
+  } else {
+    if (!growing_since_) growing_since_ = row.window;
+    if (balance_.mostly_initial() || row.window - *growing_since_ >= patience) {
+      stop(row,
+           fmt::format("the energy balance has grown by {:.3g} % (coupling.energy_growth_limit = {:.3g} %)",
+                       100 * growth_j / reference_j, 100 * limit_),
+           growth_j);
+    }
   }
   last_energy_j_.clear();
   for (const auto& body : row.bodies) last_energy_j_.push_back(energy(body));

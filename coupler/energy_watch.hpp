@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,25 +27,37 @@ struct Suspicion {
 [[nodiscard]] std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j);
 
 /// Stops a run whose numbers mean nothing any more.
+///
+/// It looks every so many windows, whatever rows the history file keeps, so that `output.history_every` changes no verdict. Where
+/// most of the energy comes from outside (loads, prescribed motion), growth counts only once it has lasted: a jump of a prescribed
+/// velocity is resolved by the step to half a window's work, which is much of the work done so far at first and little later.
 class EnergyWatch {
  public:
-  /// `limit`: largest relative growth of the energy balance. `participants`, `bodies`: names for the texts.
-  EnergyWatch(double limit, Suspicion suspicion, std::vector<std::string> participants,
+  static constexpr std::int64_t every = 8;      ///< windows from look to look
+  static constexpr std::int64_t patience = 32;  ///< windows that growth must last where most of the energy comes from outside
+
+  /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`. `participants`,
+  /// `bodies`: names for the texts.
+  EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
               std::vector<std::string> bodies);
 
   /// Throws SolverError naming window, time, where energy was made and the likely cause, if the energy balance has
   /// grown by more than the limit or anything in the row is not finite.
-  void check(const HistoryRow& row, const Errors& errors);
+  void check(const HistoryRow& row);
 
  private:
   [[noreturn]] void stop(const HistoryRow& row, const std::string& what, double growth_j) const;
   [[nodiscard]] std::string culprit(const HistoryRow& row, double growth_j) const;
 
-  double limit_;
+  double limit_, floor_j_;
   Suspicion suspicion_;
   std::vector<std::string> participants_, bodies_;
-  std::vector<double> last_energy_j_;  ///< per body
-  std::int64_t rows_ = 0;
+  EnergyBalance balance_;
+  std::vector<double> last_energy_j_;              ///< per body
+  std::optional<std::int64_t> growing_since_;      ///< window
 };
+
+/// Energy below which round-off decides: that of strains of 1e-12, 1e-24 m c^2 of all bodies [J].
+[[nodiscard]] double energy_floor_j(const scene::Problem& problem);
 
 }  // namespace ricochet::coupler

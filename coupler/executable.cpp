@@ -33,7 +33,10 @@ std::string in_search_path(const scene::ParticipantSpec& participant) {
 
 fs::path shipped(scene::Role role) {
   const char* name = role == scene::Role::explicit_solver ? "explicit_solver" : "implicit_solver";
-  return fs::read_symlink("/proc/self/exe").parent_path() / name;
+  std::error_code error;
+  const auto self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw MachineError(fmt::format("cannot read /proc/self/exe: {} (errno {}); ricochet needs /proc", error.message(), error.value()));
+  return self.parent_path() / name;
 }
 
 }  // namespace

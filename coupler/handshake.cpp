@@ -27,6 +27,7 @@ void Peers::handshake() {
     throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s{}{}", peer.expected.name,
                                        run_.timeout_s, refusal_text(peer), log_tail(peer)));
   }
+  listener_.close_door();
 }
 
 /// A message from someone who is not (yet) a peer.
@@ -71,12 +72,16 @@ void Peers::admit() {
   peer.transport = memory ? "shm" : run_.transport == "tcp" ? "tcp" : "zmq";
   post(peer, welcome);
   peer.busy = false;
+  listener_.limit(peer.identity, run_.largest_message);
   if (memory) listener_.share(peer.identity, std::move(memory));
 }
 
 /// Why who said hello as `peer` must not take part; empty if nothing speaks against it.
 std::string Peers::objection_to_hello(const State& peer) const {
   const auto& name = peer.expected.name;
+  if (!listener_.sender().empty() && listener_.sender() != name) {
+    return fmt::format("participant '{}' says it is '{}': it has the key of the one, not of the other", listener_.sender(), name);
+  }
   if (!peer.identity.empty()) {
     return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
   }

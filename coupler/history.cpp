@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -12,7 +13,7 @@
 namespace ricochet::coupler {
 namespace {
 
-constexpr std::array<std::pair<const char*, double BodyRow::*>, 9> body_columns = {{
+constexpr std::array<std::pair<const char*, double BodyRow::*>, 11> body_columns = {{
     {"mass_kg", &BodyRow::mass_kg},
     {"energy_kinetic_j", &BodyRow::energy_kinetic_j},
     {"energy_strain_j", &BodyRow::energy_strain_j},
@@ -22,9 +23,11 @@ constexpr std::array<std::pair<const char*, double BodyRow::*>, 9> body_columns 
     {"impulse_n_kg_m_s", &BodyRow::impulse_n_kg_m_s},
     {"impulse_t_kg_m_s", &BodyRow::impulse_t_kg_m_s},
     {"energy_interface_j", &BodyRow::energy_interface_j},
+    {"angular_momentum_kg_m2_s", &BodyRow::angular_momentum_kg_m2_s},
+    {"angular_impulse_kg_m2_s", &BodyRow::angular_impulse_kg_m2_s},
 }};
 
-constexpr std::array<std::pair<const char*, double ContactRow::*>, 10> contact_columns = {{
+constexpr std::array<std::pair<const char*, double ContactRow::*>, 15> contact_columns = {{
     {"gap_min_m", &ContactRow::gap_min_m},
     {"contact_force_n", &ContactRow::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRow::contact_pressure_mean_pa},
@@ -35,6 +38,11 @@ constexpr std::array<std::pair<const char*, double ContactRow::*>, 10> contact_c
     {"pairs_open", &ContactRow::pairs_open},
     {"energy_contact_j", &ContactRow::energy_contact_j},
     {"energy_friction_j", &ContactRow::energy_friction_j},
+    {"contact_impulse_n_s", &ContactRow::contact_impulse_n_s},
+    {"friction_impulse_n_s", &ContactRow::friction_impulse_n_s},
+    {"contact_iterations", &ContactRow::contact_iterations},
+    {"contact_residual", &ContactRow::contact_residual},
+    {"contact_unconverged", &ContactRow::contact_unconverged},
 }};
 
 template <class Table>
@@ -49,34 +57,62 @@ void add_to(BodyRow& sum, const BodyRow& row) {
   for (const auto& [name, member] : body_columns) sum.*member += row.*member;
 }
 
+/// Everyone says the angular momentum of each body that it says the momentum of.
+bool tell_angular_momentum(const std::vector<History::Source>& sources) {
+  return std::all_of(sources.begin(), sources.end(), [](const History::Source& source) {
+    const auto count = [&](std::string_view quantity) {
+      return std::count_if(source.columns.begin(), source.columns.end(),
+                           [&](const std::string& column) { return column.rfind(quantity, 0) == 0; });
+    };
+    return count("angular_momentum_kg_m2_s/") == count("momentum_n_kg_m_s/");
+  });
+}
+
 }  // namespace
 
-void Errors::add(HistoryRow& row) {
+double EnergyBalance::created_j(const HistoryRow& row) {
   const double energy = row.sum.energy_kinetic_j + row.sum.energy_strain_j;
-  const double n = row.sum.momentum_n_kg_m_s - row.sum.impulse_n_kg_m_s;
-  const double t = tangential_conserved_ ? row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s : 0.0;
-  if (first_) {
-    first_energy_j_ = reference_energy_j_ = energy;
-    first_n_ = n;
-    first_t_ = t;
-    first_ = false;
-  }
-  reference_energy_j_ = std::max(reference_energy_j_, std::abs(row.sum.energy_external_j));
-  const double created = energy + row.contact.energy_friction_j - row.sum.energy_external_j - first_energy_j_;
-  row.energy_error = reference_energy_j_ > 0 ? created / reference_energy_j_ : created;
+  if (!first_j_) first_j_ = energy;
+  largest_work_j_ = std::max(largest_work_j_, std::abs(row.sum.energy_external_j));
+  return energy + row.contact.energy_friction_j - row.sum.energy_external_j - *first_j_;
+}
 
+void Errors::add(HistoryRow& row) {
+  const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
+  const double created = energy_.created_j(row);
+  row.energy_error = ratio(created, energy_.reference_j());
+
+  const auto along = [](const Conserved::Direction& d, double n, double t) { return d.n * n + d.t * t; };
   double momentum = 0;
   for (const auto& body : row.bodies) {
-    momentum += std::hypot(body.momentum_n_kg_m_s, tangential_conserved_ ? body.momentum_t_kg_m_s : 0.0);
+    double square = 0;
+    for (const auto& d : conserved_.directions) square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s), 2);
+    momentum += std::sqrt(square);
   }
   largest_momentum_ = std::max(largest_momentum_, momentum);
-  const double lost = std::max(std::abs(n - first_n_), std::abs(t - first_t_));
-  row.momentum_error = largest_momentum_ > 0 ? lost / largest_momentum_ : lost;
+  std::vector<double> balance;
+  for (const auto& d : conserved_.directions) {
+    balance.push_back(along(d, row.sum.momentum_n_kg_m_s - row.sum.impulse_n_kg_m_s,
+                            row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s));
+  }
+  const double angular = row.sum.angular_momentum_kg_m2_s - row.sum.angular_impulse_kg_m2_s;
+  if (first_.empty()) {
+    first_ = balance;
+    first_angular_ = angular;
+  }
+  double lost = 0;
+  for (std::size_t i = 0; i < balance.size(); ++i) lost = std::max(lost, std::abs(balance[i] - first_[i]));
+  row.momentum_error = ratio(lost, largest_momentum_);
+  if (conserved_.arm_m > 0) {
+    row.angular_momentum_error = ratio(std::abs(angular - first_angular_), conserved_.arm_m * largest_momentum_);
+  }
 }
 
 History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
-                 bool tangential_conserved)
-    : bodies_(bodies), window_size_s_(window_size_s), errors_(tangential_conserved) {
+                 Conserved conserved)
+    : bodies_(bodies), window_size_s_(window_size_s) {
+  if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
+  errors_ = Errors(std::move(conserved));
   for (const auto& source : sources) {
     auto& stream = streams_.emplace_back();
     stream.participant = source.participant;

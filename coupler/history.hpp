@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ricochet::coupler {
@@ -13,6 +15,7 @@ struct BodyRow {
   double mass_kg = 0, energy_kinetic_j = 0, energy_strain_j = 0, energy_external_j = 0;
   double momentum_n_kg_m_s = 0, momentum_t_kg_m_s = 0, impulse_n_kg_m_s = 0, impulse_t_kg_m_s = 0;
   double energy_interface_j = 0;
+  double angular_momentum_kg_m2_s = 0, angular_impulse_kg_m2_s = 0;
 };
 
 /// What the owner of the contact reports.
@@ -20,7 +23,8 @@ struct ContactRow {
   double gap_min_m = 0, contact_force_n = 0, contact_pressure_mean_pa = 0, principal_stress_mean_pa = 0,
          friction_force_n = 0;
   double pairs_stick = 0, pairs_slip = 0, pairs_open = 0;
-  double energy_contact_j = 0, energy_friction_j = 0;
+  double energy_contact_j = 0, energy_friction_j = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
+  double contact_iterations = 0, contact_residual = 0, contact_unconverged = 0;
 };
 
 /// One window of the whole structure.
@@ -36,27 +40,49 @@ struct HistoryRow {
   std::vector<double> created_j;
   double energy_error = 0;  ///< see Errors
   double momentum_error = 0;
+  double angular_momentum_error = 0;
+};
+
+/// Energy that nobody gave: kinetic + strain + friction - external - E_0, with E_0 the kinetic + strain of the first row.
+class EnergyBalance {
+ public:
+  /// Of this row [J].
+  double created_j(const HistoryRow& row);
+  /// max(E_0, largest |external| so far) [J]
+  [[nodiscard]] double reference_j() const { return std::max(first_j_.value_or(0.0), largest_work_j_); }
+  /// The first row held more than what came from outside since.
+  [[nodiscard]] bool mostly_initial() const { return first_j_.value_or(0.0) > largest_work_j_; }
+
+ private:
+  std::optional<double> first_j_;
+  double largest_work_j_ = 0;
+};
+
+/// Which momenta a scene conserves.
+struct Conserved {
+  struct Direction {
+    double n = 0, t = 0;  ///< components along the contact normal and the tangent
+  };
+  std::vector<Direction> directions = {{1, 0}, {0, 1}};
+  /// Half the scene's extent, by which momentum becomes the scale of angular momentum; 0: angular momentum is not balanced [m].
+  double arm_m = 0;
 };
 
 /// Relative errors of the balances, from row to row.
-///   energy_error   = (kinetic + strain + friction - external - E_0) / E_ref,  E_0 kinetic + strain of the first row,
-///                    E_ref = max(E_0, largest |external| so far)
-///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far,
-///                    the larger of the normal and, where it is a momentum at all, the tangential component
+///   energy_error   = EnergyBalance::created_j / reference_j
+///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, largest over the conserved directions
+///   angular_momentum_error = |L - angular impulse - L_0| / (arm_m times the same sum)
 /// Zero where the reference is zero.
 class Errors {
  public:
-  /// `tangential_conserved`: false in axisymmetry, where the tangent is radial and the sum over the ring no momentum.
-  explicit Errors(bool tangential_conserved) : tangential_conserved_(tangential_conserved) {}
+  explicit Errors(Conserved conserved = {}) : conserved_(std::move(conserved)) {}
   void add(HistoryRow& row);
-  [[nodiscard]] double reference_energy_j() const { return reference_energy_j_; }
-  [[nodiscard]] double first_energy_j() const { return first_energy_j_; }
 
  private:
-  bool tangential_conserved_;
-  bool first_ = true;
-  double first_energy_j_ = 0, reference_energy_j_ = 0;
-  double first_n_ = 0, first_t_ = 0, largest_momentum_ = 0;
+  Conserved conserved_;
+  EnergyBalance energy_;
+  std::vector<double> first_;  ///< per direction
+  double first_angular_ = 0, largest_momentum_ = 0;
 };
 
 /// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
@@ -71,16 +97,15 @@ class History {
     std::string participant;
     std::vector<std::string> columns;
   };
-  /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing.
-  /// `tangential_conserved`: see Errors.
+  /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing. Without
+  /// "angular_momentum_kg_m2_s" of everyone that balance is none.
   History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
-          bool tangential_conserved = true);
+          Conserved conserved = {});
 
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);
   /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
   std::optional<HistoryRow> next();
-  [[nodiscard]] const Errors& errors() const { return errors_; }
 
  private:
   struct Column {

@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "common/base/error.hpp"
 
@@ -35,7 +35,13 @@ std::vector<std::string> history_columns(const std::vector<std::string>& bodies)
                                       "energy_interface_j",
                                       "energy_error",
                                       "momentum_n_kg_m_s",
-                                      "momentum_t_kg_m_s"};
+                                      "momentum_t_kg_m_s",
+                                      "angular_momentum_kg_m2_s",
+                                      "contact_impulse_n_s",
+                                      "friction_impulse_n_s",
+                                      "contact_iterations",
+                                      "contact_residual",
+                                      "contact_unconverged"};
   for (const auto& body : bodies) columns.push_back(fmt::format("velocity_mean_{}_m_s", body));
   return columns;
 }
@@ -45,7 +51,7 @@ HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodie
       has_contact_(has_contact),
       descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
       flushed_(std::chrono::steady_clock::now()) {
-  if (descriptor_ < 0) throw ConfigError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+  if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
   pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies), ","));
   flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
@@ -69,7 +75,9 @@ void HistoryFile::add(const HistoryRow& row) {
   for (const double value : {gap, c.contact_force_n, c.contact_pressure_mean_pa, c.principal_stress_mean_pa,
                              c.friction_force_n, c.pairs_stick, c.pairs_slip, c.pairs_open, s.energy_kinetic_j,
                              s.energy_strain_j, s.energy_external_j, c.energy_contact_j, c.energy_friction_j,
-                             s.energy_interface_j, row.energy_error, s.momentum_n_kg_m_s, s.momentum_t_kg_m_s}) {
+                             s.energy_interface_j, row.energy_error, s.momentum_n_kg_m_s, s.momentum_t_kg_m_s,
+                             s.angular_momentum_kg_m2_s, c.contact_impulse_n_s, c.friction_impulse_n_s, c.contact_iterations,
+                             c.contact_residual, c.contact_unconverged}) {
     put(value);
   }
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
@@ -79,17 +87,12 @@ void HistoryFile::add(const HistoryRow& row) {
 
 void HistoryFile::flush() {
   flushed_ = std::chrono::steady_clock::now();
-  std::size_t done = 0;
-  while (done < pending_.size()) {
-    const auto written = write(descriptor_, pending_.data() + done, pending_.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      pending_.clear();
-      throw ConfigError(fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
-    }
-    done += static_cast<std::size_t>(written);
-  }
-  pending_.clear();
+  const std::string rows = std::exchange(pending_, {});
+  const auto before = lseek(descriptor_, 0, SEEK_END);
+  const int error = write_all(descriptor_, rows);
+  if (error == 0) return;
+  if (before >= 0 && ftruncate(descriptor_, before) != 0) std::fprintf(stderr, "ricochet: %s ends with half a row\n", path_.c_str());
+  throw_errno(error, "cannot write " + path_);
 }
 
 }  // namespace ricochet::coupler

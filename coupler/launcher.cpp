@@ -14,6 +14,8 @@
 #include <fstream>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
+#include "common/base/write_file.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -30,21 +32,24 @@ struct Process {
   std::optional<ProcessEnd> end;
 };
 
-/// Log file that no child inherits except as its own output.
-class LogFile {
+/// File that no child inherits except as one of those it is given.
+class OpenFile {
  public:
-  explicit LogFile(const std::string& path)
-      : descriptor_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
-    if (descriptor_ < 0) throw ConfigError(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
-  }
-  LogFile(const LogFile&) = delete;
-  LogFile& operator=(const LogFile&) = delete;
-  ~LogFile() { close(descriptor_); }
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() { close(descriptor_); }
   [[nodiscard]] int descriptor() const { return descriptor_; }
 
  private:
   int descriptor_;
 };
+
+int open_log(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw_errno(errno, "cannot write " + path);
+  return descriptor;
+}
 
 }  // namespace
 
@@ -121,24 +126,28 @@ void Launcher::launch(const LaunchRequest& request) {
 }
 
 void Launcher::Impl::spawn(Process& process) {
-  const LogFile log(process.request.log_path);
+  const OpenFile log(open_log(process.request.log_path));
   std::vector<char*> arguments = {process.request.executable.data()};
   for (auto& argument : process.request.arguments) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
 
   uv_pipe_init(&loop, &process.standard_input, 0);
-  std::array<uv_stdio_container_t, 3> stdio{};
+  const bool has_key = !process.request.key.empty();
+  const OpenFile key(has_key ? memory_file(process.request.key) : -1);
+  std::array<uv_stdio_container_t, 4> stdio{};
   stdio[0].flags = static_cast<uv_stdio_flags>(UV_CREATE_PIPE | UV_READABLE_PIPE);
   stdio[0].data.stream = reinterpret_cast<uv_stream_t*>(&process.standard_input);
   for (const std::size_t i : {1, 2}) {
     stdio[i].flags = UV_INHERIT_FD;
     stdio[i].data.fd = log.descriptor();
   }
+  stdio[3].flags = UV_INHERIT_FD;
+  stdio[3].data.fd = key.descriptor();
   uv_process_options_t options{};
   options.file = process.request.executable.c_str();
   options.args = arguments.data();
   options.stdio = stdio.data();
-  options.stdio_count = static_cast<int>(stdio.size());
+  options.stdio_count = static_cast<int>(has_key ? stdio.size() : stdio.size() - 1);
   options.flags = UV_PROCESS_DETACHED;
   options.exit_cb = [](uv_process_t* handle, std::int64_t status, int signal) {
     auto* ended = static_cast<Process*>(handle->data);
@@ -207,10 +216,15 @@ std::string Launcher::log_path(const std::string& name) const {
 int Launcher::interrupted_by() const { return impl_->interrupted_by; }
 
 std::string last_lines(const std::string& path, std::size_t lines) {
-  std::ifstream file(path);
+  constexpr std::int64_t most_bytes = 1 << 16;
+  constexpr std::size_t longest_line = 400;
+  std::ifstream file(path, std::ios::ate);
+  const std::int64_t size = file ? static_cast<std::int64_t>(file.tellg()) : 0;
+  file.seekg(std::max<std::int64_t>(0, size - most_bytes));
   std::deque<std::string> kept;
   for (std::string line; std::getline(file, line);) {
-    kept.push_back(line);
+    if (line.size() > longest_line) line = "... " + line.substr(line.size() - longest_line);
+    kept.push_back(printable(line));
     if (kept.size() > lines) kept.pop_front();
   }
   std::string text;

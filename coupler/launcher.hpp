@@ -15,6 +15,8 @@ struct LaunchRequest {
   std::string executable;
   std::vector<std::string> arguments;  ///< without the program itself
   std::string log_path;                ///< takes stdout and stderr
+  std::string key{};                   ///< what it can read from its file descriptor 3, that is from `key_path`
+  static constexpr const char* key_path = "/dev/fd/3";
 };
 
 /// How a process ended.
@@ -31,7 +33,7 @@ struct ProcessEnd {
 /// No orphans: the standard input of a child is a pipe whose other end only this process holds, so a participant
 /// started with --watch-stdin ends when this process dies, however it dies. Children run in sessions of their own, so
 /// that Ctrl-C reaches them only through the coupler, in order; what they started themselves is ended with them. They
-/// inherit no file but the three standard ones.
+/// inherit no file but the three standard ones and their key.
 class Launcher {
  public:
   Launcher();
@@ -67,7 +69,7 @@ class Launcher {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The last lines of a text file, each after an indent; empty if there are none.
+/// The last lines of a text file, each after an indent, fit for a terminal, and long ones cut; empty if there are none.
 [[nodiscard]] std::string last_lines(const std::string& path, std::size_t lines);
 
 }  // namespace ricochet::coupler

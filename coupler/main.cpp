@@ -1,20 +1,20 @@
 // The `ricochet` command:
 //   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | study STUDY | report DIR |
 //            init NAME | check-participant -- COMMAND ... | --version
-#include <csignal>
 #include <cstdio>
 #include <exception>
 
+#include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "coupler/command_line.hpp"
 #include "coupler/run.hpp"
 
 int main(int argc, char** argv) {
-  // A closed pipe behind `ricochet run | head` must not end a run whose results go to files.
-  std::signal(SIGPIPE, SIG_IGN);
+  ricochet::prepare_process();
   try {
     return ricochet::coupler::run_command_line(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ricochet: %s\n", error.what());
+    std::fprintf(stderr, "ricochet: %s\n", ricochet::printable(ricochet::text_of(error)).c_str());
     return ricochet::coupler::exit_code_of(error);
   }
 }

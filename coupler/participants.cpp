@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
+#include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
+#include "common/wire/codec.hpp"
+#include "coupler/energy_watch.hpp"
 #include "coupler/executable.hpp"
 #include "coupler/run_id.hpp"
 
@@ -14,12 +19,14 @@ namespace ricochet::coupler {
 namespace {
 
 void launch(const scene::Scene& scene, const scene::ParticipantSpec& participant, const std::string& executable,
-            const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher) {
+            const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher, KeyFiles& keys) {
   const std::string bound = listener.endpoint();
   const bool by_hand = participant.start == scene::Start::by_hand;
+  const std::string key = wire::to_text(listener.key_of(participant.name));
   const std::vector<std::string> arguments = {"--scene",   scene.path,
                                               "--name",    participant.name,
-                                              "--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound)};
+                                              "--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound),
+                                              "--key",     by_hand ? keys.write(participant.name, key) : LaunchRequest::key_path};
   if (by_hand) {
     const std::string shipped =
         participant.role == scene::Role::implicit_solver ? "implicit_solver" : "explicit_solver";
@@ -28,9 +35,27 @@ void launch(const scene::Scene& scene, const scene::ParticipantSpec& participant
                fmt::join(arguments, " "));
     return;
   }
-  LaunchRequest request{participant.name, executable, arguments, results.log(participant.name)};
+  LaunchRequest request{participant.name, executable, arguments, results.log(participant.name), key};
   request.arguments.emplace_back("--watch-stdin");
   launcher.launch(request);
+}
+
+/// What each says of itself, and that they do not contradict each other.
+void check_descriptions(const std::vector<wire::Message>& descriptions) {
+  std::string owner;
+  for (const auto& description : descriptions) {
+    const auto& name = description.participant;
+    if (description.critical_time_step_s < 0.0) {
+      throw ProtocolError(fmt::format("participant '{}' described 'critical_time_step_s' = {} s, allowed: 0 (none) or more", name,
+                                      description.critical_time_step_s));
+    }
+    if (!description.contact_owner) continue;
+    if (!owner.empty()) {
+      throw ProtocolError(fmt::format("participant '{}' described 'contact_owner' = true, and so did participant '{}': one of them "
+                                      "enforces the contact", name, owner));
+    }
+    owner = name;
+  }
 }
 
 }  // namespace
@@ -51,7 +76,7 @@ wire::Message initialize_request(const scene::Scene& scene, double window_size_s
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol;
   request.substeps = scene.coupling.substeps;
-  request.history_every = scene.output.history_every;
+  request.history_every = std::gcd(static_cast<std::int64_t>(scene.output.history_every), EnergyWatch::every);  // rows for both
   request.fields_every = scene.output.fields_every;
   request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
   request.separation_windows = scene.coupling.separation_windows;
@@ -77,10 +102,42 @@ std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene) {
   return expected;
 }
 
+std::vector<std::string> participant_names(const scene::Scene& scene) {
+  std::vector<std::string> names;
+  for (const auto& participant : scene.participants) names.push_back(participant.name);
+  return names;
+}
+
+std::size_t largest_message(const scene::Problem& problem) {
+  // Per node three components of a few arrays, or two numbers each of a state for displacement and velocity; history rows of
+  // as many windows as a baseline computes at once.
+  constexpr std::size_t least = std::size_t{1} << 22, per_node = 64 * sizeof(double), per_body = 4200 * 20 * sizeof(double);
+  std::size_t nodes = 0;
+  for (const auto& body : problem.bodies) nodes += body.mesh.position.size();
+  return std::min(wire::max_message_bytes, least + per_body * problem.bodies.size() + per_node * nodes);
+}
+
+void KeyFiles::remove() {
+  std::error_code ignored;
+  for (const auto& path : paths_) std::filesystem::remove(path, ignored);
+  if (!paths_.empty()) std::filesystem::remove(results_.file("keys"), ignored);  // only if it is empty
+  paths_.clear();
+}
+
+std::string KeyFiles::write(const std::string& participant, const std::string& text) {
+  std::error_code error;
+  std::filesystem::create_directories(results_.file("keys"), error);
+  const auto path = results_.file("keys/" + participant + ".key");
+  write_atomically(path, text, 0600);
+  paths_.push_back(path);
+  return path;
+}
+
 void launch_participants(const scene::Scene& scene, const std::vector<std::string>& executables,
-                         const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher) {
+                         const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher,
+                         KeyFiles& keys) {
   for (std::size_t p = 0; p < executables.size(); ++p) {
-    launch(scene, scene.participants[p], executables[p], results, listener, launcher);
+    launch(scene, scene.participants[p], executables[p], results, listener, launcher, keys);
   }
 }
 
@@ -97,7 +154,9 @@ std::vector<wire::Message> describe_participants(const scene::Scene& scene, Peer
     auto& description = descriptions.emplace_back(asked[p].wait());
     description.participant = peers.name(p);
     description.role = role_name(scene.participants[p].role);
+    peers.limit(p, description);
   }
+  check_descriptions(descriptions);
   return descriptions;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/scene.hpp"
+#include "common/scene/problem.hpp"
 #include "common/wire/channel.hpp"
 #include "coupler/launcher.hpp"
 #include "coupler/peers.hpp"
@@ -30,9 +30,33 @@ namespace ricochet::coupler {
 /// The participants of a scene, for Peers.
 [[nodiscard]] std::vector<ExpectedPeer> expected_peers(const scene::Scene& scene);
 
+/// Names of the participants, to each of which the listener gives a key.
+[[nodiscard]] std::vector<std::string> participant_names(const scene::Scene& scene);
+
+/// Largest message that participants of this scene can have to send [bytes].
+[[nodiscard]] std::size_t largest_message(const scene::Problem& problem);
+
+/// Keys for participants that are started by hand: files that only this user may read, gone with this object at the latest.
+class KeyFiles {
+ public:
+  explicit KeyFiles(const ResultsDirectory& results) : results_(results) {}
+  KeyFiles(const KeyFiles&) = delete;
+  KeyFiles& operator=(const KeyFiles&) = delete;
+  ~KeyFiles() { remove(); }
+  /// Path of the file. Throws MachineError or ConfigError if it cannot be written.
+  std::string write(const std::string& participant, const std::string& text);
+  /// Everybody is there.
+  void remove();
+
+ private:
+  const ResultsDirectory& results_;
+  std::vector<std::string> paths_;
+};
+
 /// Starts the scene's participants, or prints what to type for those that are started by hand.
 void launch_participants(const scene::Scene& scene, const std::vector<std::string>& executables,
-                         const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher);
+                         const ResultsDirectory& results, const wire::Listener& listener, Launcher& launcher,
+                         KeyFiles& keys);
 
 /// What every participant says of itself, in the scene's order, with `participant` and `role` filled in.
 [[nodiscard]] std::vector<wire::Message> describe_participants(const scene::Scene& scene, Peers& peers);

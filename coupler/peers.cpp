@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "common/base/error.hpp"
 #include "coupler/interrupted.hpp"
@@ -20,6 +21,8 @@ double since_epoch_s(Clock::time_point time) { return std::chrono::duration<doub
 
 constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
 constexpr std::size_t log_lines = 8;
+constexpr std::uintmax_t largest_log = 100'000'000;
+constexpr std::chrono::milliseconds between_looks_at_logs{100};
 
 }  // namespace
 
@@ -56,8 +59,9 @@ void Peers::post(State& peer, wire::Message& message) {
 const wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   const auto begin = Clock::now();
+  const auto deadline = begin + seconds(run_.timeout_s);
   while (!peer.has_message) {
-    if (!receive_one(begin + seconds(run_.timeout_s), peer.identity)) throw_silent(peer);
+    if (!receive_one(deadline, peer.identity)) throw_silent(peer);
   }
   peer.has_message = false;
   note_wait(index, begin);
@@ -79,12 +83,26 @@ void Peers::note_wait(std::size_t index, Clock::time_point begin) {
 /// One message or one event of the processes; false at the deadline. `awaited`: whose message is wanted, if anybody's.
 bool Peers::receive_one(wire::Deadline deadline, const std::string& awaited) {
   launcher_.poll();
+  if (Clock::now() >= next_look_at_logs_) check_logs();
   if (attend()) return true;  // which may have brought what the caller waits for
-  if (receive_into_scratch(deadline, awaited, true)) {
+  if (receive_into_scratch(std::min(deadline, next_look_at_logs_), awaited, true)) {
     deliver();
     return true;
   }
-  return launcher_.events() != seen_events_;
+  return Clock::now() < deadline || launcher_.events() != seen_events_ || listener_.closings() != seen_closings_;
+}
+
+/// What a program prints goes to the disk of the user, and some never stop.
+void Peers::check_logs() {
+  next_look_at_logs_ = Clock::now() + between_looks_at_logs;
+  for (const auto& peer : peers_) {
+    const auto path = launcher_.log_path(peer.expected.name);
+    std::error_code error;
+    const auto size = path.empty() ? 0 : std::filesystem::file_size(path, error);
+    if (error || size <= largest_log) continue;
+    throw ParticipantError(fmt::format("participant '{}' has printed {} bytes to its log {}, allowed are {}", peer.expected.name, size,
+                                       path, largest_log));
+  }
 }
 
 bool Peers::receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes) {
@@ -131,8 +149,13 @@ Peers::State* Peers::find(const std::string& identity) {
   return nullptr;
 }
 
-/// Processes that ended and signals that came since the last call; false if there were none.
+/// Processes that ended, connections that were closed and signals that came since the last call; false if there were
+/// none.
 bool Peers::attend() {
+  if (listener_.closings() != seen_closings_) {
+    check_connections();
+    return true;
+  }
   if (launcher_.events() == seen_events_) return false;
   seen_events_ = launcher_.events();
   if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
@@ -144,11 +167,41 @@ void Peers::check_end(State& peer) {
   const auto end = launcher_.end_of(peer.expected.name);
   if (!end || peer.end_handled) return;
   peer.end_handled = true;
-  const auto deadline = Clock::now() + seconds(drain_s);
-  while (!peer.lifecycle.done() && receive_into_scratch(deadline, peer.identity, false)) deliver();
+  hear_last_words(peer);
   if (peer.lifecycle.done()) return;
   throw ParticipantError(fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer),
                                      refusal_text(peer), log_tail(peer)));
+}
+
+/// Until they have been heard or nothing can come any more, whoever else talks or goes meanwhile.
+void Peers::hear_last_words(State& peer) {
+  const auto deadline = Clock::now() + seconds(drain_s);
+  while (!peer.lifecycle.done() && Clock::now() < deadline) {
+    if (receive_into_scratch(deadline, peer.identity, false)) deliver();
+  }
+}
+
+/// Of a process that was launched here more can be told when it has ended; of others the connection is all there is.
+void Peers::check_connections() {
+  seen_closings_ = listener_.closings();
+  for (auto& peer : peers_) {
+    if (peer.identity.empty() || peer.lifecycle.done() || launcher_.launched(peer.expected.name)) continue;
+    if (!listener_.gone(peer.identity)) continue;
+    hear_last_words(peer);
+    if (peer.lifecycle.done()) continue;
+    throw ParticipantError(fmt::format("participant '{}' is gone {}: its connection was closed, the process (started by hand, "
+                                       "{} on its machine) ended or was killed", peer.expected.name, place(peer), peer.process_id));
+  }
+}
+
+void Peers::limit(std::size_t index, const wire::Message& description) {
+  constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
+  constexpr std::size_t most_rows = 4200;              // of history in one answer: as many windows as a baseline takes at once
+  const auto numbers = 8 * description.interface_position_m.data.size() + most_rows * description.record_columns.size();
+  const auto& has = description.capabilities;
+  const bool tells_state = std::find(has.begin(), has.end(), "load_state") != has.end();
+  const std::size_t bytes = least + sizeof(double) * numbers;
+  listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }
 
 void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
@@ -176,7 +229,8 @@ void Peers::throw_failure(const State& peer) const {
   const auto& message = peer.inbox;
   const bool known = message.error_code == static_cast<int>(ExitCode::config) ||
                      message.error_code == static_cast<int>(ExitCode::unstable) ||
-                     message.error_code == static_cast<int>(ExitCode::protocol);
+                     message.error_code == static_cast<int>(ExitCode::protocol) ||
+                     message.error_code == static_cast<int>(ExitCode::machine);
   const auto code = known ? static_cast<ExitCode>(message.error_code) : ExitCode::participant;
   throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), message.error_text));
 }

@@ -28,6 +28,7 @@ struct RunIdentity {
   double window_size_s = 0.0;  ///< for the times in error texts
   std::string transport = "auto";  ///< "auto" | "shm" | "zmq" | "tcp", as in the scene
   std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
+  std::size_t largest_message = wire::default_largest_message;  ///< of a participant that has not described itself [bytes]
 };
 
 /// Time that the coupler waited for a peer, on the steady clock [s].
@@ -48,6 +49,8 @@ class Peers {
 
   /// Waits until every expected participant has said hello and welcomes it.
   void handshake();
+  /// Takes no message from the participant that is larger than what it has described of itself needs.
+  void limit(std::size_t index, const wire::Message& description);
   /// The participant in the form the protocols use; refers to this object.
   [[nodiscard]] Peer peer(std::size_t index);
   /// Tells every peer that still listens that the run is over, and why.
@@ -98,6 +101,9 @@ class Peers {
   void refuse(const std::string& text, int code);
   bool attend();
   void check_end(State& peer);
+  void check_connections();
+  void check_logs();
+  void hear_last_words(State& peer);
   State* find(const std::string& identity);
   [[noreturn]] void throw_broken(const State& peer, const ProtocolError& error) const;
   [[noreturn]] void throw_failure(const State& peer) const;
@@ -112,6 +118,8 @@ class Peers {
   std::vector<State> peers_;
   std::vector<int> descriptors_;
   wire::Message scratch_;
+  std::uint64_t seen_closings_ = 0;
+  wire::Clock::time_point next_look_at_logs_;
   std::string scratch_identity_;
   std::string last_refusal_;  ///< what a stranger was told last
   int seen_events_ = 0;

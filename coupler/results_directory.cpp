@@ -6,10 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cerrno>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <system_error>
 
 #include "common/base/error.hpp"
@@ -31,45 +30,48 @@ long long window_of(const std::string& file, const std::string& participant) {
 
 }  // namespace
 
-ResultsDirectory::ResultsDirectory(const std::string& path) : path_(fs::absolute(path).lexically_normal().string()) {
+ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<std::string>& names)
+    : path_(fs::absolute(path).lexically_normal().string()) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
-  std::error_code error;
-  for (const auto* folder : {"logs", "fields"}) {
-    fs::create_directories(file(folder), error);
-    if (error) throw ConfigError(fmt::format("cannot create the results folder {}: {}", file(folder), error.message()));
-  }
+  make_folder("");
   descriptor_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ < 0)
-    throw ConfigError(fmt::format("cannot open the results folder {}: {}", path_, std::strerror(errno)));
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+  if (descriptor_ < 0) throw_errno(errno, "cannot open the results folder " + path_);
+  try {
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      throw ConfigError(fmt::format("another run is writing to {}; give this one its own folder with --out DIR", path_));
+    }
+    own_ = std::make_unique<OwnFiles>(path_);
+    own_->claim(names);
+    own_->remove_all();
+    remove_charts();
+    for (const auto* folder : {"logs", "fields"}) make_folder(folder);
+  } catch (...) {
     close(descriptor_);
-    throw ConfigError(fmt::format("another run is writing to {}; give this one its own folder with --out DIR", path_));
+    throw;
   }
-  remove_former_results();
 }
 
 ResultsDirectory::~ResultsDirectory() {
+  own_.reset();
   std::error_code ignored;
-  for (const auto* folder : {"fields", "logs", "charts"}) fs::remove(file(folder), ignored);  // only if it is empty
+  for (const auto& folder : made_) fs::remove(folder, ignored);  // only if it is empty
   close(descriptor_);
 }
 
-void ResultsDirectory::remove_former_results() const {
+/// Pictures of former results, which `ricochet report` keeps a list of its own of.
+void ResultsDirectory::remove_charts() const {
   std::error_code ignored;
-  for (const auto* name :
-       {"history.csv", "axial_stress.csv", "calibration.csv", "scene.toml", "summary.json", "trace.json", "report.html",
-        "stability.csv", "stability.html", "results.csv", "histories.csv", "study.json"}) {
-    fs::remove(file(name), ignored);
-  }
-  static const std::map<std::string, std::set<std::string>> ours = {
-      {"fields", {".vtu", ".pvd", ".axial_stress"}}, {"logs", {".log"}}, {"variants", {".toml"}}, {"charts", {".svg"}}};
-  for (const auto& [folder, extensions] : ours) {
-    std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(file(folder), ignored)) {
-      if (extensions.count(entry.path().extension().string()) > 0) old.push_back(entry.path());
-    }
-    for (const auto& path : old) fs::remove(path, ignored);
-  }
+  if (!fs::is_directory(fs::symlink_status(file("charts"), ignored))) return;
+  OwnFiles(file("charts")).remove_all();
+  fs::remove(file("charts"), ignored);  // only if it is empty
+}
+
+void ResultsDirectory::make_folder(const std::string& name) {
+  std::error_code error;
+  const auto folder = name.empty() ? path_ : file(name);
+  const bool made = fs::create_directories(folder, error);
+  if (error) throw_errno(error.value(), "cannot create the results folder " + folder);
+  if (made && !name.empty()) made_.push_back(folder);
 }
 
 void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,

@@ -1,16 +1,21 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "common/base/own_files.hpp"
 
 namespace ricochet::coupler {
 
 /// Where a run writes. Holds a lock as long as the run lasts (on the directory itself: no lock file that could become
-/// stale), and removes what a former run left under the names that this one writes.
+/// stale), and removes what former runs wrote there. Files of others stay: OwnFiles.
 class ResultsDirectory {
  public:
-  /// Creates the directory. Throws ConfigError if that fails or another run is writing there.
-  explicit ResultsDirectory(const std::string& path);
+  /// Creates the directory. `names`: what is going to be written there, in the form of OwnFiles::claim. Throws
+  /// ConfigError if that fails, another run is writing there, or a file of one of these names is somebody else's;
+  /// then nothing there is changed.
+  ResultsDirectory(const std::string& path, const std::vector<std::string>& names);
   ResultsDirectory(const ResultsDirectory&) = delete;
   ResultsDirectory& operator=(const ResultsDirectory&) = delete;
   ~ResultsDirectory();
@@ -20,9 +25,12 @@ class ResultsDirectory {
   [[nodiscard]] std::string log(const std::string& participant) const { return file("logs/" + participant + ".log"); }
 
  private:
-  void remove_former_results() const;
+  void make_folder(const std::string& name);
+  void remove_charts() const;
   std::string path_;
-  int descriptor_;
+  int descriptor_ = -1;
+  std::vector<std::string> made_;  ///< folders that were not there before
+  std::unique_ptr<OwnFiles> own_;
 };
 
 /// Writes fields/<name>.pvd: the snapshots "<participant>_<window>.vtu" found in fields/, grouped by time, one part per

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "coupler/coupled_run.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/machine_check.hpp"
 #include "coupler/participants.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/step_choice.hpp"
@@ -35,23 +36,39 @@ bool try_report(const std::string& results) {
 
 int exit_code_of(const std::exception& error) {
   if (const auto* interrupted = dynamic_cast<const Interrupted*>(&error)) return interrupted->exit_code();
-  const auto* known = dynamic_cast<const Error*>(&error);
-  return known ? static_cast<int>(known->code()) : 1;
+  return exit_code_of_exception(error);
 }
 
 std::string status_of(const std::exception& error) {
   if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
-  const auto* known = dynamic_cast<const Error*>(&error);
-  switch (known ? known->code() : ExitCode::participant) {
+  switch (static_cast<ExitCode>(exit_code_of_exception(error))) {
     case ExitCode::config:
       return "scene_wrong";
     case ExitCode::unstable:
       return "unstable";
     case ExitCode::protocol:
       return "protocol_broken";
+    case ExitCode::model:
+      return "left_model";
+    case ExitCode::machine:
+      return "machine_failed";
     default:
       return "participant_failed";
   }
+}
+
+std::vector<std::string> files_of_run(const scene::Scene& scene) {
+  const std::string stem = std::filesystem::path(scene.path).stem().string();
+  std::vector<std::string> names = {"history.csv", "axial_stress.csv", "summary.json",
+                                    "trace.json",  "report.html",      "fields/" + stem + ".pvd"};
+  for (const auto& participant : scene.participants) {
+    names.push_back("logs/" + participant.name + ".log");
+    names.push_back("keys/" + participant.name + ".key");
+    names.push_back("fields/" + participant.name + "_#.vtu");
+    names.push_back("fields/" + participant.name + ".axial_stress");
+  }
+  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml"});
+  return names;
 }
 
 std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
@@ -60,22 +77,23 @@ std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan
   try {
     run.run(executables);
   } catch (const std::exception& error) {
-    run.fail(status_of(error), exit_code_of(error), error.what());
+    run.fail(status_of(error), exit_code_of(error), text_of(error));
     throw;
   }
   return run.table();
 }
 
 void run_scene(const std::string& scene_path, const std::string& out) {
-  auto problem = scene::build_problem(scene::load_scene(scene_path));
+  auto problem = load_problem(scene_path);
   auto plan = scene::plan(problem);
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
-  const ResultsDirectory results(out.empty() ? "out/" + stem : out);
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files_of_run(problem.scene));
   if (problem.scene.time.largest_step_s) {
-    problem = scene::build_problem(scene::load_scene(choose_step(problem, results)));
+    problem = load_problem(choose_step(problem, results));
     plan = scene::plan(problem);
   }
+  if (const auto warning = address_warning(problem.scene); !warning.empty()) plan.warnings.push_back(warning);
   print_warnings(plan);
   std::string table;
   try {
@@ -93,8 +111,9 @@ void run_scene(const std::string& scene_path, const std::string& out) {
 }
 
 void check_scene(const std::string& scene_path) {
-  const auto problem = scene::build_problem(scene::load_scene(scene_path));
-  fmt::print("{}", scene::to_text(scene::plan(problem)));
+  const auto problem = load_problem(scene_path);
+  fmt::print("{}{}\n", scene::to_text(scene::plan(problem)), memory_text(problem.scene));
+  if (const auto warning = address_warning(problem.scene); !warning.empty()) fmt::print("warning: {}\n", warning);
   if (problem.scene.time.largest_step_s) {
     fmt::print("this is the largest step: `ricochet run` measures whether a smaller one, with less of it implicit, takes less "
                "time\n");

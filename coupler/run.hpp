@@ -20,8 +20,11 @@ void run_scene(const std::string& scene_path, const std::string& out);
 std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
                           const std::vector<std::string>& executables, const ResultsDirectory& results);
 
+/// What a run of the scene may write into its results folder, for ResultsDirectory.
+[[nodiscard]] std::vector<std::string> files_of_run(const scene::Scene& scene);
+
 /// Status of a run that an error ended, as in summary.json: "interrupted" | "scene_wrong" | "unstable" |
-/// "participant_failed" | "protocol_broken".
+/// "participant_failed" | "protocol_broken" | "machine_failed".
 [[nodiscard]] std::string status_of(const std::exception& error);
 
 /// Exit code of an error that ended a command: see base/error.hpp; 128 + signal if interrupted, 1 for anything else.

@@ -26,8 +26,8 @@ std::string make_run_id() {
   return fmt::format("{:%Y%m%d-%H%M%S}-{}-{:08x}", fmt::gmtime(now), getpid(), random());
 }
 
-std::string listen_endpoint(const scene::Coupling& coupling, const std::string& run_id) {
-  if (coupling.transport != "tcp") return "ipc://@ricochet-" + run_id;
+std::string listen_endpoint(const scene::Coupling& coupling) {
+  if (coupling.transport != "tcp") return "ipc://*";
   const bool bare_ipv6 = coupling.address.find(':') != std::string::npos && coupling.address.front() != '[';
   return fmt::format("tcp://{}:{}", bare_ipv6 ? "[" + coupling.address + "]" : coupling.address,
                      coupling.port > 0 ? std::to_string(coupling.port) : "*");

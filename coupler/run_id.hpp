@@ -10,8 +10,8 @@ namespace ricochet::coupler {
 [[nodiscard]] std::string make_run_id();
 
 /// Where the coupler listens: with transport "tcp" "tcp://address:port", port "*" where the scene leaves it free; else
-/// "ipc://@ricochet-<run id>" (abstract socket, nothing is left on disk).
-[[nodiscard]] std::string listen_endpoint(const scene::Coupling& coupling, const std::string& run_id);
+/// "ipc://*", a socket in a folder that only this user may enter.
+[[nodiscard]] std::string listen_endpoint(const scene::Coupling& coupling);
 
 /// What a participant on this machine connects to, given what the listener is bound to: "any address" becomes loopback.
 [[nodiscard]] std::string local_endpoint(const std::string& bound);

@@ -56,12 +56,15 @@ std::vector<ContactStability> measure_stability(const scene::Problem& problem,
   const auto executables = find_executables(scene);
   const std::string run_id = make_run_id();
   Launcher launcher;
-  wire::Listener listener(listen_endpoint(scene.coupling, run_id));
+  wire::Listener listener(listen_endpoint(scene.coupling), participant_names(scene), largest_message(problem));
+  KeyFiles keys(results);
   Peers peers(listener, launcher, expected_peers(scene),
-              {run_id, scene.sha256, scene.coupling.timeout_s, problem.window_size_s});
+              {run_id, scene.sha256, scene.coupling.timeout_s, problem.window_size_s, scene.coupling.transport,
+               scene.where("coupling.transport"), largest_message(problem)});
   try {
-    launch_participants(scene, executables, results, listener, launcher);
+    launch_participants(scene, executables, results, listener, launcher, keys);
     peers.handshake();
+    keys.remove();
     auto measured = measure(problem, frozen_contacts, results, peers);
     check_exit_codes(scene, peers, launcher);
     return measured;

@@ -12,6 +12,7 @@
 #include "common/base/write_file.hpp"
 #include "common/scene/check.hpp"
 #include "common/scene/variant.hpp"
+#include "coupler/machine_check.hpp"
 #include "coupler/protocols/protocol.hpp"
 #include "coupler/report/stability_page.hpp"
 #include "coupler/stability_axis.hpp"
@@ -234,15 +235,21 @@ report::StabilityMap Study::map() const {
 
 void Study::write_files() const {
   write_atomically(results_.file("stability.csv"), csv());
+  write_atomically(results_.file("stability.json"), report::to_json(map()));
   write_atomically(results_.file("stability.html"), report::stability_page(map()));
 }
 
 }  // namespace
 
 void study_stability(const StabilityRequest& request) {
-  const auto problem = scene::build_problem(scene::load_scene(request.scene));
+  const auto problem = load_problem(request.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
-  const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_stability" : request.out);
+  std::vector<std::string> names = {"stability.csv", "stability.json", "stability.html", "variants/#.toml"};
+  for (const auto& participant : problem.scene.participants) {
+    names.push_back("logs/" + participant.name + ".log");
+    names.push_back("keys/" + participant.name + ".key");
+  }
+  const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_stability" : request.out, names);
   Study study(request, problem, results);
   try {
     study.run();
@@ -251,7 +258,7 @@ void study_stability(const StabilityRequest& request) {
     throw;
   }
   study.write_files();
-  fmt::print("results in {}: stability.csv, stability.html, variants/\n", results.path());
+  fmt::print("results in {}: stability.csv, stability.json, stability.html, variants/\n", results.path());
 }
 
 }  // namespace ricochet::coupler

@@ -9,6 +9,7 @@
 #include "common/base/write_file.hpp"
 #include "common/scene/check.hpp"
 #include "common/scene/critical_step.hpp"
+#include "coupler/csv_cell.hpp"
 #include "coupler/study_case.hpp"
 
 namespace ricochet::coupler {
@@ -43,8 +44,8 @@ Candidate measure(const scene::Problem& problem, double step_s, const std::strin
 std::string to_csv(const std::vector<Candidate>& candidates) {
   std::string text = "step_s,elements,implicit_elements,setup_s,window_s,predicted_s,error\n";
   for (const auto& c : candidates) {
-    text += fmt::format("{:.6g},{},{},{:.6g},{:.6g},{:.6g},\"{}\"\n", c.step_s, c.elements, c.implicit_elements, c.setup_s,
-                        c.window_s, c.predicted_s, c.error);
+    text += fmt::format("{:.6g},{},{},{:.6g},{:.6g},{:.6g},{}\n", c.step_s, c.elements, c.implicit_elements, c.setup_s,
+                        c.window_s, c.predicted_s, csv_cell(c.error));
   }
   return text;
 }

@@ -217,7 +217,8 @@ void Study::run() {
 void run_study(const std::string& study_path, const std::string& out) {
   auto file = load_study(study_path);
   const std::string stem = std::filesystem::path(file.path).stem().string();
-  const ResultsDirectory results(out.empty() ? "out/" + stem : out);
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out,
+                                 {"results.csv", "study.json", "histories.csv", "report.html"});
   const bool histories = file.histories.wanted();
   Study(std::move(file), results).run();
   report::write_report(results.path());

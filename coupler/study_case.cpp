@@ -6,7 +6,9 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/base/sha256.hpp"
+#include "coupler/machine_check.hpp"
 #include "coupler/participants.hpp"
 #include "coupler/report/history_table.hpp"
 #include "coupler/report/summary_page.hpp"
@@ -48,14 +50,17 @@ std::string run_key(const std::string& scene_sha256, const std::vector<std::stri
 StudyCase::StudyCase(const std::string& scene_path, std::vector<scene::Override> changes, const std::string& folder) {
   for (const char* output : {"output.fields_every", "output.axial_stress_every"}) changes.push_back({output, 0.0});
   fs::create_directories(folder);
+  OwnFiles own(folder);
+  own.claim({"draft.toml"});
   const std::string draft = folder + "/draft.toml";
   scene::write_variant(scene_path, changes, draft);
   folder_ = folder + "/" + key_of(draft);
+  own.claim({key() + "/scene.toml"});
   fs::create_directories(folder_);
   const std::string path = folder_ + "/scene.toml";
   fs::rename(draft, path);
   try {
-    problem_ = scene::build_problem(scene::load_scene(path));
+    problem_ = load_problem(path);
     plan_ = scene::plan(*problem_);
     executables_ = find_executables(problem_->scene);
   } catch (const Error& error) {
@@ -73,7 +78,7 @@ bool StudyCase::read_repeat(int repeat) {
   if (!fs::is_regular_file(path)) return false;
   const auto summary = report::read_summary(path);
   const std::string status = summary.value("status", "");
-  if (status == "unstable") {
+  if (status == "unstable" || status == "left_model") {
     fail(status, summary.value("exit_code", 0), summary.value("error", status));
     return false;
   }
@@ -90,14 +95,14 @@ bool StudyCase::read_repeat(int repeat) {
 void StudyCase::fail(const std::string& status, int exit_code, const std::string& error) {
   status_ = status;
   exit_code_ = exit_code;
-  error_ = error.substr(0, error.find('\n'));
+  error_ = printable(error.substr(0, error.find('\n')));
 }
 
 void StudyCase::compute() {
   const int repeat = repeats() + 1;
   if (read_repeat(repeat)) return;  // by another method or setting that comes to the same scene
   try {
-    const ResultsDirectory results(repeat_folder(repeat));
+    const ResultsDirectory results(repeat_folder(repeat), files_of_run(problem_->scene));
     compute_scene(*problem_, *plan_, executables_, results);
   } catch (const Error& error) {
     fail(status_of(error), static_cast<int>(error.code()), error.what());

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/base/names.hpp"
+#include "common/scene/check_text.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
 #include "coupler/report/history_table.hpp"
@@ -167,6 +168,7 @@ std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& s
 }
 
 toml::value parse(const std::string& path, const std::string& text) {
+  scene::check_text(path, text);
   toml::value file;
   try {
     std::istringstream stream(text);

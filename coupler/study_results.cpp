@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "coupler/csv_cell.hpp"
+
 namespace ricochet::coupler {
 namespace {
 
@@ -18,17 +20,6 @@ std::vector<double> all_of(const std::vector<Cost>& costs, double Cost::*part) {
   std::vector<double> values;
   for (const auto& cost : costs) values.push_back(cost.*part);
   return values;
-}
-
-/// A cell of a CSV file (RFC 4180).
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    quoted += c;
-    if (c == '"') quoted += c;
-  }
-  return quoted + "\"";
 }
 
 std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; }
@@ -63,8 +54,8 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
   if (file.histories.wanted()) text += ",rms_reference,rms_compared";
   text += ",wall_s,wall_min_s,wall_max_s,start_s,setup_s,stepping_s,cpu_s,repeats,steps,step_s,run,error\n";
   for (const auto& row : rows) {
-    text += cell(row.method);
-    for (const auto& setting : row.settings) add(cell(text_of(setting)));
+    text += csv_cell(row.method);
+    for (const auto& setting : row.settings) add(csv_cell(text_of(setting)));
     add(row.run.status());
     for (const auto& error : row.errors) add(cell(error));
     if (file.histories.wanted()) text += fmt::format(",{},{}", cell(row.rms_reference), cell(row.rms_compared));
@@ -80,7 +71,7 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
       }
     }
     text += fmt::format(",{},{},{:.17g},{},{}\n", row.run.repeats(), row.run.steps(), row.run.step_s(), row.run.key(),
-                        cell(row.run.error()));
+                        csv_cell(row.run.error()));
   }
   return text;
 }

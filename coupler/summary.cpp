@@ -28,11 +28,31 @@ Json process_json(const ProcessTimes& process) {
           {"waited_for_s", waited}};
 }
 
+Json departed_json(const Departed& d) {
+  return {{"kind", d.kind},
+          {"body", d.body},
+          {"size", number(d.size)},
+          {"first_s", number(d.first_s)},
+          {"time_s", number(d.time_s)},
+          {"place_m", {number(d.x_m), number(d.y_m)}},
+          {"looks", d.looks},
+          {"results_wrong", d.wrong},
+          {"text", d.text}};
+}
+
 Json theory_json(const Tally& tally) {
   if (!tally.theory()) return nullptr;
   return {{"contact_duration_s", number(tally.theory()->contact_duration_s)},
           {"contact_duration_body", tally.theory()->body},
-          {"contact_stress_pa", number(tally.theory()->stress_pa)}};
+          {"contact_stress_pa", number(tally.theory()->stress_pa)},
+          {"first_step_s", number(tally.theory()->first_step_s)}};
+}
+
+Json contact_json(const ContactTally& contact) {
+  return {{"iterations_mean", number(contact.iterations_mean)},
+          {"iterations_max", number(contact.iterations_max)},
+          {"residual_max", number(contact.residual_max)},
+          {"windows_unconverged", contact.windows_unconverged}};
 }
 
 std::string row(const std::string& label, const std::string& value) {
@@ -91,6 +111,13 @@ std::string process_rows(const Summary& summary) {
 
 }  // namespace
 
+std::string contact_warning(const Tally& tally) {
+  if (tally.contact.windows_unconverged == 0) return "";
+  return fmt::format("{} window{} whose contact forces were not found to 1e-6 of the largest one; worst residual {:.2g}",
+                     tally.contact.windows_unconverged, tally.contact.windows_unconverged == 1 ? "" : "s",
+                     tally.contact.residual_max);
+}
+
 std::string to_json(const Summary& s, const Tally& tally) {
   Json json = {{"status", s.status},
                {"error", s.error},
@@ -115,10 +142,18 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"energy_error_highest", number(tally.energy_error_highest)},
                {"energy_error_last", number(tally.energy_error_last)},
                {"momentum_error_max", number(tally.momentum_error_max)},
+               {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
                {"peak_contact_force_n", number(tally.peak_contact_force_n)},
+               {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
+               {"friction_impulse_n_s", number(tally.friction_impulse_n_s)},
+               {"contact", contact_json(tally.contact)},
                {"plateau_stress_pa", number(tally.plateau_stress_pa())},
                {"theory", theory_json(tally)},
                {"largest_drift", number(s.largest_drift)}};
+  json["interface_drift_m"] = number(s.interface_drift_m);
+  json["outside_model"] = Json::array();
+  for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed));
+  json["valid_until_s"] = number(s.valid_until_s);
   json["switches"] = Json::array();
   for (const auto& event : s.switches) json["switches"].push_back({{"time_s", number(event.time_s)}, {"to", event.to}});
   json["notes"] = s.notes;
@@ -138,8 +173,14 @@ std::string to_table(const Summary& s, const Tally& tally) {
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
                                           tally.energy_error_lowest, tally.energy_error_highest));
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
+  if (tally.angular_momentum_error_max > 0) {
+    text += row("angular momentum error", fmt::format("{:.3e}", tally.angular_momentum_error_max));
+  }
+  if (s.interface_drift_m > 0) text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
   text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
+  if (const auto warning = contact_warning(tally); !warning.empty()) text += row("warning", warning);
+  for (const auto& departed : s.outside_model) text += row("outside the model", departed.text);
   return text + process_rows(s);
 }
 

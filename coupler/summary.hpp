@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/outside_model.hpp"
 #include "coupler/tally.hpp"
 
 namespace ricochet::coupler {
@@ -36,7 +37,7 @@ struct SwitchEvent {
 /// Everything that summary.json and the table at the end of a run say.
 struct Summary {
   std::string status = "running";  ///< then "done" | "interrupted" | "unstable" | "participant_failed" |
-                                   ///< "protocol_broken" | "scene_wrong"
+                                   ///< "protocol_broken" | "left_model" | "scene_wrong"
   std::string error;
   int exit_code = 0;
   std::string scene_path, scene_sha256, protocol, run_id, transport;
@@ -47,6 +48,9 @@ struct Summary {
   Phases phases;
   std::optional<double> separation_time_s;
   double largest_drift = 0;
+  double interface_drift_m = 0;  ///< dual protocols: largest difference of the displacements of one shared node
+  std::vector<Departed> outside_model;
+  std::optional<double> valid_until_s;  ///< what was written after it is wrong
   std::vector<SwitchEvent> switches;
   std::vector<std::string> notes;  ///< decisions of the run worth knowing
   std::vector<ProcessTimes> processes;
@@ -54,6 +58,8 @@ struct Summary {
 
 /// The text of summary.json.
 [[nodiscard]] std::string to_json(const Summary& summary, const Tally& tally);
+/// What the user is told of contact forces that were not found; empty if all were.
+[[nodiscard]] std::string contact_warning(const Tally& tally);
 /// The table at the end of a run.
 [[nodiscard]] std::string to_table(const Summary& summary, const Tally& tally);
 

@@ -50,6 +50,18 @@ double velocity_along(const scene::Body& body, const Eigen::Vector2d& normal) {
   return velocity;
 }
 
+/// Nothing but the other body acts on it along the normal, and it only flies.
+bool flies_freely(const scene::Body& body, const Eigen::Vector2d& normal) {
+  const auto along = [&](int component) { return normal[component] != 0.0; };
+  const auto zero = [](double x) { return x == 0.0; };
+  const auto held = [&](const scene::Support& s) { return std::any_of(s.components.begin(), s.components.end(), along); };
+  const auto driven = [&](const scene::PrescribedDisplacement& p) { return along(p.component); };
+  return std::none_of(body.supports.begin(), body.supports.end(), held) &&
+         std::none_of(body.prescribed.begin(), body.prescribed.end(), driven) && body.tractions.empty() &&
+         std::all_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), zero) &&
+         body.initial_displacement_start_m == body.initial_displacement_end_m;
+}
+
 }  // namespace
 
 std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
@@ -57,6 +69,10 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   if (contact.pairs.empty() || contact.body_b < 0) return std::nullopt;
   const auto a = static_cast<std::size_t>(contact.body_a);
   const auto b = static_cast<std::size_t>(contact.body_b);
+  for (const auto body : {a, b}) {
+    if (!flies_freely(problem.scene.bodies[body], contact.normal)) return std::nullopt;
+  }
+  if (problem.scene.contact->nose_radius_m > 0) return std::nullopt;
   const double closing =
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;
@@ -69,6 +85,7 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   theory.contact_duration_s = a_decides ? transit_a : transit_b;
   if (!std::isfinite(theory.contact_duration_s)) return std::nullopt;
   theory.other_body_returns_later = theory.contact_duration_s <= (1 + 1e-9) * (a_decides ? transit_b : transit_a);
+  theory.first_step_s = std::min(transit_a, transit_b);
   theory.closing_velocity_m_s = closing;
   theory.body = problem.bodies[a_decides ? a : b].name;
   theory.stress_pa = z_a * z_b / (z_a + z_b) * closing / (bar ? contact.pairs.front().area_m2 : 1.0);

@@ -19,10 +19,12 @@ struct ImpactTheory {
   double stress_pa = 0.0;
   double closing_velocity_m_s = 0.0;
   bool other_body_returns_later = false;  ///< else a wave of the other body changes the stress before the end
+  double first_step_s = 0.0;  ///< so long the stress is `stress_pa`: until the first wave is back, of either body
 };
 
-/// Empty without contact, with a rigid plane, if the bodies do not approach each other, or if the body whose wave
-/// would end the contact absorbs it.
+/// Empty without contact, with a rigid plane, if the bodies do not approach each other, if the body whose wave would end the contact
+/// absorbs it, and where a body is no free one at rest in itself: supports or prescribed motion along the normal, loads, initial
+/// deformation, a nose.
 [[nodiscard]] std::optional<ImpactTheory> impact_theory(const scene::Problem& problem);
 
 }  // namespace ricochet::coupler

@@ -30,6 +30,7 @@ void TimeLoop::run() {
     const auto begin = Clock::now();
     protocol_.step(coupling_, step);
     window_ = coupling_.window();
+    coupling_.note_interface_drift();
     if (settings_.coupled) {
       if (settings_.may_switch) switch_integration();
     } else {
@@ -43,6 +44,7 @@ Step TimeLoop::next_step() {
   Step step;
   step.window = window_;
   step.windows = settings_.coupled ? 1 : std::min(chunk_, settings_.last_window - window_);
+  if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
   const std::int64_t end = window_ + step.windows;
   step.absolute = settings_.coupled && settings_.resynchronise_every > 0 && end % settings_.resynchronise_every == 0;
   const auto now = Clock::now();

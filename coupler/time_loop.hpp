@@ -17,6 +17,7 @@ struct LoopSettings {
   int resynchronise_every = 0;  ///< windows; 0: never
   bool coupled = true;          ///< false: baseline, many windows at a request
   bool may_switch = false;      ///< the implicit participant may integrate explicitly after separation
+  bool frequent_records = false;  ///< a baseline, too, is asked for few windows at a time
 };
 
 /// Drives a protocol from the first window to the last, or until the owner of the contact says that it is over.

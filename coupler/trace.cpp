@@ -10,6 +10,12 @@ namespace {
 
 std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
 
+template <class Out>
+void put_counter(Out out, const char* name, const char* unit, double ts, std::ptrdiff_t pid, double value) {
+  fmt::format_to(out, "{{\"name\": \"{}\", \"ph\": \"C\", \"ts\": {:.3f}, \"pid\": {}, \"args\": {{\"{}\": {:.6g}}}}},\n",
+                 name, ts, pid, unit, value);
+}
+
 }  // namespace
 
 std::string to_trace(const std::vector<TraceTrack>& tracks, double begin_s) {
@@ -35,6 +41,14 @@ std::string to_trace(const std::vector<TraceTrack>& tracks, double begin_s) {
           "{{\"window\": {}}}}},\n",
           quoted(t.label), 1e6 * (span.begin_s - begin_s), 1e6 * (span.end_s - span.begin_s), pid, track + 1,
           span.window);
+    }
+    for (const auto& counter : t.counters) {
+      const auto span = std::lower_bound(t.spans.begin(), t.spans.end(), counter.window,
+                                         [](const WaitSpan& s, std::int64_t window) { return s.window < window; });
+      if (span == t.spans.end()) break;
+      const double ts = 1e6 * (span->end_s - begin_s);
+      put_counter(out, "contact iterations", "iterations", ts, pid, counter.iterations);
+      put_counter(out, "contact residual", "residual", ts, pid, counter.residual);
     }
   }
   if (const auto comma = text.find_last_of(','); !tracks.empty() && comma == text.size() - 2) text.erase(comma, 1);

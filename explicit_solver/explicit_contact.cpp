@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/solver/friction.hpp"
+
 namespace ricochet::explicit_solver {
 
 using solver::BodyState;
@@ -25,7 +27,8 @@ ExplicitContact::ExplicitContact(const scene::Problem& problem, const std::vecto
     : law_(&*problem.scene.contact),
       dt_(dt),
       surface_(problem, parts),
-      forces_(surface_.pairs.size()) {}
+      forces_(surface_.pairs.size()),
+      mean_forces_(surface_.pairs.size()) {}
 
 double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states,
                                      const Eigen::Vector2d& direction) const {
@@ -38,43 +41,39 @@ double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodySta
   return sum;
 }
 
-/// `slip_rate`: relative tangential velocity at n + 1/2 without friction; `holding`: the force that would make it zero.
-double ExplicitContact::friction_force(double normal, double slip_rate, double holding) const {
-  const double limit = law_->friction_coefficient * normal;
-  if (law_->friction_law == scene::FrictionLaw::return_mapping) return std::clamp(holding, -limit, limit);
-  if (slip_rate == 0.0 || holding == 0.0) return 0.0;
-  // Eq. 14, 15 at the velocity that friction leaves, v + d tanh(xi v) = slip_rate: taken at slip_rate itself, it would count
-  // what one window of it stops. Newton's method from rest stays on one side, where the law is steepest first.
-  const double xi = law_->friction_regularisation_s_m, stops = limit * std::abs(slip_rate / holding);
-  double v = 0.0;
-  for (int i = 0; i < 50; ++i) {
-    const double tanh = std::tanh(xi * v);
-    const double change = (slip_rate - v - stops * tanh) / (1.0 + stops * xi * (1.0 - tanh * tanh));
-    v += change;
-    if (std::abs(change) <= 1e-14 * std::abs(slip_rate)) break;
-  }
-  return -limit * std::tanh(xi * v);
+void ExplicitContact::move_masses(std::vector<BodyState>& states) {
+  if (law_->multiplier_update != scene::MultiplierUpdate::massless) return;
+  massless_.emplace(surface_, states);
+  made_j_.assign(surface_.pairs.size(), 0.0);
 }
 
-ExplicitContact::Force ExplicitContact::find_force(const Pair& pair, const std::vector<BodyState>& states, double rate_n,
+void ExplicitContact::settle(const std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
+                             const std::vector<Eigen::VectorXd*>& u) {
+  if (massless_) static_normal_n_ = massless_->settle(states, external, u);
+}
+
+double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>& states, double rate_n, double acting_time) const {
+  if (massless_) return static_normal_n_[static_cast<Eigen::Index>(i)];
+  const auto& pair = surface_.pairs[i];
+  const double gap_now = surface_.gap(pair, states);
+  if (law_->enforcement == scene::Enforcement::penalty) return law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
+  const double inverse = inverse_mass(pair, states, surface_.normal);
+  return inverse > 0.0 ? std::max(0.0, -(gap_now + dt_ * rate_n)) / (dt_ * acting_time * inverse) : 0.0;
+}
+
+ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
                                                    double rate_t, double acting_time) const {
+  const auto& pair = surface_.pairs[i];
   if (frozen_ == participant::FrozenContact::open) return {};
   if (frozen_) return holding_force(pair, states, rate_n, rate_t, acting_time);
   Force force;
-  const double gap_now = surface_.gap(pair, states);
-  if (law_->enforcement == scene::Enforcement::penalty) {
-    force.normal = law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
-  } else {
-    const double inverse = inverse_mass(pair, states, surface_.normal);
-    const double gap_free = gap_now + dt_ * rate_n;
-    if (inverse > 0.0) force.normal = std::max(0.0, -gap_free) / (dt_ * acting_time * inverse);
-  }
+  force.normal = normal_force(i, states, rate_n, acting_time);
   if (force.normal == 0.0) return force;
   force.state = State::slip;
   if (law_->friction_coefficient == 0.0) return force;
   const double inverse = inverse_mass(pair, states, surface_.tangent);
   const double holding = inverse > 0.0 ? -rate_t / (acting_time * inverse) : 0.0;
-  force.tangential = friction_force(force.normal, rate_t, holding);
+  force.tangential = solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_t, holding);
   if (force.tangential == holding) force.state = State::stick;
   return force;
 }
@@ -107,18 +106,72 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
   }
 }
 
-void ExplicitContact::account(const Pair& pair, const Force& old, const Force& now, std::vector<BodyState>& states,
-                              const std::vector<const Eigen::VectorXd*>& u_before) {
+void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
+  const auto& pair = surface_.pairs[i];
+  const Force& mean = mean_forces_[i];
   const auto moved = [&](const Eigen::Vector2d& direction) {
     return relative(pair, direction, surface_.components, displacement_of(states)) -
            relative(pair, direction, surface_.components, before_of(u_before));
   };
-  work_normal_j_ += 0.5 * (old.normal + now.normal) * moved(surface_.normal);
-  dissipated_friction_j_ -= 0.5 * (old.tangential + now.tangential) * moved(surface_.tangent);
-  if (pair.b.part >= 0) return;  // forces between two bodies change no total momentum
+  const double made = mean.normal * moved(surface_.normal);
+  if (massless_) made_j_[i] = made;
+  work_normal_j_ += made;
+  dissipated_friction_j_ -= mean.tangential * moved(surface_.tangent);
+  book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
+}
+
+/// Forces between two bodies change no total momentum; those of a plane do.
+void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states) {
+  impulse_normal_n_s_ += normal_n_s;
+  impulse_tangential_n_s_ += tangential_n_s;
+  if (pair.b.part >= 0) return;
   auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
-  totals.impulse_n_kg_m_s -= 0.5 * dt_ * (old.normal + now.normal);
-  totals.impulse_t_kg_m_s -= 0.5 * dt_ * (old.tangential + now.tangential);
+  totals.impulse_n_kg_m_s -= normal_n_s;
+  totals.impulse_t_kg_m_s -= tangential_n_s;
+  states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
+      pair.a.node, -(normal_n_s * surface_.normal + tangential_n_s * surface_.tangent));
+}
+
+/// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping pair that this
+/// does not turn around, on it.
+void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& states) {
+  const auto& pair = surface_.pairs[i];
+  double& mean = mean_forces_[i].tangential;
+  const double limit = law_->friction_coefficient * mean_forces_[i].normal, inverse = inverse_mass(pair, states, surface_.tangent);
+  const double target = mean_forces_[i].state == State::slip && mean != 0.0 ? std::copysign(limit, mean) : std::clamp(mean, -limit, limit);
+  if (target == mean || inverse == 0.0) return;
+  const double rate = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
+  double impulse = dt_ * (target - mean);
+  if (std::abs(target) > std::abs(mean) && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
+  for (const auto& [side, sign] : {std::pair{pair.b, 1.0}, std::pair{pair.a, -1.0}}) {
+    if (side.part < 0) continue;
+    auto& state = states[static_cast<std::size_t>(side.part)];
+    for (int c = 0; c < surface_.components; ++c) {
+      const int dof = side.node * surface_.components + c;
+      state.v[dof] += sign * impulse * surface_.tangent[c] * state.inverse_mass[dof];
+    }
+  }
+  dissipated_friction_j_ -= impulse * (rate + 0.5 * impulse * inverse);
+  book_impulse(pair, 0.0, impulse, states);
+  mean += impulse / dt_;
+}
+
+void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
+  if (!massless_) return;
+  massless_->for_each_dof([&](std::size_t part, int dof) {
+    states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt_;
+  });
+  velocity_of_part_.clear();
+  for (auto& state : states) velocity_of_part_.push_back(state.v.data());
+  massless_->begin_trial();
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const double impulse = massless_->give_back(i, made_j_[i], dt_ * mean_forces_[i].normal, states, velocity_of_part_);
+    mean_forces_[i].normal += impulse / dt_;
+    book_impulse(surface_.pairs[i], impulse, 0.0, states);
+    clip_friction(i, states);
+  }
+  work_normal_j_ += massless_->trial_work_j();
+  massless_->accept();
 }
 
 /// dt^2/8 a^T M a of a pair's nodes: what the staggered metric takes off 1/2 v^T M v. A contact force at n = 0 changes it at
@@ -142,7 +195,7 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
       return relative(surface_.pairs[i], direction, surface_.components, velocity_of(states)) +
              0.5 * dt_ * relative(surface_.pairs[i], direction, surface_.components, acceleration_of(states));
     };
-    forces_[i] = find_force(surface_.pairs[i], states, rate(surface_.normal), rate(surface_.tangent), 0.5 * dt_);
+    forces_[i] = find_force(i, states, rate(surface_.normal), rate(surface_.tangent), 0.5 * dt_);
     const double before = staggered_correction(surface_.pairs[i], states);
     push(surface_.pairs[i], forces_[i], states);
     work_normal_j_ -= staggered_correction(surface_.pairs[i], states) - before;
@@ -157,9 +210,12 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
       return half_velocity + dt_ * relative(surface_.pairs[i], direction, surface_.components, acceleration_of(states));
     };
     const Force old = forces_[i];
-    forces_[i] = find_force(surface_.pairs[i], states, rate(surface_.normal), rate(surface_.tangent), dt_);
+    forces_[i] = find_force(i, states, rate(surface_.normal), rate(surface_.tangent), dt_);
     push(surface_.pairs[i], forces_[i], states);
-    account(surface_.pairs[i], old, forces_[i], states, u_before);
+    mean_forces_[i] = {.normal = 0.5 * (old.normal + forces_[i].normal),
+                       .tangential = 0.5 * (old.tangential + forces_[i].tangential),
+                       .state = forces_[i].state};
+    account(i, states, u_before);
   }
 }
 
@@ -168,7 +224,9 @@ int ExplicitContact::pairs_closed() const {
 }
 
 solver::Report ExplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::Report report = surface_.report(states, forces_);
+  solver::Report report = surface_.report(states, mean_forces_);
+  report.contact_impulse_n_s = impulse_normal_n_s_;
+  report.friction_impulse_n_s = impulse_tangential_n_s_;
   report.energy_contact_j = work_normal_j_;
   report.energy_friction_j = dissipated_friction_j_;
   return report;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/solver/contact_surface.hpp"
+#include "common/solver/massless_nodes.hpp"
 
 /// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
 ///
@@ -20,6 +21,12 @@ class ExplicitContact {
  public:
   ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, double dt);
 
+  /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the one that
+  /// closes the gap, and the gap at n is.
+  void move_masses(std::vector<solver::BodyState>& states);
+  /// Of massless nodes at n + 1: their displacement in `u` (per part) from that of the others.
+  void settle(const std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
+              const std::vector<Eigen::VectorXd*>& u);
   /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
   /// penetrate.
   void start(std::vector<solver::BodyState>& states);
@@ -29,6 +36,9 @@ class ExplicitContact {
   /// acceleration in state.a; accounts the work of the contact forces over the window that ended at n.
   void apply(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
+  /// Once state.v is v_n: velocity of massless nodes, and the energy that closing and opening made back to the others.
+  void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+
   /// Contact quantities at the present displacement (principal stress and energies included).
   [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
@@ -37,24 +47,32 @@ class ExplicitContact {
  private:
   using Force = solver::PairForce;
   /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
-  Force find_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
+  Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
                    double acting_time) const;
+  [[nodiscard]] double normal_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
+                                    double acting_time) const;
   [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n,
                                     double rate_t, double acting_time) const;
   [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     const Eigen::Vector2d& direction) const;
-  [[nodiscard]] double friction_force(double normal, double slip_rate, double holding) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
-  void account(const solver::Pair& pair, const Force& old, const Force& now, std::vector<solver::BodyState>& states,
-               const std::vector<const Eigen::VectorXd*>& u_before);
+  void account(std::size_t pair, std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+  void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
+  void book_impulse(const solver::Pair& pair, double normal_n_s, double tangential_n_s, std::vector<solver::BodyState>& states);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
 
   const scene::Contact* law_;
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
-  std::vector<Force> forces_;
+  std::vector<Force> forces_;       ///< r_n
+  std::vector<Force> mean_forces_;  ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
+  std::optional<solver::MasslessNodes> massless_;
+  Eigen::VectorXd static_normal_n_;  ///< of massless nodes: r at n + 1
+  std::vector<double> made_j_;       ///< per pair: energy made by the normal force over the window
+  std::vector<double*> velocity_of_part_;
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
+  double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;
 };
 
 }  // namespace ricochet::explicit_solver

@@ -26,9 +26,12 @@ ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name)
 
 participant::Description ExplicitSolver::describe() {
   const bool alone = problem_.scene.coupling.protocol == "all_explicit";
+  const auto& contact = problem_.scene.contact;
   auto description = solver::describe(problem_, *spec_, states_, alone && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
-  description.capabilities = {"repeat_window", "driven_by_force", "single_substep", "load_state"};
+  description.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
+  const bool massless = alone && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
+  if (!massless) description.capabilities.emplace_back("load_state");  // the motion of a massless node is no state
   return description;
 }
 
@@ -43,6 +46,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
     interface_force(output);
   }
   axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
+  outline_ = solver::WatchedOutline(problem_, states_);
 }
 
 void ExplicitSolver::initialize_internal_forces() {
@@ -59,10 +64,26 @@ void ExplicitSolver::initialize_internal_forces() {
   }
   if (problem_.scene.coupling.protocol == "all_explicit" && !problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup_.window_size_s);
+    settle_at_start();
   }
   for (std::size_t b = 0; b < states_.size(); ++b) {
     windows_[b].front = WaveFront(states_[b], driven_nodes(b));
     if (all_rows_) windows_[b].front.reach_all();
+  }
+}
+
+/// Massless contact nodes begin in balance with the others.
+void ExplicitSolver::settle_at_start() {
+  contact_->move_masses(states_);
+  for (auto& window : windows_) {
+    trial_u_.push_back(&window.u);
+    trial_external_.push_back(&window.external);
+  }
+  contact_->settle(states_, trial_external_, trial_u_);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    states_[b].u = windows_[b].u;
+    states_[b].stiffness.multiply(states_[b].u, windows_[b].internal);
+    windows_[b].internal_old = windows_[b].internal;
   }
 }
 
@@ -162,8 +183,13 @@ void ExplicitSolver::predict(std::int64_t window) {
     w.u = fem::predicted_displacement(state.u, state.v, state.a, dt, fem::beta_explicit);
     state.constrain_displacement(time_s, w.u);
     for (const int dof : state.shared_dofs) w.u[dof] = state.u[dof];
-    w.front.multiply(state.stiffness, w.u, w.internal);
     if (!state.external.zero()) state.external.at(time_s, w.external);
+  }
+  if (contact_) contact_->settle(states_, trial_external_, trial_u_);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    auto& w = windows_[b];
+    w.front.multiply(state.stiffness, w.u, w.internal);
     for (std::size_t i = 0; i < w.near_rows.size(); ++i) {
       w.near_internal[static_cast<Eigen::Index>(i)] = w.internal[w.near_rows[i]];
     }
@@ -232,6 +258,7 @@ void ExplicitSolver::accept() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     half_a_step(b);
     states_[b].u.swap(windows_[b].u);
+    set_shared_velocity(b);
   }
   const double time_s = static_cast<double>(window_) * dt;
   find_accelerations(time_s, Velocity::half_a_step_before);
@@ -240,9 +267,17 @@ void ExplicitSolver::accept() {
     half_a_step(b);
     states_[b].constrain_velocity(time_s, dt, states_[b].v);
   }
+  if (contact_) contact_->finish(states_, u_before_);
   account();
   update_status();
   axial_stress_.add(window_, states_);
+  model_watch_.look(window_, states_);
+}
+
+/// The link says where shared nodes are, not how fast: their mean velocity over the window, for the fields. Nothing else reads it.
+void ExplicitSolver::set_shared_velocity(std::size_t b) {
+  auto& state = states_[b];
+  for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - windows_[b].u[dof]) / setup_.window_size_s;
 }
 
 /// v += dt/2 a, where there is an acceleration.
@@ -387,7 +422,9 @@ void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std
 
 void ExplicitSolver::accept_subcycling() {
   for (std::size_t b = 0; b < states_.size(); ++b) subcycled_[b].accept(states_[b]);
-  if (substep_ == 0 || substep_ == setup_.substeps) axial_stress_.add(++window_, states_);
+  if (substep_ != 0 && substep_ != setup_.substeps) return;
+  axial_stress_.add(++window_, states_);
+  model_watch_.look(window_, states_);
 }
 
 }  // namespace ricochet::explicit_solver

@@ -8,7 +8,9 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
+#include "common/solver/watched_outline.hpp"
 #include "explicit_solver/explicit_contact.hpp"
 #include "explicit_solver/subcycled_window.hpp"
 #include "explicit_solver/wave_front.hpp"
@@ -41,6 +43,9 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  void finish() override { model_watch_.look(window_, states_, true); }
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
@@ -65,6 +70,7 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
   void initialize_internal_forces();
+  void settle_at_start();
   void initialize_subcycling();
   void synchronise_subcycling(const std::vector<double>& force, participant::Link& output);
   void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::Link& output);
@@ -77,6 +83,7 @@ class ExplicitSolver final : public participant::Participant {
   enum class Velocity { now, half_a_step_before };
   void find_accelerations(double time_s, Velocity velocity);
   void half_a_step(std::size_t part);
+  void set_shared_velocity(std::size_t part);
   void set_dashpot_forces(solver::BodyState& state, Window& window, Velocity velocity) const;
   [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
   void account();
@@ -90,13 +97,16 @@ class ExplicitSolver final : public participant::Participant {
   const scene::ParticipantSpec* spec_;
   std::vector<solver::BodyState> states_;
   std::vector<Window> windows_;
-  std::vector<const Eigen::VectorXd*> u_before_;
+  std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into windows_
+  std::vector<Eigen::VectorXd*> trial_u_;
   std::vector<SubcycledWindow> subcycled_;  ///< per part; driven by force only
   Eigen::VectorXd part_force_;              ///< a part's share of the link input: kept so that no window allocates
   int substep_ = 0;                         ///< of the trial; 0: whole window
   std::optional<ExplicitContact> contact_;
   participant::Setup setup_;
   solver::AxialStressFile axial_stress_;
+  solver::ModelWatch model_watch_;
+  solver::WatchedOutline outline_;
   std::int64_t window_ = 0;
   bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
   bool all_rows_ = false;

@@ -17,7 +17,10 @@ struct Cholmod {
   cholmod_common common{};
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
-  Cholmod() { cholmod_start(&common); }
+  Cholmod() {
+    cholmod_start(&common);
+    common.print = 0;  // errors are ours to report
+  }
   ~Cholmod() {
     cholmod_free_factor(&factor, &common);
     cholmod_free_sparse(&matrix, &common);
@@ -26,6 +29,16 @@ struct Cholmod {
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
 };
+
+[[noreturn]] void refuse_indefinite() {
+  throw SolverError("the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
+                    "implicit partition");
+}
+
+/// `could_not`: what CHOLMOD, whose calls return nothing then, was to do.
+[[noreturn]] void refuse_cholmod(const char* could_not) {
+  throw SolverError(std::string("CHOLMOD could not ") + could_not + " the implicit operator (out of memory?)");
+}
 
 /// Upper triangle of the active rows and columns of A, in CHOLMOD's column form.
 cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int>& unknown_of, int unknowns,
@@ -45,6 +58,7 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   visit([&](int, int, double) { ++entries; });
   const auto n = static_cast<std::size_t>(unknowns);
   cholmod_sparse* matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, 1, CHOLMOD_REAL, &common);
+  if (!matrix) refuse_cholmod("hold");
   auto* column_start = static_cast<int*>(matrix->p);
   auto* rows = static_cast<int*>(matrix->i);
   auto* values = static_cast<double*>(matrix->x);
@@ -58,11 +72,6 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
     values[at] = value;
   });
   return matrix;
-}
-
-[[noreturn]] void refuse_indefinite() {
-  throw SolverError("the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
-                    "implicit partition");
 }
 
 /// y -= L x, L column-major rows x columns; four columns at a time, so that y is loaded and stored a quarter as often.
@@ -122,9 +131,10 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   const EliminationOrder plan = elimination_order(cholmod.matrix, root_unknowns, common);
   std::vector<int> order = plan.order;
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
-  cholmod_factorize(cholmod.matrix, cholmod.factor, &common);
+  if (!cholmod.factor) refuse_cholmod("analyse");
+  if (!cholmod_factorize(cholmod.matrix, cholmod.factor, &common)) refuse_cholmod("factorise");
   if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
-  cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common);
+  if (!cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common)) refuse_cholmod("order the factor of");
 
   const auto* start = static_cast<const int*>(cholmod.factor->p);
   const auto* rows = static_cast<const int*>(cholmod.factor->i);

@@ -15,6 +15,7 @@ constexpr double padding_share = 0.1;
 /// Fill-reducing order that keeps the root unknowns last.
 std::vector<int> minimum_degree(cholmod_sparse* matrix, const std::vector<int>& root, cholmod_common& common) {
   std::vector<int> group(matrix->ncol, 0), order(matrix->ncol);
+  if (matrix->ncol < 2) return order;  // CAMD writes past the end of a matrix of one row
   for (const int unknown : root) group[static_cast<std::size_t>(unknown)] = 1;
   if (!cholmod_camd(matrix, nullptr, 0, group.data(), order.data(), &common)) refuse();
   return order;

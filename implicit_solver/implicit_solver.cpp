@@ -64,11 +64,10 @@ participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
   description.solver = "ricochet implicit_solver";
   description.capabilities = {"repeat_window", "interface_stiffness"};
+  description.capabilities.emplace_back("switch_integration");
   const auto& contact = problem_.scene.contact;
   const bool massless = contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless) {  // no node without mass can be integrated explicitly, nor is its motion a state
-    description.capabilities.insert(description.capabilities.end(), {"switch_integration", "load_state"});
-  }
+  if (!massless) description.capabilities.emplace_back("load_state");  // the motion of a massless node is no state
   return description;
 }
 
@@ -80,18 +79,17 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   shared_x_.setZero(shared);
   shared_force_.setZero(shared);
   interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(setup.interface_stiffness.data(), shared, shared);
-  if (!problem_.contact.pairs.empty()) {
-    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
-    if (contact_->massless()) contact_->move_masses(states_);
-  }
   const auto size = stiffness_.rows();
   for (auto* vector : {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
                        &trial_.residual, &trial_.external, &trial_.link, &trial_.bracket, &trial_.jump,
                        &trial_.mean_velocity}) {
     vector->setZero(size);
   }
+  if (!problem_.contact.pairs.empty()) {
+    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
+  }
+  settle_at_start();
   for (const auto& state : states_) {
-    moved_.push_back(state.u);
     internal_.push_back(state.u);
     dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
   }
@@ -99,7 +97,26 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   first_staggered_j_ = interface_work_j_;
   factorise();
   axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
+  outline_ = solver::WatchedOutline(problem_, states_);
   put_output(trial_, output);
+}
+
+/// Massless contact nodes begin in balance with the others.
+void ImplicitSolver::settle_at_start() {
+  if (contact_) contact_->move_masses(states_);
+  for (auto& state : states_) moved_.push_back(state.u);
+  external_force(0.0, external_);
+  settle_massless(external_);
+  for (std::size_t b = 0; b < states_.size(); ++b) states_[b].u = moved_[b];
+}
+
+/// The massless nodes' displacement in `moved_`, from that of the others there.
+void ImplicitSolver::settle_massless(const Eigen::VectorXd& external) {
+  if (!contact_ || !contact_->massless()) return;
+  part_external_.resize(states_.size());
+  for (std::size_t b = 0; b < states_.size(); ++b) part_external_[b] = segment(external, b);
+  contact_->settle(states_, part_external_, moved_);
 }
 
 /// Adds scale S to the shared dofs of a matrix.
@@ -340,7 +357,7 @@ void ImplicitSolver::find_contact_rates() {
     trial_.mean_velocity[dof] = trial_.velocity[dof];
     if (!contact_->remembered()) trial_.acceleration[dof] = trial_.residual[dof] * state.inverse_mass[local];
   }
-  contact_->update_rates(states_, trial_.velocity, trial_.acceleration);
+  contact_->update_rates(states_, trial_.bracket, trial_.increment, trial_.velocity, trial_.acceleration);
   for (const auto& [dof, part, local] : roots_) {
     const double before = trial_.mean_velocity[dof];
     trial_.jump[dof] = states_[part].mass[local] * (trial_.velocity[dof] - before);
@@ -373,6 +390,10 @@ void ImplicitSolver::advance_explicit(double time_s) {
     segment(trial_.increment, b) = dt * state.v + (0.5 * dt * dt) * state.a;
     for (const auto& c : state.constrained) trial_.increment[offsets_[b] + c.dof] = c.at(time_s) - state.u[c.dof];
     moved_[b] = state.u + segment(trial_.increment, b);
+  }
+  settle_massless(trial_.external);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
     state.stiffness.multiply(moved_[b], internal_[b]);
     for (const auto& d : state.dashpots) {
       const auto dof = offsets_[b] + d.dof;
@@ -383,6 +404,10 @@ void ImplicitSolver::advance_explicit(double time_s) {
     segment(trial_.residual, b) = segment(trial_.external, b) - segment(trial_.link, b) - internal_[b];
     segment(trial_.acceleration, b) = state.inverse_mass.cwiseProduct(segment(trial_.residual, b));
     segment(trial_.velocity, b) = fem::corrected_velocity(state.v, state.a, segment(trial_.acceleration, b), dt);
+  }
+  if (contact_ && contact_->massless()) {
+    for (std::size_t b = 0; b < states_.size(); ++b) segment(trial_.increment, b) = moved_[b] - states_[b].u;
+    contact_->set_massless_velocity(trial_.increment, trial_.velocity);
   }
   constrain_rates(time_s);
 }
@@ -404,6 +429,7 @@ void ImplicitSolver::accept() {
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
   axial_stress_.add(window_, states_);
+  model_watch_.look(window_, states_);
 }
 
 /// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise add up
@@ -436,7 +462,7 @@ void ImplicitSolver::account() {
     }
   }
   if (contact_ && integration_ == Integration::implicit_newmark) {
-    contact_->account(states_, trial_.bracket, trial_.increment, trial_.jump, trial_.mean_velocity, dt);
+    contact_->account(states_, trial_.bracket, trial_.increment, trial_.jump, trial_.mean_velocity);
   }
 }
 

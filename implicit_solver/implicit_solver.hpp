@@ -8,7 +8,9 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_file.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
+#include "common/solver/watched_outline.hpp"
 #include "implicit_solver/condensed_factor.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
 
@@ -41,6 +43,9 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  void finish() override { model_watch_.look(window_, states_, true); }
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
@@ -61,6 +66,8 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] auto segment(const Eigen::VectorXd& combined, std::size_t part) const {
     return combined.segment(offsets_[part], states_[part].part.dofs());
   }
+  void settle_at_start();
+  void settle_massless(const Eigen::VectorXd& external);
   void factorise();
   void damp_rhs();
   [[nodiscard]] double load_on(std::size_t part, int dof, const Eigen::VectorXd& external) const;
@@ -93,6 +100,7 @@ class ImplicitSolver final : public participant::Participant {
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
+  std::vector<Eigen::VectorXd> part_external_;     ///< per part: f for the balance of massless nodes
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;
   std::optional<ImplicitContact> contact_;
@@ -109,6 +117,8 @@ class ImplicitSolver final : public participant::Participant {
   Window trial_;
   participant::Setup setup_;
   solver::AxialStressFile axial_stress_;
+  solver::ModelWatch model_watch_;
+  solver::WatchedOutline outline_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part

@@ -12,6 +12,8 @@ enum class ExitCode : int {
   unstable = 3,     ///< the computation left the range where its numbers mean anything
   participant = 4,  ///< a participant is missing, died, hung or failed by itself
   protocol = 5,     ///< a peer broke the wire or the legal order of messages
+  model = 6,        ///< the run left what the model describes: the user changes the scene
+  machine = 7,      ///< memory, disk, file descriptors, /proc: the machine has not what is needed
 };
 
 class Error : public std::runtime_error {
@@ -32,8 +34,25 @@ struct SolverError : Error {
 struct ParticipantError : Error {
   explicit ParticipantError(const std::string& text) : Error(ExitCode::participant, text) {}
 };
+struct ModelError : Error {
+  explicit ModelError(const std::string& text) : Error(ExitCode::model, text) {}
+};
 struct ProtocolError : Error {
   explicit ProtocolError(const std::string& text) : Error(ExitCode::protocol, text) {}
 };
+struct MachineError : Error {
+  explicit MachineError(const std::string& text) : Error(ExitCode::machine, text) {}
+};
+
+/// Throws what a failed system call means, "<what>: <cause> (errno N)": MachineError if the machine lacks something,
+/// ConfigError where another path would do.
+[[noreturn]] void throw_errno(int error, const std::string& what);
+
+/// The exit code that an exception means; 1 where nobody knows. Memory and files that the system refuses are the
+/// machine's fault, whatever throws.
+[[nodiscard]] int exit_code_of_exception(const std::exception& error);
+
+/// What to tell of it.
+[[nodiscard]] std::string text_of(const std::exception& error);
 
 }  // namespace ricochet

@@ -15,6 +15,9 @@ namespace {
 // Below this share of the longest edge (squared) round-off in the coordinates decides the sign of det J.
 constexpr double smallest_relative_determinant = 1e-10;
 
+// Beyond, rounding of the coordinates changes lengths, masses and stiffness by more than 1e-8.
+constexpr double furthest = 1e7;
+
 std::string place(const Mesh& mesh, const ElementCoordinates& x) {
   const Eigen::Vector2d centre = x.colwise().mean();
   if (mesh.model == Model::bar) return fmt::format("at x = {:.6g} m", centre[0]);
@@ -34,6 +37,14 @@ double longest_edge(const ElementCoordinates& x) {
   return longest;
 }
 
+/// So far from the origin that the coordinates have too few digits left for the size of the element.
+std::optional<std::string> far_away(const Mesh& mesh, const ElementCoordinates& x, double size) {
+  const double distance = x.cwiseAbs().maxCoeff();
+  if (distance <= furthest * size) return std::nullopt;
+  return fmt::format("of {:.3g} m lies {:.3g} m from the origin, allowed: at most {:.0e} times its size; move the mesh {}", size,
+                     distance, furthest, place(mesh, x));
+}
+
 bool has_repeated_node(const Mesh& mesh, int element) {
   std::array<int, 4> nodes = mesh.elements[static_cast<std::size_t>(element)];
   const auto end = nodes.begin() + nodes_per_element(mesh.model);
@@ -49,12 +60,13 @@ std::optional<std::string> element_defect(const Mesh& mesh, int element) {
   if (has_repeated_node(mesh, element)) return "uses a node twice " + place(mesh, x);
   if (mesh.model == Model::bar) {
     if (!(x(1, 0) > x(0, 0))) return "has no positive length " + place(mesh, x);
-    return std::nullopt;
+    return far_away(mesh, x, x(1, 0) - x(0, 0));
   }
   if (mesh.model == Model::axisymmetric && x.col(0).minCoeff() < 0.0) {
     return fmt::format("reaches across the axis (r = {:.6g} m) {}", x.col(0).minCoeff(), place(mesh, x));
   }
   const double edge = longest_edge(x);
+  if (auto defect = far_away(mesh, x, edge)) return defect;
   if (!(smallest_determinant(x) > smallest_relative_determinant * edge * edge)) {
     return "is inverted, not convex or has no area " + place(mesh, x);
   }

@@ -5,13 +5,11 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 
 #include "common/base/base64.hpp"
-#include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -122,18 +120,6 @@ void check_sizes(const Parts& parts, const Fields& displacement, const Fields& v
       throw std::invalid_argument("write_vtu: model or vector length of " + parts[p]->body + " does not fit");
     }
   }
-}
-
-/// A reader never sees half a file: it appears under its name only when it is complete.
-void write_atomically(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".tmp";
-  std::ofstream file(temporary, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw ConfigError(fmt::format("cannot write {}: is there a folder, and room on the disk?", temporary));
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) throw ConfigError(fmt::format("cannot rename {} to {}: {}", temporary, path, error.message()));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace ricochet::fem {
 /// Cell data at the element centre: stress_axial, stress_radial, stress_hoop, stress_shear [Pa] (plane strain: xx, yy,
 /// zz, xy as stress_xx .. ; bar: stress_axial), stress_principal_max/mid/min [Pa]; cell data `body` (index in `parts`),
 /// `element` (number in the body). Parts of one model; vectors node-major, one per part (std::invalid_argument
-/// otherwise). Throws ConfigError if the file cannot be written.
+/// otherwise). Throws what write_atomically throws if the file cannot be written.
 void write_vtu(const std::string& path, const std::vector<const Part*>& parts,
                const std::vector<const Eigen::VectorXd*>& displacement,
                const std::vector<const Eigen::VectorXd*>& velocity);

@@ -19,9 +19,10 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     std::string* value = option == "--scene"     ? &arguments.scene
                          : option == "--name"    ? &arguments.name
                          : option == "--connect" ? &arguments.options.endpoint
+                         : option == "--key"     ? &arguments.options.key
                                                  : nullptr;
     if (!value) {
-      const std::vector<std::string> known{"--scene", "--name", "--connect", "--watch-stdin"};
+      const std::vector<std::string> known{"--scene", "--name", "--connect", "--key", "--watch-stdin"};
       throw ConfigError(fmt::format("unexpected argument \"{}\", allowed are {}{}", option, fmt::join(known, ", "),
                                     did_you_mean(option, known)));
     }

@@ -81,6 +81,36 @@ struct ContactStatus {
   bool finished = false;          ///< `until_separated_plus_s` has passed
 };
 
+/// How a run leaves the model of small strain, small displacement and contact nodes that stay opposite; see docs/limits.md. The
+/// numbers are those of the wire.
+enum class DepartureKind {
+  strain = 1,       ///< size: largest principal strain
+  rotation = 2,     ///< [rad]
+  slip = 3,         ///< of a closed pair, in lengths of an element edge
+  inverted = 4,     ///< an element turned inside out: 1 - smallest Jacobian over that of the reference
+  off_partner = 5,  ///< a closed pair's node past the end of the other surface, in edges
+  penetration = 6,  ///< of a pair, in depths of an element
+};
+
+/// Something that has left the model, so far.
+struct Departure {
+  DepartureKind kind = DepartureKind::strain;
+  int body = 0;                    ///< index into Description::bodies
+  std::int64_t last_without = 0;   ///< window of the last look that did not find it
+  std::int64_t first = 0;          ///< window of the first look that did
+  std::int64_t looks = 0;          ///< that found it
+  double largest = 0;              ///< size
+  std::int64_t window = 0;         ///< of the largest
+  double x_m = 0, y_m = 0;         ///< its place in the reference configuration
+};
+
+/// Where a node is of which the coupler wants to know whether another body meets it.
+struct OutlineNode {
+  int body = 0;  ///< index into Description::bodies
+  int node = 0;  ///< of the whole body's mesh
+  std::vector<double> displacement_m;
+};
+
 class Participant {
  public:
   virtual ~Participant() = default;
@@ -108,6 +138,10 @@ class Participant {
   [[nodiscard]] virtual ContactStatus contact_status() const { return {}; }
   /// Appends one row of history quantities of the last accepted window, in the order of `record_columns`.
   virtual void record(std::vector<double>& row) = 0;
+  /// What has left the model up to the last accepted window. (May stay empty: nobody looks for it then.)
+  [[nodiscard]] virtual std::vector<Departure> departures() { return {}; }
+  /// After the last accepted window; which nodes is the participant's choice.
+  [[nodiscard]] virtual std::vector<OutlineNode> outline() { return {}; }
   /// Called every `fields_every` accepted windows: write result fields into `output_directory`.
   virtual void write_fields(std::int64_t /*window*/) {}
   /// With the capability "load_state", for `ricochet stability`. From here on the problem is homogeneous: no loads,
@@ -126,13 +160,15 @@ struct ServeOptions {
   std::string endpoint;      ///< ipc://... or tcp://host:port
   double timeout_s = 60.0;   ///< longest wait for the coupler until it states its own
   bool watch_stdin = false;  ///< end at once when stdin closes: the launcher that holds its other end is gone
+  std::string key{};         ///< file with the key by which the coupler knows this participant; empty: it asks for none
 };
 
 /// Runs a participant until the coupler says finish (returns 0) or something fails (returns the exit code of
 /// base/error.hpp, after telling the coupler and printing one line to stderr). Never throws.
 int serve(Participant& participant, const ServeOptions& options);
 
-/// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT [--watch-stdin].
+/// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT --key FILE
+/// [--watch-stdin].
 struct Arguments {
   std::string scene;  ///< empty if not given: a participant need not read it
   std::string name;   ///< of the participant in the scene
@@ -142,7 +178,8 @@ struct Arguments {
 /// Throws ConfigError naming what is unknown, lacks its value or is missing (--name, --connect).
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);
 
-using MakeParticipant = std::function<std::unique_ptr<Participant>(const Arguments&)>;
+/// It may set the options that the participant is to be served with.
+using MakeParticipant = std::function<std::unique_ptr<Participant>(Arguments&)>;
 
 /// The main program of a participant: parses the command line, makes the participant and serves it; returns the exit
 /// code. What `make` throws is reported as `serve` reports it. Never throws.

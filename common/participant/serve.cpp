@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <new>
+#include <optional>
 #include <system_error>
 
+#include "common/base/process.hpp"
 #include "common/participant/participant.hpp"
 #include "common/participant/session.hpp"
 #include "common/wire/channel.hpp"
@@ -25,9 +27,9 @@ Reason current_reason() {
   } catch (const Error& error) {
     return {error.code(), error.what()};
   } catch (const std::bad_alloc&) {
-    return {ExitCode::participant, "out of memory"};
+    return {ExitCode::machine, "out of memory"};
   } catch (const std::system_error& error) {
-    return {ExitCode::participant, error.what()};
+    return {ExitCode::machine, error.what()};
   } catch (const std::exception& error) {
     return {ExitCode::unstable, error.what()};
   } catch (...) {
@@ -36,9 +38,14 @@ Reason current_reason() {
 }
 
 int report(const std::string& name, const Reason& reason) {
-  fmt::print(stderr, "{}: error: {}\n", name, reason.text);
+  fmt::print(stderr, "{}: error: {}\n", name, printable(reason.text));
   std::fflush(stderr);
   return static_cast<int>(reason.code);
+}
+
+std::optional<wire::ParticipantKey> key_of(const ServeOptions& options) {
+  if (options.key.empty()) return std::nullopt;
+  return wire::read_key(options.key, options.timeout_s);
 }
 
 /// One request after the other, until the run is over.
@@ -73,7 +80,7 @@ int serve(Participant& participant, const ServeOptions& options) {
   try {
     Session session(participant);
     name = session.name();
-    wire::Channel channel(options.endpoint);
+    wire::Channel channel(options.endpoint, key_of(options));
     wire::Message message;
     try {
       converse(session, channel, options, message);
@@ -90,9 +97,10 @@ int serve(Participant& participant, const ServeOptions& options) {
 }
 
 int participant_main(int argc, const char* const* argv, const MakeParticipant& make) {
+  prepare_process();
   std::string name = "participant";
   try {
-    const auto arguments = parse_arguments(argc, argv);
+    auto arguments = parse_arguments(argc, argv);
     name = arguments.name;
     const auto participant = make(arguments);
     return serve(*participant, arguments.options);

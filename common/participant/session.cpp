@@ -17,7 +17,7 @@ using wire::Message;
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 ExitCode exit_code(std::int64_t code) {
-  for (const auto known : {ExitCode::config, ExitCode::unstable, ExitCode::protocol}) {
+  for (const auto known : {ExitCode::config, ExitCode::unstable, ExitCode::protocol, ExitCode::model, ExitCode::machine}) {
     if (code == static_cast<std::int64_t>(known)) return known;
   }
   return ExitCode::participant;

@@ -78,6 +78,8 @@ class Session {
   void put_absolute(wire::Array& absolute) const;
   void put_rates(wire::Message& reply) const;
   void put_contact(wire::Message& reply) const;
+  void put_departures(wire::Array& array);
+  void put_outline(wire::Array& array);
   void put_records(bool requested, wire::Message& reply);
   void put_times(wire::Message& reply) const;
   void require_rows(const wire::Array& array, std::string_view field, int columns) const;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/participant/session.hpp"
@@ -39,13 +40,18 @@ FrozenContact frozen_contact_of(const std::string& text) {
       fmt::format("the coupler asked for the frozen contact '{}', expected one of 'open', 'sticking'", text));
 }
 
+void require_count(const char* field, std::int64_t value, int least) {
+  constexpr int most = std::numeric_limits<int>::max();
+  require(value >= least && value <= most, "the coupler set {} = {}, expected {} to {}", field, value, least, most);
+}
+
 void check_setup(const Message& request) {
   require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
-  require(request.history_every >= 1, "the coupler set history_every = {}, expected >= 1", request.history_every);
-  require(request.fields_every >= 0, "the coupler set fields_every = {}, expected >= 0", request.fields_every);
-  require(request.separation_windows >= 0, "the coupler set separation_windows = {}, expected >= 0",
-          request.separation_windows);
-  require(request.substeps >= 1, "the coupler set substeps = {}, expected >= 1", request.substeps);
+  require_count("history_every", request.history_every, 1);
+  require_count("fields_every", request.fields_every, 0);
+  require_count("separation_windows", request.separation_windows, 0);
+  require_count("substeps", request.substeps, 1);
+  require(request.last_window >= 0, "the coupler set last_window = {}, expected >= 0", request.last_window);
 }
 
 Drive drive_of(const std::string& text, const Description& description) {
@@ -157,6 +163,8 @@ void Session::check_substep(const Message& request) const {
   const auto& has = description_.capabilities;
   require(std::find(has.begin(), has.end(), "single_substep") != has.end(),
           "the coupler asked for substep {}, but participant '{}' lacks the capability 'single_substep'",
+          request.substep, description_.name);
+  require(setup_.driven_by == Drive::force, "the coupler asked for substep {}, but drives participant '{}' by displacement",
           request.substep, description_.name);
   require(request.substep == accepted_substep_ + 1 && request.substep <= setup_.substeps && request.windows == 1,
           "the coupler asked for substep {} of {} in window {}, the next one is substep {}", request.substep,
@@ -270,33 +278,6 @@ void Session::record() {
 void Session::write_fields() {
   participant_.write_fields(accepted_window_);
   fields_window_ = accepted_window_;
-}
-
-void Session::put_absolute(wire::Array& absolute) const {
-  set(absolute, output_.value, nodes_, description_.components);
-}
-
-void Session::put_rates(Message& reply) const {
-  const int rows = moves_ ? nodes_ : 0;
-  set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
-  set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
-}
-
-void Session::put_contact(Message& reply) const {
-  reply.pairs_closed = contact_.pairs_closed;
-  reply.gap_min_m = contact_.gap_min_m;
-  reply.gap_rate_min_m_s = contact_.gap_rate_min_m_s;
-  reply.separated = contact_.separated;
-  reply.separation_time_s = contact_.separation_time_s;
-  reply.finished_early = contact_.finished;
-}
-
-void Session::put_records(bool requested, Message& reply) {
-  const int columns = static_cast<int>(description_.record_columns.size());
-  reply.records.resize(0, columns);
-  if (!requested) return;
-  reply.records.rows = static_cast<int>(rows_.size()) / columns;
-  reply.records.data.swap(rows_);
 }
 
 void Session::require_rows(const wire::Array& array, std::string_view field, int columns) const {

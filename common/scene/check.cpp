@@ -9,7 +9,9 @@
 #include "common/base/error.hpp"
 #include "common/scene/build.hpp"
 #include "common/scene/check_contact.hpp"
+#include "common/scene/check_model.hpp"
 #include "common/scene/check_reach.hpp"
+#include "common/scene/check_switch.hpp"
 #include "common/scene/critical_step.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -21,6 +23,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// linearly; in a hybrid earlier, since what the implicit side sends at every impact the explicit side keeps. Measured, docs/limits.md.
 constexpr double largest_quiet_share = 0.999, largest_quiet_share_hybrid = 0.95;
 constexpr double poisson_locking = 0.49;
+/// Beyond it the number of a step is no integer in a double, in which history rows carry it.
+constexpr double most_windows = 1e15;
 
 int count_unknowns(const Problem& problem, const ParticipantPart& part, bool implicit) {
   const int components = problem.scene.components();
@@ -78,6 +82,16 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
         "impact; step_s = {:.3g} leaves room", ratio, participant.name, 0.9 * substeps * critical));
 }
 
+/// Steps up to the latest end.
+long long count_windows(const Problem& problem) {
+  const double windows = std::ceil(problem.scene.time.end_s / problem.window_size_s - 1e-9);
+  if (!(windows <= most_windows))
+    throw ConfigError(fmt::format("{}: found {:.6g} s, which takes {:.3g} steps of {:.6g} s; allowed: an end after at most {:g} steps",
+                                  problem.scene.where("time.end_s"), problem.scene.time.end_s, windows, problem.window_size_s,
+                                  most_windows));
+  return static_cast<long long>(windows);
+}
+
 void check_materials(const Problem& problem, std::vector<std::string>& warnings) {
   if (problem.scene.model == Model::bar) return;
   for (const BodyProblem& body : problem.bodies)
@@ -119,7 +133,7 @@ Plan plan(const Problem& problem) {
   const Scene& scene = problem.scene;
   Plan plan;
   plan.window_size_s = problem.window_size_s;
-  plan.windows = static_cast<long long>(std::ceil(scene.time.end_s / problem.window_size_s - 1e-9));
+  plan.windows = count_windows(problem);
   plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
   const ProtocolTraits& protocol = protocol_traits(scene.coupling.protocol);
   const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
@@ -130,7 +144,13 @@ Plan plan(const Problem& problem) {
   check_materials(problem, plan.warnings);
   check_penalty(problem, plan);
   check_friction(problem, plan);
+  check_impact(problem, plan);
+  check_overlaps(problem, plan);
+  check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  plan.switch_obstacle = switch_obstacle(problem);
+  if (!plan.switch_obstacle.empty())
+    plan.notes.push_back("the implicit side stays implicit after separation: " + plan.switch_obstacle);
   return plan;
 }
 

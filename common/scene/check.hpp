@@ -23,6 +23,7 @@ struct Plan {
   double penalty_stiffness_ratio = 0;///< alpha_n / k, k = rho c_L^2 A / h (bar: E A / h) of the stiffer contact element
   double penalty_delay_s = 0;        ///< bars: by how much the penalty model releases late, 1.678347 tau; else 0
   double penalty_critical_s = 0;     ///< all_explicit with penalty: critical step while in contact; else 0
+  std::string switch_obstacle;       ///< see check_switch.hpp
   std::vector<std::string> warnings;
   std::vector<std::string> notes;    ///< what could be left out; see check_reach.hpp
 };

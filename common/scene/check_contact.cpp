@@ -21,6 +21,8 @@ constexpr double delay_per_tau = 1.678347;
 constexpr double intermittent_share = 0.5;
 /// mu N dt / (2 m) over 1/xi from which regularised friction rings. Measured, docs/limits.md.
 constexpr double ringing_ratio = 10.0;
+/// Strain that counts as small.
+constexpr double small_strain = 0.02;
 
 /// A body on one side of the contact, and its node of a pair.
 struct Sides {
@@ -148,6 +150,10 @@ void check_penalty(const Problem& problem, Plan& plan) {
 void check_friction(const Problem& problem, Plan& plan) {
   const auto& contact = problem.scene.contact;
   if (!contact || contact->friction_law != FrictionLaw::regularised) return;
+  plan.warnings.push_back(fmt::format(
+      "regularised friction, mu p tanh(xi v): below a relative velocity of 1/xi = {:.3g} m/s it is less than mu p, "
+      "so nothing sticks "
+      "and a pair held by friction creeps; friction_law = \"return_mapping\" sticks", 1.0 / contact->friction_regularisation_s_m));
   if (protocol_traits(problem.scene.coupling.protocol).layout == Layout::all_explicit) return;
   double compliance = 0.0;
   for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / impedance(*body);
@@ -163,6 +169,33 @@ void check_friction(const Problem& problem, Plan& plan) {
         "regularised friction: its velocity scale 1/xi = {:.3g} m/s is less than a tenth of mu N dt/(2 m) = {:.3g} m/s, so "
         "the friction force rings after an impact; use friction_law = \"return_mapping\" or friction_regularisation_s_m = "
         "{:.3g}", scale, needed, ringing_ratio / needed));
+}
+
+void check_impact(const Problem& problem, Plan& plan) {
+  if (!problem.scene.contact) return;
+  const double speed = approach_speed(problem), moved_m = speed * problem.window_size_s;
+  const Sides sides(problem);
+  double compliance = 0.0;
+  for (const BodyProblem* body : sides.body) compliance += 1.0 / impedance(*body);
+  for (std::size_t side = 0; side < sides.body.size(); ++side) {
+    const BodyProblem& body = *sides.body[side];
+    const double strain = speed / compliance / modulus(body);
+    if (strain > small_strain)
+      plan.warnings.push_back(fmt::format("an impact at {:.4g} m/s strains body \"{}\" by about {:.2g} %: strain is "
+                                          "small no more, expect "
+                                          "errors of stresses and forces of that size", speed, body.name, 100.0 * strain));
+    const double depth_m = element_depth(body, Sides::node(problem.contact.pairs.front(), side), problem.contact.normal);
+    const std::string found = fmt::format("a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
+                                          "other, {:.3g} of the depth of an "
+                                          "element of body \"{}\" at the contact", problem.window_size_s, moved_m, moved_m / depth_m, body.name);
+    if (moved_m > depth_m)
+      throw ConfigError(fmt::format("{}: found {}: they would pass through it; allowed: {:.3g} s or less", problem.scene.where("time"), found,
+                                    0.5 * depth_m / speed));
+    if (moved_m > 0.5 * depth_m)
+      plan.warnings.push_back(fmt::format("{}: the impact turns that element nearly inside out; {:.3g} s or less "
+                                          "leaves room", found,
+                                          0.5 * depth_m / speed));
+  }
 }
 
 }  // namespace ricochet::scene

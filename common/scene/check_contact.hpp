@@ -13,4 +13,9 @@ void check_penalty(const Problem& problem, Plan& plan);
 /// one-dimensional impact theory, p = v Z_a Z_b / (Z_a + Z_b).
 void check_friction(const Problem& problem, Plan& plan);
 
+/// The first impact, by one-dimensional theory at the initial velocities: warns where it strains a body by more than 2 %, and where a
+/// step moves the bodies together by more than half an element at the contact; throws ConfigError from a whole element on, of which
+/// such a step leaves nothing.
+void check_impact(const Problem& problem, Plan& plan);
+
 }  // namespace ricochet::scene

@@ -47,24 +47,6 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
   return interval;
 }
 
-/// 0 where the bodies do not just fly towards each other until they meet; infinite if they never do.
-double first_contact_s(const Problem& problem) {
-  const ContactGeometry& contact = problem.contact;
-  double closing = 0.0, gap = std::numeric_limits<double>::infinity();
-  for (const auto& [index, sign] : {std::pair{contact.body_a, 1.0}, std::pair{contact.body_b, -1.0}}) {
-    if (index < 0) continue;
-    const Body& spec = problem.scene.bodies[at(index)];
-    if (!starts_at_rest(spec, problem.scene.model) || any(spec.initial_displacement_start_m) ||
-        !disturbed(spec, problem.bodies[at(index)]).empty())
-      return 0.0;
-    for (std::size_t c = 0; c < spec.initial_velocity_m_s.size(); ++c)
-      closing += sign * contact.normal[static_cast<Eigen::Index>(c)] * spec.initial_velocity_m_s[c];
-  }
-  for (const ContactPair& pair : contact.pairs) gap = std::min(gap, pair.gap0_m);
-  if (gap == 0.0) return 0.0;
-  return closing > 0.0 ? gap / closing : std::numeric_limits<double>::infinity();
-}
-
 Interval reached(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   const double speed = fem::longitudinal_wave_speed(body.section.model, body.material), end_s = problem.scene.time.end_s;
@@ -101,6 +83,23 @@ std::string beyond(const BodyProblem& body, double place, bool above, double end
 }
 
 }  // namespace
+
+double first_contact_s(const Problem& problem) {
+  const ContactGeometry& contact = problem.contact;
+  double closing = 0.0, gap = std::numeric_limits<double>::infinity();
+  for (const auto& [index, sign] : {std::pair{contact.body_a, 1.0}, std::pair{contact.body_b, -1.0}}) {
+    if (index < 0) continue;
+    const Body& spec = problem.scene.bodies[at(index)];
+    if (!starts_at_rest(spec, problem.scene.model) || any(spec.initial_displacement_start_m) ||
+        !disturbed(spec, problem.bodies[at(index)]).empty())
+      return 0.0;
+    for (std::size_t c = 0; c < spec.initial_velocity_m_s.size(); ++c)
+      closing += sign * contact.normal[static_cast<Eigen::Index>(c)] * spec.initial_velocity_m_s[c];
+  }
+  for (const ContactPair& pair : contact.pairs) gap = std::min(gap, pair.gap0_m);
+  if (gap == 0.0) return 0.0;
+  return closing > 0.0 ? gap / closing : std::numeric_limits<double>::infinity();
+}
 
 std::vector<std::string> unreached_ends(const Problem& problem) {
   std::vector<std::string> lines;

@@ -12,4 +12,8 @@ namespace ricochet::scene {
 /// and runs along the axis with the fastest speed there is: the dilatational one, in bars sqrt(E/rho).
 [[nodiscard]] std::vector<std::string> unreached_ends(const Problem& problem);
 
+/// When the two bodies of the contact, which only fly until then, first touch; 0 where they do more than fly, infinity if they never
+/// touch [s].
+[[nodiscard]] double first_contact_s(const Problem& problem);
+
 }  // namespace ricochet::scene

@@ -10,6 +10,8 @@ namespace ricochet::scene {
 namespace {
 
 constexpr int most_elements = 1'000'000;  // of a body
+/// Far beyond every material, in any system of units; wave speeds and energies of other values leave the range of numbers.
+constexpr Range densities{1e-15, 1e20, true, true};
 /// With fewer, an element would meet its own image: nodes lie within half a period of each other.
 constexpr int fewest_periodic_elements = 3;
 
@@ -20,7 +22,7 @@ Material load_material(TableReader table, Model model) {
   // A bar has no lateral strain: its Poisson ratio may be given but need not be.
   material.poisson_ratio =
       model == Model::bar ? table.number("poisson_ratio", poisson, 0.0) : table.number("poisson_ratio", poisson);
-  material.density_kg_m3 = table.number("density_kg_m3", above(0.0));
+  material.density_kg_m3 = table.number("density_kg_m3", densities);
   table.finish();
   return material;
 }

@@ -6,6 +6,7 @@
 #include <toml.hpp>
 
 #include "common/base/sha256.hpp"
+#include "common/scene/check_text.hpp"
 #include "common/scene/loaders.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -21,6 +22,7 @@ std::string read_text(const std::string& path) {
 }
 
 toml::value parse(const std::string& path, const std::string& text) {
+  check_text(path, text);
   std::istringstream stream(text);
   try {
     return toml::parse(stream, path);
@@ -57,6 +59,12 @@ void check_automatic_partition(const TableReader& root, const TableReader& time,
     time.refuse("largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
 }
 
+/// Which protocol runs is known after the contact has been read.
+void check_contact_keys(TableReader& root, const Scene& scene) {
+  if (!scene.contact || protocol_traits(scene.coupling.protocol).layout != Layout::all_explicit) return;
+  root.table("contact", "contact").only_if(false, "impact_update", "an implicit side, which \"all_explicit\" has not");
+}
+
 void load_tables(TableReader& root, Scene& scene) {
   scene.model = load_model(root);
   load_bodies(root, scene);
@@ -74,6 +82,7 @@ void load_tables(TableReader& root, Scene& scene) {
     TableReader table = root.table("coupling", "coupling");
     scene.coupling = load_coupling(table, scene.contact.has_value());
   }
+  check_contact_keys(root, scene);
   check_automatic_partition(root, time, scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
@@ -79,7 +80,12 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const auto length = scene.partition.implicit_length_m.find(body.name);
   if (length == scene.partition.implicit_length_m.end()) return std::vector<bool>(body.mesh.elements.size(), false);
   const Eigen::Vector2d& normal = problem.contact.normal;
-  return within_length(body, index == problem.contact.body_a ? normal : -normal, contact.front(), length->second);
+  std::vector<bool> inside =
+      within_length(body, index == problem.contact.body_a ? normal : -normal, contact.front(), length->second);
+  if (scene.contact->multiplier_update != MultiplierUpdate::massless) return inside;
+  const std::vector<bool> layer = elements_at(body.mesh, contact);  // massless nodes are moved by the elements behind them
+  std::transform(inside.begin(), inside.end(), layer.begin(), inside.begin(), std::logical_or<>());
+  return inside;
 }
 
 bool has(const std::vector<bool>& flags, bool value) {

@@ -17,7 +17,8 @@ struct ProtocolTraits {
   std::string name;
   Layout layout = Layout::hybrid;
   bool dual = false;    ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
-  std::string warning;  ///< what `check` says about it; empty: nothing
+  bool may_switch = false;  ///< goes on with an implicit participant that integrates explicitly after separation
+  std::string warning;      ///< what `check` says about it; empty: nothing
 };
 [[nodiscard]] const std::vector<ProtocolTraits>& protocols();
 [[nodiscard]] std::vector<std::string> protocol_names();

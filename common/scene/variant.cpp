@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <toml.hpp>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/base/write_file.hpp"
+#include "common/scene/check_text.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -101,6 +103,9 @@ void write_variant(const std::string& scene_path, const std::vector<Override>& o
                    const std::string& out_path) {
   if (!fs::is_regular_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
   toml::value root;
+  std::ostringstream text;
+  text << std::ifstream(scene_path, std::ios::binary).rdbuf();
+  check_text(scene_path, text.str());
   try {
     root = toml::parse(scene_path);
   } catch (const std::exception& error) {

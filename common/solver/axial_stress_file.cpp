@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+
 #include "common/base/error.hpp"
 
 namespace ricochet::solver {
@@ -12,6 +14,7 @@ AxialStressFile::AxialStressFile(const scene::Problem& problem, const std::strin
   if (every_ == 0) return;
   path_ = fmt::format("{}/{}.axial_stress", setup.output_directory, participant);
   file_.open(path_);
+  if (!file_) throw_errno(errno, "cannot write " + path_);
   line_ = "time_s";
   for (const auto& state : states) line_ += add_body(problem, state);
   add(0, states);
@@ -53,9 +56,10 @@ void AxialStressFile::add(std::int64_t window, const std::vector<BodyState>& sta
     for (const double stress : body.stress) out = fmt::format_to(out, ",{:.6g}", stress);
   }
   line_ += '\n';
+  errno = 0;
   file_ << line_;
   line_.clear();
-  if (!file_) throw ConfigError(fmt::format("cannot write {}: is there a folder, and room on the disk?", path_));
+  if (!file_) throw_errno(errno != 0 ? errno : EIO, "cannot write " + path_);
 }
 
 }  // namespace ricochet::solver

@@ -52,6 +52,7 @@ void BodyState::update_momentum() {
   for (Eigen::Index lane = 0; lane < lanes; ++lane) momentum[lane % components] += sums[lane];
   totals.momentum_n_kg_m_s = normal.dot(momentum);
   totals.momentum_t_kg_m_s = tangent.dot(momentum);
+  if (arm.size() > 0) totals.angular_momentum_kg_m2_s = (arm.array() * mass.array() * v.array()).sum();
 }
 
 namespace {
@@ -61,6 +62,16 @@ void set_directions(const scene::Problem& problem, BodyState& state) {
   const Eigen::Vector2d axis = problem.scene.components() == 1 ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(0.0, 1.0);
   state.normal = contact ? problem.contact.normal : axis;
   state.tangent = Eigen::Vector2d(-state.normal[1], state.normal[0]);
+}
+
+void set_arm(BodyState& state) {
+  if (state.part.mesh.model != fem::Model::plane_strain) return;
+  state.arm.resize(state.part.dofs());
+  for (int node = 0; node < state.part.nodes(); ++node) {
+    const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
+    state.arm[2 * node] = -x[1];
+    state.arm[2 * node + 1] = x[0];
+  }
 }
 
 void set_motion(const scene::Problem& problem, BodyState& state) {
@@ -105,7 +116,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part), .stiffness = {},
                   .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .free = {}, .mass = {},
                   .inverse_mass = {}, .constrained = {}, .dashpots = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
-                  .normal = {}, .tangent = {}, .totals = {}};
+                  .normal = {}, .tangent = {}, .arm = {}, .totals = {}};
   state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
   for (const int node : state.shared_nodes) {
@@ -115,6 +126,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
     }
   }
   set_directions(problem, state);
+  set_arm(state);
   set_motion(problem, state);
   set_dashpots(problem.bodies[index], role, state);
   state.set_mass(state.part.lumped_mass);

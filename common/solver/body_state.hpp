@@ -61,6 +61,7 @@ struct BodyState {
   scene::ExternalForce external;
   Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
   Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
+  Eigen::VectorXd arm;              ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
   fem::BodyTotals totals;
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -76,12 +77,13 @@ struct BodyState {
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
     const int components = fem::components(part.mesh.model);
     // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
-    double work_j = 0.0;
+    double work_j = 0.0, angular = 0.0;
     Eigen::Vector2d impulse(0.0, 0.0);
     const auto account = [&](int dof) {
       const double force = mean_force(dof);
       work_j += force * increment(dof);
       impulse[dof % components] += dt * force;
+      if (arm.size() > 0) angular += dt * force * arm[dof];
     };
     if (external.zero()) {
       for (const auto& c : constrained) account(c.dof);
@@ -92,6 +94,11 @@ struct BodyState {
     totals.energy_external_j += work_j;
     totals.impulse_n_kg_m_s += normal.dot(impulse);
     totals.impulse_t_kg_m_s += tangent.dot(impulse);
+    totals.angular_impulse_kg_m2_s += angular;
+  }
+  /// Accounts an impulse on a node [kg m/s].
+  void add_angular_impulse(int node, const Eigen::Vector2d& impulse) {
+    if (arm.size() > 0) totals.angular_impulse_kg_m2_s += arm[2 * node] * impulse[0] + arm[2 * node + 1] * impulse[1];
   }
   /// Momentum of the integrated nodes from v.
   void update_momentum();

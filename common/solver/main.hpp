@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstdio>
-#include <exception>
-#include <string>
+#include <memory>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -14,21 +12,13 @@ namespace ricochet::solver {
 /// PROGRAM --scene SCENE --name NAME --connect ENDPOINT [--watch-stdin]: takes part in the run that a coupler serves at
 /// ENDPOINT. `Solver` is made from a scene::Problem and the participant's name. Returns the exit code.
 template <class Solver>
-int solver_main(int argc, char** argv) {
-  std::string name = argv[0];
-  try {
-    auto arguments = participant::parse_arguments(argc, argv);
-    name = arguments.name;
+int solver_main(int argc, const char* const* argv) {
+  return participant::participant_main(argc, argv, [](participant::Arguments& arguments) {
     if (arguments.scene.empty()) throw ConfigError("--scene is missing");
     auto problem = scene::build_problem(scene::load_scene(arguments.scene));
     arguments.options.timeout_s = problem.scene.coupling.timeout_s;  // until the coupler states its own
-    Solver solver(std::move(problem), name);
-    return participant::serve(solver, arguments.options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: error: %s\n", name.c_str(), error.what());
-    const auto* known = dynamic_cast<const Error*>(&error);
-    return static_cast<int>(known ? known->code() : ExitCode::participant);
-  }
+    return std::make_unique<Solver>(std::move(problem), arguments.name);
+  });
 }
 
 }  // namespace ricochet::solver

@@ -63,7 +63,10 @@ struct Channel::Impl {
 
   /// What broke the connection, by the last poll; null if nothing did.
   [[nodiscard]] const char* broken() const {
-    if (items[1].revents != 0) return "it closed the connection";
+    if (items[1].revents != 0) {
+      return heard ? "it closed the connection"
+                   : "it closed the connection before it answered: it does not know this key, or has all its participants";
+    }
     return items.size() > 2 && items[2].revents != 0 ? "standard input was closed" : nullptr;
   }
 
@@ -73,10 +76,16 @@ struct Channel::Impl {
   zmq::message_t frame;
   msgpack::sbuffer buffer;
   std::unique_ptr<SharedMemory> offered, shared;
+  bool heard = false;  ///< anything so far
 };
 
-Channel::Channel(const std::string& endpoint) : impl_(std::make_unique<Impl>()) {
+Channel::Channel(const std::string& endpoint, const std::optional<ParticipantKey>& key) : impl_(std::make_unique<Impl>()) {
   try {
+    if (key) {
+      impl_->socket.set(zmq::sockopt::curve_serverkey, key->coupler_public_key);
+      impl_->socket.set(zmq::sockopt::curve_publickey, key->own.public_key);
+      impl_->socket.set(zmq::sockopt::curve_secretkey, key->own.secret_key);
+    }
     impl_->socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     refuse_endpoint(endpoint, "connect to", error);
@@ -122,6 +131,7 @@ void Channel::Impl::receive_frame_of(Message& message, Clock::time_point begin, 
     socket.set(zmq::sockopt::linger, 0);      // what it has not read must not reach the next run at this address
     throw_gone(why);
   }
+  heard = true;
   decode_frame(socket, frame, coupler, message);
 }
 

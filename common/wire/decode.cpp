@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -17,6 +19,46 @@ using Object = msgpack::object;
 const msgpack::unpack_limit limits(/*array*/ 1U << 16, /*map*/ 256, /*str*/ 1U << 24, /*bin*/ max_array_bytes,
                                    /*ext*/ 0,
                                    /*depth*/ 4);
+
+/// All values of a message together. Texts and arrays of numbers count as one.
+constexpr std::size_t most_values = std::size_t{1} << 17;
+
+std::size_t big_endian(std::string_view bytes) {
+  std::size_t value = 0;
+  for (const char byte : bytes) value = value << 8 | static_cast<unsigned char>(byte);
+  return value;
+}
+
+/// Bytes that the value at the beginning takes, without those that an array or a map holds.
+std::size_t size_of_value(std::string_view bytes) {
+  const auto first = static_cast<unsigned char>(bytes.front());
+  if (first >= 0xa0 && first < 0xc0) return 1U + (first & 0x1fU);  // a short text
+  if (first < 0xc4 || first >= 0xe0) return 1;
+  const auto with_length = [&](std::size_t digits, std::size_t more) { return 1 + digits + more + big_endian(bytes.substr(1, digits)); };
+  switch (first) {
+    case 0xc4: case 0xd9: return with_length(1, 0);
+    case 0xc5: case 0xda: return with_length(2, 0);
+    case 0xc6: case 0xdb: return with_length(4, 0);
+    case 0xc7: return with_length(1, 1);
+    case 0xc8: return with_length(2, 1);
+    case 0xc9: return with_length(4, 1);
+    default: break;
+  }
+  // From 0xca on: floats, integers, extensions of fixed size, then heads of arrays and maps.
+  constexpr std::array<std::uint8_t, 22> sizes = {5, 9, 2, 3, 5, 9, 2, 3, 5, 9, 3, 4, 6, 10, 18, 0, 0, 0, 3, 5, 3, 5};
+  return sizes[first - 0xcaU];
+}
+
+/// Whether unpacking, which takes 24 bytes for each value, can be afforded. Bytes that are none of msgpack or break off are
+/// refused, with better words, when they are unpacked.
+bool has_too_many_values(std::string_view bytes) {
+  std::size_t values = 0;
+  while (!bytes.empty()) {
+    if (++values > most_values) return true;
+    bytes.remove_prefix(std::min(bytes.size(), size_of_value(bytes)));
+  }
+  return false;
+}
 
 /// Raised with what is wrong with a value; `decode` adds who sent it, in which kind and field.
 struct WrongValue {
@@ -198,6 +240,7 @@ class Decoder {
 };
 
 Object Decoder::unpack(std::string_view bytes, msgpack::zone& zone) const {
+  if (has_too_many_values(bytes)) refuse(fmt::format("a message of more than {} values", most_values));
   std::size_t end = 0;
   bool referenced = false;
   const auto refer = [](msgpack::type::object_type, std::size_t, void*) {

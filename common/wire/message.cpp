@@ -16,6 +16,13 @@ constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s",
 constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
                              "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field records{"records", &M::records, "", "history rows not sent before, rows x record columns"};
+constexpr Field departures{"departures", &M::departures, "",
+                           "what has left the model so far, rows x 9: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 "
+                           "node off its partner, 6 penetration: docs/limits.md), index into `bodies`, last window without it, first window with it, how many looks found it, "
+                           "largest size, its window, its place x and y; 0 rows: nothing, or not looked for"};
+constexpr Field outline{"outline", &M::outline, "m",
+                        "rows x (2 + components): index into `bodies`, node of that body's mesh, displacement, for nodes of the outlines "
+                        "of bodies that others could meet without a contact; 0 rows: not asked for records, or does not tell"};
 constexpr Field records_requested{"records_requested", &M::records_requested, "",
                                   "the answer is to bring the history rows"};
 
@@ -115,6 +122,8 @@ const std::vector<KindEntry>& schema() {
         velocity,
         acceleration,
         records,
+        departures,
+        outline,
         pairs_closed,
         gap_min,
         gap_rate_min,
@@ -124,7 +133,7 @@ const std::vector<KindEntry>& schema() {
       {Kind::accept, "accept", {records_requested}},
       {Kind::accepted,
        "accepted",
-       {records, pairs_closed, gap_min, gap_rate_min, separated, separation_time, finished_early}},
+       {records, departures, outline, pairs_closed, gap_min, gap_rate_min, separated, separation_time, finished_early}},
       {Kind::load_state,
        "load_state",
        {{"state", &M::state, "", "k x 1, its motion in the order and the units of its own `state`"},
@@ -148,10 +157,11 @@ const std::vector<KindEntry>& schema() {
          "largest difference of accumulated and absolute link input, relative to the largest absolute value"},
         {"spans_s", &M::spans_s, "s",
          "rows x 3: window, begin and end of each time it computed, on its steady clock; the first 2000"},
-        records}},
+        records,
+        departures}},
       {Kind::failure,
        "failure",
-       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol"},
+       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 6 left the model, 7 machine"},
         {"error_culprit", &M::error_culprit, "", "who failed: name of a participant, or `coupler`"},
         {"error_text", &M::error_text, "", "what happened, and where"}}},
   };

@@ -10,7 +10,7 @@
 /// carries stands in one table, `fields_of`, that the codec, the docs and the tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 2;
+inline constexpr std::int64_t protocol_version = 3;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -49,6 +49,9 @@ enum class Kind {
   failure,  ///< either: I stop, and why
 };
 
+/// Numbers in a row of `departures`.
+inline constexpr int departure_columns = 9;
+
 /// Which members a message of a kind carries says `fields_of`; what they mean, the table behind it (and docs/wire.md).
 struct Message {
   // header, in every message
@@ -86,6 +89,8 @@ struct Message {
   Array acceleration_m_s2;  ///< as velocity
   Array state, state_scale; ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
   Array records;            ///< history rows (rows x record_columns)
+  Array departures;         ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its window, x, y
+  Array outline;            ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
   Array spans_s;            ///< rows x 3: window, begin, end of each computing span on the steady clock
 };
 

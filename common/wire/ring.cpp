@@ -85,6 +85,8 @@ void RingSender::publish() {
 
 // ---- receiver
 
+RingReceiver::RingReceiver(RingMemory& memory) : memory_(memory), limit_(max_message_bytes) {}
+
 bool RingReceiver::receive(std::string_view sender) {
   const bool complete = header_bytes_ == sizeof header_ && message_.size() == header_.length;
   if (complete) {  // it was handed over
@@ -134,9 +136,9 @@ void RingReceiver::check_header(std::string_view sender) const {
     throw ProtocolError(fmt::format("{} corrupted the shared memory: message {} where message {} was due", sender,
                                     header_.sequence, sequence_));
   }
-  if (header_.length == 0 || header_.length > max_message_bytes) {
+  if (header_.length == 0 || header_.length > limit_) {
     throw ProtocolError(fmt::format("{} corrupted the shared memory: a message of {} bytes, allowed are 1 to {}",
-                                    sender, header_.length, max_message_bytes));
+                                    sender, header_.length, limit_));
   }
 }
 

@@ -53,10 +53,12 @@ class RingSender {
 
 class RingReceiver {
  public:
-  explicit RingReceiver(RingMemory& memory) : memory_(memory) {}
+  explicit RingReceiver(RingMemory& memory);
   /// Takes what is there; true if a message is complete now. Throws ProtocolError, which names `sender`, if the bytes
   /// are none of a `RingSender`.
   bool receive(std::string_view sender);
+  /// Largest message that is taken [bytes].
+  void limit(std::size_t bytes) { limit_ = bytes; }
   /// After `receive` was true, until it is called again.
   [[nodiscard]] std::string_view message() const { return message_; }
   /// Waits until there are bytes, or until `until`: spins first if that promises to be short, then sleeps.
@@ -75,6 +77,7 @@ class RingReceiver {
   RingMemory& memory_;
   std::uint32_t read_ = 0;
   std::uint64_t sequence_ = 0;
+  std::size_t limit_;
   RingHeader header_;
   std::size_t header_bytes_ = 0;  ///< of the header, taken so far
   std::string message_;

@@ -10,6 +10,9 @@
 namespace ricochet::wire {
 namespace {
 
+/// Messages of one peer that wait to be read: it sends one at a time, and who sends more waits.
+constexpr int most_waiting = 8;
+
 /// Reads the rest of a message of several frames; how many it had.
 int count_frames(zmq::socket_t& socket, zmq::message_t& last) {
   int frames = 1;
@@ -22,6 +25,7 @@ int count_frames(zmq::socket_t& socket, zmq::message_t& last) {
 zmq::socket_t make_socket(zmq::context_t& context, zmq::socket_type type) {
   zmq::socket_t socket(context, type);
   socket.set(zmq::sockopt::linger, static_cast<int>(linger.count()));
+  socket.set(zmq::sockopt::rcvhwm, most_waiting);
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_message_bytes));
   return socket;
 }

@@ -180,6 +180,14 @@ std::int64_t Coupling::window() const {
   return std::min_element(links_.begin(), links_.end(), behind)->window();
 }
 
+void Coupling::note_interface_drift() {
+  for (const auto& link : links_) {
+    if (link.implicit() || !link.driven_by_force()) continue;
+    const auto& own = rows_of(link, displacement_);
+    for (std::size_t i = 0; i < own.size(); ++i) interface_drift_m_ = std::max(interface_drift_m_, std::abs(own[i] - link.output()[i]));
+  }
+}
+
 double Coupling::largest_drift() const {
   double largest = 0.0;
   for (const auto& link : links_) largest = std::max(largest, link.largest_drift());

@@ -81,6 +81,10 @@ class Coupling {
   /// The last window that every participant has accepted.
   [[nodiscard]] std::int64_t window() const;
   [[nodiscard]] double largest_drift() const;
+  /// Compares the displacements of both sides of the shared nodes; only where both integrate them, driven by force. Their velocities
+  /// are tied, and what a tie of velocities leaves open adds up.
+  void note_interface_drift();
+  [[nodiscard]] double interface_drift_m() const { return interface_drift_m_; }  ///< largest so far
 
  private:
   [[nodiscard]] std::vector<double> masses_of(const Link& link, Masses masses) const;
@@ -90,6 +94,7 @@ class Coupling {
   InterfaceMap map_;
   double window_size_s_;
   bool all_explicit_ = false;
+  double interface_drift_m_ = 0.0;
   std::vector<std::size_t> state_sizes_;  ///< numbers of each participant's motion, from `read_state`
   std::vector<double> displacement_, velocity_, acceleration_, prediction_, force_, own_;
   Eigen::MatrixXd interface_stiffness_;

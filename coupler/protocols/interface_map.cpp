@@ -12,6 +12,7 @@ namespace ricochet::coupler {
 namespace {
 
 constexpr double relative_tolerance = 1e-9;
+constexpr double largest_mass_kg = 1e30;  // sums of more, and what is divided by them, leave the range of numbers
 
 /// One interface node of one participant.
 struct Node {
@@ -36,10 +37,14 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
   };
   require(components >= 1 && components <= 3,
           says(fmt::format("has {} components per node, allowed are 1 to 3", components)));
-  require(message.interface_position_m.data.size() == static_cast<std::size_t>(count) * components &&
-              message.interface_body.data.size() == static_cast<std::size_t>(count) &&
-              message.interface_mass_kg.data.size() == static_cast<std::size_t>(count),
-          says("describes its interface with arrays of different lengths"));
+  const auto require_shape = [&](const wire::Array& array, const char* field, int columns) {
+    require(array.rows == count && array.columns == columns,
+            says(fmt::format("describes its interface with arrays of different shapes: '{}' is {} x {}, expected {} x {}", field, array.rows,
+                             array.columns, count, columns)));
+  };
+  require_shape(message.interface_position_m, "interface_position_m", components);
+  require_shape(message.interface_body, "interface_body", 1);
+  require_shape(message.interface_mass_kg, "interface_mass_kg", 1);
   std::vector<Node> nodes(count);
   for (int i = 0; i < count; ++i) {
     Node& node = nodes[i];
@@ -58,6 +63,8 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
     node.where = fmt::format("participant '{}', body '{}', node {} at ({}) m", message.participant, node.body, i,
                              fmt::join(begin, begin + components, ", "));
     require(node.mass_kg >= 0, fmt::format("{}: its lumped mass {} kg is negative", node.where, node.mass_kg));
+    require(node.mass_kg <= largest_mass_kg, fmt::format("{}: its lumped mass 'interface_mass_kg' is {:g} kg, allowed are at most {:g}",
+                                                         node.where, node.mass_kg, largest_mass_kg));
   }
   return nodes;
 }

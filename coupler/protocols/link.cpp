@@ -11,6 +11,9 @@
 namespace ricochet::coupler {
 namespace {
 
+/// Kinds of `departures`, from 1 on.
+constexpr double departure_kinds = 6;
+
 void set(wire::Array& array, const std::vector<double>& values, int columns) {
   array.rows = static_cast<int>(values.size()) / columns;
   array.columns = columns;
@@ -42,6 +45,7 @@ std::vector<double> Link::own_mass_kg() const {
 
 void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
   request.kind = wire::Kind::initialize;
+  history_every_ = request.history_every;
   if (request.driven_by.empty()) request.driven_by = implicit() ? "force" : "displacement";
   driven_by_force_ = request.driven_by == "force";
   set(request.interface_mass_kg, own_masses, 1);
@@ -140,10 +144,19 @@ void Link::wait_accepted() { take_acceptance(wait(wire::Kind::accepted)); }
 void Link::take_acceptance(const wire::Message& answer) {
   received_input_.swap(trial_input_);
   output_accepted_ = output_;
-  if (ends_window_) window_ = answer.window;
+  if (ends_window_) window_ = window_of(answer);
   contact_ = {answer.pairs_closed, answer.gap_min_m,         answer.gap_rate_min_m_s,
               answer.separated,    answer.separation_time_s, answer.finished_early};
   take_records_of(answer);
+}
+
+/// The window that an answer says it has come to: the one that was asked for, or of several the last, unless the run is over.
+std::int64_t Link::window_of(const wire::Message& answer) const {
+  const auto last = request_.window + request_.windows - 1;
+  const bool early = answer.finished_early && answer.window >= request_.window && answer.window < last;
+  if (answer.window == last || early) return answer.window;
+  throw ProtocolError(fmt::format("participant '{}' answered 'window' = {}, it was asked to compute windows {} to {}", name(),
+                                  answer.window, request_.window, last));
 }
 
 void Link::post_finish() {
@@ -183,7 +196,50 @@ void Link::take_rates(const wire::Message& answer) {
   acceleration_.assign(answer.acceleration_m_s2.data.begin(), answer.acceleration_m_s2.data.end());
 }
 
+void Link::require_body(double body, const char* field) const {
+  if (body >= 0 && body < static_cast<double>(description_.bodies.size()) && body == std::floor(body)) return;
+  throw ProtocolError(fmt::format("participant '{}' named body {} in '{}', it has {}", name(), body, field,
+                                  description_.bodies.size()));
+}
+
+void Link::take_departures(const wire::Message& answer) {
+  const auto require_columns = [&](const wire::Array& array, int columns, const char* field) {
+    if (array.rows == 0 || array.columns == columns) return;
+    throw ProtocolError(fmt::format("participant '{}' sent '{}' with rows of {} numbers, expected {}", name(), field,
+                                    array.columns, columns));
+  };
+  require_columns(answer.departures, wire::departure_columns, "departures");
+  require_columns(answer.outline, 2 + rows_.components, "outline");
+  for (int row = 0; row < answer.departures.rows; ++row) {
+    const double* values = &answer.departures.data[static_cast<std::size_t>(row * wire::departure_columns)];
+    if (!(values[0] >= 1 && values[0] <= departure_kinds && values[0] == std::floor(values[0]))) {
+      throw ProtocolError(fmt::format("participant '{}' sent the unknown kind {} in 'departures'", name(), values[0]));
+    }
+    require_body(values[1], "departures");
+  }
+  for (int row = 0; row < answer.outline.rows; ++row) {
+    require_body(answer.outline.data[static_cast<std::size_t>(row * answer.outline.columns)], "outline");
+  }
+  if (answer.departures.rows > 0) departures_ = answer.departures;  // what has left once stays told
+  if (answer.outline.rows > 0) outline_ = answer.outline;
+}
+
+/// Every row, once, in order: its first number is its window.
 void Link::take_records_of(const wire::Message& answer) {
+  take_departures(answer);
+  const int columns = std::max(answer.records.columns, 1);
+  for (int row = 0; row < answer.records.rows; ++row) {
+    const double found = answer.records.data[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)];
+    if (found != static_cast<double>(next_row_) || next_row_ > window_) {
+      throw ProtocolError(fmt::format("participant '{}' sent in 'records' the history row of window {}, the next one is that of "
+                                      "window {}, and window {} is computed", name(), found, next_row_, window_));
+    }
+    next_row_ += history_every_;
+  }
+  if (request_.records_requested && next_row_ <= window_) {
+    throw ProtocolError(fmt::format("participant '{}' left out of 'records' the history row of window {}, which was asked for in "
+                                    "window {}", name(), next_row_, window_));
+  }
   if (answer.records.rows == 0) return;
   if (answer.records.columns != static_cast<int>(description_.record_columns.size())) {
     throw ProtocolError(fmt::format("participant '{}' sent history rows of {} numbers, it announced {} columns", name(),
@@ -193,7 +249,7 @@ void Link::take_records_of(const wire::Message& answer) {
 }
 
 void Link::require_rows(const wire::Array& array, const char* field) const {
-  if (array.data.size() == output_.size()) return;
+  if (array.rows == static_cast<int>(rows_.shared.size()) && array.columns == rows_.components) return;
   throw ProtocolError(
       fmt::format("participant '{}' answered window {} with {} x {} numbers in '{}', its interface has {} x {}", name(),
                   request_.window, array.rows, array.columns, field, rows_.shared.size(), rows_.components));

@@ -84,6 +84,10 @@ class Link {
   [[nodiscard]] double largest_drift() const { return largest_drift_; }
   [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
   [[nodiscard]] double setup_s() const { return setup_s_; }
+  /// What has left the model as the participant last said, rows of wire::departure_columns numbers.
+  [[nodiscard]] const wire::Array& departures() const { return departures_; }
+  /// Where nodes of outlines were when history rows last came; see the field `outline`.
+  [[nodiscard]] const wire::Array& outline() const { return outline_; }
   /// History rows received since the last call (row-major, as many columns as the description names).
   [[nodiscard]] std::vector<double> take_records();
 
@@ -93,6 +97,9 @@ class Link {
   void take_absolute(const wire::Message& answer);
   void take_rates(const wire::Message& answer);
   void take_records_of(const wire::Message& answer);
+  void take_departures(const wire::Message& answer);
+  void require_body(double body, const char* field) const;
+  [[nodiscard]] std::int64_t window_of(const wire::Message& answer) const;
   void require_rows(const wire::Array& array, const char* field) const;
 
   Peer peer_;
@@ -102,9 +109,11 @@ class Link {
   Acceptance acceptance_ = Acceptance::at_once;
   bool driven_by_force_ = false, ends_window_ = true;
   ContactReport contact_;
+  wire::Array departures_, outline_;
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;
   std::int64_t window_ = 0;
+  std::int64_t history_every_ = 1, next_row_ = 0;  ///< windows of history rows
 };
 
 }  // namespace ricochet::coupler

@@ -30,7 +30,6 @@ struct ProtocolEntry {
   std::vector<std::string> explicit_capabilities;  ///< every explicit participant must have them
   std::vector<std::string> implicit_capabilities;
   bool coupled = true;        ///< false: baseline of one participant, nothing is exchanged
-  bool may_switch = true;     ///< goes on with an implicit participant that integrates explicitly after separation
   std::string known_trouble;  ///< named when the energy watch stops a run; empty: none known
   std::function<std::unique_ptr<Protocol>(const ProtocolSettings&)> make;
 };

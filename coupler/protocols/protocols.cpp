@@ -29,34 +29,31 @@ std::unique_ptr<Protocol> make(const ProtocolSettings& settings) {
 
 const std::vector<ProtocolEntry>& protocols() {
   static const std::vector<ProtocolEntry> list = {
-      // name, explicit and implicit participants must be able to, coupled, may switch, known trouble
-      {"hughes_liu", {}, {}, true, true, "", make<HughesLiu>},
-      {"kim", {"repeat_window"}, {}, true, true, "", make<Kim>},
+      // name, explicit and implicit participants must be able to, coupled, known trouble
+      {"hughes_liu", {}, {}, true, "", make<HughesLiu>},
+      {"kim", {"repeat_window"}, {}, true, "", make<Kim>},
       {"kim_predicted",
        {},
        {},
        true,
-       true,
        "is unstable at almost any time step; use hughes_liu or kim",
        make<KimPredicted>},
-      {"belytschko_mullen", {"repeat_window"}, {"interface_stiffness"}, true, false, "", make<BelytschkoMullen>},
+      {"belytschko_mullen", {"repeat_window"}, {"interface_stiffness"}, true, "", make<BelytschkoMullen>},
       {"prakash_hjelmstad",
        {"repeat_window", "driven_by_force"},
        {"interface_stiffness"},
        true,
-       false,
        "",
        make<PrakashHjelmstad>},
       {"gravouil_combescure",
        {"repeat_window", "driven_by_force", "single_substep"},
        {"repeat_window", "interface_stiffness"},
        true,
-       false,
        "",
        make<GravouilCombescure>},
-      {"fixed_point", {"repeat_window"}, {"repeat_window"}, true, false, "", make<FixedPoint>},
-      {"all_implicit", {}, {}, false, false, "", make<FreeRun>},
-      {"all_explicit", {}, {}, false, false, "", make<FreeRun>},
+      {"fixed_point", {"repeat_window"}, {"repeat_window"}, true, "", make<FixedPoint>},
+      {"all_implicit", {}, {}, false, "", make<FreeRun>},
+      {"all_explicit", {}, {}, false, "", make<FreeRun>},
   };
   return list;
 }

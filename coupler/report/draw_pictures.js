@@ -1,14 +1,15 @@
-// node -e SCRIPT PAGE FOLDER: draws the charts of a page of ricochet's to FOLDER/<id>.svg, with the libraries in the page.
+// node -e SCRIPT FOLDER < PAGE: draws the charts of a page that ricochet made just now to FOLDER/<id>.svg, with the
+// libraries in the page.
 // Title and note of the chart, which stand beside it in the page, join the picture; what only answers to a pointer (layers
 // with the name "pointer") is left out.
 "use strict";
 const fs = require("fs");
-const [page, folder] = process.argv.slice(1);
+const [folder] = process.argv.slice(1);
 
-const scripts = [...fs.readFileSync(page, "utf8").matchAll(/<script([^>]*)>([^]*?)<\/script>/g)];
+const scripts = [...fs.readFileSync(0, "utf8").matchAll(/<script([^>]*)>([^]*?)<\/script>/g)];
 const stored = scripts.find((script) => script[1].includes("id=\"charts\""));
 if (!stored) {
-  console.error(`${page} holds no charts`);
+  console.error("the page holds no charts");
   process.exit(1);
 }
 
@@ -44,5 +45,8 @@ async function draw(chart) {
 }
 
 (async () => {
-  for (const chart of JSON.parse(stored[2])) await draw(chart);
+  for (const chart of JSON.parse(stored[2])) {
+    if (!/^[A-Za-z0-9_]+$/.test(chart.id)) throw new Error("a chart whose name is no name of a file");
+    await draw(chart);
+  }
 })();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/base/own_files.hpp"
 #include "common/base/write_file.hpp"
 #include "coupler/report/assets.hpp"
 #include "coupler/report/history_charts.hpp"
@@ -15,6 +16,7 @@
 #include "coupler/report/libraries.hpp"
 #include "coupler/report/quantity.hpp"
 #include "coupler/report/stability_maps.hpp"
+#include "coupler/report/stability_page.hpp"
 #include "coupler/report/stress_waves.hpp"
 #include "coupler/report/study_page.hpp"
 #include "coupler/report/summary_page.hpp"
@@ -39,12 +41,12 @@ std::vector<Event> events_of(const Json& summary) {
   return events;
 }
 
-/// Column theory_contact_stress_pa: the stress of impedance theory while it says that the bodies touch.
+/// Column theory_contact_stress_pa: the stress of impedance theory until the first wave comes back to the contact.
 void add_theory(HistoryTable& table, const Json& summary) {
   const auto first = number(summary, "first_contact_s");
   const Json theory = summary.value("theory", Json());
   if (!first || theory.is_null()) return;
-  const double end_s = *first + number(theory, "contact_duration_s").value_or(0.0);
+  const double end_s = *first + number(theory, "first_step_s").value_or(0.0);
   const double stress_pa = number(theory, "contact_stress_pa").value_or(0.0);
   std::vector<double> values;
   for (const double time : table.columns.front()) {
@@ -120,21 +122,26 @@ std::string page_of(const std::filesystem::path& folder) {
 
 }  // namespace
 
-std::string write_report(const std::string& directory) {
+Page write_report(const std::string& directory) {
   const std::filesystem::path folder(directory);
-  const auto path = (folder / "report.html").string();
-  if (std::filesystem::exists(folder / "study.json")) {
-    write_atomically(path, study_page(directory));
-    return path;
-  }
-  const auto stability = folder / "stability.html";
-  if (std::filesystem::exists(stability) && !std::filesystem::exists(folder / "summary.json")) return stability.string();
+  const bool stability = !std::filesystem::exists(folder / "summary.json") && std::filesystem::exists(folder / "stability.json");
+  Page page;
   try {
-    write_atomically(path, page_of(directory));
+    if (std::filesystem::exists(folder / "study.json")) {
+      page = {"report.html", study_page(directory)};
+    } else if (stability) {
+      page = {"stability.html", stability_page(read_stability_map((folder / "stability.json").string()))};
+    } else {
+      page = {"report.html", page_of(directory)};
+    }
   } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}/summary.json or trace.json is not that of a run: {}", directory, error.what()));
+    throw ConfigError(fmt::format("{}: summary.json, trace.json or study.json is not that of this program: {}", directory, error.what()));
   }
-  return path;
+  OwnFiles own(directory);
+  own.claim({page.path});
+  page.path = (folder / page.path).string();
+  write_atomically(page.path, page.text);
+  return page;
 }
 
 }  // namespace ricochet::report

@@ -81,12 +81,15 @@ Json step_domain(const Json& rows) {
   return {low, high};
 }
 
+/// A text in an expression of Vega, whatever it holds.
+std::string quoted(const std::string& text) { return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace); }
+
 /// Chooses the label of a column by its place on the axis.
 std::string label_expression(const StabilityMap& map, const Columns& columns) {
   std::string text = "''";
   for (std::size_t i = 0; i < map.against.size(); ++i) {
     text = fmt::format("abs(datum.value - {0:.12g}) <= 1e-6 * {0:.12g} ? {1} : {2}", columns.centre[i],
-                       Json("'" + map.against[i] + "'").get<std::string>(), text);
+                       quoted(map.against[i]), text);
   }
   return text;
 }
@@ -117,12 +120,17 @@ Chart chart_of(const StabilityMap& map, const std::string& contact) {
 
 }  // namespace
 
-std::string stability_page(const StabilityMap& map) {
+std::vector<Chart> stability_charts(const StabilityMap& map) {
   std::set<std::string> contacts;
   for (const auto& cell : map.cells) contacts.insert(cell.contact);
+  std::vector<Chart> charts;
+  for (const auto& contact : contacts) charts.push_back(chart_of(map, contact));
+  return charts;
+}
+
+std::string stability_page(const StabilityMap& map) {
   std::string figures, json, notes;
-  for (const auto& contact : contacts) {
-    const Chart chart = chart_of(map, contact);
+  for (const auto& chart : stability_charts(map)) {
     figures += to_html(chart);
     json += (json.empty() ? "" : ",\n") + to_json(chart);
   }

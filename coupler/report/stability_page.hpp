@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "coupler/report/chart.hpp"
+
 namespace ricochet::report {
 
 /// One point of a stability map.
@@ -31,6 +33,14 @@ struct StabilityMap {
   std::vector<StabilityCell> cells;
   std::vector<StabilityEdge> edges;
 };
+
+/// As stability.json, from which maps and page are made again: data, no program.
+[[nodiscard]] std::string to_json(const StabilityMap& map);
+/// Throws ConfigError naming the file if it is none that `to_json` wrote.
+[[nodiscard]] StabilityMap read_stability_map(const std::string& path);
+
+/// One map for each state of the contact.
+[[nodiscard]] std::vector<Chart> stability_charts(const StabilityMap& map);
 
 /// A self-contained page with one map for each state of the contact.
 [[nodiscard]] std::string stability_page(const StabilityMap& map);

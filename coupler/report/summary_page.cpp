@@ -37,6 +37,16 @@ std::string seconds(const Json& process, const std::string& key) {
   return value ? fmt::format("{:.3f}", *value) : "–";
 }
 
+/// Beside the forces it is about: a reader of the page has not seen what the run said.
+std::string unconverged_row(const Json& summary) {
+  const Json contact = summary.value("contact", Json::object());
+  const auto windows = contact.value("windows_unconverged", 0LL);
+  if (windows == 0) return "";
+  return row("windows whose contact forces were not found",
+             fmt::format("{}; worst residual {:.2g} of the largest force, 1e-6 is wanted", windows,
+                         number(contact, "residual_max").value_or(0.0)));
+}
+
 std::string contact_rows(const Json& summary) {
   const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
   if (!first) return "";
@@ -54,7 +64,8 @@ std::string contact_rows(const Json& summary) {
     text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
                 plateau && stress ? difference(*plateau, *stress) : "");
   }
-  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N"));
+  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+         row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) + unconverged_row(summary);
 }
 
 std::string balance_rows(const Json& summary) {
@@ -66,6 +77,9 @@ std::string balance_rows(const Json& summary) {
                 fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", *last, *lowest, *highest));
   }
   if (momentum) text += row("momentum error", fmt::format("{:.3e}", *momentum));
+  const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
+  if (angular && *angular > 0) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
+  if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
   return text;
 }
 
@@ -80,6 +94,10 @@ std::string course_rows(const Json& summary) {
   }
   if (!switches.empty()) text += row("integration switched", switches);
   for (const auto& note : summary.value("notes", Json::array())) text += row("note", note);
+  for (const auto& departed : summary.value("outside_model", Json::array())) {
+    text += row("outside the model", departed.value("text", ""));
+  }
+  if (const auto until = number(summary, "valid_until_s")) text += row("valid until", quantity(*until, "s"));
   const Json phases = summary.value("phases", Json::object());
   // A phase that the run did not come to the end of has no time.
   const auto wall = [](const std::optional<double>& value) {

@@ -1,10 +1,10 @@
 #include "implicit_solver/contact/implicit_contact.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "common/fem/element.hpp"
+#include "common/solver/friction.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -15,35 +15,6 @@ using solver::BodyState;
 using solver::Pair;
 using solver::PairSide;
 using solver::State;
-
-namespace {
-
-double inverse_mass(const PairSide& side, const std::vector<BodyState>& states, const Eigen::Vector2d& direction, int components) {
-  if (side.part < 0) return 0.0;
-  double sum = 0.0;
-  const auto& inverse = states[static_cast<std::size_t>(side.part)].inverse_mass;
-  for (int c = 0; c < components; ++c) sum += direction[c] * direction[c] * inverse[side.node * components + c];
-  return sum;
-}
-
-/// Nodes that share an edge of an element with `node` and are not among `contact`, each once.
-std::vector<int> inward_neighbours(const BodyState& state, int node, const std::vector<int>& contact) {
-  const auto corners = static_cast<std::size_t>(fem::nodes_per_element(state.part.mesh.model));
-  std::vector<int> found;
-  for (const auto& element : state.part.mesh.elements) {
-    for (std::size_t i = 0; i < corners; ++i) {
-      if (element[i] != node) continue;
-      for (const std::size_t next : {(i + 1) % corners, (i + corners - 1) % corners}) {
-        const int other = element[next];
-        const bool known = std::find(found.begin(), found.end(), other) != found.end();
-        if (!known && std::find(contact.begin(), contact.end(), other) == contact.end()) found.push_back(other);
-      }
-    }
-  }
-  return found;
-}
-
-}  // namespace
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
                                  const std::vector<BodyState>& states)
@@ -65,7 +36,18 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vecto
         if (acts && state.free[static_cast<std::size_t>(dof)]) root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
       }
     }
+    const auto moves = [&](const PairSide& side, Direction direction) {
+      for (int c = 0; side.part >= 0 && c < surface_.components; ++c) {
+        const int dof = side.node * surface_.components + c;
+        if (vector(direction)[c] != 0.0 && states[static_cast<std::size_t>(side.part)].free[static_cast<std::size_t>(dof)]) return true;
+      }
+      return false;
+    };
+    moves_.push_back({{{moves(pair.a, along_normal), moves(pair.b, along_normal)},
+                       {moves(pair.a, along_tangent), moves(pair.b, along_tangent)}}});
   }
+  impulse_.resize(surface_.pairs.size());
+  remembered_normal_n_.resize(surface_.pairs.size());
 }
 
 double ImplicitContact::kappa() const {
@@ -76,32 +58,41 @@ double ImplicitContact::kappa() const {
 
 bool ImplicitContact::massless() const { return law_->multiplier_update == MultiplierUpdate::massless; }
 
-void ImplicitContact::move_masses(std::vector<BodyState>& states) const {
-  std::vector<std::vector<int>> contact(states.size());
-  for (const auto& pair : surface_.pairs)
-    for (const auto& side : {pair.a, pair.b})
-      if (side.part >= 0) contact[static_cast<std::size_t>(side.part)].push_back(side.node);
-  for (std::size_t part = 0; part < states.size(); ++part) {
-    auto& state = states[part];
-    for (const int node : contact[part]) {
-      const auto inwards = inward_neighbours(state, node, contact[part]);
-      for (int c = 0; c < surface_.components; ++c) {
-        const int dof = node * surface_.components + c;
-        if (surface_.normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)] || inwards.empty()) continue;
-        for (const int other : inwards) {
-          const int to = other * surface_.components + c;
-          state.mass[to] += state.mass[dof] / static_cast<double>(inwards.size());
-          if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
-        }
-        state.mass[dof] = state.inverse_mass[dof] = 0.0;
-      }
-    }
+bool ImplicitContact::by_impedance() const {
+  return law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::impedance;
+}
+
+/// Whether the law sets velocities and accelerations of closed pairs.
+bool ImplicitContact::resets() const {
+  return remembered() && !(law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::none);
+}
+
+void ImplicitContact::move_masses(std::vector<BodyState>& states) {
+  if (massless()) massless_.emplace(surface_, states);
+}
+
+void ImplicitContact::settle(const std::vector<BodyState>& states, const std::vector<Eigen::VectorXd>& external,
+                             std::vector<Eigen::VectorXd>& u) {
+  external_of_part_.clear();
+  u_of_part_.clear();
+  for (std::size_t part = 0; part < u.size(); ++part) {
+    external_of_part_.push_back(&external[part]);
+    u_of_part_.push_back(&u[part]);
   }
+  massless_->settle(states, external_of_part_, u_of_part_);
+}
+
+void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Eigen::VectorXd& velocity) const {
+  massless_->for_each_dof([&](std::size_t part, int dof) {
+    const int at = offsets_[part] + dof;
+    velocity[at] = increment[at] / dt_;
+  });
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   const int n = static_cast<int>(surface_.pairs.size());
   const bool friction = law_->friction_coefficient > 0.0;
+  dt_ = dt;
   gather_.setZero(friction ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));
   std::vector<double> area;
   for (int i = 0; i < n; ++i) {
@@ -159,7 +150,7 @@ void ImplicitContact::hold_rates(const std::vector<BodyState>& states, Eigen::Ve
     acceleration[root_dofs_[i]] +=
         root_force_[static_cast<Eigen::Index>(i)] * states[part].inverse_mass[root_dofs_[i] - offsets_[part]];
   }
-  update_rates(states, velocity, acceleration);
+  hold_means(states, velocity, acceleration);
 }
 
 void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
@@ -178,76 +169,250 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     slip_velocity_[k] = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, accepted_);
+  solver::require_solved(trial_);
   root_force_.noalias() = gather_.transpose() * trial_.force;
 }
 
+double ImplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states, Direction direction) const {
+  double sum = 0.0;
+  for (const auto& side : {pair.a, pair.b}) {
+    if (side.part < 0) continue;
+    const auto& inverse = states[static_cast<std::size_t>(side.part)].inverse_mass;
+    for (int c = 0; c < surface_.components; ++c) {
+      sum += vector(direction)[c] * vector(direction)[c] * inverse[side.node * surface_.components + c];
+    }
+  }
+  return sum;
+}
+
 ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::vector<BodyState>& states,
-                                                   const Eigen::Vector2d& direction) const {
-  const double wa = inverse_mass(pair.a, states, direction, surface_.components);
-  const double wb = inverse_mass(pair.b, states, direction, surface_.components);
+                                                   Direction direction) const {
+  const double wa = inverse_mass({pair.a, {}}, states, direction), wb = inverse_mass({{}, pair.b}, states, direction);
   if (wa + wb == 0.0) return {0.0, 0.0};
-  const bool paper = law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::impedance;
-  if (!paper || wa == 0.0 || wb == 0.0) return {wa / (wa + wb), wb / (wa + wb)};
+  if (!by_impedance() || wa == 0.0 || wb == 0.0) return {wa / (wa + wb), wb / (wa + wb)};
   // Eq. 25-27: weights rho C, longitudinal along n, shear along t
   const auto impedance = [&](int part) {
     const auto& body = problem_->bodies[static_cast<std::size_t>(states[static_cast<std::size_t>(part)].body)];
-    const bool along_normal = direction == surface_.normal;
-    const double speed = along_normal ? fem::longitudinal_wave_speed(problem_->scene.model, body.material)
-                                      : fem::shear_wave_speed(body.material);
+    const double speed = direction == along_normal ? fem::longitudinal_wave_speed(problem_->scene.model, body.material)
+                                                   : fem::shear_wave_speed(body.material);
     return body.material.density_kg_m3 * speed;
   };
   const double za = impedance(pair.a.part), zb = impedance(pair.b.part);
   return {zb / (za + zb), za / (za + zb)};
 }
 
-void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& states, const Eigen::Vector2d& direction,
+void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& states, Direction direction,
                                Eigen::VectorXd& values) const {
-  const double difference = combined(pair, values, direction);
+  const auto& d = vector(direction);
+  const double difference = combined(pair, values, d);
   const Mean share = mean_shares(pair, states, direction);
   for (const auto& [side, amount] : {std::pair{pair.a, share.share_a * difference}, std::pair{pair.b, -share.share_b * difference}}) {
     if (side.part < 0) continue;
     for (int c = 0; c < surface_.components; ++c) {
-      values[offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c] += amount * direction[c];
+      values[offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c] += amount * d[c];
     }
   }
 }
 
-void ImplicitContact::update_rates(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+/// Adds M^-1 times a force or impulse on B, and its opposite on A, to accelerations or velocities.
+void ImplicitContact::push(const Pair& pair, const std::vector<BodyState>& states, Direction direction, double on_b,
+                           Eigen::VectorXd& values) const {
+  for (const auto& [side, amount] : {std::pair{pair.a, -on_b}, std::pair{pair.b, on_b}}) {
+    if (side.part < 0) continue;
+    const auto part = static_cast<std::size_t>(side.part);
+    for (int c = 0; c < surface_.components; ++c) {
+      const int dof = side.node * surface_.components + c;
+      values[offsets_[part] + dof] += amount * vector(direction)[c] * states[part].inverse_mass[dof];
+    }
+  }
+}
+
+double ImplicitContact::along(const PairSide& side, Direction direction, const Eigen::VectorXd& values) const {
+  const int first = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components;
+  double sum = 0.0;
+  for (int c = 0; c < surface_.components; ++c) sum += vector(direction)[c] * values[first + c];
+  return sum;
+}
+
+/// What a pair's forces are on B, the mean of it and of the opposite on A: the two differ where Eq. 25 weighs by impedances. A side
+/// that a support holds counts for nothing.
+double ImplicitContact::on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const {
+  const auto& [a_moves, b_moves] = moves_[pair][direction];
+  const double on_a = a_moves ? along(surface_.pairs[pair].a, direction, forces) : 0.0;
+  const double on_b = b_moves ? along(surface_.pairs[pair].b, direction, forces) : 0.0;
+  return a_moves && b_moves ? 0.5 * (on_b - on_a) : on_b - on_a;
+}
+
+/// `on_b` of M times rates.
+double ImplicitContact::mass_times(std::size_t pair, const std::vector<BodyState>& states, Direction direction,
+                                   const Eigen::VectorXd& rates) const {
+  const auto& [a_moves, b_moves] = moves_[pair][direction];
+  const auto of = [&](const PairSide& side) {
+    const auto part = static_cast<std::size_t>(side.part);
+    double sum = 0.0;
+    for (int c = 0; c < surface_.components; ++c) {
+      const int dof = side.node * surface_.components + c;
+      sum += vector(direction)[c] * states[part].mass[dof] * rates[offsets_[part] + dof];
+    }
+    return sum;
+  };
+  const double on_a = a_moves ? of(surface_.pairs[pair].a) : 0.0, on_b = b_moves ? of(surface_.pairs[pair].b) : 0.0;
+  return a_moves && b_moves ? 0.5 * (on_b - on_a) : on_b - on_a;
+}
+
+/// Velocities and accelerations of held pairs: linear, whatever the sign of a force.
+void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+                                 Eigen::VectorXd& acceleration) const {
+  if (!resets()) return;
+  for (const auto& pair : surface_.pairs) {
+    for (const Direction direction : {along_normal, along_tangent}) {
+      if (direction == along_tangent && !root_->friction()) continue;
+      set_mean(pair, states, direction, velocity);
+      set_mean(pair, states, direction, acceleration);
+    }
+  }
+}
+
+/// No relative velocity is left, and no relative acceleration unless that took a pull.
+void ImplicitContact::reset_normal(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                    Eigen::VectorXd& acceleration) {
-  const bool never = law_->enforcement == Enforcement::penalty && law_->impact_update == ImpactUpdate::none;
-  if (never || !remembered() || massless()) return;
+  const auto& pair = surface_.pairs[i];
+  const double before = mass_times(i, states, along_normal, velocity);
+  set_mean(pair, states, along_normal, velocity);
+  impulse_[i].normal += mass_times(i, states, along_normal, velocity) - before;
+  const double force = trial_.force[static_cast<Eigen::Index>(i)];
+  const double without = mass_times(i, states, along_normal, acceleration) - force;
+  set_mean(pair, states, along_normal, acceleration);
+  double& remembered = remembered_normal_n_[i];
+  remembered = mass_times(i, states, along_normal, acceleration) - without;
+  if (remembered >= 0.0 || by_impedance()) return;
+  push(pair, states, along_normal, -remembered, acceleration);
+  remembered = 0.0;
+}
+
+/// Friction by impulses: what holds the pair, clipped to the cone of the normal impulse; likewise the remembered force.
+void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+                                    Eigen::VectorXd& acceleration) {
+  const auto& pair = surface_.pairs[i];
+  const double inverse = inverse_mass(pair, states, along_tangent);
+  if (inverse == 0.0) return;
+  auto& impulse = impulse_[i];
+  const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
+  const double free_rate = combined(pair, velocity, surface_.tangent) - inverse * impulse.tangential;
+  const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
+  const bool sticks = given == holding;
+  if (sticks && by_impedance()) {
+    const double before = mass_times(i, states, along_tangent, velocity);
+    set_mean(pair, states, along_tangent, velocity);
+    impulse.tangential += mass_times(i, states, along_tangent, velocity) - before;
+  } else {
+    push(pair, states, along_tangent, given - impulse.tangential, velocity);
+    impulse.tangential = given;
+  }
+  impulse.state = sticks ? State::stick : State::slip;
+  const double force = trial_.force[static_cast<Eigen::Index>(surface_.pairs.size() + i)];
+  const double force_limit = mu * std::max(0.0, remembered_normal_n_[i]);
+  const double holding_force = force - combined(pair, acceleration, surface_.tangent) / inverse;
+  const double slipping_force = limit > 0.0 ? force_limit * given / limit : 0.0;
+  const double remembered = sticks ? std::clamp(holding_force, -force_limit, force_limit) : slipping_force;
+  if (sticks && by_impedance() && remembered == holding_force) {
+    set_mean(pair, states, along_tangent, acceleration);
+  } else {
+    push(pair, states, along_tangent, remembered - force, acceleration);
+  }
+}
+
+/// A pair that opened in this window: what is left of its impulses stays within the cone, too.
+void ImplicitContact::clip_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity) {
+  auto& impulse = impulse_[i];
+  const double limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
+  const double given = std::clamp(impulse.tangential, -limit, limit);
+  if (given == impulse.tangential) return;
+  push(surface_.pairs[i], states, along_tangent, given - impulse.tangential, velocity);
+  impulse.tangential = given;
+}
+
+void ImplicitContact::update_rates(const std::vector<BodyState>& states, const Eigen::VectorXd& bracket,
+                                   const Eigen::VectorXd& increment, Eigen::VectorXd& velocity,
+                                   Eigen::VectorXd& acceleration) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    if (trial_.states[i] == State::open) continue;
-    set_mean(surface_.pairs[i], states, surface_.normal, velocity);
-    set_mean(surface_.pairs[i], states, surface_.normal, acceleration);
-    if (surface_.components == 1 || trial_.states[i] != State::stick) continue;
-    set_mean(surface_.pairs[i], states, surface_.tangent, velocity);
-    set_mean(surface_.pairs[i], states, surface_.tangent, acceleration);
+    impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket),
+                   .tangential = root_->friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
+                   .state = trial_.states[i]};
+    remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
+    const bool touched = trial_.states[i] != State::open || accepted_.states[i] != State::open;
+    if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
+  }
+  if (frozen_) {
+    if (held()) hold_means(states, velocity, acceleration);
+    return;
+  }
+  if (massless_) give_back(states, bracket, increment, velocity);
+  if (!resets()) return;
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const bool closed = trial_.states[i] != State::open;
+    if (closed && !massless_) reset_normal(i, states, velocity, acceleration);
+    if (!root_->friction()) continue;
+    if (closed) {
+      reset_tangent(i, states, velocity, acceleration);
+    } else {
+      clip_tangent(i, states, velocity);
+    }
+  }
+}
+
+/// The energy that closing and opening made in this window, back to the nodes that carry the mass.
+void ImplicitContact::give_back(const std::vector<BodyState>& states, const Eigen::VectorXd& bracket,
+                                const Eigen::VectorXd& increment, Eigen::VectorXd& velocity) {
+  velocity_of_part_.clear();
+  for (const int offset : offsets_) velocity_of_part_.push_back(velocity.data() + offset);
+  massless_->begin_trial();
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    double made = 0.0;
+    for (const auto& side : {pair.a, pair.b})
+      if (side.part >= 0) made += 0.5 * along(side, along_normal, bracket) * along(side, along_normal, increment);
+    impulse_[i].normal += massless_->give_back(i, made, impulse_[i].normal, states, velocity_of_part_);
   }
 }
 
 void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
-                              const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity, double dt) {
-  for (const auto& pair : surface_.pairs) {
+                              const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity) {
+  if (massless_) {
+    work_normal_j_ += massless_->trial_work_j();
+    massless_->accept();
+  }
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
     for (const auto& side : {pair.a, pair.b}) {
       if (side.part < 0) continue;
-      const int first = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components;
-      const auto along = [&](const Eigen::VectorXd& values, const Eigen::Vector2d& direction) {
-        double sum = 0.0;
-        for (int c = 0; c < surface_.components; ++c) sum += direction[c] * values[first + c];
-        return sum;
+      const auto work = [&](Direction d) {
+        return 0.5 * along(side, d, bracket) * along(side, d, increment) + along(side, d, jump) * along(side, d, mean_velocity);
       };
-      const auto work = [&](const Eigen::Vector2d& d) {
-        return 0.5 * along(bracket, d) * along(increment, d) + along(jump, d) * along(mean_velocity, d);
-      };
-      work_normal_j_ += work(surface_.normal);
-      dissipated_friction_j_ -= work(surface_.tangent);
-      if (pair.b.part >= 0) continue;
-      auto& totals = states[static_cast<std::size_t>(side.part)].totals;
-      totals.impulse_n_kg_m_s += 0.5 * dt * along(bracket, surface_.normal) + along(jump, surface_.normal);
-      totals.impulse_t_kg_m_s += 0.5 * dt * along(bracket, surface_.tangent) + along(jump, surface_.tangent);
+      work_normal_j_ += work(along_normal);
+      dissipated_friction_j_ -= work(along_tangent);
     }
+    impulse_normal_n_s_ += impulse_[i].normal;
+    impulse_tangential_n_s_ += impulse_[i].tangential;
+    if (pair.b.part >= 0) continue;
+    auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
+    totals.impulse_n_kg_m_s -= impulse_[i].normal;
+    totals.impulse_t_kg_m_s -= impulse_[i].tangential;
+    states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
+        pair.a.node, -(impulse_[i].normal * surface_.normal + impulse_[i].tangential * surface_.tangent));
   }
+}
+
+void ImplicitContact::accept() {
+  accepted_ = trial_;
+  iterations_ += trial_.iterations;
+  largest_residual_ = std::max(largest_residual_, trial_.residual);
+  unconverged_ += trial_.residual > solver::converged_contact_residual;
+}
+
+void ImplicitContact::open() {
+  accepted_ = trial_ = root_->open();
+  std::fill(impulse_.begin(), impulse_.end(), solver::PairForce{});
 }
 
 int ImplicitContact::pairs_closed() const {
@@ -256,14 +421,17 @@ int ImplicitContact::pairs_closed() const {
 }
 
 solver::Report ImplicitContact::report(const std::vector<BodyState>& states) {
-  const std::size_t pairs = surface_.pairs.size();
-  reported_.resize(pairs);
-  for (std::size_t i = 0; i < pairs; ++i) {
-    reported_[i].normal = accepted_.force[static_cast<Eigen::Index>(i)];
-    if (root_->friction()) reported_[i].tangential = accepted_.force[static_cast<Eigen::Index>(pairs + i)];
-    reported_[i].state = accepted_.states[i];
+  reported_ = impulse_;
+  for (auto& force : reported_) {
+    force.normal /= dt_;
+    force.tangential /= dt_;
   }
   solver::Report report = surface_.report(states, reported_);
+  report.contact_impulse_n_s = impulse_normal_n_s_;
+  report.friction_impulse_n_s = impulse_tangential_n_s_;
+  report.contact_iterations = std::exchange(iterations_, 0);
+  report.contact_residual = std::exchange(largest_residual_, 0.0);
+  report.contact_unconverged = unconverged_;
   report.energy_contact_j = work_normal_j_;
   report.energy_friction_j = dissipated_friction_j_;
   return report;

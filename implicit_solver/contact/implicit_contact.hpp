@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "common/solver/contact_surface.hpp"
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/massless_nodes.hpp"
+#include "common/solver/root_problem.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -16,7 +18,13 @@ namespace ricochet::implicit_solver {
 ///   u_{n+1} = u_n + dt v_n + dt^2/4 (a_n + a_{n+1}) + dt^2/2 M^-1 G^T r,   v_{n+1} = v_n + dt/2 (a_n + a_{n+1}) + dt M^-1 G^T r
 /// with a the elastic acceleration. kappa = 1 lets r enter as any force of n + 1; afterwards velocity and acceleration of
 /// every closed pair are set to a weighted mean (Eq. 25), by masses (conserves momentum) or impedances (the paper's). Or the nodes
-/// have no mass along the normal: then no velocity has to jump, r balances K u at any time, and the impact of a node costs nothing.
+/// have no mass along the normal: then no velocity has to jump, r balances K u at any time, and the impact of a node costs nothing
+/// (MasslessNodes).
+///
+/// Whatever the law, a pair gets over the window the impulse (on B; the opposite on A)
+///   p = dt/2 [(M a_n - q_n) + (M a*_{n+1} - q_{n+1})] + J,   J of the jump of its velocity
+/// Coulomb's law is held by impulses: the jump along the tangent, of slipping pairs, too, is the one that leaves |p_t| <= mu p_n
+/// and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
 class ImplicitContact {
  public:
   ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
@@ -34,22 +42,29 @@ class ImplicitContact {
 
   /// Whether contact nodes have no mass along the normal.
   [[nodiscard]] bool massless() const;
-  /// Moves the mass of every contact node along the normal to its neighbours one layer of elements inwards.
-  void move_masses(std::vector<solver::BodyState>& states) const;
+  /// Moves the mass of every contact node along the normal inwards, if the law asks for it.
+  void move_masses(std::vector<solver::BodyState>& states);
+
+  /// Displacement of massless nodes in `u` from that of the others, `external` force given; vectors per part.
+  void settle(const std::vector<solver::BodyState>& states, const std::vector<Eigen::VectorXd>& external,
+              std::vector<Eigen::VectorXd>& u);
+  /// Velocity of massless nodes after an explicit step: what they moved by, over its size (combined vectors).
+  void set_massless_velocity(const Eigen::VectorXd& increment, Eigen::VectorXd& velocity) const;
 
   /// Finds the contact forces of the window that is being tried. `increment` holds the free increments at contact dofs
   /// (combined numbering); on return root_force() holds G^T r per root dof.
   void solve(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
   [[nodiscard]] const Eigen::VectorXd& root_force() const { return root_force_; }
-  /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) to the mean the scene asks for.
-  void update_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
-  /// Accounts work and impulse of the window: `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact
-  /// forces in the trapezoidal sum; `jump` = M (v - v*) of update_rates, `mean_velocity` = (v + v*)/2 there; combined vectors.
+  /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) as the law asks, and finds the impulses of all
+  /// pairs. `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact forces in the trapezoidal sum.
+  void update_rates(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
+                    const Eigen::VectorXd& increment, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+  /// Accounts work and impulse of the window: `jump` = M (v - v*) of update_rates, `mean_velocity` = (v + v*)/2 at the root dofs.
   void account(std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
-               const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity, double dt);
-  void accept() { accepted_ = trial_; }
+               const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity);
+  void accept();
   /// Drops all contact forces (after the switch to explicit integration).
-  void open() { accepted_ = trial_ = root_->open(); }
+  void open();
 
   /// From here on no contact force, or every pair held at zero gap (and, with friction, zero slip), in tension, too.
   void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
@@ -62,13 +77,35 @@ class ImplicitContact {
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
+  enum Direction : std::size_t { along_normal, along_tangent };
   struct Mean {
     double share_a, share_b;  ///< A moves by share_a * (x_B - x_A), B by -share_b * (x_B - x_A)
   };
+  [[nodiscard]] const Eigen::Vector2d& vector(Direction direction) const {
+    return direction == along_normal ? surface_.normal : surface_.tangent;
+  }
+  [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
+                                    Direction direction) const;
   [[nodiscard]] Mean mean_shares(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                 const Eigen::Vector2d& direction) const;
-  void set_mean(const solver::Pair& pair, const std::vector<solver::BodyState>& states, const Eigen::Vector2d& direction,
+                                 Direction direction) const;
+  void set_mean(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction,
                 Eigen::VectorXd& values) const;
+  void push(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction, double on_b,
+            Eigen::VectorXd& values) const;
+  [[nodiscard]] double along(const solver::PairSide& side, Direction direction, const Eigen::VectorXd& values) const;
+  [[nodiscard]] double on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const;
+  [[nodiscard]] double mass_times(std::size_t pair, const std::vector<solver::BodyState>& states, Direction direction,
+                                  const Eigen::VectorXd& rates) const;
+  [[nodiscard]] bool resets() const;
+  [[nodiscard]] bool by_impedance() const;
+  void reset_normal(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
+                    Eigen::VectorXd& acceleration);
+  void reset_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
+                     Eigen::VectorXd& acceleration);
+  void clip_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
+  void give_back(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
+                 const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
+  void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration) const;
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
   [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const;
 
@@ -78,12 +115,25 @@ class ImplicitContact {
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
+  double dt_ = 0.0;
   Eigen::MatrixXd gather_;            ///< G: relative motion per root motion, rows as the unknowns of RootProblem
-  std::optional<RootProblem> root_;
+  std::optional<solver::RootProblem> root_;
+  std::optional<solver::MasslessNodes> massless_;
+  std::vector<double*> velocity_of_part_;
+  std::vector<const Eigen::VectorXd*> external_of_part_;
+  std::vector<Eigen::VectorXd*> u_of_part_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
-  RootProblem::Solution trial_, accepted_;
+  solver::RootProblem::Solution trial_, accepted_;
+  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers [N].
+  std::vector<solver::PairForce> impulse_;
+  std::vector<double> remembered_normal_n_;
+  /// Whether supports leave A and B of a pair free to move along the normal, the tangent.
+  std::vector<std::array<std::array<bool, 2>, 2>> moves_;
   std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
+  double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;
+  int iterations_ = 0, unconverged_ = 0;  ///< since the last report; so far
+  double largest_residual_ = 0.0;         ///< since the last report
 };
 
 }  // namespace ricochet::implicit_solver

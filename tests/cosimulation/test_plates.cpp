@@ -68,5 +68,59 @@ TEST_P(Plates, StickAndSlipWithAPenaltyToo) {
 INSTANTIATE_TEST_SUITE_P(Protocols, Plates, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
+
+/// A law of the multiplier and a protocol.
+using Method = std::pair<const char*, const char*>;
+
+std::string name_of(const testing::TestParamInfo<Method>& info) { return std::string(info.param.first) + "_" + info.param.second; }
+
+std::string with_law(const std::string& text, const Method& method) {
+  const std::string law = method.first;
+  const auto with_it = law == "trapezoidal_reset" ? text : with_key(text, "contact", "multiplier_update", "\"" + law + "\"");
+  return with_protocol(with_it, method.second);
+}
+
+class StickingPlates : public testing::TestWithParam<Method> {};
+
+TEST_P(StickingPlates, KeepTheExactTractionInEveryWindow) {
+  const TemporaryFolder folder;
+  const RunResult r = run_text(with_law(config_text("sticking_plates"), GetParam()), folder);
+  const double exact_n = 1000 * c_s * 3.0 * area_m2;
+  EXPECT_NEAR(std::abs(r.mean("friction_force_n", 50e-6, 400e-6)), exact_n, 1e-2 * exact_n);
+  EXPECT_LT(r.deviation("friction_force_n", 50e-6, 400e-6), 2e-2 * exact_n);
+  EXPECT_EQ(r.mean("pairs_stick", 50e-6, 400e-6), 3.0);
+}
+
+struct Edge {
+  double poisson_ratio, friction_coefficient;
+};
+
+/// Plates at 0.99 and 1.01 of the stick limit; the edge is as sharp as the ripple of the pressure, hence 400 elements.
+TEST_P(StickingPlates, StandOnTheRightSideOfTheStickLimit) {
+  for (const Edge edge : {Edge{0.25, 0.3}, Edge{0.1, 0.05}}) {
+    const double nu = edge.poisson_ratio, mu = edge.friction_coefficient;
+    const double speed_l = std::sqrt(1e9 * (1 - nu) / (1000 * (1 + nu) * (1 - 2 * nu))), speed_s = std::sqrt(1e9 / (2 * 1000 * (1 + nu)));
+    for (const double share : {0.99, 1.01}) {
+      const double v_t = share * mu * speed_l / speed_s * 10.0, height_m = 0.0075 / 4, period_s = 0.5 / speed_l;
+      auto text = with_law(with_key(config_text("sticking_plates"), "contact", "friction_coefficient", std::to_string(mu)), GetParam());
+      for (const auto& sign : {std::string(), std::string("-")}) {
+        text = replaced(text, "poisson_ratio = 0.25", "poisson_ratio = " + std::to_string(nu));
+        text = replaced(text, "[" + sign + "3.0, " + sign + "10.0]", "[" + sign + std::to_string(v_t) + ", " + sign + "10.0]");
+        text = replaced(text, "height_m = 0.0075, elements = [3, 100]", "height_m = " + std::to_string(height_m) + ", elements = [3, 400]");
+      }
+      const TemporaryFolder folder;
+      const RunResult r = run_text(text, folder);
+      const double exact_pa = std::min(1000 * speed_s * v_t, mu * 1000 * speed_l * 10.0);
+      const double traction_pa = std::abs(r.mean("friction_force_n", 0.1 * period_s, 0.9 * period_s)) / height_m;
+      EXPECT_NEAR(traction_pa, exact_pa, 1e-3 * exact_pa) << "nu " << nu << ", " << share << " of the limit";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, StickingPlates,
+                         testing::Values(Method{"trapezoidal_reset", "hughes_liu"}, Method{"massless", "hughes_liu"},
+                                         Method{"massless", "all_implicit"}, Method{"massless", "all_explicit"}),
+                         name_of);
+
 }  // namespace
 }  // namespace ricochet::test

@@ -63,25 +63,48 @@ TEST_P(TwoBars, ReboundAndLoseNoMoreThanTheContactNodesEnergyAtEachImpact) {
 
 TEST_P(TwoBars, KeepTheirMomentum) { EXPECT_LT(run_.summary.at("momentum_error_max").get<double>(), 1e-12); }
 
-TEST(TwoBarsMassless, LoseAFifthOfTheDefaultsEnergyAndEveryJouleHasAnOwner) {
+/// Protocol and largest energy error on the way. `hughes_liu` conserves its own measure of energy at the interface, which is not
+/// kinetic + strain: with waves as short as those of an impact on 20 elements the two differ by 1.2 %.
+class TwoBarsMassless : public testing::TestWithParam<std::pair<const char*, double>> {};
+
+TEST_P(TwoBarsMassless, KeepTheirEnergyAndEveryJouleHasAnOwner) {
+  const auto& [protocol, largest] = GetParam();
   const TemporaryFolder folder;
-  for (const auto& [protocol, lost] : {std::pair{"hughes_liu", 0.0008}, std::pair{"all_implicit", 0.0060}}) {
-    const std::string text = with_key(with_protocol(config_text("two_bars"), protocol), "contact", "multiplier_update", "\"massless\"");
-    const RunResult run = run_text(text, folder);
-    EXPECT_NEAR(run.last("energy_error"), -lost, 0.1 * lost) << protocol;
-    EXPECT_LT(run.largest("energy_error"), 0.006) << protocol;
-    EXPECT_NEAR(run.mean("contact_force_n", 60e-6, 140e-6), force_n, 0.01 * force_n);
-    EXPECT_NEAR(run.summary.at("separation_time_s").get<double>(), release_s, 2.0 * window_s);
-    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
-    double drift = 0.0, first = 0.0;
-    for (std::size_t i = 0; i < run.column("time_s").size(); ++i) {
-      const auto value = [&](const char* term) { return run.column(std::string("energy_") + term + "_j")[i]; };
-      const double total = value("kinetic") + value("strain") - value("external") - value("contact") - value("interface");
-      if (i == 0) first = total;
-      drift = std::max(drift, std::abs(total - first));
-    }
-    EXPECT_LT(drift, 1e-12 * first) << protocol;
+  const RunResult run = run_text(with_key(with_protocol(config_text("two_bars"), protocol), "contact", "multiplier_update", "\"massless\""), folder);
+  const double first = run.column("energy_kinetic_j").front();
+  EXPECT_GT(run.smallest("energy_error"), -largest);
+  EXPECT_LT(run.largest("energy_error"), largest);
+  EXPECT_LT(std::abs(run.last("energy_contact_j")), 1e-6 * first) << "closing and opening cost nothing";
+  EXPECT_NEAR(run.mean("contact_force_n", 60e-6, 140e-6), force_n, 0.01 * force_n);
+  EXPECT_NEAR(run.summary.at("separation_time_s").get<double>(), release_s, 2.0 * window_s);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  const auto& switches = run.summary.at("switches");
+  const double switched_s = switches.empty() ? 1.0 : switches[0].at("time_s").get<double>();
+  double drift = 0.0;
+  for (std::size_t i = 0; i < run.column("time_s").size() && run.column("time_s")[i] <= switched_s; ++i) {
+    const auto value = [&](const char* term) { return run.column(std::string("energy_") + term + "_j")[i]; };
+    drift = std::max(drift, std::abs(value("kinetic") + value("strain") - value("external") - value("contact") - value("interface") - first));
   }
+  EXPECT_LT(drift, 1e-12 * first);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, TwoBarsMassless,
+                         testing::Values(std::pair("hughes_liu", 0.0125), std::pair("belytschko_mullen", 1e-6),
+                                         std::pair("all_implicit", 1e-6), std::pair("all_explicit", 1e-6)),
+                         [](const auto& test) { return std::string(test.param.first); });
+
+TEST(TwoBarsMasslessHybrid, IntegratesItsMasslessNodesExplicitlyAfterTheSwitch) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(with_key(config_text("two_bars"), "contact", "multiplier_update", "\"massless\""), folder);
+  ASSERT_EQ(run.summary.at("switches").size(), 1U);
+  const double switched_s = run.summary.at("switches")[0].at("time_s").get<double>();
+  double lowest = 1.0, highest = -1.0;
+  for (std::size_t i = 0; i < run.column("time_s").size(); ++i) {
+    if (run.column("time_s")[i] <= switched_s + 0.5 * window_s) continue;
+    lowest = std::min(lowest, run.column("energy_error")[i]);
+    highest = std::max(highest, run.column("energy_error")[i]);
+  }
+  EXPECT_LT(highest - lowest, 1e-10) << "the staggered energy of central difference";
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, TwoBars, testing::Values("hughes_liu", "kim", "all_implicit", "all_explicit"),

@@ -99,6 +99,7 @@ class FakeParticipant {
   double corrupt_increment = 0.0;  ///< added to every answered increment: a drift that a resynchronisation must find
   wire::Message status;            ///< contact fields of the next answers
   std::vector<std::string> asked;  ///< kinds of messages, in order
+  wire::Array departures, outline;  ///< what it tells with its history rows
   std::int64_t finish_at = -1;
   bool forgets_to_restore = false;  ///< a repeated window starts where the last trial ended
 
@@ -187,6 +188,7 @@ class FakeParticipant {
     if (m.absolute_requested) set(answer_.absolute, output_);
     answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at;
     if (m.records_requested) answer_.records = {1, 1, {static_cast<double>(answer_.window)}};
+    if (m.records_requested) answer_.departures = departures, answer_.outline = outline;
     if (m.accept_at_once) accept();
   }
 

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class AxialStress : public testing::Test {
  protected:
-  AxialStress() : results_(testing::TempDir() + "axial_stress_" + std::to_string(getpid())) {}
+  AxialStress() : results_(testing::TempDir() + "axial_stress_" + std::to_string(getpid()), {"axial_stress.csv", "fields/explicit.axial_stress"}) {}
   ~AxialStress() override { std::filesystem::remove_all(results_.path()); }
   void write(const std::string& participant, const std::string& text) const {
     std::ofstream(results_.file("fields/" + participant + ".axial_stress")) << text;

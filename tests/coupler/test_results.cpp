@@ -11,7 +11,9 @@
 
 #include "common/base/error.hpp"
 #include "coupler/command_line.hpp"
+#include "coupler/csv_cell.hpp"
 #include "coupler/interrupted.hpp"
+#include "coupler/report/csv_table.hpp"
 #include "coupler/results_directory.hpp"
 #include "coupler/run.hpp"
 #include "coupler/run_id.hpp"
@@ -44,35 +46,101 @@ class ResultsTest : public testing::Test {
   }
 };
 
+const std::vector<std::string> run_names = {"history.csv", "summary.json", "fields/implicit_#.vtu", "logs/a.log"};
+
 TEST_F(ResultsTest, FormerResultsGoOtherFilesStay) {
-  for (const auto* name : {"history.csv", "summary.json", "fields/implicit_00000001.vtu", "fields/x.pvd", "logs/a.log",
-                           "notes.txt", "fields/mine.png"}) {
-    touch(name);
+  const std::vector<std::string> others = {"notes.txt", "results.csv", "fields/mine.png", "fields/other_1.vtu", "charts/mine.svg"};
+  for (const auto& name : others) touch(name);
+  {
+    const ResultsDirectory results(folder_, run_names);
+    for (const auto* name : {"history.csv", "fields/implicit_00000001.vtu", "fields/implicit_2.vtu.part", "logs/a.log"}) touch(name);
   }
-  const ResultsDirectory results(folder_ + "/");
+  const ResultsDirectory results(folder_ + "/", run_names);
   EXPECT_EQ(results.path(), folder_);
   EXPECT_FALSE(fs::exists(results.file("history.csv")));
   EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
-  EXPECT_FALSE(fs::exists(results.file("fields/x.pvd")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_2.vtu.part")));
   EXPECT_FALSE(fs::exists(results.log("a")));
-  EXPECT_TRUE(fs::exists(results.file("notes.txt")));
-  EXPECT_TRUE(fs::exists(results.file("fields/mine.png")));
+  for (const auto& name : others) EXPECT_EQ(read(results.file(name)), "old") << name;
+}
+
+TEST_F(ResultsTest, AFileThatIsNotOursIsRefusedAndNothingIsTouched) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  for (const std::string foreign : {"summary.json", "fields/implicit_00000001.vtu", "logs/a.log", "summary.json.part"}) {
+    touch(foreign);
+    try {
+      const ResultsDirectory results(folder_, run_names);
+      FAIL() << foreign;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(folder_ + "/" + foreign), HasSubstr("move it away")));
+    }
+    EXPECT_EQ(read(folder_ + "/" + foreign), "old");
+    EXPECT_TRUE(fs::exists(folder_ + "/history.csv"));
+    fs::remove(folder_ + "/" + foreign);
+  }
+}
+
+TEST_F(ResultsTest, WhatTheUserChangedAfterwardsIsTheUsers) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  std::ofstream(folder_ + "/history.csv") << "my own notes";
+  EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  const ResultsDirectory other(folder_, {"summary.json"});
+  EXPECT_EQ(read(folder_ + "/history.csv"), "my own notes");
+}
+
+TEST_F(ResultsTest, WhatAKilledRunLeftIsOurs) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  std::ofstream(folder_ + "/" + OwnFiles::list_name, std::ios::app) << "history.csv\t-1\t-1\nfields/implicit_#.vtu\t-1\t-1\n";
+  touch("history.csv");
+  touch("fields/implicit_00000001.vtu");
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_FALSE(fs::exists(results.file("history.csv")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
+}
+
+TEST_F(ResultsTest, AListThatLeadsOutOfTheFolderRemovesNothing) {
+  const std::string outside = folder_ + "_outside";
+  fs::create_directories(outside);
+  std::ofstream(outside + "/thesis.tex") << "old";
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  const std::string list = read(folder_ + "/" + OwnFiles::list_name);
+  for (const std::string& name : {"../" + fs::path(outside).filename().string() + "/thesis.tex", outside + "/thesis.tex"}) {
+    std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << name << "\t-1\t-1\n";
+    EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  }
+  fs::create_symlink(outside, folder_ + "/link");
+  std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << "link/thesis.tex\t-1\t-1\n";
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_EQ(read(outside + "/thesis.tex"), "old");
+  fs::remove_all(outside);
 }
 
 TEST_F(ResultsTest, TwoRunsInOneFolderAreRefusedButOneAfterTheOtherIsFine) {
   {
-    const ResultsDirectory first(folder_);
-    EXPECT_THROW(ResultsDirectory second(folder_), ConfigError);
+    const ResultsDirectory first(folder_, {});
+    EXPECT_THROW(ResultsDirectory second(folder_, {}), ConfigError);
   }
-  EXPECT_NO_THROW(ResultsDirectory again(folder_));
+  EXPECT_NO_THROW(ResultsDirectory again(folder_, {}));
 }
 
 TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
-  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent"), ConfigError);
+  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent", {}), ConfigError);
 }
 
 TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
-  const ResultsDirectory results(folder_);
+  const ResultsDirectory results(folder_, {});
   for (const auto* name :
        {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
     touch(std::string("fields/") + name);
@@ -90,7 +158,7 @@ TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
 
 TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
   {
-    const ResultsDirectory results(folder_);
+    const ResultsDirectory results(folder_, {});
     write_pvd(results, "scene", {"explicit"}, 0.5);
   }
   EXPECT_FALSE(fs::exists(folder_ + "/fields"));
@@ -111,7 +179,7 @@ Summary finished() {
 }
 
 Tally tally_on_plateau() {
-  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6});
+  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6, 30.0, true, 31.2e-6});
   HistoryRow row;
   for (int i = 0; i <= 30; ++i) {
     row.time_s = i * 1e-6;
@@ -160,9 +228,51 @@ TEST(Summary, WithoutContactNoContactRows) {
   EXPECT_TRUE(nlohmann::json::parse(to_json(Summary{}, Tally(std::nullopt)))["separation_time_s"].is_null());
 }
 
+TEST(Summary, TellsOfContactImpulsesAndOfForcesThatWereNotFound) {
+  Tally tally(std::nullopt);
+  HistoryRow row;
+  const auto add = [&](std::int64_t window, double iterations, double residual, double unconverged) {
+    row.window = window;
+    row.contact.contact_iterations = iterations;
+    row.contact.contact_residual = residual;
+    row.contact.contact_unconverged = unconverged;
+    row.contact.contact_impulse_n_s += 0.5;
+    row.contact.friction_impulse_n_s -= 0.125;
+    tally.add(row);
+  };
+  add(0, 0, 0, 0);
+  add(1, 3, 1e-9, 0);
+  EXPECT_EQ(contact_warning(tally), "");
+  add(3, 10, 2e-5, 2);  // a row of two windows
+  add(4, 3, 0, 2);
+  const auto json = nlohmann::json::parse(to_json(finished(), tally));
+  EXPECT_DOUBLE_EQ(json["contact_impulse_n_s"], 2.0) << "of the last row, which counts from the start";
+  EXPECT_DOUBLE_EQ(json["friction_impulse_n_s"], -0.5);
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_mean"], 4.0) << "16 in 4 windows";
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_max"], 5.0);
+  EXPECT_DOUBLE_EQ(json["contact"]["residual_max"], 2e-5);
+  EXPECT_EQ(json["contact"]["windows_unconverged"], 2);
+  EXPECT_THAT(to_table(finished(), tally),
+              HasSubstr("2 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05"));
+}
+
+TEST(Trace, CountersStandAtTheEndOfTheirWindow) {
+  const TraceTrack track{"coupler", "waits for a", {{0, 1.0, 2.0}, {3, 3.0, 4.0}, {4, 5.0, 6.0}}, {{2, 7, 1e-9}, {4, 0, 0}, {5, 1, 0}}};
+  std::vector<nlohmann::json> counters;
+  const auto json = nlohmann::json::parse(to_trace({track}, 0.0));
+  for (const auto& event : json["traceEvents"]) {
+    if (event["ph"] == "C") counters.push_back(event);
+  }
+  ASSERT_EQ(counters.size(), 4U) << "iterations and residual of two rows; nobody waited for a window 5";
+  EXPECT_DOUBLE_EQ(counters[0]["ts"], 4e6) << "the windows up to 3 were asked for at once";
+  EXPECT_DOUBLE_EQ(counters[0]["args"]["iterations"], 7);
+  EXPECT_DOUBLE_EQ(counters[1]["args"]["residual"], 1e-9);
+  EXPECT_DOUBLE_EQ(counters[2]["ts"], 6e6);
+}
+
 TEST(Trace, IsChromeTraceJson) {
   const auto json = nlohmann::json::parse(to_trace(
-      {{"coupler", "waits for a", {{1, 10.0, 10.5}}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}}}, 10.0));
+      {{"coupler", "waits for a", {{1, 10.0, 10.5}}, {}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}, {}}}, 10.0));
   const auto& events = json["traceEvents"];
   ASSERT_EQ(events.size(), 7U);
   EXPECT_EQ(events[2]["ph"], "X");
@@ -174,14 +284,14 @@ TEST(Trace, IsChromeTraceJson) {
 TEST(RunId, EndpointsPerTransport) {
   EXPECT_NE(make_run_id(), make_run_id());
   scene::Coupling coupling;
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
   coupling.transport = "zmq";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "ipc://@ricochet-7");
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
   coupling.transport = "tcp";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://127.0.0.1:*");
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://127.0.0.1:*");
   coupling.port = 5555;
   coupling.address = "::1";
-  EXPECT_EQ(listen_endpoint(coupling, "7"), "tcp://[::1]:5555");
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://[::1]:5555");
   EXPECT_EQ(local_endpoint("tcp://0.0.0.0:5555"), "tcp://127.0.0.1:5555");
   EXPECT_EQ(local_endpoint("tcp://10.0.0.7:5555"), "tcp://10.0.0.7:5555");
   EXPECT_EQ(local_endpoint("ipc://@x"), "ipc://@x");
@@ -241,6 +351,34 @@ TEST_F(ResultsTest, StarterSceneIsAcceptedByCheckAndNeverOverwrites) {
   EXPECT_EQ(path, folder_ + "/impact.toml");
   EXPECT_EQ(command_line_error({"check", path.c_str()}), "");
   EXPECT_THROW(write_starter_scene(path), ConfigError);
+}
+
+TEST(CsvCell, IsReadAsItWasWritten) {
+  const std::string text = "found \"x\", allowed: 1, 2";
+  EXPECT_EQ(csv_cell(text), "\"found \"\"x\"\", allowed: 1, 2\"");
+  EXPECT_EQ(csv_cell("plain"), "plain");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two lines\"");
+  const std::string path = testing::TempDir() + "cells_" + std::to_string(getpid()) + ".csv";
+  std::ofstream(path) << "error,step\n" << csv_cell(text) << ",1\n";
+  EXPECT_EQ(report::read_csv(path).at(0).at("error"), text);
+  std::filesystem::remove(path);
+}
+
+TEST(Summary, SaysWhatLeftTheModel) {
+  Summary summary = finished();
+  summary.valid_until_s = 2e-6;
+  summary.outside_model.push_back({.kind = "off_partner", .body = "striker", .size = 1.5, .first_s = 3e-6, .time_s = 4e-6, .within_s = 2e-6,
+                                   .x_m = 0.1, .y_m = 0.2, .looks = 3, .wrong = true, .text = "it slid off"});
+  const auto json = nlohmann::json::parse(to_json(summary, tally_on_plateau()));
+  EXPECT_EQ(json["valid_until_s"], 2e-6);
+  const auto& entry = json["outside_model"].at(0);
+  EXPECT_EQ(entry["kind"], "off_partner");
+  EXPECT_EQ(entry["body"], "striker");
+  EXPECT_EQ(entry["size"], 1.5);
+  EXPECT_EQ(entry["place_m"], nlohmann::json({0.1, 0.2}));
+  EXPECT_EQ(entry["looks"], 3);
+  EXPECT_TRUE(entry["results_wrong"]);
+  EXPECT_THAT(to_table(summary, tally_on_plateau()), HasSubstr("it slid off"));
 }
 
 }  // namespace

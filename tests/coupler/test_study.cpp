@@ -256,12 +256,13 @@ Observation plateau(double pressure) {
                    "contact_force_n",
                    "contact_pressure_mean_pa",
                    "principal_stress_mean_pa",
+                   "friction_force_n",
                    "velocity_mean_a_m_s",
                    "velocity_mean_b_m_s"};
   history.columns.resize(history.names.size());
   for (int i = 0; i <= 12; ++i) {
     const double p = i >= 1 && i <= 11 ? pressure : 0.0, v = i < 6 ? 4.0 : -pressure;
-    const double row[] = {double(i), 2.0 * p, p, -p, v, 0.0};
+    const double row[] = {double(i), 2.0 * p, p, -p, i % 2 == 0 ? 0.2 * p : -0.2 * p, v, 0.0};
     for (std::size_t c = 0; c < history.columns.size(); ++c) history.columns[c].push_back(row[c]);
   }
   return observe(history, {{"peak_contact_force_n", 2.0 * pressure},
@@ -276,6 +277,8 @@ TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
   EXPECT_NEAR(*error_of("contact_pressure", run, reference), 0.25, 1e-12) << "the same difference at all times";
   EXPECT_NEAR(*error_of("principal_stress", run, reference), 0.25, 1e-12) << "relative to |plateau|";
   EXPECT_NEAR(*error_of("peak_force", run, reference), 0.25, 1e-12);
+  // a zigzag between -0.05 and 0.05, whose mean square is a third of 0.05^2, over a contact force of 2
+  EXPECT_NEAR(*error_of("friction_force", run, reference), 0.05 / std::sqrt(3.0) / 2.0, 1e-6);
   EXPECT_NEAR(*error_of("separation_time", run, reference), 0.025 / 10.0, 1e-12) << "over the contact period";
   EXPECT_NEAR(*error_of("rebound_velocity", run, reference), 0.25 / 4.0, 1e-12) << "over the greatest speed";
   EXPECT_NEAR(*error_of("energy_drift", run, reference), 0.0125, 1e-12) << "of the run alone";
@@ -284,6 +287,19 @@ TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
       EXPECT_EQ(*error_of(quantity, reference, reference), 0.0) << quantity;
     }
   }
+}
+
+TEST(StudyMeasures, AForceStandsAtTheMiddleOfItsWindow) {
+  report::HistoryTable history;
+  history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa", "friction_force_n"};
+  history.columns = {{0.0, 1.0, 2.0, 3.0}, {0.0, 5.0, 7.0, 0.0}, {0.0, 1.0, 3.0, 0.0}, {0.0, 1.0, 1.0, 1.0}, {0.0, 0.0, 2.0, 0.0}};
+  const auto seen = observe(history, {{"window_size_s", 0.5}});
+  EXPECT_EQ(seen.contact_begin_s, 0.5) << "where the first window with a force begins";
+  EXPECT_EQ(seen.contact_end_s, 2.0);
+  EXPECT_EQ(seen.contact_pressure_pa.at(0.5), 1.0) << "no window ends at the first row";
+  EXPECT_EQ(seen.contact_pressure_pa.at(1.75), 3.0);
+  EXPECT_EQ(seen.friction_force_n.at(1.25), 1.0);
+  EXPECT_EQ(seen.principal_stress_pa.at(1.0), 1.0) << "a stress is that of its time";
 }
 
 TEST(StudyMeasures, RmsOfARampIsExact) {
@@ -298,8 +314,8 @@ TEST(StudyMeasures, RmsOfARampIsExact) {
 TEST(StudyMeasures, AStressThatIsNowhereWhileAForceActsIsNotThere) {
   // Contact nodes without implicit elements: the implicit side knows no stress.
   report::HistoryTable history;
-  history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa"};
-  history.columns = {{0.0, 1.0, 2.0}, {0.0, 5.0, 5.0}, {0.0, 1.0, 1.0}, {0.0, 0.0, 0.0}};
+  history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa", "friction_force_n"};
+  history.columns = {{0.0, 1.0, 2.0}, {0.0, 5.0, 5.0}, {0.0, 1.0, 1.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   const auto seen = observe(history, nlohmann::ordered_json::object());
   EXPECT_TRUE(seen.principal_stress_pa.time_s.empty());
   EXPECT_FALSE(error_of("principal_stress", seen, plateau(1.0)));
@@ -313,6 +329,10 @@ TEST(StudyMeasures, WhatIsNotThereHasNoError) {
   EXPECT_EQ(none.contact_begin_s, none.contact_end_s);
   EXPECT_FALSE(error_of("separation_time", none, reference));
   EXPECT_FALSE(error_of("contact_pressure", reference, none)) << "a reference without contact";
+  auto smooth = reference;
+  for (double& force : smooth.friction_force_n.value) force = 0.0;
+  EXPECT_FALSE(error_of("friction_force", reference, smooth)) << "a reference without friction";
+  EXPECT_TRUE(error_of("friction_force", smooth, reference));
   EXPECT_NEAR(*error_of("contact_pressure", none, reference), 1.0, 1e-12);
 }
 

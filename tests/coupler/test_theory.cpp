@@ -44,6 +44,36 @@ TEST(ImpactTheory, KnowsThatAnAbsorbingSurfaceReturnsNothing) {
   EXPECT_TRUE(equal->other_body_returns_later);
 }
 
+TEST(ImpactTheory, TheFirstStepEndsWithTheFirstWaveThatIsBack) {
+  const auto paper = theory_of("kim_impact.toml");
+  ASSERT_TRUE(paper);
+  EXPECT_NEAR(paper->first_step_s, 2 * 0.08 / std::sqrt(626.8e9 / 14900.0), 1e-9) << "of the carbide, before the steel's";
+  const auto equal = theory_of("two_bars.toml");
+  ASSERT_TRUE(equal);
+  EXPECT_EQ(equal->first_step_s, equal->contact_duration_s);
+}
+
+TEST(ImpactTheory, NoneForABodyThatDoesMoreThanFly) {
+  const auto theory_with = [](const auto& change) {
+    auto scene = scene::load_scene(configs + "two_bars.toml");
+    change(scene);
+    return impact_theory(scene::build_problem(scene)).has_value();
+  };
+  EXPECT_TRUE(theory_with([](scene::Scene&) {}));
+  EXPECT_FALSE(theory_with([](scene::Scene& s) {
+    s.bodies[1].initial_velocity_m_s = {0.0};
+    s.bodies[1].supports.push_back({"end", {0}});
+  }));
+  EXPECT_FALSE(theory_with([](scene::Scene& s) {
+    s.bodies[1].initial_velocity_m_s = {0.0};
+    s.bodies[1].prescribed.push_back({"end", 0, 1e-3, {}});
+  }));
+  EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].gravity_m_s2 = {9.81}; }));
+  EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].tractions.push_back({"start", {1e6}, {}}); }));
+  EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].initial_displacement_end_m = {-1e-5}; }));
+  EXPECT_FALSE(theory_of("rounded_striker.toml")) << "a nose";
+}
+
 TEST(ImpactTheory, NoneWithARigidPlane) { EXPECT_FALSE(theory_of("rod_on_stop.toml")); }
 
 }  // namespace

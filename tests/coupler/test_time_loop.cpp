@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/error.hpp"
 #include "coupler/time_loop.hpp"
 #include "tests/coupler/spring_chain.hpp"
 
@@ -48,6 +49,41 @@ TEST(TimeLoop, BaselineIsAskedForManyWindowsAtOnce) {
   loop.run();
   EXPECT_EQ(loop.window(), 1000);
   EXPECT_LT(alone.asked.size(), 20U);
+}
+
+TEST(TimeLoop, ABaselineWhoseBodiesCouldMeetIsAskedForFew) {
+  FakeParticipant alone("implicit", true, Chain::of({1.0}, {1.0}, 0.0), {}, Eigen::VectorXd::Zero(2));
+  auto coupling = couple({&alone}, 0.1);
+  const auto protocol = find_protocol("all_implicit").make({});
+  std::vector<std::int64_t> brought;
+  TimeLoop loop(*coupling, *protocol, {1000, 0.1, 10, false, false, true}, [&](std::int64_t window) { brought.push_back(window); });
+  loop.run();
+  ASSERT_GT(brought.size(), 2U);
+  for (std::size_t i = 1; i < brought.size(); ++i) EXPECT_LE(brought[i] - brought[i - 1], 32);
+}
+
+/// What a participant tells of departures and outlines is checked before it is believed.
+TEST(Departures, WrongOnesAreRefusedByName) {
+  const auto refusal = [](const wire::Array& departures, const wire::Array& outline) -> std::string {
+    Setting s;
+    s.implicit_side.departures = departures;
+    s.implicit_side.outline = outline;
+    TimeLoop loop(*s.coupling, *s.protocol, {40, 0.1, 0, true, false}, [](std::int64_t) {});
+    try {
+      loop.run();
+    } catch (const ProtocolError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto row = [](double kind, double body) { return wire::Array{1, 9, {kind, body, 16, 32, 1, 0.03, 32, 0, 0}}; };
+  EXPECT_EQ(refusal(row(1, 0), {1, 3, {0, 0, 1e-3}}), "");
+  EXPECT_THAT(refusal(row(7, 0), {}), testing::HasSubstr("participant 'implicit' sent the unknown kind 7 in 'departures'"));
+  EXPECT_THAT(refusal(row(0.5, 0), {}), testing::HasSubstr("unknown kind 0.5"));
+  EXPECT_THAT(refusal(row(1, 9), {}), testing::HasSubstr("named body 9 in 'departures'"));
+  EXPECT_THAT(refusal({1, 2, {1, 0}}, {}), testing::HasSubstr("sent 'departures' with rows of 2 numbers, expected 9"));
+  EXPECT_THAT(refusal({}, {1, 2, {0, 0}}), testing::HasSubstr("sent 'outline' with rows of 2 numbers, expected 3"));
+  EXPECT_THAT(refusal({}, {1, 3, {-1, 0, 0}}), testing::HasSubstr("named body -1 in 'outline'"));
 }
 
 TEST(TimeLoop, SwitchesAwayAfterSeparationAndBackBeforeContact) {

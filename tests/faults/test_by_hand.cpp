@@ -12,51 +12,62 @@ std::string over_tcp(const std::string& scene) { return replaced(scene, "[coupli
 class ByHand {
  public:
   ByHand(const TemporaryFolder& folder, const std::string& solver, const std::string& scene, const std::string& name,
-         const std::string& endpoint)
-      : error_(folder.path().string() + "/by_hand.txt"),
-        process_({program(solver), "--scene", scene, "--name", name, "--connect", endpoint}, "/dev/null", error_) {}
+         const std::vector<std::string>& offered)
+      : error_(folder.path().string() + "/by_hand_" + name + ".txt"),
+        process_(command(solver, scene, name, offered), "/dev/null", error_) {}
   int wait(double timeout_s) { return process_.wait(timeout_s); }
   [[nodiscard]] pid_t pid() const { return process_.pid(); }
   [[nodiscard]] std::string error_text() const { return file_text(error_); }
 
  private:
+  static std::vector<std::string> command(const std::string& solver, const std::string& scene, const std::string& name,
+                                          const std::vector<std::string>& offered) {
+    std::vector<std::string> words = {program(solver), "--scene", scene, "--name", name};
+    words.insert(words.end(), offered.begin(), offered.end());
+    return words;
+  }
   std::string error_;
   Process process_;
 };
 
-/// What the coupler says the user shall connect to.
-std::string offered_endpoint(FaultRun& run) {
+/// What the coupler says the user shall type behind the name: --connect ENDPOINT --key FILE.
+std::vector<std::string> offered(FaultRun& run) {
   const std::string option = "--connect ";
   wait_until([&] { return run.error_text().find(option) != std::string::npos || !run.coupler().running(); }, 10.0);
   const std::string text = run.error_text();
   const auto begin = text.find(option);
   if (begin == std::string::npos) throw std::runtime_error("no endpoint offered: " + text);
-  return text.substr(begin + option.size(), text.find('\n', begin) - begin - option.size());
+  std::istringstream line(text.substr(begin, text.find('\n', begin) - begin));
+  return {std::istream_iterator<std::string>(line), {}};
 }
 
 TEST(StartedByHand, late_but_in_time_over_tcp) {
   const TemporaryFolder folder;
   FaultRun run(folder, over_tcp(with_participants(bars(few_windows, 10.0), "explicit", "", by_hand)));
-  const std::string endpoint = offered_endpoint(run);
-  EXPECT_THAT(endpoint, testing::StartsWith("tcp://127.0.0.1:"));
+  const auto endpoint = offered(run);
+  EXPECT_THAT(endpoint[1], testing::StartsWith("tcp://127.0.0.1:"));
+  namespace fs = std::filesystem;
+  EXPECT_EQ(fs::status(endpoint[3]).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_THAT(run.error_text(), HasSubstr("participant 'implicit' is to be started by hand, within 10 s"));
   static_cast<void>(run.pid_of("explicit"));
   std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", endpoint);
   EXPECT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
   EXPECT_EQ(implicit.wait(2.0), 0) << implicit.error_text();
+  EXPECT_FALSE(fs::exists(endpoint[3])) << "the key is of this run alone";
   expect_recovery(run, folder);
 }
 
 TEST(StartedByHand, before_the_coupler_listens) {
   const TemporaryFolder folder;
   const std::string text = over_tcp(with_participants(bars(few_windows, 10.0), "explicit", "", by_hand));
-  std::string endpoint;
+  std::vector<std::string> endpoint;
   {
     FaultRun first(folder, text);  // finds out a free port; its participants must not disturb the next run there
-    endpoint = offered_endpoint(first);
+    endpoint = offered(first);
   }
-  const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
+  const std::string port = endpoint[1].substr(endpoint[1].rfind(':') + 1);
+  EXPECT_TRUE(std::filesystem::remove(endpoint[3])) << "who is killed while it waits leaves a key";
   const std::string with_port = replaced(text, tcp, tcp + "port = " + port + "\n");
   ByHand implicit(folder, "implicit_solver", folder.write(with_port, "by_hand.toml"), "implicit", endpoint);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -72,24 +83,27 @@ TEST(StartedByHand, never_comes) {
   expect_recovery(run, folder);
 }
 
-TEST(StartedByHand, killed_is_noticed_at_the_deadline) {
+class StartedByHandOver : public testing::TestWithParam<const char*> {};
+
+/// Its connection closes at once; the timeout of 60 s plays no part.
+TEST_P(StartedByHandOver, killed_is_told_as_gone_at_once) {
   const TemporaryFolder folder;
-  FaultRun run(folder, over_tcp(with_participants(bars(all_windows, 2.0), "explicit", "", by_hand)));
-  ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered_endpoint(run));
+  std::string scene = with_participants(bars(all_windows), "explicit", "", by_hand);
+  scene = with_key(scene, "coupling", "transport", std::string("\"") + GetParam() + "\"");
+  FaultRun run(folder, scene);
+  ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered(run));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   kill(implicit.pid(), SIGKILL);
-  expect_failure(run, 4, "participant_failed", {"participant 'implicit' has been silent for 2."});
+  expect_failure(run, 4, "participant_failed", {"participant 'implicit' is gone in window ", "its connection was closed"});
   expect_recovery(run, folder);
 }
-
-class StartedByHandOver : public testing::TestWithParam<const char*> {};
 
 TEST_P(StartedByHandOver, ends_at_once_when_the_coupler_is_killed) {
   const TemporaryFolder folder;
   std::string scene = with_participants(bars(all_windows), "explicit", "", by_hand);
   scene = with_key(scene, "coupling", "transport", std::string("\"") + GetParam() + "\"");
   FaultRun run(folder, scene);
-  ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered_endpoint(run));
+  ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered(run));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   kill(run.coupler().pid(), SIGKILL);
   EXPECT_EQ(implicit.wait(5.0), 4) << implicit.error_text();
@@ -103,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, StartedByHandOver, testing::Values("shm", "zmq"
 TEST(StartedByHand, coupler_not_there) {
   const TemporaryFolder folder;
   const std::string scene = folder.write(bars(few_windows, 1.0));
-  ByHand implicit(folder, "implicit_solver", scene, "implicit", "ipc://@ricochet-nobody");
+  ByHand implicit(folder, "implicit_solver", scene, "implicit", {"--connect", "ipc://@ricochet-nobody"});
   EXPECT_EQ(implicit.wait(5.0), 4);
   EXPECT_THAT(implicit.error_text(), HasSubstr("the coupler has not answered within 1 s"));
 }
@@ -123,7 +137,8 @@ const std::vector<Stranger> strangers = {
      {"this run has no participant 'implict', allowed are explicit, implicit", "did you mean"}},
     {"another_scene", "implicit", "implicit", {"participant 'implicit' read another scene", "give both the same file"}},
     {"wrong_role", "implicit", "explicit", {"participant 'implicit' says it is explicit, the scene wants implicit"}},
-    {"second_of_a_name", "explicit", "", {"participant 'explicit' already takes part in this run (process "}},
+    {"name_of_another", "explicit", "",
+     {"participant 'implicit' says it is 'explicit': it has the key of the one, not of the other"}},
 };
 
 class Strangers : public testing::TestWithParam<Stranger> {
@@ -139,7 +154,7 @@ class Strangers : public testing::TestWithParam<Stranger> {
     return folder_.write(replaced(text, "name = \"implicit\"" + after, "name = \"" + implicit_name + "\"" + after),
                          "stranger.toml");
   }
-  void be_turned_away(const std::string& endpoint) const {
+  void be_turned_away(const std::vector<std::string>& endpoint) const {
     const bool is_explicit = GetParam().scene_role != std::string("implicit");
     ByHand stranger(folder_, is_explicit ? "explicit_solver" : "implicit_solver", scene_of_the_stranger(),
                     GetParam().name, endpoint);
@@ -151,7 +166,7 @@ class Strangers : public testing::TestWithParam<Stranger> {
 };
 
 TEST_P(Strangers, are_turned_away_and_the_run_goes_on) {
-  const std::string endpoint = offered_endpoint(run_);
+  const auto endpoint = offered(run_);
   static_cast<void>(run_.pid_of("explicit"));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // 'explicit' takes part by now
   be_turned_away(endpoint);
@@ -164,15 +179,21 @@ TEST_P(Strangers, are_turned_away_and_the_run_goes_on) {
 INSTANTIATE_TEST_SUITE_P(Faults, Strangers, testing::ValuesIn(strangers),
                          [](const auto& test) { return test.param.what; });
 
+/// Everybody is there: the door is closed, with the right key, too.
 TEST(StrangersAmongTheRun, second_participant_of_a_name_while_windows_are_computed) {
   const TemporaryFolder folder;
-  FaultRun run(folder, bars(all_windows / 2));
+  FaultRun run(folder, over_tcp(with_participants(bars(all_windows / 2), "explicit", "", by_hand)));
+  auto endpoint = offered(run);
+  const std::string copy = folder.write(file_text(endpoint[3]), "copy.key");
+  ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", endpoint);
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
-  ByHand second(folder, "explicit_solver", run.scene(), "explicit", "ipc://@ricochet-" + run.run_id());
-  EXPECT_EQ(second.wait(5.0), 2);
-  EXPECT_THAT(second.error_text(), HasSubstr("participant 'explicit' already takes part in this run"));
+  EXPECT_FALSE(std::filesystem::exists(endpoint[3])) << "a key lies there for no longer than it is needed";
+  endpoint[3] = copy;
+  ByHand second(folder, "implicit_solver", run.scene(), "implicit", endpoint);
+  EXPECT_EQ(second.wait(5.0), 4);
+  EXPECT_THAT(second.error_text(), HasSubstr("or has all its participants"));
   EXPECT_TRUE(run.coupler().running()) << "the newcomer came too late for this test";
-  EXPECT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
+  EXPECT_EQ(run.coupler().wait(30.0), 0) << run.error_text();
   expect_recovery(run, folder);
 }
 
@@ -181,7 +202,7 @@ TEST(StrangersAmongTheRun, a_refusal_is_told_when_nobody_else_comes) {
   const TemporaryFolder folder;
   FaultRun run(folder, with_participants(bars(few_windows, 2.0), "explicit", "", by_hand));
   const std::string other = folder.write(bars(few_windows, 9.0), "stranger.toml");
-  ByHand stranger(folder, "implicit_solver", other, "implicit", offered_endpoint(run));
+  ByHand stranger(folder, "implicit_solver", other, "implicit", offered(run));
   expect_failure(run, 4, "participant_failed",
                  {"participant 'implicit' has not said hello within 2 s", "turned away", "read another scene"});
   EXPECT_EQ(stranger.wait(2.0), 2);

@@ -176,14 +176,14 @@ TEST(WriteVtu, ReplacesAnOldFileAndLeavesNoTemporaryOne) {
   const Written first(Model::bar);
   const Written second(Model::bar);
   EXPECT_TRUE(std::filesystem::exists(second.path()));
-  EXPECT_FALSE(std::filesystem::exists(second.path() + ".tmp"));
+  EXPECT_FALSE(std::filesystem::exists(second.path() + ".part"));
 }
 
 TEST(WriteVtu, SaysWhereItCannotWrite) {
   const Part part = sample::distorted_part(Model::bar);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(part.dofs());
   EXPECT_THAT(sample::message_of([&] { write_vtu("/nonexistent/folder/a.vtu", {&part}, {&zero}, {&zero}); }),
-              HasSubstr("cannot write /nonexistent/folder/a.vtu.tmp"));
+              HasSubstr("cannot write /nonexistent/folder/a.vtu.part"));
 }
 
 TEST(WriteVtu, RefusesVectorsThatDoNotFit) {

@@ -1,10 +1,13 @@
 #include "implicit_solver/condensed_factor.hpp"
 
+#include <SuiteSparse_config.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cstdlib>
 #include <random>
+#include <string>
 
 #include "common/base/error.hpp"
 
@@ -91,6 +94,54 @@ TEST(CondensedFactor, ForcesOnTheRootNeedNoSecondElimination) {
 TEST(CondensedFactor, RefusesAnOperatorThatIsNotPositiveDefinite) {
   const Case c;
   EXPECT_THROW(CondensedFactor(grid_operator(13, 9, -4.5), c.active, c.root), SolverError);
+}
+
+TEST(CondensedFactor, HoldsASingleUnknownToo) {
+  for (const std::vector<int>& root : {std::vector<int>{}, std::vector<int>{1}}) {
+    const fem::SparseMatrix a = grid_operator(3, 1, 0.5);
+    CondensedFactor factor(a, {false, true, false}, root);
+    factor.forward(Eigen::Vector3d(7.0, 9.0, 7.0));
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(3);
+    factor.backward(factor.root_inverse() * factor.root_rhs(), x);
+    EXPECT_EQ(x, Eigen::Vector3d(0.0, 2.0, 0.0)) << root.size();
+  }
+}
+
+/// Lets CHOLMOD have so many allocations and no more.
+class ScarceMemory {
+ public:
+  explicit ScarceMemory(int allocations) {
+    left = allocations;
+    SuiteSparse_config.malloc_func = [](std::size_t size) { return left-- > 0 ? std::malloc(size) : nullptr; };
+    SuiteSparse_config.calloc_func = [](std::size_t n, std::size_t size) { return left-- > 0 ? std::calloc(n, size) : nullptr; };
+    SuiteSparse_config.realloc_func = [](void* p, std::size_t size) { return left-- > 0 ? std::realloc(p, size) : nullptr; };
+  }
+  ScarceMemory(const ScarceMemory&) = delete;
+  ScarceMemory& operator=(const ScarceMemory&) = delete;
+  ~ScarceMemory() {
+    SuiteSparse_config.malloc_func = std::malloc;
+    SuiteSparse_config.calloc_func = std::calloc;
+    SuiteSparse_config.realloc_func = std::realloc;
+  }
+
+ private:
+  static inline int left = 0;
+};
+
+TEST(CondensedFactor, SaysSoWhenCholmodRunsOutOfMemoryWhereverThatIs) {
+  const Case c;
+  int allocations = 0;
+  for (bool done = false; !done; ++allocations) {
+    ASSERT_LT(allocations, 1000);
+    const ScarceMemory scarce(allocations);
+    try {
+      const CondensedFactor factor(c.a, c.active, c.root);
+      done = true;
+    } catch (const SolverError& error) {
+      EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << allocations << ": " << error.what();
+    }
+  }
+  EXPECT_GT(allocations, 20);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "coupler/conserved.hpp"
 #include "coupler/history_file.hpp"
-#include "tests/support/one_process.hpp"
+#include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"
 
 // The run of both solvers in one process, against which the benchmarks measure three, computes what three compute: the
@@ -13,13 +14,10 @@ namespace {
 /// history.csv as the coupler would write it.
 std::string history_in_one_process(const std::string& scene, const std::string& path) {
   test::OneProcess run(scene);
+  coupler::History history = test::history_of(run);
+  auto& links = run.coupling().links();
   std::vector<std::string> bodies;
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
-  auto& links = run.coupling().links();
-  std::vector<coupler::History::Source> sources;
-  for (const auto& link : links) sources.push_back({link.name(), link.description().record_columns});
-  coupler::History history(sources, bodies, run.problem().window_size_s,
-                           run.problem().scene.model != scene::Model::axisymmetric);
   {
     coupler::HistoryFile file(path, bodies, true);
     run.run([&](std::int64_t) {

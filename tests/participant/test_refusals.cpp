@@ -53,8 +53,11 @@ TEST_F(Refusal, OfASetupWithoutMeaning) {
     return error_of([&] { run.coupler.ask(request); });
   };
   EXPECT_THAT(spoiled([](Message& m) { m.window_size_s = 0; }), HasSubstr("window_size_s = 0, expected > 0"));
-  EXPECT_THAT(spoiled([](Message& m) { m.history_every = 0; }), HasSubstr("history_every = 0, expected >= 1"));
-  EXPECT_THAT(spoiled([](Message& m) { m.fields_every = -1; }), HasSubstr("fields_every = -1, expected >= 0"));
+  EXPECT_THAT(spoiled([](Message& m) { m.history_every = 0; }), HasSubstr("history_every = 0, expected 1 to 2147483647"));
+  EXPECT_THAT(spoiled([](Message& m) { m.history_every = std::int64_t{1} << 62; }),
+              HasSubstr("history_every = 4611686018427387904, expected 1 to 2147483647"));
+  EXPECT_THAT(spoiled([](Message& m) { m.fields_every = -1; }), HasSubstr("fields_every = -1, expected 0 to 2147483647"));
+  EXPECT_THAT(spoiled([](Message& m) { m.last_window = -1; }), HasSubstr("last_window = -1, expected >= 0"));
   EXPECT_THAT(spoiled([](Message& m) { m.separation_windows = -1; }), HasSubstr("separation_windows = -1"));
   EXPECT_THAT(spoiled([](Message& m) { m.interface_mass_kg.resize(2, 1); }),
               HasSubstr("'interface_mass_kg' with 2 x 1 numbers, the interface of participant 'spring' has 1 x 1"));
@@ -257,18 +260,33 @@ TEST(Refusals, OfAnInterfaceStiffnessItDoesNotKnowOrOfAWrongSize) {
   expect_refused(again, request, "'interface_stiffness' with 2 x 2 numbers");
 }
 
+/// Can do single substeps, where it is driven by force.
+struct SubsteppingSpring : SpringMass {
+  Description describe() override {
+    auto d = SpringMass::describe();
+    d.capabilities.insert(d.capabilities.end(), {"driven_by_force", "single_substep"});
+    return d;
+  }
+};
+
 TEST(Refusals, OfSubsteps) {
   SpringMass spring;
   InProcess run(spring, 1);
   run.coupler.ask(Kind::describe);
   auto request = run.coupler.initialize();
   request.substeps = 0;
-  expect_refused(run, request, "substeps = 0, expected >= 1");
+  expect_refused(run, request, "substeps = 0, expected 1 to 2147483647");
   InProcess again(spring, 1);
   again.coupler.start();
   request = again.coupler.advance(0.0);
   request.substep = 1;
   expect_refused(again, request, "lacks the capability 'single_substep'");
+  SubsteppingSpring able;
+  InProcess by_displacement(able, 1);
+  by_displacement.coupler.start();
+  request = by_displacement.coupler.advance(0.0);
+  request.substep = 1;
+  expect_refused(by_displacement, request, "asked for substep 1, but drives participant 'spring' by displacement");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(Text, TemplatesAreFilledOnceAndWhollyOrNotAtAll) {
 class Page : public SampleRun {};
 
 TEST_F(Page, IsOneFileWithoutReferencesToTheNetwork) {
-  EXPECT_EQ(write_report(folder_), path("report.html"));
+  EXPECT_EQ(write_report(folder_).path, path("report.html"));
   const auto page = read("report.html");
   EXPECT_LT(page.size(), 3'000'000U);
   const std::regex reference("<(script|link|img)[^>]*(src|href)=\"?(https?:|//)");
@@ -61,7 +61,21 @@ TEST_F(Page, SetsResultsBesideTheory) {
               AllOf(HasSubstr("<h1>impact</h1>"), HasSubstr("3 µs (first contact + 2L/c of steel)"),
                     HasSubstr("+0.00 %"), HasSubstr("850 MPa (impedance theory)"), HasSubstr("-1.18 %"),
                     HasSubstr("implicit 0.750"), HasSubstr("switch of integration 3.5 µs"),
-                    HasSubstr("impedance theory, for 2L/c")));
+                    HasSubstr("impedance theory, until a wave returns"), HasSubstr("1.5 N s")));
+}
+
+TEST_F(Page, TellsOfContactForcesThatWereNotFound) {
+  write_report(folder_);
+  EXPECT_THAT(read("report.html"), AllOf(HasSubstr("windows whose contact forces were not found"),
+                                         HasSubstr("3; worst residual 0.0002 of the largest force")));
+  write("summary.json", R"({"status": "done", "scene": "a.toml", "contact": {"windows_unconverged": 0}})");
+  write_report(folder_);
+  EXPECT_THAT(read("report.html"), Not(HasSubstr("contact forces were not found")));
+}
+
+TEST_F(Page, SaysWhatAContactForceIs) {
+  write_report(folder_);
+  EXPECT_THAT(read("report.html"), HasSubstr("Contact pressure: impulse over the window / window size"));
 }
 
 TEST_F(Page, AFailedRunShowsItsErrorEscaped) {

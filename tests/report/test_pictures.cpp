@@ -40,6 +40,12 @@ std::string texts_of(const std::string& path) {
 
 class PicturesOfARun : public SampleRun {
  protected:
+  /// A page with the programs of ours and one chart.
+  [[nodiscard]] std::string one_chart(const std::string& id) const {
+    std::string page = stability_page(map());
+    const std::string known = "\"id\": \"stability_open\"";
+    return page.replace(page.find(known), known.size(), "\"id\": \"" + id + "\"");
+  }
   StabilityMap map() const {
     StabilityMap map{"two_bars", "Courant number", "coupling.protocol", {"kim"}, {}, false, {}, {}, {}};
     map.cells = {{"open", 0, 0.9, 0.0, true}, {"open", 0, 1.1, 0.5, false}};
@@ -51,11 +57,14 @@ class PicturesOfARun : public SampleRun {
 TEST_F(PicturesOfARun, EveryChartIsAFileWithTitleAndLabels) {
   write("axial_stress.csv", "time_s,left/-0.02/0,right/0/0.04\n0,0,0\n1e-6,-2e6,-1e6\n2e-6,1e6,0\n");
   std::filesystem::create_directories(path("charts"));
-  write("charts/old.svg", "old");
+  write("charts/mine.svg", "mine");
+  static_cast<void>(draw_pictures({path("report.html"), one_chart("former")}));
+  EXPECT_TRUE(std::filesystem::exists(path("charts/former.svg")));
   const auto pictures = draw_pictures(write_report(folder_));
   EXPECT_EQ(pictures.obstacle, "");
   EXPECT_EQ(pictures.count, 4);
-  EXPECT_FALSE(std::filesystem::exists(path("charts/old.svg")));
+  EXPECT_FALSE(std::filesystem::exists(path("charts/former.svg")));
+  EXPECT_EQ(read("charts/mine.svg"), "mine");
   EXPECT_THAT(texts_of(path("charts/contact_stress.svg")),
               AllOf(HasSubstr("Stress on the contact surfaces\n"), HasSubstr("mean stress [MPa]\n"), HasSubstr("time [µs]\n"),
                     HasSubstr("impedance theory"), HasSubstr("lines: 3\n")));
@@ -74,44 +83,74 @@ TEST_F(PicturesOfARun, WithoutNodeThePageIsThereAndWhatIsMissingIsSaid) {
   setenv("PATH", before.c_str(), 1);
   EXPECT_EQ(pictures.count, 0);
   EXPECT_THAT(pictures.obstacle, AllOf(HasSubstr("`node` is not on PATH"), HasSubstr("install")));
-  EXPECT_TRUE(std::filesystem::exists(page));
+  EXPECT_TRUE(std::filesystem::exists(page.path));
   EXPECT_FALSE(std::filesystem::exists(path("charts")));
 }
 
 TEST_F(PicturesOfARun, APageThatIsNoneIsAnError) {
-  write("other.html", "<html></html>");
-  EXPECT_THROW((void)draw_pictures(path("other.html")), ParticipantError);
-  EXPECT_THROW((void)draw_pictures("/proc/report.html"), ConfigError);
+  EXPECT_THROW((void)draw_pictures({path("other.html"), "<html></html>"}), ParticipantError);
+  EXPECT_THROW((void)draw_pictures({"/proc/report.html", one_chart("a")}), ConfigError);
+  EXPECT_THROW((void)draw_pictures({path("report.html"), one_chart("../../evil")}), ParticipantError);
+}
+
+TEST_F(PicturesOfARun, APictureThatIsNotOursIsNotReplaced) {
+  std::filesystem::create_directories(path("charts"));
+  write("charts/gap.svg", "mine");
+  const auto page = write_report(folder_);
+  EXPECT_THAT(config_error([&] { static_cast<void>(draw_pictures(page)); }), HasSubstr("charts/gap.svg is there already"));
+  EXPECT_EQ(read("charts/gap.svg"), "mine");
+  write("report.html", "mine");
+  EXPECT_THAT(config_error([&] { write_report(folder_); }), HasSubstr("report.html is there already"));
+  EXPECT_EQ(read("report.html"), "mine");
 }
 
 TEST_F(PicturesOfARun, StabilityMapsBesideTheRunJoinItsPage) {
   EXPECT_THAT(stability_maps(folder_), IsEmpty());
   std::filesystem::create_directories(folder_ + "_stability");
-  std::ofstream(folder_ + "_stability/stability.html") << stability_page(map());
+  std::ofstream(folder_ + "_stability/stability.json") << to_json(map());
   for (const std::string& folder : {folder_, folder_ + "/"}) {
     const auto maps = stability_maps(folder);
     ASSERT_EQ(maps.size(), 1U);
     EXPECT_EQ(maps[0].id, "stability_open");
     EXPECT_THAT(maps[0].title, HasSubstr("Contact open"));
-    EXPECT_THAT(maps[0].note, HasSubstr("_stability/stability.html"));
+    EXPECT_THAT(maps[0].note, HasSubstr("_stability/stability.json"));
     EXPECT_EQ(maps[0].rows.size(), 3U);
   }
   write_report(folder_);
   EXPECT_THAT(read("report.html"), HasSubstr(R"(id="stability_open")"));
-  std::ofstream(folder_ + "_stability/stability.html") << "something else";
+  std::ofstream(folder_ + "_stability/stability.json") << "something else";
   EXPECT_THROW((void)stability_maps(folder_), ConfigError);
   std::filesystem::remove_all(folder_ + "_stability");
 }
 
-TEST_F(PicturesOfARun, ThoseOfAStabilityMapAreDrawnFromItsOwnPage) {
+/// A page that lies in the folder may hold programs of anybody: neither is it run nor does anything of it reach ours.
+TEST_F(PicturesOfARun, ThoseOfAStabilityMapAreDrawnFromItsNumbers) {
   const std::string folder = path("map");
   std::filesystem::create_directories(folder);
-  std::ofstream(folder + "/stability.html") << stability_page(map());
+  std::ofstream(folder + "/stability.json") << to_json(map());
   const auto page = write_report(folder);
-  EXPECT_EQ(page, folder + "/stability.html");
+  EXPECT_EQ(page.path, folder + "/stability.html");
   EXPECT_EQ(draw_pictures(page).count, 1);
   EXPECT_THAT(texts_of(folder + "/charts/stability_open.svg"),
               AllOf(HasSubstr("Contact open\n"), HasSubstr("Courant number\n"), HasSubstr("coupling.protocol\n")));
+}
+
+TEST_F(PicturesOfARun, AMapWithOtherThingsThanNumbersIsRefused) {
+  const std::string folder = path("map"), file = folder + "/stability.json", good = to_json(map());
+  std::filesystem::create_directories(folder);
+  const auto with = [&](const std::string& old, const std::string& replacement) {
+    std::string text = good;
+    text.replace(text.find(old), old.size(), replacement);
+    std::ofstream(file) << text;
+    return config_error([&] { write_report(folder); });
+  };
+  EXPECT_THAT(with("\"open\"", "\"open'></div><script>\""), HasSubstr("'contact' is neither"));
+  EXPECT_THAT(with("\"predicted\"", "\"guessed\""), HasSubstr("'kind' is neither"));
+  EXPECT_THAT(with("\"step\": 0.9", "\"step\": -1"), HasSubstr("'step' is not above 0"));
+  EXPECT_THAT(with("\"column\": 0", "\"column\": 7"), HasSubstr("'column' is none"));
+  EXPECT_THAT(with("\"cells\"", "\"cell\""), HasSubstr("not a map of ricochet stability"));
+  with("\"kim\"", "\"' + alert(1) + '\\\"\"");
+  EXPECT_THAT(read("map/stability.html"), HasSubstr(R"(\"' + alert(1) + '\\\")"));
 }
 
 }  // namespace

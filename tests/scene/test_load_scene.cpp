@@ -245,7 +245,8 @@ TEST(DefaultParticipants, FollowTheProtocol) {
 }
 
 TEST(GivenParticipants, ABaselineTakesTheOneOfItsRole) {
-  const Scene all_explicit = load_text(replaced(full, "\"kim\"", "\"all_explicit\""));
+  const std::string no_update = replaced(full, "impact_update = \"impedance\"\n", "");
+  const Scene all_explicit = load_text(replaced(no_update, "\"kim\"", "\"all_explicit\""));
   EXPECT_THAT(names(all_explicit), ElementsAre("explicit"));
   EXPECT_THAT(all_explicit.participants[0].bodies, ElementsAre("steel", "carbide"));
   EXPECT_THAT(all_explicit.participants[0].executable, HasSubstr("bin/my_solver"));

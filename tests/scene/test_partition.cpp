@@ -43,6 +43,14 @@ TEST(ImplicitLength, ZeroLeavesTheContactNodesImplicitAndShared) {
   EXPECT_THAT(explicit_parts[0].shared, ElementsAre(20));
 }
 
+TEST(ImplicitLength, ZeroStillTakesTheLayerThatMovesMasslessNodes) {
+  const std::string massless = replaced(bars, "[contact]\n", "[contact]\nmultiplier_update = \"massless\"\n");
+  const Problem problem = build(replaced(massless, lengths, "{ left = 0.0, right = 0.0635 }"));
+  EXPECT_EQ(count(problem.bodies[0].implicit_element), 1);
+  EXPECT_TRUE(problem.bodies[0].implicit_element.back()) << "the one at the contact";
+  EXPECT_EQ(count(problem.bodies[1].implicit_element), 5);
+}
+
 TEST(ImplicitLength, BeyondTheBodyTakesAllOfIt) {
   const Problem problem = build(replaced(bars, lengths, "{ left = 9.0, right = 0.0635 }"));
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 20);

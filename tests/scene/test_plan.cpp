@@ -107,6 +107,29 @@ TEST(CriticalStep, DoesNotBindTheImplicitBaseline) {
   EXPECT_NO_THROW((void)plan_of(text));
 }
 
+/// Two elements in each bar, one of them implicit: the shared node's mass counts both, the explicit critical step but one.
+std::string two_elements(const std::string& text) {
+  std::string coarse = replaced(replaced(text, "elements = 20", "elements = 2"), "elements = 20", "elements = 2");
+  coarse = replaced(coarse, "{ left = 0.0635, right = 0.0635 }", "{ left = 0.127, right = 0.127 }");
+  return replaced(coarse, "step_s = 2.226e-6", "safety_factor = 0.9");
+}
+
+TEST(SwitchToExplicit, NeedsTheCriticalStepOfTheWholeBody) {
+  const Plan coarse = plan_of(two_elements(bars));
+  // Explicit: omega^2 = k (1/(m/2) + 1/m) = 3 k/m, the shared node with the mass of both elements. The whole bar: 4 k/m.
+  EXPECT_NEAR(coarse.window_size_s, 0.9 * 2.0 / std::sqrt(3.0) * 0.127 / bar_speed, 1e-6 * coarse.window_size_s);
+  EXPECT_THAT(coarse.switch_obstacle, testing::AllOf(HasSubstr("body \"left\" together"), HasSubstr("2.473")));
+  EXPECT_THAT(coarse.notes, testing::Contains(HasSubstr("stays implicit after separation: explicit and implicit elements")));
+  EXPECT_EQ(plan_of(bars).switch_obstacle, "");
+}
+
+TEST(SwitchToExplicit, IsNotSpokenOfWhereNobodyAsksForIt) {
+  const std::string text = two_elements(bars) + "[coupling]\n";
+  EXPECT_EQ(plan_of(text + "after_separation = \"implicit\"\n").switch_obstacle, "");
+  EXPECT_EQ(plan_of(text + "protocol = \"belytschko_mullen\"\n").switch_obstacle, "");
+  EXPECT_EQ(plan_of(text + "protocol = \"all_implicit\"\n").switch_obstacle, "");
+}
+
 TEST(ExplicitPenalty, CriticalStepIsTheFormulaForTwoBars) {
   for (const double ratio : {0.1, 1.0, 2.0, 10.0}) {
     const Problem problem = build_problem(load_text(penalty_bars(ratio, 1e-8, "all_explicit")));
@@ -158,9 +181,10 @@ TEST(Warnings, UnstableProtocolNearlyIncompressibleAndRegularisedFriction) {
   const std::string regularised =
       replaced(cylinders, "friction_coefficient = 0.1", "friction_coefficient = 0.1\nfriction_law = \"regularised\"");
   // mu N dt/(2 m) = mu p dt/(rho h) with p = 963 MPa at 30 m/s: 0.49 m/s, against 10/xi = 10 m/s.
-  EXPECT_TRUE(plan_of(regularised).warnings.empty());
+  EXPECT_THAT(plan_of(regularised).warnings, testing::ElementsAre(HasSubstr("creeps")));
   const Plan fast = plan_of(replaced(regularised, "30.0", "1000.0"));
-  EXPECT_THAT(fast.warnings, testing::ElementsAre(HasSubstr("mu N dt/(2 m) = 16.3")));
+  EXPECT_THAT(fast.warnings, testing::ElementsAre(HasSubstr("creeps"), HasSubstr("mu N dt/(2 m) = 16.3"),
+                                                  HasSubstr("strains body \"steel\""), HasSubstr("strains body \"carbide\"")));
 }
 
 TEST(PlanText, HoldsEveryNumber) {

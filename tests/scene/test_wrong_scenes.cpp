@@ -38,6 +38,12 @@ TEST_P(WrongScene, IsRefusedWithPlaceFoundAndAllowed) {
   }
 }
 
+std::string many(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+
 const std::string* const c = &cylinders;
 const std::string* const b = &bars;
 const std::string* const p = &plates;
@@ -53,16 +59,24 @@ const std::vector<Wrong> file_and_keys{
     {"missing_model", c, "model = \"axisymmetric\"", "", 0, {"model: found nothing", "\"plane_strain\""}},
     {"wrong_model", c, "\"axisymmetric\"", "\"axisymetric\"", 1, {"did you mean \"axisymmetric\"?", "\"bar\""}},
     {"model_not_text", c, "\"axisymmetric\"", "3", 1, {"model: found 3", "a text"}},
+    {"nested_brackets", c, "model = \"axisymmetric\"", "model = " + std::string(20'000, '['), 1,
+     {"brackets nested: found 33 or more", "at most 32"}},
+    {"nested_tables", c, "model = \"axisymmetric\"", "model = " + many("{a = ", 20'000), 1, {"brackets nested"}},
+    {"dotted_key", c, "model = \"axisymmetric\"", "a" + many(".a", 100'000) + " = 1", 1, {"parts of a key: found 33 or more"}},
+    {"dotted_quoted_key", c, "model = \"axisymmetric\"", "\n[a" + many(". \"a\"", 100'000) + "]", 2, {"parts of a key"}},
+    {"giant_array", c, "model = \"axisymmetric\"", "model = [" + many("0,", 1'000'000) + "]", 0,
+     {"found a file of 2000", "at most 1048576"}},
     {"missing_time", c, "[time]\nstep_s = 1e-7\nend_s = 1e-5", "", 0, {"time: found nothing"}},
 };
 
 const std::vector<Wrong> bodies{
+    {"density_of_nothing", c, "density_kg_m3 = 7860.0", "density_kg_m3 = 1e-300", 4, {"a number >= 1e-15 and <= 1e+20"}},
     {"missing_name", c, "name = \"steel\"", "", 2, {"body[0].name: found nothing"}},
     {"bad_name", c, "name = \"steel\"", "name = \"steel bar\"", 3, {"letters, digits"}},
     {"duplicate_body", c, "name = \"carbide\"", "name = \"steel\"", 8, {"\"steel\" a second time"}},
     {"missing_density", c, ", density_kg_m3 = 7860.0", "", 4, {"body.steel.material.density_kg_m3: found nothing",
-     "a number > 0"}},
-    {"density_zero", c, "7860.0", "0.0", 4, {"body.steel.material.density_kg_m3: found 0", "a number > 0"}},
+     "a number >= 1e-15"}},
+    {"density_zero", c, "7860.0", "0.0", 4, {"body.steel.material.density_kg_m3: found 0", "a number >= 1e-15"}},
     {"modulus_negative", c, "207e9", "-207e9", 4, {"youngs_modulus_pa: found -2.07e+11", "> 0"}},
     {"modulus_text", c, "207e9", "\"steel\"", 4, {"found \"steel\"", "a number > 0"}},
     {"modulus_nan", c, "207e9", "nan", 4, {"found nan", "finite"}},
@@ -154,9 +168,9 @@ const std::vector<Wrong> contacts{
      {"contact.penalty_pa_m: found nothing"}},
     {"impact_update_of_multiplier", c, "friction_coefficient", "impact_update = \"mass\"\nfriction_coefficient", 13,
      {"only with enforcement = \"penalty\""}},
-    {"massless_beside_an_explicit_element", c, "friction_coefficient = 0.1\n[partition]\nimplicit_length_m = { steel = 0.005",
-     "multiplier_update = \"massless\"\n[partition]\nimplicit_length_m = { steel = 0.0", 13,
-     {"contact.multiplier_update: found \"massless\" and an explicit element", "implicit elements all around"}},
+    {"dual_protocol_beside_an_explicit_element", c, "friction_coefficient = 0.1\n[partition]\nimplicit_length_m = { steel = 0.005",
+     "[coupling]\nprotocol = \"prakash_hjelmstad\"\n[partition]\nimplicit_length_m = { steel = 0.0", 14,
+     {"coupling.protocol: found \"prakash_hjelmstad\" and an explicit element", "implicit elements all around"}},
     {"multiplier_update_of_penalty", c, "friction_coefficient",
      "enforcement = \"penalty\"\npenalty_pa_m = 1e12\nmultiplier_update = \"fully_implicit\"\n"
      "friction_coefficient", 15, {"only with enforcement = \"multiplier\""}},
@@ -284,6 +298,7 @@ std::vector<Wrong> with_more_edits() {
       replaced(bars, "surfaces =", "enforcement = \"penalty\"\npenalty_pa_m = 1e15\nsurfaces ="),
       "end_s = 200e-6", "end_s = 200e-6\n[coupling]\nprotocol = \"all_explicit\"");
   return {
+      {"body_in_another_galaxy", b, "start_m = -0.254", "start_m = 1e12", 0, {"m from the origin"}},
       {"held_on_both_sides", &held, "", "", 15, {"held along the normal by supports on every side"}},
     {"plane_against_held_node", &on_plane, "initial_velocity_m_s = [5.13588]",
      "support = [{ surface = \"end\", fixed = [\"x\"] }]", 15, {"held along the normal"}},

@@ -70,5 +70,36 @@ TEST(Switch, CostsNothingInTheStaggeredMetric) {
   EXPECT_NEAR(wrong, 0.005, 0.0005);
 }
 
+TEST(Switch, ShowsTheChangeOfMetricInTheHistory) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(config_text("two_bars"), folder);
+  const auto& error = run.column("energy_error");
+  const auto at = static_cast<std::size_t>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
+  EXPECT_NEAR(error[at + 1] - error[at], -1.12e-3, 0.1e-3);
+  for (std::size_t i = at + 1; i < error.size(); ++i) EXPECT_NEAR(error[i], error[at + 1], 1e-13);
+}
+
+/// Two elements in each bar, one of them implicit: what is explicit alone would stand 1.155 of the step that the whole bar does.
+TEST(Switch, StaysImplicitWhereTheWholeBodyCouldNotFollow) {
+  const TemporaryFolder folder;
+  std::string text = config_text("two_bars");
+  for (int bar = 0; bar < 2; ++bar) text = replaced(text, "elements = 20", "elements = 2");
+  text = replaced(text, "{ left = 0.0635, right = 0.0635 }", "{ left = 0.127, right = 0.127 }");
+  text = replaced(replaced(text, "step_s = 2.226e-6", ""), "end_s = 250e-6", "end_s = 5e-3");
+  const RunResult run = run_text(text, folder);
+  EXPECT_TRUE(run.summary.at("switches").empty());
+  EXPECT_NE(run.outcome.out.find("'implicit' stays implicit after separation: explicit and implicit elements of body"), std::string::npos);
+  EXPECT_LT(run.largest("energy_error"), 0.05);
+  const Outcome check = check_text(text, folder);
+  EXPECT_NE(check.out.find("note: the implicit side stays implicit after separation"), std::string::npos) << check.out;
+}
+
+/// The implicit side of contact nodes alone has no elements, and no limit of its own.
+TEST(Switch, ContactNodesAloneCanDoIt) {
+  const TemporaryFolder folder;
+  const std::string text = replaced(config_text("two_bars"), "{ left = 0.0635, right = 0.0635 }", "{ left = 0.0, right = 0.0 }");
+  EXPECT_EQ(run_text(text, folder).summary.at("switches").size(), 1U);
+}
+
 }  // namespace
 }  // namespace ricochet::test

@@ -32,11 +32,15 @@ using wire::Message;
 /// The wire without any care, over ZeroMQ or through shared memory, as the coupler decides.
 class Line {
  public:
-  explicit Line(const std::string& endpoint) : endpoint_(endpoint) {
+  Line(const std::string& endpoint, const wire::ParticipantKey& key) : endpoint_(endpoint), key_(key) {
     socket_.set(zmq::sockopt::linger, 500);
+    socket_.set(zmq::sockopt::curve_serverkey, key.coupler_public_key);
+    socket_.set(zmq::sockopt::curve_publickey, key.own.public_key);
+    socket_.set(zmq::sockopt::curve_secretkey, key.own.secret_key);
     socket_.connect(endpoint);
   }
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+  [[nodiscard]] const wire::ParticipantKey& key() const { return key_; }
   void offer_shared_memory(Message& hello) {
     hello.shared_memory_path = memory_->path();
     hello.shared_memory_key = memory_->key();
@@ -76,6 +80,7 @@ class Line {
 
  private:
   std::string endpoint_;
+  wire::ParticipantKey key_;
   zmq::context_t context_;
   zmq::socket_t socket_{context_, zmq::socket_type::dealer};
   std::unique_ptr<wire::SharedMemory> memory_ = wire::SharedMemory::make();
@@ -166,9 +171,9 @@ void say_first_thing_wrong(Line& line, Message message) {
   line.say(message);
 }
 
-/// A stranger's nonsense by the thousand, then properly.
+/// Nonsense by the thousand of somebody with the same key, then properly.
 void bring_a_flood(Line& line, const Message& message) {
-  Line stranger(line.endpoint());
+  Line stranger(line.endpoint(), line.key());
   for (int i = 0; i < 50'000; ++i) stranger.say_bytes("nonsense");
   line.say(message);
 }
@@ -192,6 +197,69 @@ void exit_badly_after(Line& line, const Message& message) {
   line.say(message);
   usleep(100'000);  // time for the message to get out
   _exit(9);
+}
+
+void say_transposed(Line& line, Message message) {
+  std::swap(message.increment.rows, message.increment.columns);
+  line.say(message);
+}
+
+void say_far_window(Line& line, Message message) {
+  message.window = std::int64_t{1} << 62;
+  line.say(message);
+}
+
+void say_no_rows(Line& line, Message message) {
+  message.records.resize(0, message.records.columns);
+  line.say(message);
+}
+
+void say_far_row(Line& line, Message message) {
+  message.records.resize(1, message.records.columns);
+  message.records.data[0] = 1e300;
+  line.say(message);
+}
+
+void describe_negative_step(Line& line, Message message) {
+  message.critical_time_step_s = -1.0;
+  line.say(message);
+}
+
+void describe_second_owner(Line& line, Message message) {
+  message.contact_owner = true;
+  line.say(message);
+}
+
+void describe_huge_mass(Line& line, Message message) {
+  message.interface_mass_kg.data[0] = 1e300;
+  line.say(message);
+}
+
+void describe_transposed(Line& line, Message message) {
+  std::swap(message.interface_mass_kg.rows, message.interface_mass_kg.columns);
+  line.say(message);
+}
+
+/// Small integers, a byte each, of which each takes 24 bytes when it is unpacked.
+void say_small_integers(Line& line, const Message&) {
+  std::string bytes = "\x81\xa4kind\xdd";
+  bytes += std::string("\x00\x00\x00\x09", 4);
+  for (int i = 0; i < 9; ++i) bytes += std::string("\xdd\x00\x00\x40\x00", 5) + std::string(0x4000, '\x01');
+  line.say_bytes(bytes);
+}
+
+void say_too_much(Line& line, const Message&) { line.say_bytes(std::string(100'000'000, '\x01')); }
+
+/// Text for ever, in lines of any length, with what would take a terminal over.
+void print_for_ever(Line&, const Message&) {
+  const std::string text = "\x1b]0;mine\x07\x1b[2J" + std::string(1 << 20, 'x');
+  for (;;) std::fputs(text.c_str(), stderr);
+}
+
+void print_escapes_and_end(Line&, const Message&) {
+  std::fputs((std::string(50'000'000, 'x') + "\x1b]0;mine\x07\x1b[2J\nlast words\n").c_str(), stderr);
+  std::fflush(stderr);
+  _exit(7);
 }
 
 struct Habit {
@@ -222,6 +290,18 @@ const std::map<std::string, Habit> habits = {
     {"greets_too_late", {Kind::hello, say_first_thing_wrong}},
     {"has_another_role", {Kind::hello, say_another_role}},
     {"read_another_scene", {Kind::hello, say_another_scene}},
+    {"says_transposed", {Kind::advanced, say_transposed}},
+    {"says_far_window", {Kind::advanced, say_far_window}},
+    {"says_no_rows", {Kind::finished, say_no_rows}},
+    {"says_far_row", {Kind::advanced, say_far_row}},
+    {"describes_negative_step", {Kind::description, describe_negative_step}},
+    {"describes_second_owner", {Kind::description, describe_second_owner}},
+    {"describes_huge_mass", {Kind::description, describe_huge_mass}},
+    {"describes_transposed", {Kind::description, describe_transposed}},
+    {"says_small_integers", {Kind::advanced, say_small_integers}},
+    {"says_too_much", {Kind::advanced, say_too_much}},
+    {"prints_for_ever", {Kind::advanced, print_for_ever}},
+    {"prints_escapes", {Kind::advanced, print_escapes_and_end}},
     {"brings_a_flood", {Kind::hello, bring_a_flood}},
 };
 
@@ -258,7 +338,7 @@ int main(int argc, char** argv) {
     auto problem = scene::build_problem(scene::load_scene(argument(argc, argv, "--scene")));
     explicit_solver::ExplicitSolver solver(std::move(problem), name);
     participant::Session session(solver);
-    Line line(argument(argc, argv, "--connect"));
+    Line line(argument(argc, argv, "--connect"), wire::read_key(argument(argc, argv, "--key"), 0.0));
     take_part(session, line, habits.at(name));
     return 0;
   } catch (const Error& error) {

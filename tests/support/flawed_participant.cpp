@@ -84,7 +84,7 @@ class Spring : public Participant {
 /// `serve` without its care for other versions.
 int serve_any_version(Participant& participant, const ServeOptions& options) {
   Session session(participant);
-  wire::Channel channel(options.endpoint);
+  wire::Channel channel(options.endpoint, wire::read_key(options.key, options.timeout_s));
   wire::Message request, reply;
   session.hello(reply);
   channel.send(reply);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "tests/support/run.hpp"
 
@@ -39,7 +40,7 @@ TEST_P(GetfemImpact, AgreesWithOurImplicitSolverToRoundOff) {
   ASSERT_EQ(ours.column("time_s").size(), 201U);
   ASSERT_EQ(theirs.column("time_s"), ours.column("time_s"));
   for (const char* name :
-       {"contact_force_n", "contact_pressure_mean_pa", "pairs_slip", "pairs_open", "energy_kinetic_j",
+       {"contact_force_n", "contact_pressure_mean_pa", "contact_impulse_n_s", "pairs_slip", "pairs_open", "energy_kinetic_j",
         "energy_strain_j", "momentum_n_kg_m_s", "velocity_mean_steel_m_s", "velocity_mean_carbide_m_s"}) {
     const auto &a = theirs.column(name), &b = ours.column(name);
     double difference = 0.0;
@@ -60,6 +61,52 @@ TEST(Getfem, KeepsTheContract) {
       run_command({ricochet_binary(), "check-participant", "--", getfem, "--scene", scene, "--name", "implicit"},
                   folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+}
+
+/// A contact owner that finds its forces, but says of every second window that it did not.
+std::string doubting_participant(const TemporaryFolder& folder) {
+  const auto path = folder.write(fmt::format(R"(#!/usr/bin/python3
+import sys
+sys.path.insert(0, "{}/common/participant/python")
+import getfem, getfem_impact
+from ricochet_participant import main
+
+
+class Doubting(getfem_impact.Impact):
+    rows = -1
+
+    def describe(self):
+        description = super().describe()
+        description.record_columns += ["contact_iterations", "contact_residual", "contact_unconverged"]
+        return description
+
+    def record(self):
+        self.rows += 1
+        return super().record() + [30 if self.rows else 0, 2e-5 if self.rows else 0, self.rows // 2]
+
+
+getfem.util_trace_level(0)
+main(Doubting)
+)", RICOCHET_SOURCE), "doubting.py");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+TEST(Getfem, ContactForcesThatWereNotFoundAreTold) {
+  TemporaryFolder folder;
+  const auto run = run_text(short_impact("hughes_liu", doubting_participant(folder)), folder);
+  const std::string told = "100 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05";
+  EXPECT_THAT(run.outcome.error, testing::HasSubstr("warning: "));
+  EXPECT_THAT(run.outcome.error, testing::HasSubstr(told));
+  EXPECT_THAT(run.outcome.out, testing::HasSubstr(told));
+  EXPECT_EQ(run.summary["contact"]["windows_unconverged"], 100);
+  EXPECT_DOUBLE_EQ(run.summary["contact"]["iterations_mean"], 30.0);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), testing::HasSubstr("100; worst residual 2e-05"));
+  EXPECT_THAT(file_text(run.folder + "/trace.json"), testing::HasSubstr(R"("args": {"iterations": 30})"));
+  const double impulse = run.summary["contact_impulse_n_s"];
+  double sum = 0.0;
+  for (const double force : run.column("contact_force_n")) sum += 5.4e-8 * force;
+  EXPECT_NEAR(impulse, sum, 1e-12 * sum);
 }
 
 TEST(Getfem, RefusesFriction) {

@@ -34,7 +34,7 @@ double difference(const RunResult& a, const RunResult& b, const std::string& col
   const auto& y = b.column(column);
   double scale = largest(y);
   if (column.find("momentum") == 0) scale = 2.0 * 7844.066 * 6.4516e-4 * 0.254 * 5.13588;
-  if (column == "energy_error") scale = 1.0;
+  if (column == "energy_error" || column == "contact_residual") scale = 1.0;
   double result = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) result = std::max(result, std::abs(x[i] - y[i]));
   return scale > 0.0 ? result / scale : result;
@@ -48,7 +48,7 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
   const auto ours = run_text(two_bars(GetParam(), ""), folder, "ours");
   ASSERT_EQ(python.column("time_s").size(), ours.column("time_s").size());
   for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
-  EXPECT_NEAR(largest(python.column("contact_force_n")), 3.12e5, 1e4);  // they did meet
+  EXPECT_NEAR(largest(python.column("contact_force_n")), 1.45e5, 1e4);  // they did meet; Z v is 1.33e5
   for (const auto& process : python.summary.at("processes")) {  // each its own way in one run
     const std::string role = process.at("role");
     EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? "shm" : "");

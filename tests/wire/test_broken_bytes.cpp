@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "common/base/error.hpp"
 #include "tests/wire/samples.hpp"
@@ -113,7 +114,7 @@ const std::vector<Broken> broken_bytes{
      "\x89" + joined(entries_of(good())).substr(1) + packed(5, 5),
      {"a field whose name is an integer"}},
     {"no_version", without("version"), {"without the field 'version'"}},
-    {"other_version", with("version", packed(3)), {"speaks version 3", "speaks version 2", "same release"}},
+    {"other_version", with("version", packed(4)), {"speaks version 4", "speaks version 3", "same release"}},
     {"version_is_text", with("version", packed("1")), {"'version' is a text, expected an integer"}},
     {"no_kind", without("kind"), {"without the field 'kind'"}},
     {"unknown_kind", with("kind", packed("synchronize")), {"'kind' is 'synchronize'", "did you mean \"synchronise\"?"}},
@@ -196,6 +197,26 @@ TEST(Decode, TakesTheMessageThatWasNotBroken) {
 }
 
 /// The types that `synchronise` does not have.
+/// A byte each on the wire, 24 in memory.
+TEST(Decode, RefusesValuesByTheHundredThousandBeforeTheyTakeMemory) {
+  const auto error_of = [](const std::string& bytes) -> std::string {
+    Message message;
+    try {
+      decode(bytes, "x", message);
+    } catch (const ProtocolError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  std::string many = packed(std::map<std::string, std::vector<int>>{{"a", std::vector<int>(60'000, 1)},
+                                                                      {"b", std::vector<int>(60'000, 300)},
+                                                                      {"c", std::vector<int>(60'000, 70'000)}});
+  EXPECT_THAT(error_of(many), HasSubstr("x sent a message of more than 131072 values"));
+  EXPECT_THAT(error_of(packed(std::vector<double>(131'073, 0.5))), HasSubstr("a message of more than 131072 values"));
+  EXPECT_THAT(error_of(packed(std::vector<std::string>(50'000, "text"))), HasSubstr("an array, expected a message"));
+  EXPECT_THAT(error_of(packed(std::string(200'000, 'x'))), HasSubstr("a text, expected a message"));
+}
+
 TEST(Decode, RefusesWrongTypesOfTheOtherFields) {
   const auto refused = [](Kind kind, const std::string& field, const std::string& value, const std::string& says) {
     const std::string bytes = encoded(sample(kind));

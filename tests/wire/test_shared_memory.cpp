@@ -273,6 +273,7 @@ class OverSharedMemory : public testing::Test {
     ASSERT_TRUE(receive(identity_, message));
     auto memory = SharedMemory::open(message.shared_memory_path, message.shared_memory_key);
     listener_->send(identity_, sample(Kind::welcome));
+    listener_->limit(identity_, default_largest_message);
     listener_->share(identity_, std::move(memory));
     channel_->receive(message, deadline_in(10), false);
     ASSERT_TRUE(message.shared_memory);

@@ -6,7 +6,9 @@ two cylinders without friction, on finite elements by GetFEM (Debian's python3-g
   (M + dt^2/4 K) du = M (dt v + dt^2/4 a) + dt^2/4 (q_n - (L_n+1 - L_n) + G^T r),   q = -K u - L
   0 <= r, 0 <= g, r g = 0 for the gap g = g0 + u_z(second) - u_z(first) of each pair of contact nodes
 Then a = 4/dt^2 (du - dt v) - a_n, v = v_n + dt/2 (a_n + a), and both sides of a closed pair take their mean v_z and
-a_z, weighted by mass. Knows even built-in meshes and multiplier contact; stays implicit after separation.
+a_z, weighted by mass; a force that a_z would remember is never a pull. A contact force in the history is an impulse
+over dt: dt/2 (M a_n - q_n + G^T r) and that of the mean velocity. Knows even built-in meshes and multiplier contact;
+stays implicit after separation.
 """
 import getfem, numpy as np
 from ricochet_participant import ConfigError, ContactStatus, Description, Participant, main, read_scene
@@ -78,7 +80,8 @@ class Impact(Participant):
         self.v = np.concatenate([np.tile(b.velocity, len(b.position)) for b in self.bodies]) * self.free
         self.u, self.a, self.q, self.link = (np.zeros(sum(sizes)) for _ in range(4))
         self.gap0 = np.subtract(*[b.position[b.contact, 1] for b in self.bodies[::-1]])
-        self.closed, self.force, self.work = self.gap0 < 0, 0 * self.gap0, np.zeros(2)
+        self.closed, self.impulse, self.work = self.gap0 < 0, 0 * self.gap0, np.zeros(2)
+        self.total_impulse = 0.0
         self.radius = self.bodies[0].position[:, 0].max()
 
     def describe(self):
@@ -90,7 +93,7 @@ class Impact(Participant):
             interface_position_m=np.concatenate([b.position[b.shared] for b in self.bodies]),
             interface_mass_kg=self.m[self.shared[::2]],
             record_columns=columns + ["gap_min_m", "contact_force_n", "contact_pressure_mean_pa",
-                                      "pairs_slip", "pairs_open"])
+                                      "contact_impulse_n_s", "pairs_slip", "pairs_open"])
 
     def initialize(self, setup):
         self.dt = setup["window_size_s"]
@@ -121,6 +124,18 @@ class Impact(Participant):
     def gap(self, u):
         return self.gap0 + u[self.pairs[1]] - u[self.pairs[0]]
 
+    def on_second(self, forces):
+        """Of forces on both sides of the pairs: those on the second, the mean of them and the opposite on the first."""
+        first, second = self.pairs
+        return 0.5 * (forces[second] - forces[first])
+
+    def take_mean(self, closed, x):
+        """Both sides of closed pairs get the mean, weighted by mass; returns the change of M x on the second."""
+        before = self.on_second(self.m * x)
+        sides = self.pairs[:, closed]
+        x[sides] = np.sum(self.m[sides] * x[sides], axis=0) / self.m[sides].sum(axis=0)
+        return self.on_second(self.m * x) - before
+
     def contact_force(self, gap):
         """Complementarity by an active set that starts from the last one."""
         closed = self.closed.copy()
@@ -146,14 +161,15 @@ class Impact(Participant):
         a = (4 / dt**2 * (du - dt * self.v) - self.a) * self.free
         v = self.v + dt / 2 * (self.a + a)
         q = self.m * a - applied
-        sides = self.pairs[:, closed]
-        for x in (v, a):
-            x[sides] = np.sum(self.m[sides] * x[sides], axis=0) / self.m[sides].sum(axis=0)
-        self.trial = du, v, a, q, new_link, closed, force
+        impulse = dt / 2 * (self.on_second(self.m * self.a - self.q) + force) + self.take_mean(closed, v)
+        pull = np.minimum(force + self.take_mean(closed, a), 0.0)
+        a[self.pairs] += [pull, -pull] / self.m[self.pairs]
+        self.trial = du, v, a, q, new_link, closed, impulse
         return self.motion(self.u + du, v, a)
 
     def accept(self):
-        du, self.v, self.a, self.q, link, self.closed, self.force = self.trial
+        du, self.v, self.a, self.q, link, self.closed, self.impulse = self.trial
+        self.total_impulse += self.impulse.sum()
         self.work -= [0.5 * (self.link[part] + link[part]) @ du[part] for part in self.parts]
         self.u, self.link = self.u + du, link
 
@@ -168,9 +184,9 @@ class Impact(Participant):
             strain = 0.5 * self.u[part] @ self.k[part, part] @ self.u[part]
             row += [m[1::2].sum(), 0.5 * m @ v**2 + share[i], strain, self.work[i] + share[i] - self.first_staggered[i],
                     m[1::2] @ v[1::2]]
-        total, closed = self.force.sum(), self.closed.sum()
+        total, closed = self.impulse.sum() / self.dt, self.closed.sum()
         pressure = total / (np.pi * self.radius**2)
-        return row + [self.gap(self.u).min(), total, pressure, closed, len(self.closed) - closed]
+        return row + [self.gap(self.u).min(), total, pressure, self.total_impulse, closed, len(self.closed) - closed]
 
 
 if __name__ == "__main__":

@@ -82,6 +82,7 @@ def arguments():
     parser.add_argument("--scene", help="scene file (TOML)")
     parser.add_argument("--name", required=True, help="name of the participant in the scene")
     parser.add_argument("--connect", required=True, help="endpoint of the coupler, ipc://... or tcp://address:port")
+    parser.add_argument("--key", help="file with the key by which the coupler knows this participant")
     parser.add_argument("--watch-stdin", action="store_true", help="end at once when standard input closes")
     return parser.parse_args()
 
@@ -99,9 +100,12 @@ def read_scene(path, name):
 
 
 def reason(error):
-    """Exit code and text: numbers that went wrong are 3, what is no fault of the run's input or peers 4."""
+    """Exit code and text: numbers that went wrong are 3, what the machine lacks 7, what is no fault
+    of the run's input or peers 4."""
     if isinstance(error, RunError):
         return error.code, str(error)
+    if isinstance(error, (MemoryError, OSError)):
+        return 7, f"{type(error).__name__}: {error}"
     unstable = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
     return 3 if unstable else 4, f"{type(error).__name__}: {error}"
 
@@ -122,7 +126,7 @@ def serve(make, options):
     session = channel = None
     try:
         session = Session(make(options.scene, options.name))
-        channel = Channel(options.connect, options.watch_stdin)
+        channel = Channel(options.connect, options.watch_stdin, options.key)
         converse(session, channel)
         return 0
     except Exception as error:

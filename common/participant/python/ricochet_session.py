@@ -92,7 +92,7 @@ class Session:
 
     def advance(self, request):
         at_once, last = request["accept_at_once"], self.setup["last_window"]
-        self.require(request["window"] == self.accepted + 1 <= last, f"window {request['window']}")
+        self.require(request["window"] == self.accepted + 1 <= last and not request["substep"], f"window {request['window']}")
         self.require(request["windows"] == 1 or (self.shape[0] == 0 and at_once and request["windows"] > 0),
                      "several windows at once to a participant with interface nodes")
         self.require(self.state == "ready" or "repeat_window" in self.description.capabilities, "a repeated window")
@@ -110,13 +110,13 @@ class Session:
         self.state = "ready" if at_once else "tried"
         absolute = self.full(self.value) if request["absolute_requested"] else self.none()
         return self.message("advanced", increment=self.full(increment), absolute=absolute, **self.motion(),
-                            records=self.records(request["records_requested"]), **self.contact())
+                            **self.answer(request["records_requested"]))
 
     def accept(self, request):
         self.require(request["window"] == self.window, f"'accept' of window {request['window']}")
         self.accept_window()
         self.state = "ready"
-        return self.message("accepted", records=self.records(request["records_requested"]), **self.contact())
+        return self.message("accepted", **self.answer(request["records_requested"]))
 
     def load_state(self, request):
         self.require("load_state" in self.description.capabilities, "'load_state', which this participant cannot do")
@@ -137,7 +137,8 @@ class Session:
         self.participant.finish()
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
-                            spans_s=array(self.spans, 3), records=self.records(True))
+                            spans_s=array(self.spans, 3), records=self.records(True),
+                            departures=array([], 9))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -197,5 +198,6 @@ class Session:
         velocity, acceleration = map(self.full, self.rates)
         return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration}
 
-    def contact(self):
-        return dataclasses.asdict(self.participant.contact_status())
+    def answer(self, records_requested):  # it does not look for what leaves the model
+        return {"records": self.records(records_requested), "departures": array([], 9),
+                "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

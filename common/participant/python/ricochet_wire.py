@@ -2,14 +2,14 @@
 
 Needs Debian's python3-zmq, python3-msgpack, python3-numpy. A participant needs ricochet_participant.py only.
 """
-import math, sys, time
+import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 2
+VERSION = 3
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
-CONTACT = ("pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float separated:boolean separation_time_s:float "
-           "finished_early:boolean")
+ANSWER = ("records:array departures:array outline:array pairs_closed:integer gap_min_m:float gap_rate_min_m_s:float "
+          "separated:boolean separation_time_s:float finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
     "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
              "shared_memory_path:text shared_memory_key:integer",
@@ -27,27 +27,28 @@ FIELDS = {  # every message of docs/wire.md
     "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array",
     "advance": "windows:integer link_increment:array link_absolute:array accept_at_once:boolean "
                "absolute_requested:boolean records_requested:boolean",
-    "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array records:array " + CONTACT,
+    "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array " + ANSWER,
     "accept": "records_requested:boolean",
-    "accepted": "records:array " + CONTACT,
+    "accepted": ANSWER,
     "load_state": "state:array frozen_contact:text",
     "state_loaded": "",
     "read_state": "",
     "state": "state:array state_scale:array",
     "finish": "",
-    "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array",
+    "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array "
+                "departures:array",
     "failure": "error_code:integer error_culprit:text error_text:text",
 }
 FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) for kind, own in FIELDS.items()}
 
 
 class RunError(Exception):
-    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol."""
+    """Ends the run. `code` is the exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 7 machine."""
     code = 4
 
     def __init__(self, text, code=None):
         super().__init__(text)
-        self.code = code if code in (2, 3, 5) else type(self).code
+        self.code = code if code in (2, 3, 5, 7) else type(self).code
 
 
 class ConfigError(RunError):
@@ -92,9 +93,9 @@ def read_number(value):
 
 def of_type(kind):
     def read(value):
-        if type(value) is not kind:
-            raise ValueError(f"is not of type {kind.__name__}")
-        return value
+        if type(value) is kind:
+            return value
+        raise ValueError(f"is not of type {kind.__name__}")
     return read
 
 
@@ -107,10 +108,9 @@ READ = {"text": of_type(str), "texts": read_texts, "boolean": of_type(bool), "in
 
 
 def no_duplicates(pairs):
-    names = [name for name, value in pairs]
-    if len(set(names)) != len(names):
-        raise ValueError("a field there twice")
-    return dict(pairs)
+    if len(dict(pairs)) == len(pairs):
+        return dict(pairs)
+    raise ValueError("a field there twice")
 
 
 def decode(data):
@@ -148,18 +148,32 @@ def encode(message):
     return msgpack.packb(message, use_bin_type=True)
 
 
+def read_key(path, end):
+    """The three lines by which the coupler and this participant know each other. The file may come until `end`."""
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.02)
+    try:
+        with open(path, "rb") as file:
+            keys = dict(map(bytes.split, file))
+        return [keys[word] for word in (b"coupler", b"public", b"secret")]
+    except (OSError, ValueError, KeyError) as error:
+        raise ConfigError(f"--key: {path} is no key of a run: {error}") from None
+
+
 class Channel:
     """One DEALER socket. Every wait has a deadline; a connection that breaks ends the run."""
 
-    def __init__(self, endpoint, watch_stdin):
-        self.socket = zmq.Context.instance().socket(zmq.DEALER)
-        self.socket.setsockopt(zmq.LINGER, 500)  # for the last words
-        self.monitor = self.socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+    def __init__(self, endpoint, watch_stdin, key=None):
+        self.socket = s = zmq.Context.instance().socket(zmq.DEALER)
+        if key:
+            s.curve_serverkey, s.curve_publickey, s.curve_secretkey = read_key(key, time.monotonic() + 60)
+        s.setsockopt(zmq.LINGER, 500)  # for the last words
+        self.monitor = s.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         self.poller = zmq.Poller()
         for source in [self.socket, self.monitor] + ([sys.stdin.fileno()] if watch_stdin else []):
             self.poller.register(source, zmq.POLLERR if isinstance(source, int) else zmq.POLLIN)
         try:
-            self.socket.connect(endpoint)
+            s.connect(endpoint)
         except zmq.ZMQError as error:
             raise ConfigError(f"cannot connect to '{endpoint}': {error}") from None
 

@@ -1,17 +1,25 @@
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/root_problem.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-namespace ricochet::implicit_solver {
+#include "common/base/error.hpp"
+#include "common/solver/friction.hpp"
+#include "common/solver/lemke.hpp"
 
-using solver::State;
+namespace ricochet::solver {
 
 namespace {
 constexpr int max_state_iterations = 30;
 constexpr int max_sweeps = 5000;
 constexpr double round_off = 1e-12;
+/// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
+constexpr double residual_to_stop = 1e-3;
+/// Residual that round-off leaves; above, another method tries.
+constexpr double converged_residual = 1e-10;
 }  // namespace
 
 RootProblem::RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, std::vector<double> area_m2, double dt)
@@ -29,12 +37,16 @@ RootProblem::RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, 
       solution_(open()) {}
 
 RootProblem::Solution RootProblem::open() const {
-  return {Eigen::VectorXd::Zero(compliance_.rows()), std::vector<State>(static_cast<std::size_t>(pairs_), State::open), 0};
+  return {Eigen::VectorXd::Zero(compliance_.rows()), std::vector<State>(static_cast<std::size_t>(pairs_), State::open), 0, 0.0};
 }
 
 double RootProblem::slack(int pair) const {
   if (law_.enforcement != scene::Enforcement::penalty) return 0.0;
   return 1.0 / (law_.penalty_pa_m * area_m2_[static_cast<std::size_t>(pair)]);
+}
+
+double RootProblem::alone(int unknown) const {
+  return compliance_(unknown, unknown) + slack(unknown % pairs_);
 }
 
 void RootProblem::start_from(const Solution& last) {
@@ -53,7 +65,8 @@ void RootProblem::start_from(const Solution& last) {
 
 bool RootProblem::held(int pair) const { return !friction_ || compliance_(pairs_ + pair, pairs_ + pair) <= 0.0; }
 
-/// Rows of the present states; open pairs keep an identity row.
+/// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by their diagonal, so that they
+/// and the rows of forces [N] are of one size.
 void RootProblem::assemble() {
   const double mu = law_.friction_coefficient;
   for (int i = 0; i < pairs_; ++i) {
@@ -61,6 +74,7 @@ void RootProblem::assemble() {
     if (state.closed) {
       matrix_.row(i) = compliance_.row(i);
       matrix_(i, i) += slack(i);
+      matrix_.row(i) /= alone(i);
     } else {
       matrix_.row(i).setZero();
       matrix_(i, i) = 1.0;
@@ -74,6 +88,7 @@ void RootProblem::assemble() {
       case Tangent::stick:
         matrix_.row(t) = compliance_.row(t);
         matrix_(t, t) += slack(i);
+        matrix_.row(t) /= alone(t);
         break;
       case Tangent::slip_plus: matrix_(t, i) = -mu; break;
       case Tangent::slip_minus: matrix_(t, i) = mu; break;
@@ -91,10 +106,10 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
     if (!state.closed) continue;
-    rhs_[i] = -gap_free[i];
+    rhs_[i] = -gap_free[i] / alone(i);
     if (!friction_) continue;
     const int t = pairs_ + i;
-    if (state.tangent == Tangent::stick) rhs_[t] = -slip_free[i] + slack(i) * last.force[t];
+    if (state.tangent == Tangent::stick) rhs_[t] = (slack(i) * last.force[t] - slip_free[i]) / alone(t);
     if (state.tangent != Tangent::regularised) continue;
     // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and Newton's method
     // cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
@@ -150,7 +165,8 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
                                                 const Eigen::VectorXd& slip_velocity, const Solution& last) {
   start_from(last);
   solution_.force = last.force;
-  for (solution_.iterations = 1; solution_.iterations <= max_state_iterations; ++solution_.iterations) {
+  bool settled = false;
+  for (solution_.iterations = 0; !settled && solution_.iterations < max_state_iterations; ++solution_.iterations) {
     before_ = solution_.force;
     const bool any = std::any_of(states_.begin(), states_.end(), [](const PairState& s) { return s.closed; });
     if (any) {
@@ -160,13 +176,24 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
     }
     const bool changed = update_states(gap_free, slip_free);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
-    const bool converged = !(friction_ && regularised_) || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff();
-    if (!changed && converged) {
-      finish();
-      return solution_;
+    settled = !changed && (!(friction_ && regularised_) || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff());
+  }
+  solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+  if (solution_.residual > converged_residual) {
+    solution_.iterations += projected_gauss_seidel(gap_free, slip_free, slip_velocity, last);
+    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+  }
+  if (solution_.residual > converged_residual && !regularised_) {
+    before_ = solution_.force;
+    const double of_sweeps = solution_.residual;
+    solution_.iterations += lemke(gap_free, slip_free, last);
+    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+    if (solution_.residual > of_sweeps) {
+      solution_.force = before_;
+      states_of_forces();
+      solution_.residual = of_sweeps;
     }
   }
-  if (!(friction_ && regularised_)) projected_gauss_seidel(gap_free, slip_free, last);
   finish();
   return solution_;
 }
@@ -186,10 +213,12 @@ const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, 
   }
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
-    rhs_[i] = -gap_free[i];
-    if (!held(i)) rhs_[pairs_ + i] = -slip_free[i];
+    rhs_[i] = -gap_free[i] / alone(i);
+    if (!held(i)) rhs_[pairs_ + i] = -slip_free[i] / alone(pairs_ + i);
   }
   solution_.force = factor_.solve(rhs_);
+  solution_.iterations = 1;
+  solution_.residual = 0.0;
   finish();
   return solution_;
 }
@@ -205,34 +234,113 @@ const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, con
   return solution_;
 }
 
-/// Gauss-Seidel on the complementarity conditions; slow but it cannot cycle without friction.
-void RootProblem::projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                                         const Solution& last) {
+double RootProblem::tangential_alone(int pair, double slip, double slip_velocity, double last) const {
+  const int t = pairs_ + pair;
+  const double force = solution_.force[t], limit = law_.friction_coefficient * solution_.force[pair];
+  if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
+  const double rate = 2.0 / dt_ * compliance_(t, t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
+  return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
+}
+
+/// Slow, but without friction it cannot cycle, and with little of it it does not.
+int RootProblem::projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                                        const Eigen::VectorXd& slip_velocity, const Solution& last) {
   auto& x = solution_.force;
-  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
-    double largest_change = 0.0;
+  int sweep = 0;
+  for (double change = 1.0, largest = 0.0; sweep < max_sweeps && change > 1e-13 * largest; ++sweep) {
+    change = 0.0;
     for (int i = 0; i < pairs_; ++i) {
       const double normal_before = x[i];
       const double gap = gap_free[i] + compliance_.row(i).dot(x) + slack(i) * x[i];
-      x[i] = std::max(0.0, x[i] - gap / (compliance_(i, i) + slack(i)));
-      largest_change = std::max(largest_change, std::abs(x[i] - normal_before));
+      x[i] = std::max(0.0, x[i] - gap / alone(i));
+      change = std::max(change, std::abs(x[i] - normal_before));
       if (held(i)) continue;
       const int t = pairs_ + i;
-      const double before = x[t], limit = law_.friction_coefficient * x[i];
-      const double slip = slip_free[i] + compliance_.row(t).dot(x) + slack(i) * (x[t] - last.force[t]);
-      x[t] = std::clamp(x[t] - slip / (compliance_(t, t) + slack(i)), -limit, limit);
-      largest_change = std::max(largest_change, std::abs(x[t] - before));
+      const double before = x[t];
+      x[t] = tangential_alone(i, slip_free[i] + compliance_.row(t).dot(x), slip_velocity[i], last.force[t]);
+      change = std::max(change, std::abs(x[t] - before));
     }
-    if (largest_change <= 1e-13 * x.cwiseAbs().maxCoeff()) break;
+    largest = x.cwiseAbs().maxCoeff();
   }
+  states_of_forces();
+  return sweep;
+}
+
+/// The unknowns are x_n, the two directions of x_t, and the slip against friction; the last row is the cone:
+///   gap >= 0 with x_n,   slip_against +- slip >= 0 with x_t+ and x_t-,   mu x_n - x_t+ - x_t- >= 0 with slip_against
+int RootProblem::lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last) {
+  std::vector<int> sliding;
+  for (int i = 0; i < pairs_; ++i)
+    if (!held(i)) sliding.push_back(i);
+  const int tangents = static_cast<int>(sliding.size()), size = pairs_ + 3 * tangents;
+  const double unit = compliance_.diagonal().head(pairs_).maxCoeff();  // forces are sought in units of length
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(size);
+  const auto compliance = [&](int row, int column) {
+    return (compliance_(row, column) + (row == column ? slack(row % pairs_) : 0.0)) / unit;
+  };
+  for (int i = 0; i < pairs_; ++i) {
+    q[i] = gap_free[i];
+    for (int j = 0; j < pairs_; ++j) m(i, j) = compliance(i, j);
+  }
+  for (int k = 0; k < tangents; ++k) {
+    const int i = sliding[static_cast<std::size_t>(k)], t = pairs_ + i;
+    for (const double sign : {1.0, -1.0}) {
+      const int row = pairs_ + (sign > 0.0 ? 0 : tangents) + k;
+      q[row] = sign * (slip_free[i] - slack(i) * last.force[t]);
+      for (int j = 0; j < pairs_; ++j) {
+        m(row, j) = sign * compliance(t, j);
+        m(j, row) = sign * compliance(j, t);
+      }
+      for (int l = 0; l < tangents; ++l) {
+        const double value = compliance(t, pairs_ + sliding[static_cast<std::size_t>(l)]);
+        m(row, pairs_ + l) = sign * value;
+        m(row, pairs_ + tangents + l) = -sign * value;
+      }
+      m(row, pairs_ + 2 * tangents + k) = 1.0;
+      m(pairs_ + 2 * tangents + k, row) = -1.0;
+    }
+    m(pairs_ + 2 * tangents + k, i) = law_.friction_coefficient;
+  }
+  Eigen::VectorXd z;
+  const int pivots = solve_lemke(m, q, z);
+  if (z.size() == 0) return pivots;
+  solution_.force.setZero();
+  solution_.force.head(pairs_) = z.head(pairs_) / unit;
+  for (int k = 0; k < tangents; ++k)
+    solution_.force[pairs_ + sliding[static_cast<std::size_t>(k)]] = (z[pairs_ + k] - z[pairs_ + tangents + k]) / unit;
+  states_of_forces();
+  return pivots;
+}
+
+void RootProblem::states_of_forces() {
+  const auto& x = solution_.force;
   for (int i = 0; i < pairs_; ++i) {
     auto& state = states_[static_cast<std::size_t>(i)];
     state = {.closed = x[i] > 0.0, .tangent = Tangent::none};
     if (!state.closed || held(i)) continue;
-    const double tangential = x[pairs_ + i];
-    state.tangent = std::abs(tangential) < law_.friction_coefficient * x[i] ? Tangent::stick
+    const double tangential = x[pairs_ + i], limit = law_.friction_coefficient * x[i];
+    state.tangent = regularised_ ? Tangent::regularised
+                    : std::abs(tangential) < limit * (1.0 - round_off) ? Tangent::stick
                     : tangential > 0.0 ? Tangent::slip_plus : Tangent::slip_minus;
   }
+}
+
+double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                             const Eigen::VectorXd& slip_velocity, const Solution& last) {
+  const auto& x = solution_.force;
+  motion_.noalias() = compliance_ * x;
+  double largest = 0.0;
+  for (int i = 0; i < pairs_; ++i) {
+    const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];
+    largest = std::max(largest, std::abs(x[i] - std::max(0.0, x[i] - gap / alone(i))));
+    if (held(i)) continue;
+    const int t = pairs_ + i;
+    const double right = tangential_alone(i, slip_free[i] + motion_[t], slip_velocity[i], last.force[t]);
+    largest = std::max(largest, std::abs(x[t] - right));
+  }
+  const double scale = x.head(pairs_).maxCoeff();
+  return scale > 0.0 ? largest / scale : largest > 0.0 ? 1.0 : 0.0;
 }
 
 void RootProblem::finish() {
@@ -245,4 +353,12 @@ void RootProblem::finish() {
   }
 }
 
-}  // namespace ricochet::implicit_solver
+void require_solved(const RootProblem::Solution& solution) {
+  if (solution.residual <= residual_to_stop) return;
+  throw SolverError(fmt::format(
+      "the forces of {} contact pairs were not found: after {} iterations their conditions are violated by {:.2g} of the largest "
+      "force, allowed: {:.0e}; use a smaller time.step_s, contact.friction_coefficient or contact.friction_regularisation_s_m",
+      solution.states.size(), solution.iterations, solution.residual, residual_to_stop));
+}
+
+}  // namespace ricochet::solver

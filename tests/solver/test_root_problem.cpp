@@ -1,14 +1,15 @@
-#include "implicit_solver/contact/root_problem.hpp"
+#include "common/solver/root_problem.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-namespace ricochet::implicit_solver {
-namespace {
+#include "common/base/error.hpp"
+#include "common/solver/lemke.hpp"
 
-using solver::State;
+namespace ricochet::solver {
+namespace {
 
 Eigen::MatrixXd random_compliance(int size, std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -166,5 +167,87 @@ TEST(RootProblem, HoldsByItsSpringsWithAPenalty) {
   EXPECT_LT((root.spring(gap, slip).force.head(n) + stiffness * gap).norm(), 1e-12);
 }
 
+/// Conditions of the class comment, checked from the solution alone; the largest violation over the largest force.
+double violation(const Eigen::MatrixXd& compliance, double mu, const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                 const Eigen::VectorXd& force) {
+  const auto n = gap_free.size();
+  const Eigen::VectorXd motion = compliance * force;
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double normal = force[i], tangential = force[n + i], limit = mu * normal;
+    const double gap = (gap_free[i] + motion[i]) / compliance(i, i), slip = (slip_free[i] + motion[n + i]) / compliance(n + i, n + i);
+    worst = std::max({worst, -normal, -gap, std::min(normal, gap), std::abs(tangential) - limit});
+    // Inside the cone no slip; on it the slip is against the force.
+    if (std::abs(tangential) < limit - 1e-9) worst = std::max(worst, std::min(std::abs(slip), limit - std::abs(tangential)));
+    else worst = std::max(worst, std::min(tangential * slip, std::abs(slip)));
+  }
+  return worst / force.head(n).maxCoeff();
+}
+
+/// Compliances so coupled, and friction so large, that the states of many of these problems cycle.
+TEST(RootProblem, SolvesFrictionalProblemsWhoseStatesCycle) {
+  std::mt19937 random(3);
+  int cycled = 0, problems = 0;
+  for (const double mu : {0.3, 1.0, 2.0}) {
+    for (int trial = 0; trial < 300; ++trial) {
+      const int n = 2 + trial % 8;
+      const Eigen::MatrixXd compliance = 1e-9 * random_compliance(2 * n, random);  // m/N, as of steel
+      RootProblem root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+      const Eigen::VectorXd gap_free = 1e-6 * random_vector(n, random), slip_free = 1e-6 * random_vector(n, random);
+      if (gap_free.minCoeff() > 0.0) continue;
+      const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
+      ++problems;
+      cycled += solution.iterations > 30;
+      EXPECT_LT(solution.residual, 1e-8) << mu << ", trial " << trial;
+      EXPECT_LT(violation(compliance, mu, gap_free, slip_free, solution.force), 1e-7) << mu << ", trial " << trial;
+      EXPECT_NO_THROW(require_solved(solution));
+    }
+  }
+  RecordProperty("cycled", cycled);
+  EXPECT_GT(cycled, problems / 100) << "else this test shows nothing";
+  EXPECT_LT(cycled, problems / 2);
+}
+
+TEST(RootProblem, SolvesRegularisedProblemsWhoseStatesCycle) {
+  std::mt19937 random(4);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 2 + trial % 8;
+    scene::Contact law = frictional(0.5);
+    law.friction_law = scene::FrictionLaw::regularised;
+    law.friction_regularisation_s_m = 1.0;
+    const Eigen::MatrixXd compliance = 1e-6 * (0.3 * random_compliance(2 * n, random) + 2.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n));
+    RootProblem root(law, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    const Eigen::VectorXd gap_free = 1e-3 * random_vector(n, random), slip_free = 1e-3 * random_vector(n, random);
+    if (gap_free.minCoeff() > 0.0) continue;
+    EXPECT_LT(root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open()).residual, 1e-8) << trial;
+  }
+}
+
+TEST(RootProblem, SaysWhatItCouldNotSolveAndStopsAboveAThousandth) {
+  RootProblem::Solution solution{Eigen::VectorXd::Ones(1), {State::slip}, 30, 0.9e-3};
+  EXPECT_NO_THROW(require_solved(solution));
+  solution.residual = 1.1e-3;
+  EXPECT_THROW(require_solved(solution), SolverError);
+}
+
+TEST(Lemke, FindsTheSolutionOfASmallProblem) {
+  // w = z1 + 2 z2 - 5, 2 z1 + 5 z2 - 6: the first row alone is active. Worked out by hand: z = (5, 0), w = (0, 4).
+  Eigen::Matrix2d m;
+  m << 1, 2, 2, 5;
+  Eigen::VectorXd z;
+  EXPECT_GT(solve_lemke(m, Eigen::Vector2d(-5, -6), z), 0);
+  ASSERT_EQ(z.size(), 2);
+  EXPECT_NEAR(z[0], 5.0, 1e-14);
+  EXPECT_NEAR(z[1], 0.0, 1e-14);
+  EXPECT_EQ(solve_lemke(m, Eigen::Vector2d(1, 0), z), 0) << "nothing presses";
+  EXPECT_EQ(z.norm(), 0.0);
+}
+
+TEST(Lemke, SaysThatAProblemHasNoSolution) {
+  Eigen::VectorXd z;
+  EXPECT_GT(solve_lemke(-Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, -2), z), 0);
+  EXPECT_EQ(z.size(), 0);
+}
+
 }  // namespace
-}  // namespace ricochet::implicit_solver
+}  // namespace ricochet::solver

@@ -7,7 +7,7 @@
 #include "common/scene/scene.hpp"
 #include "common/solver/pairs.hpp"
 
-namespace ricochet::implicit_solver {
+namespace ricochet::solver {
 
 /// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with friction,
 /// tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
@@ -19,7 +19,10 @@ namespace ricochet::implicit_solver {
 /// with v_t = 2 slip / dt - v_t,n the relative tangential velocity at n + 1.
 ///
 /// States are found by the criteria (17)-(24), starting from those of the last window; the matrix of a set of states is
-/// kept factored while the states do not change. If they cycle, projected Gauss-Seidel finishes the job.
+/// kept factored while the states do not change. Where they cycle (1 to 16 % of frictional problems drawn at random), projected
+/// Gauss-Seidel goes on, which treats both friction laws; where that does not converge, Lemke's method on the linear
+/// complementarity problem that Coulomb friction is in two dimensions (Lemke 1965; Klarbring 1986). What is left undone
+/// stands in Solution::residual.
 class RootProblem {
  public:
   /// `compliance` D [m/N], symmetric positive definite, n x n without friction, 2n x 2n with; `area_m2` w per pair.
@@ -27,8 +30,11 @@ class RootProblem {
 
   struct Solution {
     Eigen::VectorXd force;              ///< x of the class comment
-    std::vector<solver::State> states;  ///< per pair
-    int iterations = 0;
+    std::vector<State> states;  ///< per pair
+    int iterations = 0;                 ///< linear solves, sweeps and pivots
+    /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the largest
+    /// normal force.
+    double residual = 0.0;
   };
 
   /// `slip_free` and `slip_velocity` (v_t,n [m/s]) are ignored without friction. `last` is the accepted solution of the
@@ -59,11 +65,21 @@ class RootProblem {
   void assemble();
   [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
   void stick_all();
-  void projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
+  /// Number of sweeps.
+  int projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                             const Eigen::VectorXd& slip_velocity, const Solution& last);
+  /// Number of pivots; leaves the forces alone if it finds none.
+  int lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
+  void states_of_forces();
+  [[nodiscard]] double residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                                const Eigen::VectorXd& slip_velocity, const Solution& last);
+  /// Tangential force of a pair if its normal force and all other forces were right. `slip`: with the present forces.
+  [[nodiscard]] double tangential_alone(int pair, double slip, double slip_velocity, double last) const;
   void finish();
   /// No tangential unknown: no friction, or supports hold both nodes (on the axis r = 0).
   [[nodiscard]] bool held(int pair) const;
   [[nodiscard]] double slack(int pair) const;  ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
+  [[nodiscard]] double alone(int unknown) const;  ///< what an unknown moves its own row by [m/N]
 
   scene::Contact law_;
   bool friction_, regularised_;
@@ -77,4 +93,7 @@ class RootProblem {
   Solution solution_;
 };
 
-}  // namespace ricochet::implicit_solver
+/// Throws SolverError for a residual above 1e-3: such contact forces mean nothing.
+void require_solved(const RootProblem::Solution& solution);
+
+}  // namespace ricochet::solver

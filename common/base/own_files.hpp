@@ -1,0 +1,48 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace ricochet {
+
+/// The files that this program wrote into a folder, known by a list that it keeps there (`.ricochet-files`). What is not
+/// on the list, or was changed since it was written, belongs to somebody else: it is never removed nor written over.
+class OwnFiles {
+ public:
+  static constexpr const char* list_name = ".ricochet-files";
+
+  /// Reads the list, if there is one. Throws ConfigError if it is not one of ours.
+  explicit OwnFiles(std::string folder);
+  OwnFiles(const OwnFiles&) = delete;
+  OwnFiles& operator=(const OwnFiles&) = delete;
+  /// Notes how each claimed file looks now, by which a later change of it is known, and removes halves of files.
+  ~OwnFiles();
+
+  /// Makes names below the folder ours, on disk before it returns; '#' stands for one or more digits. With each name
+  /// goes that of its half, ".part" appended. Throws ConfigError that names the first file which is there already and
+  /// is not ours; then nothing is claimed.
+  void claim(const std::vector<std::string>& names);
+  /// Removes what is ours, and folders that become empty by that.
+  void remove_all();
+
+ private:
+  enum class Owner { nobody, us, somebody_else };
+  struct Stamp {
+    long long size = -1, time_ns = -1;  ///< -1: it was claimed, but nobody noted how it looked at the end
+    bool operator==(const Stamp&) const = default;
+  };
+
+  [[nodiscard]] Owner owner_of(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> present(const std::string& pattern) const;
+  [[nodiscard]] Stamp stamp_of(const std::string& name) const;
+  void read();
+  void write() const;
+  void seal();
+
+  std::string folder_;
+  std::map<std::string, Stamp> listed_;  ///< names and patterns
+  std::vector<std::string> claimed_;     ///< by this object
+};
+
+}  // namespace ricochet

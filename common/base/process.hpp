@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+/// What this process has from the machine, and what it shows of texts by others.
+namespace ricochet {
+
+/// First of all in every program of ours. Standard files that are closed are opened on /dev/null: else the next file
+/// would take their number, and what is printed would get into it. A pipe that nobody reads and a file that may not
+/// grow are errors of `write`, not signals.
+void prepare_process();
+
+/// Raises the limit of open files to `needed` if that may be; else throws MachineError with both numbers.
+void require_descriptors(unsigned long needed);
+
+/// For a terminal: control characters, with which a text could take it over, become '?'; lines stay lines.
+[[nodiscard]] std::string printable(std::string_view text);
+
+}  // namespace ricochet

@@ -1,0 +1,75 @@
+// What a session answers besides link values: motion, contact, history rows, what has left the model.
+#include <algorithm>
+#include <initializer_list>
+
+#include "common/participant/session.hpp"
+
+namespace ricochet::participant {
+namespace {
+
+using wire::Message;
+
+void set(wire::Array& array, const std::vector<double>& values, int rows, int columns) {
+  array.rows = rows;
+  array.columns = columns;
+  array.data.assign(values.begin(), values.end());
+}
+
+}  // namespace
+
+void Session::put_absolute(wire::Array& absolute) const {
+  set(absolute, output_.value, nodes_, description_.components);
+}
+
+void Session::put_rates(Message& reply) const {
+  const int rows = moves_ ? nodes_ : 0;
+  set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
+  set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
+}
+
+void Session::put_contact(Message& reply) const {
+  reply.pairs_closed = contact_.pairs_closed;
+  reply.gap_min_m = contact_.gap_min_m;
+  reply.gap_rate_min_m_s = contact_.gap_rate_min_m_s;
+  reply.separated = contact_.separated;
+  reply.separation_time_s = contact_.separation_time_s;
+  reply.finished_early = contact_.finished;
+}
+
+void Session::put_departures(wire::Array& array) {
+  const auto found = participant_.departures();
+  array.resize(static_cast<int>(found.size()), wire::departure_columns);
+  auto out = array.data.begin();
+  for (const auto& d : found) {
+    for (const double value : {static_cast<double>(d.kind), static_cast<double>(d.body), static_cast<double>(d.last_without),
+                               static_cast<double>(d.first), static_cast<double>(d.looks), d.largest,
+                               static_cast<double>(d.window), d.x_m, d.y_m}) {
+      *out++ = value;
+    }
+  }
+}
+
+void Session::put_outline(wire::Array& array) {
+  const auto nodes = participant_.outline();
+  array.resize(static_cast<int>(nodes.size()), 2 + description_.components);
+  auto out = array.data.begin();
+  for (const auto& node : nodes) {
+    *out++ = node.body;
+    *out++ = node.node;
+    out = std::copy(node.displacement_m.begin(), node.displacement_m.end(), out);
+  }
+}
+
+void Session::put_records(bool requested, Message& reply) {
+  const int columns = static_cast<int>(description_.record_columns.size());
+  reply.records.resize(0, columns);
+  reply.departures.resize(0, wire::departure_columns);
+  reply.outline.resize(0, 2 + description_.components);
+  if (!requested) return;
+  put_departures(reply.departures);
+  put_outline(reply.outline);
+  reply.records.rows = static_cast<int>(rows_.size()) / columns;
+  reply.records.data.swap(rows_);
+}
+
+}  // namespace ricochet::participant

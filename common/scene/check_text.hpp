@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace ricochet::scene {
+
+/// Largest scene or study file [bytes], deepest nesting of brackets and longest dotted key: more makes the TOML parser
+/// run out of stack, memory or patience.
+inline constexpr std::size_t most_bytes = std::size_t{1} << 20;
+inline constexpr int deepest_nesting = 32, most_key_parts = 32;
+
+/// Before it is parsed. Throws ConfigError naming file, line, what was found and the limit.
+void check_text(const std::string& path, const std::string& text);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,221 @@
+#include "common/solver/massless_nodes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/fem/element.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// Nodes that share an edge of an element with a contact node and are none themselves, per contact node of `contact`.
+std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const std::vector<int>& contact) {
+  const auto corners = static_cast<std::size_t>(fem::nodes_per_element(state.part.mesh.model));
+  std::vector<int> place(static_cast<std::size_t>(state.part.nodes()), -1);
+  for (std::size_t i = 0; i < contact.size(); ++i) place[static_cast<std::size_t>(contact[i])] = static_cast<int>(i);
+  std::vector<std::vector<int>> inward(contact.size());
+  for (const auto& element : state.part.mesh.elements) {
+    for (std::size_t i = 0; i < corners; ++i) {
+      const int at = place[static_cast<std::size_t>(element[i])];
+      if (at < 0) continue;
+      auto& found = inward[static_cast<std::size_t>(at)];
+      for (const std::size_t next : {(i + 1) % corners, (i + corners - 1) % corners}) {
+        const int other = element[next];
+        if (place[static_cast<std::size_t>(other)] >= 0 || std::find(found.begin(), found.end(), other) != found.end()) continue;
+        found.push_back(other);
+      }
+    }
+  }
+  return inward;
+}
+
+[[noreturn]] void refuse(const BodyState& state, int node) {
+  const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
+  throw ConfigError(fmt::format(
+      "contact.multiplier_update = \"massless\": the contact node {} of body '{}' at ({:.6g}, {:.6g}) m has no neighbour behind the "
+      "contact surface among the elements of its participant to take its mass; give it a layer of elements, or use "
+      "\"trapezoidal_reset\"", state.part.body_node[static_cast<std::size_t>(node)], state.name, x[0], x[1]));
+}
+
+}  // namespace
+
+MasslessNodes::MasslessNodes(const ContactSurface& surface, std::vector<BodyState>& states)
+    : surface_(&surface),
+      statics_(states.size()),
+      inward_(surface.pairs.size()),
+      debt_j_(surface.pairs.size(), 0.0),
+      trial_debt_j_(surface.pairs.size(), 0.0) {
+  move_masses(states);
+  factor(states);
+}
+
+void MasslessNodes::move_masses(std::vector<BodyState>& states) {
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    auto& state = states[part];
+    std::vector<std::pair<std::size_t, double>> sides;  // pair, +1 for B
+    std::vector<int> contact;
+    for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+      for (const auto& [side, sign] : {std::pair{surface_->pairs[i].a, -1.0}, std::pair{surface_->pairs[i].b, 1.0}}) {
+        if (side.part != static_cast<int>(part)) continue;
+        sides.emplace_back(i, sign);
+        contact.push_back(side.node);
+      }
+    }
+    if (contact.empty()) continue;
+    auto statics = std::make_unique<Statics>();
+    statics->place.assign(static_cast<std::size_t>(state.part.dofs()), -1);
+    const auto inward = inward_neighbours(state, contact);
+    for (std::size_t k = 0; k < contact.size(); ++k) {
+      if (inward[k].empty()) refuse(state, contact[k]);
+      const double share = 1.0 / static_cast<double>(inward[k].size());
+      for (int c = 0; c < surface_->components; ++c) {
+        const int dof = contact[k] * surface_->components + c;
+        if (surface_->normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)]) continue;
+        for (const int other : inward[k]) {
+          const int to = other * surface_->components + c;
+          state.mass[to] += share * state.mass[dof];
+          if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
+          inward_[sides[k].first].push_back({part, to, sides[k].second * share * surface_->normal[c]});
+        }
+        state.mass[dof] = state.inverse_mass[dof] = 0.0;
+        statics->place[static_cast<std::size_t>(dof)] = static_cast<int>(statics->dofs.size());
+        statics->dofs.push_back(dof);
+      }
+    }
+    if (!statics->dofs.empty()) statics_[part] = std::move(statics);
+  }
+}
+
+void MasslessNodes::Statics::solve() {
+  factor.matrixL().solveInPlace(moved);
+  factor.matrixU().solveInPlace(moved);
+}
+
+/// K_cc of every part, and the root problem of the pairs' normal forces with the compliance N K_cc^-1 N^T.
+void MasslessNodes::factor(const std::vector<BodyState>& states) {
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    if (!statics_[part]) continue;
+    auto& statics = *statics_[part];
+    const auto size = static_cast<Eigen::Index>(statics.dofs.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
+      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it) {
+        const int column = statics.place[static_cast<std::size_t>(it.col())];
+        if (column >= 0) entries.emplace_back(static_cast<int>(i), column, it.value());
+      }
+    }
+    Eigen::SparseMatrix<double> k(size, size);
+    k.setFromTriplets(entries.begin(), entries.end());
+    statics.factor.compute(k);
+    if (statics.factor.info() != Eigen::Success) {
+      throw SolverError(fmt::format("body '{}': the stiffness of its massless contact nodes is not positive definite", states[part].name));
+    }
+    statics.moved.setZero(size);
+  }
+  const auto pairs = static_cast<Eigen::Index>(surface_->pairs.size());
+  Eigen::MatrixXd compliance(pairs, pairs);
+  for (Eigen::Index j = 0; j < pairs; ++j) {
+    for (auto& statics : statics_)
+      if (statics) statics->moved.setZero();
+    load(Eigen::VectorXd::Unit(pairs, j));
+    for (auto& statics : statics_)
+      if (statics) statics->solve();
+    for (Eigen::Index i = 0; i < pairs; ++i) {
+      const auto& pair = surface_->pairs[static_cast<std::size_t>(i)];
+      double gap = 0.0;
+      for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
+        if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
+        const auto& statics = *statics_[static_cast<std::size_t>(side.part)];
+        for (int c = 0; c < surface_->components; ++c) {
+          const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
+          if (at >= 0) gap += sign * surface_->normal[c] * statics.moved[at];
+        }
+      }
+      compliance(i, j) = gap;
+    }
+  }
+  scene::Contact normal_only;
+  root_.emplace(normal_only, compliance, std::vector<double>(surface_->pairs.size(), 1.0), 1.0);
+  last_ = root_->open();
+  gap_free_.setZero(pairs);
+}
+
+void MasslessNodes::load(const Eigen::VectorXd& normal_forces) {
+  for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+    const auto& pair = surface_->pairs[i];
+    const double force = normal_forces[static_cast<Eigen::Index>(i)];
+    if (force == 0.0) continue;
+    for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
+      if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
+      auto& statics = *statics_[static_cast<std::size_t>(side.part)];
+      for (int c = 0; c < surface_->components; ++c) {
+        const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
+        if (at >= 0) statics.moved[at] += sign * surface_->normal[c] * force;
+      }
+    }
+  }
+}
+
+const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& states,
+                                             const std::vector<const Eigen::VectorXd*>& external,
+                                             const std::vector<Eigen::VectorXd*>& u) {
+  const auto move = [&] {
+    for (std::size_t part = 0; part < states.size(); ++part) {
+      if (!statics_[part]) continue;
+      auto& statics = *statics_[part];
+      statics.solve();
+      for (std::size_t i = 0; i < statics.dofs.size(); ++i) (*u[part])[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
+      statics.moved.setZero();
+    }
+  };
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    if (!statics_[part]) continue;
+    auto& statics = *statics_[part];
+    for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
+      double force = (*external[part])[statics.dofs[i]];
+      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it)
+        force -= it.value() * (*u[part])[it.col()];
+      statics.moved[static_cast<Eigen::Index>(i)] = force;
+    }
+  }
+  move();
+  const auto of_part = [&](int part) -> const Eigen::VectorXd& { return *u[static_cast<std::size_t>(part)]; };
+  for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
+    const auto& pair = surface_->pairs[i];
+    gap_free_[static_cast<Eigen::Index>(i)] = pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
+  }
+  last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
+  require_solved(last_);
+  load(last_.force);
+  move();
+  return last_.force;
+}
+
+double MasslessNodes::give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
+                                const std::vector<double*>& velocity) {
+  double& debt = trial_debt_j_[pair];
+  debt = debt_j_[pair] + made_j;
+  double rate = 0.0, inverse_mass = 0.0;
+  for (const auto& share : inward_[pair]) {
+    rate += share.of_rate * velocity[share.part][share.dof];
+    inverse_mass += share.of_rate * share.of_rate * states[share.part].inverse_mass[share.dof];
+  }
+  if (debt == 0.0 || inverse_mass == 0.0 || !(most_n_s > 0.0)) return 0.0;
+  // J rate + J^2 inverse_mass / 2 = -debt, the root next to zero; without one, what stops the rate
+  const double square = rate * rate - 2.0 * debt * inverse_mass;
+  const double after = square > 0.0 ? std::copysign(std::sqrt(square), rate) : 0.0;
+  const double impulse = std::clamp((after - rate) / inverse_mass, -most_n_s, most_n_s);
+  const double work = impulse * (rate + 0.5 * impulse * inverse_mass);
+  for (const auto& share : inward_[pair]) {
+    velocity[share.part][share.dof] += share.of_rate * states[share.part].inverse_mass[share.dof] * impulse;
+  }
+  debt += work;
+  trial_work_j_ += work;
+  return impulse;
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,228 @@
+#include "common/solver/model_watch.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::solver {
+namespace {
+
+using Kind = participant::DepartureKind;
+
+/// Share of an edge up to which a gap is no gap.
+constexpr double closed_share = 1e-6;
+/// Nodes that move against each other by less than this share of the shortest edge cannot invert an element.
+constexpr double safe_share = 0.2;
+
+/// Smallest Jacobian at a corner of a moved quadrilateral over that of the reference.
+double smallest_jacobian_ratio(const fem::ElementCoordinates& x, const std::array<Eigen::Vector2d, 4>& u) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const auto jacobian = [&](int corner, bool moved) {
+    const auto at = [&](int i) -> Eigen::Vector2d {
+      const int node = i % 4;
+      return moved ? Eigen::Vector2d(x.row(node).transpose() + u[static_cast<std::size_t>(node)]) : x.row(node).transpose();
+    };
+    const Eigen::Vector2d next = at(corner + 1) - at(corner), before = at(corner + 3) - at(corner);
+    return next[0] * before[1] - next[1] * before[0];
+  };
+  for (int corner = 0; corner < 4; ++corner) smallest = std::min(smallest, jacobian(corner, true) / jacobian(corner, false));
+  return smallest;
+}
+
+/// Largest |principal value| of the symmetric part of a displacement gradient.
+double principal_strain(const Eigen::Matrix2d& gradient) {
+  const double mean = 0.5 * (gradient(0, 0) + gradient(1, 1)), difference = 0.5 * (gradient(0, 0) - gradient(1, 1));
+  return std::abs(mean) + std::hypot(difference, 0.5 * (gradient(0, 1) + gradient(1, 0)));
+}
+
+/// u_r / r at an element's middle.
+double hoop_strain(const fem::Mesh& mesh, const std::array<int, 4>& nodes, const std::array<Eigen::Vector2d, 4>& u) {
+  double u_r = 0.0, r = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    u_r += u[i][0];
+    r += mesh.position[static_cast<std::size_t>(nodes[i])][0];
+  }
+  return u_r / r;
+}
+
+/// Per node the smallest extent along the normal of the elements there [m].
+std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector2d& normal) {
+  std::vector<double> depth_m(mesh.position.size(), std::numeric_limits<double>::infinity());
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const Eigen::VectorXd along = fem::element_coordinates(mesh, e) * normal;
+    const double own_m = along.maxCoeff() - along.minCoeff();
+    for (int i = 0; i < fem::nodes_per_element(mesh.model); ++i) {
+      const int node = mesh.elements[static_cast<std::size_t>(e)][static_cast<std::size_t>(i)];
+      depth_m[static_cast<std::size_t>(node)] = std::min(depth_m[static_cast<std::size_t>(node)], own_m);
+    }
+  }
+  return depth_m;
+}
+
+}  // namespace
+
+ModelWatch::ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface)
+    : surface_(surface) {
+  prepare_elements(states);
+  if (surface_) prepare_pairs(problem);
+}
+
+void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
+  for (const auto& state : states) {
+    auto& elements = elements_.emplace_back();
+    const auto& mesh = state.part.mesh;
+    for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+      const fem::ElementCoordinates x = fem::element_coordinates(mesh, e);
+      const int corners = fem::nodes_per_element(mesh.model);
+      Element element;
+      element.shortest_edge_m = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < corners; ++i) {
+        element.shortest_edge_m = std::min(element.shortest_edge_m, (x.row((i + 1) % corners) - x.row(i)).norm());
+      }
+      Eigen::Matrix2d diagonals = Eigen::Matrix2d::Identity();
+      if (corners == 2) {
+        diagonals(0, 0) = x(1, 0) - x(0, 0);
+      } else {
+        diagonals << (x.row(2) - x.row(0)).transpose(), (x.row(3) - x.row(1)).transpose();
+      }
+      element.inverse_diagonals = diagonals.inverse();
+      elements.push_back(element);
+    }
+  }
+}
+
+void ModelWatch::prepare_pairs(const scene::Problem& problem) {
+  const auto& contact = problem.contact;
+  const auto& body_a = problem.bodies[static_cast<std::size_t>(contact.body_a)];
+  two_bodies_ = contact.body_b >= 0;
+  ended_ = two_bodies_ && body_a.mesh.period_m == 0.0 && surface_->components == 2;
+  std::vector<std::size_t> order;
+  for (const auto& pair : contact.pairs) {
+    const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
+    order.push_back(pairs_.size());
+    pairs_.push_back({surface_->tangent.dot(x), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), x});
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return pairs_[i].along_m < pairs_[j].along_m; });
+  ends_ = {order.front(), order.back()};
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    auto &low = pairs_[order[k - 1]], &high = pairs_[order[k]];
+    const double edge_m = high.along_m - low.along_m;
+    low.edge_m = std::min(low.edge_m, edge_m);
+    high.edge_m = std::min(high.edge_m, edge_m);
+  }
+  for (const bool first : {true, false}) {
+    const int body = first ? contact.body_a : contact.body_b;
+    if (body < 0) continue;
+    const auto depth_m = depths(problem.bodies[static_cast<std::size_t>(body)].mesh, contact.normal);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const int node = first ? contact.pairs[i].node_a : contact.pairs[i].node_b;
+      pairs_[i].depth_m = std::min(pairs_[i].depth_m, depth_m[static_cast<std::size_t>(node)]);
+    }
+  }
+  for (auto& pair : pairs_) {
+    if (!std::isfinite(pair.edge_m)) pair.edge_m = pair.depth_m;  // the one pair of two bars
+  }
+}
+
+void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states, bool last) {
+  if (elements_.empty()) return;
+  if (slipped_) look_past_ends(window, states);
+  if ((window % every != 0 && !last) || window == last_look_) return;
+  look_at_elements(window, states);
+  if (surface_) look_at_pairs(window, states);
+  last_look_ = window;
+}
+
+void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodyState>& states) {
+  for (std::size_t p = 0; p < states.size(); ++p) {
+    const auto& state = states[p];
+    const auto& mesh = state.part.mesh;
+    const int components = fem::components(mesh.model);
+    Worst strain, rotation, inverted;
+    for (std::size_t e = 0; e < elements_[p].size(); ++e) {
+      const auto& element = elements_[p][e];
+      const auto& nodes = mesh.elements[e];
+      const Eigen::Vector2d& place = mesh.position[static_cast<std::size_t>(nodes[0])];
+      if (components == 1) {
+        const double stretch = (state.u[nodes[1]] - state.u[nodes[0]]) * element.inverse_diagonals(0, 0);
+        strain.take(std::abs(stretch), place);
+        if (stretch <= -1.0) inverted.take(-stretch, place);
+        continue;
+      }
+      std::array<Eigen::Vector2d, 4> u;
+      for (std::size_t i = 0; i < 4; ++i) u[i] = state.u.segment<2>(2 * nodes[i]);
+      Eigen::Matrix2d differences;
+      differences << u[2] - u[0], u[3] - u[1];
+      const Eigen::Matrix2d gradient = differences * element.inverse_diagonals;
+      // No principal strain and no rotation is larger than the gradient: nearly every element is done with here.
+      if (gradient.squaredNorm() > strain_limit * strain_limit) {
+        strain.take(principal_strain(gradient), place);
+        rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
+      }
+      if (mesh.model == fem::Model::axisymmetric) strain.take(std::abs(hoop_strain(mesh, nodes, u)), place);
+      const double moved = std::max({(u[1] - u[0]).squaredNorm(), (u[2] - u[0]).squaredNorm(), (u[3] - u[0]).squaredNorm()});
+      if (moved <= safe_share * safe_share * element.shortest_edge_m * element.shortest_edge_m) continue;
+      const double ratio = smallest_jacobian_ratio(fem::element_coordinates(mesh, static_cast<int>(e)), u);
+      if (ratio <= 0.0) inverted.take(1.0 - ratio, place);
+    }
+    const int part = static_cast<int>(p);
+    if (strain.size > strain_limit) report(Kind::strain, part, window, strain);
+    if (rotation.size > rotation_limit) report(Kind::rotation, part, window, rotation);
+    if (inverted.size > 0.0) report(Kind::inverted, part, window, inverted);
+  }
+}
+
+void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>& states) {
+  Worst slip, penetration;
+  slipped_ = false;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const double gap_m = surface_->gap(surface_->pairs[i], states);
+    penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
+    if (!two_bodies_ || surface_->components == 1) continue;
+    const double size = std::abs(surface_->moved(surface_->pairs[i], surface_->tangent, states)) / pairs_[i].edge_m;
+    if (size < 0.5 * slip_limit) continue;
+    slipped_ = ended_;
+    if (gap_m <= closed_share * pairs_[i].edge_m) slip.take(size, pairs_[i].x);
+  }
+  const int part = surface_->pairs.front().a.part;
+  if (slip.size > slip_limit) report(Kind::slip, part, window, slip);
+  if (penetration.size > penetration_limit) report(Kind::penetration, part, window, penetration);
+}
+
+/// Where a node of a pair has got to, along the tangent [m].
+double ModelWatch::along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const {
+  const auto& state = states[static_cast<std::size_t>(side.part)];
+  return pairs_[pair].along_m + surface_->tangent.dot(state.u.segment<2>(2 * side.node));
+}
+
+void ModelWatch::look_past_ends(std::int64_t window, const std::vector<BodyState>& states) {
+  Worst worst;
+  const auto& pairs = surface_->pairs;
+  const double low_a = along(ends_[0], pairs[ends_[0]].a, states), high_a = along(ends_[1], pairs[ends_[1]].a, states);
+  const double low_b = along(ends_[0], pairs[ends_[0]].b, states), high_b = along(ends_[1], pairs[ends_[1]].b, states);
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const double a = along(i, pairs[i].a, states), b = along(i, pairs[i].b, states);
+    const double past_m = std::max({low_b - a, a - high_b, low_a - b, b - high_a});
+    if (past_m < off_limit * pairs_[i].edge_m || surface_->gap(pairs[i], states) > closed_share * pairs_[i].edge_m) continue;
+    worst.take(past_m / pairs_[i].edge_m, pairs_[i].x);
+  }
+  if (worst.size > 0.0) report(Kind::off_partner, pairs.front().a.part, window, worst);
+}
+
+void ModelWatch::report(Kind kind, int part, std::int64_t window, const Worst& worst) {
+  auto found = std::find_if(found_.begin(), found_.end(),
+                            [&](const participant::Departure& d) { return d.kind == kind && d.body == part; });
+  if (found == found_.end()) {
+    found_.push_back({.kind = kind, .body = part, .last_without = std::min(last_look_, window - 1), .first = window});
+    found = found_.end() - 1;
+  }
+  ++found->looks;
+  if (worst.size <= found->largest) return;
+  found->largest = worst.size;
+  found->window = window;
+  found->x_m = worst.place[0];
+  found->y_m = worst.place[1];
+}
+
+}  // namespace ricochet::solver

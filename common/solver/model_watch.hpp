@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+#include "common/solver/contact_surface.hpp"
+
+namespace ricochet::solver {
+
+/// Looks for what small strain, small displacement and node pairs that stay opposite do not describe:
+///   strain      largest |principal strain| at an element's middle, hoop strain included
+///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H: exact for any rotation [rad]
+///   inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
+///   slip        of a closed pair of two bodies, over the shorter edge at its nodes: so far they are from being opposite
+///   off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there. From 1/2 on nothing of the
+///               surface that the node stands for faces the other body, which the slip says; from 1 on that is no matter of half an
+///               element, and a force there is wrong
+///   penetration of a pair, over the depth of the shallower element behind it
+/// A look costs less than K u and is made every `every` windows; pairs that have slipped are looked at after each.
+class ModelWatch {
+ public:
+  static constexpr std::int64_t every = 16;
+  static constexpr double strain_limit = 0.02;
+  static constexpr double rotation_limit = 0.034906585039886591;  ///< 2 degrees
+  static constexpr double slip_limit = 0.5, off_limit = 1.0, penetration_limit = 1.0;
+
+  ModelWatch() = default;  ///< looks at nothing
+  /// `surface`: of who enforces the contact, else null; it must outlive the watch unmoved.
+  ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface);
+
+  /// After a window is accepted; `last`: no other follows, so it looks whatever the window is.
+  void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false);
+  [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
+
+ private:
+  /// What an element's look needs of the reference.
+  struct Element {
+    Eigen::Matrix2d inverse_diagonals;  ///< of (x_3 - x_1, x_4 - x_2); bar: 1/length first
+    double shortest_edge_m = 0.0;
+  };
+  /// What is the worst of one kind in one look.
+  struct Worst {
+    double size = 0.0;
+    Eigen::Vector2d place{0.0, 0.0};
+    void take(double other, const Eigen::Vector2d& at) {
+      if (other > size) *this = {other, at};
+    }
+  };
+  struct PairPlace {
+    double along_m = 0.0;  ///< of its nodes in the reference, along the tangent
+    double edge_m = 0.0;   ///< shorter edge at its nodes
+    double depth_m = 0.0;  ///< smaller depth of the elements at its nodes
+    Eigen::Vector2d x{0.0, 0.0};
+  };
+  void prepare_elements(const std::vector<BodyState>& states);
+  void prepare_pairs(const scene::Problem& problem);
+  void look_at_elements(std::int64_t window, const std::vector<BodyState>& states);
+  void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
+  void look_past_ends(std::int64_t window, const std::vector<BodyState>& states);
+  [[nodiscard]] double along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const;
+  void report(participant::DepartureKind kind, int part, std::int64_t window, const Worst& worst);
+
+  std::vector<std::vector<Element>> elements_;  ///< per part
+  const ContactSurface* surface_ = nullptr;
+  std::vector<PairPlace> pairs_;
+  std::array<std::size_t, 2> ends_{};  ///< pairs at the low and high end of the surfaces
+  bool two_bodies_ = false;            ///< else a plane, on which all places are alike
+  bool ended_ = false;                 ///< the surfaces do not repeat
+  bool slipped_ = false;
+  std::int64_t last_look_ = 0;
+  std::vector<participant::Departure> found_;
+};
+
+}  // namespace ricochet::solver

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::solver {
+
+/// The outline nodes of this participant's bodies that others could meet without a contact: what the coupler, which alone knows all
+/// bodies, watches. None where every two bodies have a contact between them.
+class WatchedOutline {
+ public:
+  WatchedOutline() = default;  ///< nothing
+  WatchedOutline(const scene::Problem& problem, const std::vector<BodyState>& states);
+
+  [[nodiscard]] std::vector<participant::OutlineNode> nodes(const std::vector<BodyState>& states) const;
+
+ private:
+  struct Node {
+    std::size_t part = 0;
+    int local = 0;
+  };
+  std::vector<Node> nodes_;
+};
+
+}  // namespace ricochet::solver

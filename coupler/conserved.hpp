@@ -1,0 +1,12 @@
+#pragma once
+
+#include "common/scene/problem.hpp"
+#include "coupler/history.hpp"
+
+namespace ricochet::coupler {
+
+/// What a scene conserves. In axisymmetry that is the axial momentum alone: the sum over the ring of the radial one is no momentum,
+/// whichever of normal and tangent is radial. Angular momentum is balanced in plane strain, if no mesh repeats across.
+[[nodiscard]] Conserved conserved_by(const scene::Problem& problem);
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,182 @@
+// What a scene leaves the model by: said with place, time and size, and the run stopped where results would be wrong.
+#include <gmock/gmock.h>
+
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string body(const std::string& name, const std::string& mesh, const std::string& velocity, const std::string& more = "") {
+  return "[[body]]\nname = \"" + name + "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n" + "mesh = { " +
+         mesh + " }\ninitial_velocity_m_s = " + velocity + "\n" + more;
+}
+
+/// "[x, more]", and without more "[x]".
+std::string list(double x, const std::string& more = "") {
+  std::ostringstream text;
+  text << '[' << std::to_string(x) << more << ']';
+  return text.str();
+}
+
+std::string settings(double step_s, double end_s, const std::string& protocol) {
+  return "[time]\nstep_s = " + std::to_string(step_s * 1e6) + "e-6\nend_s = " + std::to_string(end_s * 1e6) + "e-6\n[coupling]\nprotocol = \"" +
+         protocol + "\"\n";
+}
+
+const nlohmann::json* find(const RunResult& run, const std::string& kind) {
+  for (const auto& entry : run.summary.at("outside_model"))
+    if (entry.at("kind") == kind) return &entry;
+  return nullptr;
+}
+
+/// Exit code, status, what is said where, and that the history ends where it is valid.
+void expect_left(const RunResult& run, const std::string& kind, const std::string& text) {
+  EXPECT_EQ(run.outcome.code, 6) << run.outcome.error;
+  EXPECT_EQ(run.summary.at("status"), "left_model");
+  EXPECT_EQ(run.summary.at("exit_code"), 6);
+  EXPECT_THAT(run.outcome.error, HasSubstr("warning: "));
+  EXPECT_THAT(run.outcome.error, HasSubstr("left the model: "));
+  EXPECT_THAT(run.outcome.error, HasSubstr("is valid"));
+  EXPECT_THAT(run.outcome.error, HasSubstr(text));
+  ASSERT_TRUE(find(run, kind)) << run.summary.at("outside_model");
+  EXPECT_TRUE(find(run, kind)->at("results_wrong").get<bool>());
+  EXPECT_GE(find(run, kind)->at("first_s").get<double>(), run.summary.at("valid_until_s").get<double>());
+  EXPECT_LE(run.last("time_s"), std::max(run.summary.at("valid_until_s").get<double>(), run.column("time_s").front()) + 2e-4);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), HasSubstr("outside the model"));
+}
+
+Outcome check(const std::string& text, const TemporaryFolder& folder) {
+  return run_command({ricochet_binary(), "check", folder.write(text, "check.toml")}, folder.path().string());
+}
+
+/// A block that flies 100 mm to the side of its 50 mm partner before it comes down.
+std::string sideways(const std::string& protocol, double velocity_m_s) {
+  const std::string mesh = "height_m = 0.05, elements = [5, 4], length_m = 0.04";
+  return "model = \"plane_strain\"\n" + body("lower", "start_m = -0.04, " + mesh, "[0.0, 0.0]") +
+         body("upper", mesh, list(velocity_m_s, ", -1.0")) +
+         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\n"
+         "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" + settings(5e-6, 1.3e-3, protocol);
+}
+
+class OffPartner : public testing::TestWithParam<std::string> {};
+
+TEST_P(OffPartner, IsNoContact) {
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(sideways(GetParam(), 100.0)), folder);
+  expect_left(run, "off_partner", "past the end of its partner's surface");
+  EXPECT_NEAR(find(run, "off_partner")->at("first_s").get<double>(), 1e-3, 1.5e-5) << "in the first window of the contact, or the next";
+  EXPECT_NEAR(run.summary.at("valid_until_s").get<double>(), 1e-3, 1e-4);
+  EXPECT_LE(run.last("time_s"), 1e-3 + 2e-4);
+}
+
+TEST(Flight, AsideOfThePartnerIsPredicted) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(check(sideways("hughes_liu", 100.0), folder).out, HasSubstr("moved 0.1 m along the contact surface, 10 element edges: nodes are past"));
+  EXPECT_THAT(check(sideways("hughes_liu", 7.0), folder).out, HasSubstr("0.7 element edges: pressure and friction act"));
+  EXPECT_THAT(check(sideways("hughes_liu", 3.0), folder).out, Not(HasSubstr("element edges")));
+}
+
+TEST_P(OffPartner, SlipOfLessIsSaidWithItsSize) {
+  const TemporaryFolder folder;
+  const auto run = run_text(sideways(GetParam(), 7.0), folder);  // 7 mm along edges of 10 mm when they touch
+  ASSERT_TRUE(find(run, "slip")) << run.summary.at("outside_model");
+  EXPECT_NEAR(find(run, "slip")->at("size").get<double>(), 0.75, 0.1);
+  EXPECT_FALSE(find(run, "slip")->at("results_wrong").get<bool>());
+  EXPECT_TRUE(run_text(sideways(GetParam(), 3.0), folder, "less").summary.at("outside_model").empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Outside, OffPartner, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
+                         [](const auto& test) { return test.param; });
+
+/// Two bars of 1 m with c = 1000 m/s; each is strained by half the closing speed over c.
+std::string bars(double closing_m_s, double step_s, const std::string& protocol = "hughes_liu") {
+  return "model = \"bar\"\n" + body("left", "start_m = -1.0, length_m = 1.0, elements = 50", list(closing_m_s)) +
+         body("right", "length_m = 1.0, elements = 50", "[0.0]") +
+         "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { left = 0.1, right = 0.1 }\n" +
+         settings(step_s, 1.5e-3, protocol);
+}
+
+TEST(Strain, AboveTwoPercentIsSaidWithTheErrorToExpect) {
+  const TemporaryFolder folder;
+  const auto run = run_text(bars(60.0, 1.8e-5), folder);
+  ASSERT_TRUE(find(run, "strain"));
+  EXPECT_NEAR(find(run, "strain")->at("size").get<double>(), 0.034, 0.006);  // 0.03, and what the front overshoots
+  EXPECT_FALSE(find(run, "strain")->at("results_wrong").get<bool>());
+  EXPECT_TRUE(run.summary.at("valid_until_s").is_null());
+  EXPECT_THAT(run.outcome.error, HasSubstr("expect errors of stresses and forces of about 3"));
+  EXPECT_THAT(run.outcome.out, HasSubstr("outside the model"));
+  EXPECT_THAT(check(bars(60.0, 1.8e-5), folder).out, HasSubstr("strains body \"left\" by about 3 %"));
+  EXPECT_TRUE(run_text(bars(30.0, 1.8e-5), folder, "small").summary.at("outside_model").empty());
+  EXPECT_THAT(check(bars(30.0, 1.8e-5), folder).out, Not(HasSubstr("strains body")));
+}
+
+TEST(InvertedElement, StopsTheRun) {
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(bars(2400.0, 4e-6)), folder);
+  expect_left(run, "inverted_element", "is turned inside out");
+}
+
+TEST(Step, ThatMovesTheBodiesByAnElementIsRefused) {
+  const TemporaryFolder folder;
+  const auto refused = check(bars(1200.0, 1.8e-5), folder);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("1.08 of the depth of an element of body \"left\""));
+  EXPECT_THAT(check(bars(800.0, 1.8e-5), folder).out, HasSubstr("nearly inside out"));
+}
+
+/// "left" hits "right" at 1 mm/ms, which then flies on to a third bar that no contact keeps away.
+std::string third_bar(const std::string& protocol, double velocity_m_s) {
+  return replaced(bars(2.0, 1.8e-5, protocol), "[contact]",
+                  body("third", "start_m = 1.002, length_m = 0.02, elements = 1", list(velocity_m_s)) + "[contact]");
+}
+
+class ThirdBody : public testing::TestWithParam<std::string> {};
+
+TEST_P(ThirdBody, ThatAnotherMeetsWithoutAContactStopsTheRun) {
+  const TemporaryFolder folder;
+  const std::string text = replaced(third_bar(GetParam(), 0.0), "end_s = 1500", "end_s = 6000");
+  EXPECT_THAT(check(text, folder).out, Not(HasSubstr("no contact"))) << "not on a straight flight from the start";
+  const auto run = run_file(folder.write(text), folder);
+  expect_left(run, "overlap", "with no contact between them");
+  // The far end of "right" moves with 2 m/s from 1 ms on for 1 ms, and its middle with 1 m/s: 2 mm are gone at about 2 ms.
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 2e-3, 4e-4);
+}
+
+TEST_P(ThirdBody, ThatFliesThroughAThinOneBetweenTwoLooksIsSeen) {
+  const TemporaryFolder folder;  // 0.58 m in 32 windows, through 0.02 m into the bar of 1 m
+  std::string text = replaced(third_bar(GetParam(), -1000.0), "start_m = 1.002", "start_m = 1.4");
+  text = replaced(text, "start_m = -1.0", "start_m = -1.002");  // "left" comes later
+  EXPECT_THAT(check(text, folder).out, HasSubstr("meet at about 0.0004"));
+  const auto run = run_file(folder.write(text), folder);
+  expect_left(run, "overlap", "bodies 'right' and 'third' overlap");
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 4e-4, 2e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Outside, ThirdBody, testing::Values("hughes_liu", "all_implicit", "all_explicit", "prakash_hjelmstad"),
+                         [](const auto& test) { return test.param; });
+
+TEST(Overlap, AtTheStartIsRefused) {
+  const TemporaryFolder folder;
+  const auto refused = check(replaced(third_bar("hughes_liu", 0.0), "start_m = 1.002", "start_m = 0.99"), folder);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("overlaps body \"right\" by 0.01 m"));
+}
+
+TEST(Rotation, AboveTwoDegreesIsSaid) {
+  const TemporaryFolder folder;  // a cantilever that bends
+  const std::string text = "model = \"plane_strain\"\n" +
+                           body("beam", "height_m = 0.05, length_m = 1.0, elements = [4, 40]", "[0.0, 0.0]",
+                                "support = [{ surface = \"start\", fixed = [\"x\", \"y\"] }]\n"
+                                "traction = [{ surface = \"end\", traction_pa = [4e4, 0.0] }]\n") +
+                           settings(1e-3, 0.06, "all_implicit");
+  const auto run = run_text(text, folder);
+  ASSERT_TRUE(find(run, "rotation")) << run.summary.at("outside_model");
+  EXPECT_NEAR(find(run, "rotation")->at("size").get<double>(), 0.16, 0.03);  // nearly twice the static 6 p L^2 (1 - nu^2)/(E h^2)
+  EXPECT_THAT(run.outcome.error, HasSubstr("a strain of 0.0"));
+}
+
+}  // namespace
+}  // namespace ricochet::test

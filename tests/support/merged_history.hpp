@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "coupler/conserved.hpp"
+#include "coupler/history.hpp"
+#include "tests/support/one_process.hpp"
+
+namespace ricochet::test {
+
+inline coupler::History history_of(OneProcess& run) {
+  std::vector<std::string> bodies;
+  for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
+  std::vector<coupler::History::Source> sources;
+  for (const auto& link : run.coupling().links()) sources.push_back({link.name(), link.description().record_columns});
+  return coupler::History(sources, bodies, run.problem().window_size_s, coupler::conserved_by(run.problem()));
+}
+
+/// All rows of a scene computed in one process: what history.csv is written from, with the sums per body.
+inline std::vector<coupler::HistoryRow> rows_of(const std::string& scene_path) {
+  OneProcess run(scene_path);
+  coupler::History history = history_of(run);
+  std::vector<coupler::HistoryRow> rows;
+  run.run([&](std::int64_t) {
+    auto& links = run.coupling().links();
+    for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
+    while (auto row = history.next()) rows.push_back(*std::move(row));
+  });
+  return rows;
+}
+
+}  // namespace ricochet::test
