@@ -118,7 +118,7 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_, names,
-                                         body_names(scene_));
+                                         body_names(scene_), EnergyWatch::every_of(plan_.windows));
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.

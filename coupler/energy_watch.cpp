@@ -63,16 +63,17 @@ double energy_floor_j(const scene::Problem& problem) {
 }
 
 EnergyWatch::EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
-                         std::vector<std::string> bodies)
+                         std::vector<std::string> bodies, std::int64_t look_every)
     : limit_(limit),
       floor_j_(floor_j),
+      every_(look_every),
       suspicion_(std::move(suspicion)),
       participants_(std::move(participants)),
       bodies_(std::move(bodies)) {}
 
 void EnergyWatch::check(const HistoryRow& row) {
   if (!finite(row)) stop(row, "a result is not finite", 0.0);
-  if (row.window % every != 0) return;
+  if (row.window % every_ != 0) return;
   const double growth_j = balance_.created_j(row), reference_j = std::max(balance_.reference_j(), floor_j_);
   if (growth_j <= limit_ * reference_j) {
     growing_since_.reset();

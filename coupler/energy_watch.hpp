@@ -34,12 +34,14 @@ struct Suspicion {
 class EnergyWatch {
  public:
   static constexpr std::int64_t every = 8;      ///< windows from look to look
+  /// The same of a run of so many windows: a short one is looked at after each.
+  [[nodiscard]] static std::int64_t every_of(std::int64_t windows) { return windows < 1000 ? 1 : every; }
   static constexpr std::int64_t patience = 32;  ///< windows that growth must last where most of the energy comes from outside
 
   /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`. `participants`,
   /// `bodies`: names for the texts.
   EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
-              std::vector<std::string> bodies);
+              std::vector<std::string> bodies, std::int64_t look_every = every);
 
   /// Throws SolverError naming window, time, where energy was made and the likely cause, if the energy balance has
   /// grown by more than the limit or anything in the row is not finite.
@@ -50,6 +52,7 @@ class EnergyWatch {
   [[nodiscard]] std::string culprit(const HistoryRow& row, double growth_j) const;
 
   double limit_, floor_j_;
+  std::int64_t every_;
   Suspicion suspicion_;
   std::vector<std::string> participants_, bodies_;
   EnergyBalance balance_;

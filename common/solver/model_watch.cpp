@@ -126,12 +126,14 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
 }
 
 void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states, bool last) {
-  if (elements_.empty()) return;
-  if (slipped_) look_past_ends(window, states);
-  if ((window % every != 0 && !last) || window == last_look_) return;
-  look_at_elements(window, states);
-  if (surface_) look_at_pairs(window, states);
-  last_look_ = window;
+  const bool due = (window % every == 0 || last) && window != last_look_;
+  if (elements_.empty() || (!due && window == last_window_)) return;
+  const std::int64_t before = slipped_ ? last_window_ : last_look_;
+  if (due) look_at_elements(window, states);
+  if (due && surface_) look_at_pairs(window, states);
+  if (slipped_) look_at_slipped(before, window, states);
+  if (due) last_look_ = window;
+  last_window_ = window;
 }
 
 void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodyState>& states) {
@@ -167,27 +169,28 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
       if (ratio <= 0.0) inverted.take(1.0 - ratio, place);
     }
     const int part = static_cast<int>(p);
-    if (strain.size > strain_limit) report(Kind::strain, part, window, strain);
-    if (rotation.size > rotation_limit) report(Kind::rotation, part, window, rotation);
-    if (inverted.size > 0.0) report(Kind::inverted, part, window, inverted);
+    if (strain.size > strain_limit) report(Kind::strain, part, last_look_, window, strain);
+    if (rotation.size > rotation_limit) report(Kind::rotation, part, last_look_, window, rotation);
+    if (inverted.size > 0.0) report(Kind::inverted, part, last_look_, window, inverted);
   }
 }
 
 void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>& states) {
-  Worst slip, penetration;
+  Worst penetration;
   slipped_ = false;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const double gap_m = surface_->gap(surface_->pairs[i], states);
     penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
     if (!two_bodies_ || surface_->components == 1) continue;
-    const double size = std::abs(surface_->moved(surface_->pairs[i], surface_->tangent, states)) / pairs_[i].edge_m;
-    if (size < 0.5 * slip_limit) continue;
-    slipped_ = ended_;
-    if (gap_m <= closed_share * pairs_[i].edge_m) slip.take(size, pairs_[i].x);
+    slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
   }
   const int part = surface_->pairs.front().a.part;
-  if (slip.size > slip_limit) report(Kind::slip, part, window, slip);
-  if (penetration.size > penetration_limit) report(Kind::penetration, part, window, penetration);
+  if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
+}
+
+/// Of a pair's nodes against each other, in edges.
+double ModelWatch::slip(std::size_t pair, const std::vector<BodyState>& states) const {
+  return std::abs(surface_->moved(surface_->pairs[pair], surface_->tangent, states)) / pairs_[pair].edge_m;
 }
 
 /// Where a node of a pair has got to, along the tangent [m].
@@ -196,25 +199,29 @@ double ModelWatch::along(std::size_t pair, const PairSide& side, const std::vect
   return pairs_[pair].along_m + surface_->tangent.dot(state.u.segment<2>(2 * side.node));
 }
 
-void ModelWatch::look_past_ends(std::int64_t window, const std::vector<BodyState>& states) {
-  Worst worst;
+void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
+  Worst slipped, past;
   const auto& pairs = surface_->pairs;
-  const double low_a = along(ends_[0], pairs[ends_[0]].a, states), high_a = along(ends_[1], pairs[ends_[1]].a, states);
-  const double low_b = along(ends_[0], pairs[ends_[0]].b, states), high_b = along(ends_[1], pairs[ends_[1]].b, states);
+  const auto low = ends_[0], high = ends_[1];
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (surface_->gap(pairs[i], states) > closed_share * pairs_[i].edge_m) continue;
+    slipped.take(slip(i, states), pairs_[i].x);
+    if (!ended_) continue;
     const double a = along(i, pairs[i].a, states), b = along(i, pairs[i].b, states);
-    const double past_m = std::max({low_b - a, a - high_b, low_a - b, b - high_a});
-    if (past_m < off_limit * pairs_[i].edge_m || surface_->gap(pairs[i], states) > closed_share * pairs_[i].edge_m) continue;
-    worst.take(past_m / pairs_[i].edge_m, pairs_[i].x);
+    const double past_m = std::max({along(low, pairs[low].b, states) - a, a - along(high, pairs[high].b, states),
+                                    along(low, pairs[low].a, states) - b, b - along(high, pairs[high].a, states)});
+    past.take(past_m / pairs_[i].edge_m, pairs_[i].x);
   }
-  if (worst.size > 0.0) report(Kind::off_partner, pairs.front().a.part, window, worst);
+  const int part = pairs.front().a.part;
+  if (slipped.size > slip_limit) report(Kind::slip, part, before, window, slipped);
+  if (past.size >= off_limit) report(Kind::off_partner, part, before, window, past);
 }
 
-void ModelWatch::report(Kind kind, int part, std::int64_t window, const Worst& worst) {
+void ModelWatch::report(Kind kind, int part, std::int64_t last_without, std::int64_t window, const Worst& worst) {
   auto found = std::find_if(found_.begin(), found_.end(),
                             [&](const participant::Departure& d) { return d.kind == kind && d.body == part; });
   if (found == found_.end()) {
-    found_.push_back({.kind = kind, .body = part, .last_without = std::min(last_look_, window - 1), .first = window});
+    found_.push_back({.kind = kind, .body = part, .last_without = last_without, .first = window});
     found = found_.end() - 1;
   }
   ++found->looks;

@@ -19,10 +19,11 @@ namespace ricochet::solver {
 ///               surface that the node stands for faces the other body, which the slip says; from 1 on that is no matter of half an
 ///               element, and a force there is wrong
 ///   penetration of a pair, over the depth of the shallower element behind it
-/// A look costs less than K u and is made every `every` windows; pairs that have slipped are looked at after each.
+/// A look costs less than K u and is made every `every` windows. Once pairs have slipped, how far is looked at after each, since a contact
+/// may be over sooner.
 class ModelWatch {
  public:
-  static constexpr std::int64_t every = 16;
+  static constexpr std::int64_t every = 32;
   static constexpr double strain_limit = 0.02;
   static constexpr double rotation_limit = 0.034906585039886591;  ///< 2 degrees
   static constexpr double slip_limit = 0.5, off_limit = 1.0, penetration_limit = 1.0;
@@ -59,9 +60,10 @@ class ModelWatch {
   void prepare_pairs(const scene::Problem& problem);
   void look_at_elements(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
-  void look_past_ends(std::int64_t window, const std::vector<BodyState>& states);
+  void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
+  [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
   [[nodiscard]] double along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const;
-  void report(participant::DepartureKind kind, int part, std::int64_t window, const Worst& worst);
+  void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window, const Worst& worst);
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;
@@ -70,7 +72,7 @@ class ModelWatch {
   bool two_bodies_ = false;            ///< else a plane, on which all places are alike
   bool ended_ = false;                 ///< the surfaces do not repeat
   bool slipped_ = false;
-  std::int64_t last_look_ = 0;
+  std::int64_t last_look_ = 0, last_window_ = 0;
   std::vector<participant::Departure> found_;
 };
 

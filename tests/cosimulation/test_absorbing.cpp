@@ -134,9 +134,9 @@ TEST(AbsorbingBarAlone, DoesNotBrakeAFlightAndTakesUpAPush) {
     const RunResult flight = run_text(text, folder, "flight");
     EXPECT_NEAR(flight.last("velocity_mean_rod_m_s"), 0.25, 1e-12) << protocol;
     EXPECT_NEAR(flight.last("energy_external_j"), 0.0, 1e-11) << protocol;
-    // Traction 1 on E = rho = 1: the wave carries v = 1, and the end keeps it when it has passed.
-    const RunResult push = run_text(replaced(text, "#push", "traction = [{ surface = \"start\", traction_pa = [1.0] }]"), folder, "push");
-    EXPECT_NEAR(push.mean("velocity_mean_rod_m_s", 4.0, 8.0), 1.25, 2e-3) << protocol;
+    // Traction 0.01 on E = rho = 1: the wave carries v = 0.01, and the end keeps it when it has passed.
+    const RunResult push = run_text(replaced(text, "#push", "traction = [{ surface = \"start\", traction_pa = [0.01] }]"), folder, "push");
+    EXPECT_NEAR(push.mean("velocity_mean_rod_m_s", 4.0, 8.0), 0.26, 2e-5) << protocol;
     EXPECT_LT(ledger_error(push), 1e-10) << protocol;
   }
 }

@@ -46,7 +46,7 @@ TEST_P(PrescribedMotion, MakesTheExactWave) {
   EXPECT_NEAR(run.last("energy_external_j"), work_j, 1e-2 * work_j);
   EXPECT_NEAR(run.last("energy_kinetic_j"), 0.5 * work_j, 2e-2 * work_j);
   EXPECT_NEAR(run.last("energy_strain_j"), 0.5 * work_j, 2e-2 * work_j);
-  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), protocol.rfind("kim", 0) == 0 ? 1e-3 : 1e-8);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), protocol.rfind("kim", 0) == 0 ? 3e-3 : 1e-8);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProtocol, PrescribedMotion,

@@ -28,6 +28,9 @@ inline std::string number(double value) {
   return text;
 }
 
+/// configs/rod_on_stop.toml stretched by a thousandth: the same motion, and what grows in it turns no element inside out.
+inline std::string small_rod_on_stop() { return replaced(config_text("rod_on_stop"), "start = [0.5]", "start = [0.5e-3]"); }
+
 /// `ricochet check` on a scene given as text: its output and warnings, or its refusal.
 inline Outcome check_text(const std::string& text, const TemporaryFolder& folder) {
   return run_command({ricochet_binary(), "check", folder.write(text, "check.toml")}, folder.path().string());

@@ -14,7 +14,7 @@ using testing::Not;
 constexpr double bars_k_pa_m = 206.8e9 / (0.254 / 20), rod_k_pa_m = 100.0, rod_element_m = 0.01;
 
 std::string bars(const std::string& protocol) { return with_protocol(config_text("two_bars"), protocol); }
-std::string rod(const std::string& protocol) { return with_protocol(config_text("rod_on_stop"), protocol); }
+std::string rod(const std::string& protocol) { return with_protocol(small_rod_on_stop(), protocol); }
 
 /// (h/c) sqrt(2 / (1 + sqrt(1 + (alpha/k)^2))): central difference, penalty against a rigid plane.
 double explicit_penalty_limit_s(double alpha_over_k) {
