@@ -171,7 +171,7 @@ TEST(Rotation, AboveTwoDegreesIsSaid) {
                            body("beam", "height_m = 0.05, length_m = 1.0, elements = [4, 40]", "[0.0, 0.0]",
                                 "support = [{ surface = \"start\", fixed = [\"x\", \"y\"] }]\n"
                                 "traction = [{ surface = \"end\", traction_pa = [4e4, 0.0] }]\n") +
-                           settings(1e-3, 0.06, "all_implicit");
+                           settings(2.5e-4, 0.06, "all_implicit");
   const auto run = run_text(text, folder);
   ASSERT_TRUE(find(run, "rotation")) << run.summary.at("outside_model");
   EXPECT_NEAR(find(run, "rotation")->at("size").get<double>(), 0.16, 0.03);  // nearly twice the static 6 p L^2 (1 - nu^2)/(E h^2)
