@@ -25,8 +25,6 @@ inline constexpr std::chrono::milliseconds linger{500};
 inline constexpr std::size_t first_message_limit = std::size_t{1} << 16;
 /// Largest message to a listener that nobody tells how large they may be [bytes].
 inline constexpr std::size_t default_largest_message = std::size_t{1} << 26;
-/// Connections that have said nothing yet; the oldest one beyond is closed.
-inline constexpr std::size_t most_silent_connections = 32;
 /// How often who exchanges messages through shared memory looks at everything else: sockets, ended processes, signals.
 inline constexpr std::chrono::milliseconds look_every{5};
 

@@ -16,6 +16,9 @@ namespace {
 constexpr const char* key_requests = "inproc://zeromq.zap.01";  // where ZeroMQ asks
 constexpr const char* connection_events = "inproc://door";
 constexpr std::chrono::milliseconds longest_handshake{5000};
+/// Connections that have said nothing yet; the oldest one beyond is closed. So many that a participant has said hello on a
+/// busy machine before others have come in such numbers.
+constexpr std::size_t most_silent = 128;
 
 /// Shuts a connection of a listening socket. Its number may be that of something else by now, such as the pipe to a
 /// child: that has no address.
@@ -108,7 +111,7 @@ void Door::note_event() {
 }
 
 void Door::close_silent_ones() {
-  while (!silent_.empty() && (closed_ || silent_.size() > most_silent_connections)) {
+  while (!silent_.empty() && (closed_ || silent_.size() > most_silent)) {
     const auto oldest = std::min_element(silent_.begin(), silent_.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
     shut(oldest->first);
