@@ -71,6 +71,16 @@ double element_depth(const BodyProblem& body, int node, const Eigen::Vector2d& n
   return depth;
 }
 
+/// Extent of a body along the normal [m].
+double thickness(const BodyProblem& body, const Eigen::Vector2d& normal) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Eigen::Vector2d& x : body.mesh.position) {
+    low = std::min(low, normal.dot(x));
+    high = std::max(high, normal.dot(x));
+  }
+  return high - low;
+}
+
 double stiffness_ratio(const Problem& problem) {
   const Sides sides(problem);
   double stiffness = 0.0;  // per area, k / A
@@ -145,8 +155,8 @@ void check_penalty(const Problem& problem, Plan& plan) {
   }
 }
 
-/// Regularised friction is a damper as stiff as mu N xi: the trapezoidal rule follows it without damping its own ringing. (All
-/// explicit solves for the velocity that friction leaves and does not ring.)
+/// Regularised friction is a damper as stiff as mu N xi: the trapezoidal rule follows it without damping its own ringing, where no law
+/// of impulses solves for the velocity that friction leaves.
 void check_friction(const Problem& problem, Plan& plan) {
   const auto& contact = problem.scene.contact;
   if (!contact || contact->friction_law != FrictionLaw::regularised) return;
@@ -154,6 +164,7 @@ void check_friction(const Problem& problem, Plan& plan) {
       "regularised friction, mu p tanh(xi v): below a relative velocity of 1/xi = {:.3g} m/s it is less than mu p, "
       "so nothing sticks "
       "and a pair held by friction creeps; friction_law = \"return_mapping\" sticks", 1.0 / contact->friction_regularisation_s_m));
+  if (contact->enforcement != Enforcement::penalty || contact->impact_update != ImpactUpdate::none) return;
   if (protocol_traits(problem.scene.coupling.protocol).layout == Layout::all_explicit) return;
   double compliance = 0.0;
   for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / impedance(*body);
@@ -188,9 +199,9 @@ void check_impact(const Problem& problem, Plan& plan) {
     const std::string found = fmt::format("a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
                                           "other, {:.3g} of the depth of an "
                                           "element of body \"{}\" at the contact", problem.window_size_s, moved_m, moved_m / depth_m, body.name);
-    if (moved_m > depth_m)
-      throw ConfigError(fmt::format("{}: found {}: they would pass through it; allowed: {:.3g} s or less", problem.scene.where("time"), found,
-                                    0.5 * depth_m / speed));
+    if (moved_m > thickness(body, problem.contact.normal))
+      throw ConfigError(fmt::format("{}: found {}: more than its thickness, they would pass through it; allowed: {:.3g} s or less",
+                                    problem.scene.where("time"), found, 0.5 * depth_m / speed));
     if (moved_m > 0.5 * depth_m)
       plan.warnings.push_back(fmt::format("{}: the impact turns that element nearly inside out; {:.3g} s or less "
                                           "leaves room", found,

@@ -62,7 +62,11 @@ void check_automatic_partition(const TableReader& root, const TableReader& time,
 /// Which protocol runs is known after the contact has been read.
 void check_contact_keys(TableReader& root, const Scene& scene) {
   if (!scene.contact || protocol_traits(scene.coupling.protocol).layout != Layout::all_explicit) return;
-  root.table("contact", "contact").only_if(false, "impact_update", "an implicit side, which \"all_explicit\" has not");
+  const std::string needed = "an implicit side, which \"all_explicit\" has not";
+  auto contact = root.table("contact", "contact");
+  contact.only_if(false, "impact_update", needed);
+  if (scene.contact->multiplier_update == MultiplierUpdate::fully_implicit)
+    contact.refuse("multiplier_update", "\"fully_implicit\" under \"all_explicit\"", "\"trapezoidal_reset\" or \"massless\", or " + needed);
 }
 
 void load_tables(TableReader& root, Scene& scene) {

@@ -22,7 +22,7 @@ const std::vector<Habit> habits = {
     {"says_nan", 5, broken, {"in window 40", "'increment' is not finite: nan at row 0"}},
     {"says_too_few_numbers", 5, broken, {"window 40", "'increment'", "its interface has 2 x 1"}},
     {"says_another_kind", 5, broken, {"sent 'accepted' while 'advance' was outstanding", "expected one of 'advanced'"}},
-    {"answers_twice", 5, broken, {"sent 'advanced'"}},  // out of turn or out of number, as the second one is met
+    {"answers_twice", 5, broken, {"participant 'answers_twice'"}},  // out of turn, number or window, as the second one is met
     {"means_another_run", 5, broken, {"run '20200101-000000-1-deadbeef', this is run '"}},
     {"says_nonsense", 5, broken, {"in window 40"}},
     {"says_two_frames", 5, broken, {"in window 40", "a message of 2 frames, expected one"}, "zmq"},

@@ -165,8 +165,8 @@ TEST(Gmsh, UnknownGroupsAndSurfacesNameTheLine) {
       {"[\"striker_tip\"]", "[\"striker_top\"]", "did you mean \"striker_tip\"?"},
       {"striker.striker_face", "striker.striker_fice", "did you mean \"striker_face\"?"},
       {"\"anvil_base\"", "\"anvil_basis\"", "support[0].surface: found surface \"anvil_basis\"; did you mean"},
-      {"[partition]\nimplicit_groups = { striker = [\"striker_tip\"]",
-       "multiplier_update = \"massless\"\n[partition]\nimplicit_groups = { striker = [\"striker\"]",
+      {"[partition]\nimplicit_groups = { striker = [\"striker_tip\"],",
+       "multiplier_update = \"massless\"\n[partition]\nimplicit_groups = {",
        "contact.multiplier_update: found \"massless\" and an explicit element"},
       {"name = \"anvil\"", "name = \"amvil\"", "amvil"}};
   for (const auto& [from, to, says] : wrong) {

@@ -109,6 +109,15 @@ TEST(ImpactUpdate, HasNoEffectWithoutAnImplicitSide) {
   EXPECT_EQ(refusal(penalty), "");
 }
 
+TEST(MultiplierUpdate, OfAnImplicitSideIsRefusedUnderAllExplicit) {
+  const auto scene = [](const std::string& law) {
+    return replaced(bars, "surfaces", "multiplier_update = \"" + law + "\"\nsurfaces") + "\n[coupling]\nprotocol = \"all_explicit\"\n";
+  };
+  EXPECT_THAT(refusal(scene("fully_implicit")), testing::AllOf(HasSubstr("contact.multiplier_update: found \"fully_implicit\""),
+                                                               HasSubstr("\"trapezoidal_reset\" or \"massless\"")));
+  EXPECT_EQ(refusal(scene("massless")), "");
+}
+
 TEST(RegularisedFriction, CreepsAndSaysSo) {
   const std::string text = replaced(cylinders, "friction_coefficient = 0.1",
                                     "friction_coefficient = 0.1\nfriction_law = \"regularised\"\nfriction_regularisation_s_m = 0.5");

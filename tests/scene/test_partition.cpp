@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "common/base/error.hpp"
 #include "common/scene/critical_step.hpp"
 #include "common/scene/problem.hpp"
 #include "tests/scene/scene_text.hpp"
@@ -49,6 +50,17 @@ TEST(ImplicitLength, ZeroStillTakesTheLayerThatMovesMasslessNodes) {
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 1);
   EXPECT_TRUE(problem.bodies[0].implicit_element.back()) << "the one at the contact";
   EXPECT_EQ(count(problem.bodies[1].implicit_element), 5);
+}
+
+TEST(ImplicitLength, ZeroIsRefusedByADualProtocol) {
+  const std::string dual = replaced(bars, lengths, "{ left = 0.0, right = 0.0635 }") + "\n[coupling]\nprotocol = \"prakash_hjelmstad\"\n";
+  try {
+    static_cast<void>(build(dual));
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("coupling.protocol: found \"prakash_hjelmstad\" and an explicit element"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("implicit elements all around"));
+  }
 }
 
 TEST(ImplicitLength, BeyondTheBodyTakesAllOfIt) {

@@ -168,9 +168,6 @@ const std::vector<Wrong> contacts{
      {"contact.penalty_pa_m: found nothing"}},
     {"impact_update_of_multiplier", c, "friction_coefficient", "impact_update = \"mass\"\nfriction_coefficient", 13,
      {"only with enforcement = \"penalty\""}},
-    {"dual_protocol_beside_an_explicit_element", c, "friction_coefficient = 0.1\n[partition]\nimplicit_length_m = { steel = 0.005",
-     "[coupling]\nprotocol = \"prakash_hjelmstad\"\n[partition]\nimplicit_length_m = { steel = 0.0", 14,
-     {"coupling.protocol: found \"prakash_hjelmstad\" and an explicit element", "implicit elements all around"}},
     {"multiplier_update_of_penalty", c, "friction_coefficient",
      "enforcement = \"penalty\"\npenalty_pa_m = 1e12\nmultiplier_update = \"fully_implicit\"\n"
      "friction_coefficient", 15, {"only with enforcement = \"multiplier\""}},

@@ -105,6 +105,7 @@ TEST_P(LongBounce, KeepsItsEnergyWithinOnePercentAndIsNotStopped) {
   const auto& [scene, protocol] = GetParam();
   const TemporaryFolder folder;
   auto text = with_key(with_protocol(config_text(scene), protocol), "contact", "multiplier_update", "\"massless\"");
+  if (std::string(scene) == "rod_on_stop") text = replaced(text, "start = [0.5]", "start = [5e-4]");  // small strains
   const double courant_window_s = std::string(scene) == "rod_on_stop" ? 0.009 : 9e-6;  // of 100 elements at Courant 0.9
   text = with_key(text, "time", "end_s", number(windows * courant_window_s));
   text = with_key(text, "output", "history_every", "50");

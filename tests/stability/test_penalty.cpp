@@ -88,7 +88,7 @@ TEST(ExplicitPenalty, ContactThatOpensAndClosesLowersTheLimitOfAStiffOne) {
   };
   const double edge = measured_edge(0.5, 0.9, [&](double share) { return grows(scene(share), folder); });
   EXPECT_NEAR(edge, 0.62, 0.062);
-  EXPECT_NEAR(unwatched_growth(scene(0.8), folder), 1.43, 0.143);
+  EXPECT_GT(unwatched_growth(scene(0.8), folder), 0.05) << "chaotic: 9 % or 143 %, by the rounding";
   EXPECT_LT(unwatched_growth(scene(0.49), folder), 0.02) << "measured: 0.9 %";
   EXPECT_THAT(check_text(scene(0.51), folder).out, HasSubstr("contact that opens and closes may gain energy above 0.5"));
   EXPECT_THAT(check_text(scene(0.49), folder).out, Not(HasSubstr("warning")));
