@@ -9,8 +9,8 @@
 namespace ricochet::explicit_solver {
 
 using solver::BodyState;
+using solver::ContactState;
 using solver::Pair;
-using solver::State;
 
 namespace {
 
@@ -23,7 +23,8 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 
 }  // namespace
 
-ExplicitContact::ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, double dt)
+ExplicitContact::ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
+                                 double dt)
     : law_(&*problem.scene.contact),
       dt_(dt),
       surface_(problem, parts),
@@ -36,7 +37,8 @@ double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodySta
   for (const auto& side : {pair.a, pair.b}) {
     if (side.part < 0) continue;
     const auto& inverse = states[static_cast<std::size_t>(side.part)].inverse_mass;
-    for (int c = 0; c < surface_.components; ++c) sum += direction[c] * direction[c] * inverse[side.node * surface_.components + c];
+    for (int c = 0; c < surface_.components; ++c)
+      sum += direction[c] * direction[c] * inverse[side.node * surface_.components + c];
   }
   return sum;
 }
@@ -52,11 +54,13 @@ void ExplicitContact::settle(const std::vector<BodyState>& states, const std::ve
   if (massless_) static_normal_n_ = massless_->settle(states, external, u);
 }
 
-double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>& states, double rate_n, double acting_time) const {
+double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
+                                     double acting_time) const {
   if (massless_) return static_normal_n_[static_cast<Eigen::Index>(i)];
   const auto& pair = surface_.pairs[i];
   const double gap_now = surface_.gap(pair, states);
-  if (law_->enforcement == scene::Enforcement::penalty) return law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
+  if (law_->enforcement == scene::Enforcement::penalty)
+    return law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
   const double inverse = inverse_mass(pair, states, surface_.normal);
   return inverse > 0.0 ? std::max(0.0, -(gap_now + dt_ * rate_n)) / (dt_ * acting_time * inverse) : 0.0;
 }
@@ -69,12 +73,12 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
   Force force;
   force.normal = normal_force(i, states, rate_n, acting_time);
   if (force.normal == 0.0) return force;
-  force.state = State::slip;
+  force.state = ContactState::slip;
   if (law_->friction_coefficient == 0.0) return force;
   const double inverse = inverse_mass(pair, states, surface_.tangent);
   const double holding = inverse > 0.0 ? -rate_t / (acting_time * inverse) : 0.0;
   force.tangential = solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_t, holding);
-  if (force.tangential == holding) force.state = State::stick;
+  if (force.tangential == holding) force.state = ContactState::stick;
   return force;
 }
 
@@ -91,7 +95,7 @@ ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const st
   const double spring = -law_->penalty_pa_m * pair.area_m2 * surface_.moved(pair, surface_.normal, states);
   return {.normal = penalty ? spring : hold(surface_.normal, rate_n),
           .tangential = friction ? hold(surface_.tangent, rate_t) : 0.0,
-          .state = State::stick};
+          .state = ContactState::stick};
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {
@@ -106,7 +110,8 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
   }
 }
 
-void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
+void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
+                              const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto& pair = surface_.pairs[i];
   const Force& mean = mean_forces_[i];
   const auto moved = [&](const Eigen::Vector2d& direction) {
@@ -121,7 +126,8 @@ void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states, con
 }
 
 /// Forces between two bodies change no total momentum; those of a plane do.
-void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states) {
+void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s,
+                                   std::vector<BodyState>& states) {
   impulse_normal_n_s_ += normal_n_s;
   impulse_tangential_n_s_ += tangential_n_s;
   if (pair.b.part >= 0) return;
@@ -132,13 +138,15 @@ void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double t
       pair.a.node, -(normal_n_s * surface_.normal + tangential_n_s * surface_.tangent));
 }
 
-/// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping pair that this
-/// does not turn around, on it.
+/// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping
+/// pair that this does not turn around, on it.
 void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& states) {
   const auto& pair = surface_.pairs[i];
   double& mean = mean_forces_[i].tangential;
-  const double limit = law_->friction_coefficient * mean_forces_[i].normal, inverse = inverse_mass(pair, states, surface_.tangent);
-  const double target = mean_forces_[i].state == State::slip && mean != 0.0 ? std::copysign(limit, mean) : std::clamp(mean, -limit, limit);
+  const double limit = law_->friction_coefficient * mean_forces_[i].normal,
+               inverse = inverse_mass(pair, states, surface_.tangent);
+  const double target = mean_forces_[i].state == ContactState::slip && mean != 0.0 ? std::copysign(limit, mean)
+                                                                                   : std::clamp(mean, -limit, limit);
   if (target == mean || inverse == 0.0) return;
   const double rate = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
   double impulse = dt_ * (target - mean);
@@ -158,9 +166,8 @@ void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& state
 
 void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   if (!massless_) return;
-  massless_->for_each_dof([&](std::size_t part, int dof) {
-    states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt_;
-  });
+  massless_->for_each_dof(
+      [&](std::size_t part, int dof) { states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt_; });
   velocity_of_part_.clear();
   for (auto& state : states) velocity_of_part_.push_back(state.v.data());
   massless_->begin_trial();
@@ -174,8 +181,8 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
   massless_->accept();
 }
 
-/// dt^2/8 a^T M a of a pair's nodes: what the staggered metric takes off 1/2 v^T M v. A contact force at n = 0 changes it at
-/// once; that change is the energy an impact at the start costs.
+/// dt^2/8 a^T M a of a pair's nodes: what the staggered metric takes off 1/2 v^T M v. A contact force at n = 0 changes
+/// it at once; that change is the energy an impact at the start costs.
 double ExplicitContact::staggered_correction(const Pair& pair, const std::vector<BodyState>& states) const {
   double sum = 0.0;
   for (const auto& side : {pair.a, pair.b}) {
@@ -205,8 +212,10 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
 void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto rate = [&](const Eigen::Vector2d& direction) {
-      const double half_velocity = (relative(surface_.pairs[i], direction, surface_.components, displacement_of(states)) -
-                                    relative(surface_.pairs[i], direction, surface_.components, before_of(u_before))) / dt_;
+      const double half_velocity =
+          (relative(surface_.pairs[i], direction, surface_.components, displacement_of(states)) -
+           relative(surface_.pairs[i], direction, surface_.components, before_of(u_before))) /
+          dt_;
       return half_velocity + dt_ * relative(surface_.pairs[i], direction, surface_.components, acceleration_of(states));
     };
     const Force old = forces_[i];
@@ -220,11 +229,12 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
 }
 
 int ExplicitContact::pairs_closed() const {
-  return static_cast<int>(std::count_if(forces_.begin(), forces_.end(), [](const Force& f) { return f.state != State::open; }));
+  return static_cast<int>(
+      std::count_if(forces_.begin(), forces_.end(), [](const Force& f) { return f.state != ContactState::open; }));
 }
 
-solver::Report ExplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::Report report = surface_.report(states, mean_forces_);
+solver::ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) const {
+  solver::ContactRecord report = surface_.report(states, mean_forces_);
   report.contact_impulse_n_s = impulse_normal_n_s_;
   report.friction_impulse_n_s = impulse_tangential_n_s_;
   report.energy_contact_j = work_normal_j_;

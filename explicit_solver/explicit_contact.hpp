@@ -12,17 +12,17 @@
 /// The contact force r of window n is the one that closes the gap at n + 1 exactly. With a diagonal mass and node pairs
 /// that is one closed-form scalar per pair:
 ///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
-/// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9, 14).
-/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
+/// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9,
+/// 14). Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
+/// does.
 namespace ricochet::explicit_solver {
-
 
 class ExplicitContact {
  public:
   ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, double dt);
 
-  /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the one that
-  /// closes the gap, and the gap at n is.
+  /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
+  /// one that closes the gap, and the gap at n is.
   void move_masses(std::vector<solver::BodyState>& states);
   /// Of massless nodes at n + 1: their displacement in `u` (per part) from that of the others.
   void settle(const std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
@@ -40,7 +40,7 @@ class ExplicitContact {
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
   /// Contact quantities at the present displacement (principal stress and energies included).
-  [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] solver::ContactRecord report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -51,15 +51,18 @@ class ExplicitContact {
                    double acting_time) const;
   [[nodiscard]] double normal_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
                                     double acting_time) const;
-  [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states, double rate_n,
-                                    double rate_t, double acting_time) const;
+  [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
+                                    double rate_n, double rate_t, double acting_time) const;
   [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     const Eigen::Vector2d& direction) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
-  void account(std::size_t pair, std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+  void account(std::size_t pair, std::vector<solver::BodyState>& states,
+               const std::vector<const Eigen::VectorXd*>& u_before);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
-  void book_impulse(const solver::Pair& pair, double normal_n_s, double tangential_n_s, std::vector<solver::BodyState>& states);
-  [[nodiscard]] double staggered_correction(const solver::Pair& pair, const std::vector<solver::BodyState>& states) const;
+  void book_impulse(const solver::Pair& pair, double normal_n_s, double tangential_n_s,
+                    std::vector<solver::BodyState>& states);
+  [[nodiscard]] double staggered_correction(const solver::Pair& pair,
+                                            const std::vector<solver::BodyState>& states) const;
 
   const scene::Contact* law_;
   double dt_;

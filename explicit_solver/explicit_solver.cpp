@@ -11,13 +11,15 @@
 
 namespace ricochet::explicit_solver {
 
-using participant::Link;
+using participant::LinkOutput;
 
 ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name)
     : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)) {
   if (spec_->role != scene::Role::explicit_solver) {
-    throw ConfigError(fmt::format("{}: participant '{}' has role \"implicit\"; start implicit_solver for it, or set its role "
-                                  "to \"explicit\"", problem_.scene.path, name));
+    throw ConfigError(
+        fmt::format("{}: participant '{}' has role \"implicit\"; start implicit_solver for it, or set its role "
+                    "to \"explicit\"",
+                    problem_.scene.path, name));
   }
   states_ = solver::initial_states(problem_, *spec_, false);
   windows_.resize(states_.size());
@@ -25,12 +27,11 @@ ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name)
 }
 
 participant::Description ExplicitSolver::describe() {
-  const bool alone = problem_.scene.coupling.protocol == "all_explicit";
   const auto& contact = problem_.scene.contact;
-  auto description = solver::describe(problem_, *spec_, states_, alone && !problem_.contact.pairs.empty());
+  auto description = solver::describe(problem_, *spec_, states_, alone() && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
   description.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
-  const bool massless = alone && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
+  const bool massless = alone() && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
   if (!massless) description.capabilities.emplace_back("load_state");  // the motion of a massless node is no state
   return description;
 }
@@ -62,7 +63,7 @@ void ExplicitSolver::initialize_internal_forces() {
     window.external_old = window.external;
     set_shared_columns(b);
   }
-  if (problem_.scene.coupling.protocol == "all_explicit" && !problem_.contact.pairs.empty()) {
+  if (alone() && !problem_.contact.pairs.empty()) {
     contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup_.window_size_s);
     settle_at_start();
   }
@@ -117,7 +118,8 @@ void ExplicitSolver::take_link(const solver::BodyState& state, const std::vector
 void ExplicitSolver::interface_force(Link& output) const {
   output.value.clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
-    for (const int dof : states_[b].shared_dofs) output.value.push_back(windows_[b].internal[dof] - windows_[b].external[dof]);
+    for (const int dof : states_[b].shared_dofs)
+      output.value.push_back(windows_[b].internal[dof] - windows_[b].external[dof]);
   }
 }
 
@@ -170,7 +172,8 @@ void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
   interface_force(output);
 }
 
-/// Everything of the window that does not need the link: u of the own nodes, K u with the shared ones where they were, f.
+/// Everything of the window that does not need the link: u of the own nodes, K u with the shared ones where they were,
+/// f.
 void ExplicitSolver::predict(std::int64_t window) {
   const double dt = setup_.window_size_s, time_s = static_cast<double>(window) * dt;
   if (contact_ && !contact_started_) contact_->start(states_);
@@ -209,7 +212,8 @@ void ExplicitSolver::move_shared(std::size_t b, const std::vector<double>& link_
   for (std::size_t i = 0; i < w.near_rows.size(); ++i) {
     const auto row = static_cast<int>(i);
     double sum = w.near_internal[row];
-    for (fem::SparseMatrix::InnerIterator it(w.shared_columns, row); it; ++it) sum += it.value() * w.shared_moved[it.col()];
+    for (fem::SparseMatrix::InnerIterator it(w.shared_columns, row); it; ++it)
+      sum += it.value() * w.shared_moved[it.col()];
     w.internal[w.near_rows[i]] = sum;
   }
 }
@@ -218,7 +222,8 @@ void ExplicitSolver::set_shared_columns(std::size_t b) {
   const auto& state = states_[b];
   auto& w = windows_[b];
   std::vector<int> column(static_cast<std::size_t>(state.part.dofs()), -1);
-  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) column[static_cast<std::size_t>(state.shared_dofs[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i)
+    column[static_cast<std::size_t>(state.shared_dofs[i])] = static_cast<int>(i);
   std::vector<Eigen::Triplet<double>> entries;
   for (int row = 0; row < state.part.dofs(); ++row) {
     const auto before = entries.size();
@@ -228,7 +233,8 @@ void ExplicitSolver::set_shared_columns(std::size_t b) {
     }
     if (entries.size() > before) w.near_rows.push_back(row);
   }
-  const auto rows = static_cast<Eigen::Index>(w.near_rows.size()), columns = static_cast<Eigen::Index>(state.shared_dofs.size());
+  const auto rows = static_cast<Eigen::Index>(w.near_rows.size()),
+             columns = static_cast<Eigen::Index>(state.shared_dofs.size());
   w.shared_columns.resize(rows, columns);
   w.shared_columns.setFromTriplets(entries.begin(), entries.end());
   w.near_internal.setZero(rows);
@@ -274,7 +280,8 @@ void ExplicitSolver::accept() {
   model_watch_.look(window_, states_);
 }
 
-/// The link says where shared nodes are, not how fast: their mean velocity over the window, for the fields. Nothing else reads it.
+/// The link says where shared nodes are, not how fast: their mean velocity over the window, for the fields. Nothing
+/// else reads it.
 void ExplicitSolver::set_shared_velocity(std::size_t b) {
   auto& state = states_[b];
   for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - windows_[b].u[dof]) / setup_.window_size_s;
@@ -294,9 +301,8 @@ void ExplicitSolver::set_dashpot_forces(solver::BodyState& state, Window& w, Vel
   for (const auto& d : state.dashpots) {
     if (state.external.zero()) w.external[d.dof] = 0.0;  // what it was a window ago
     const double others = w.external[d.dof] - w.internal[d.dof], v = state.v[d.dof];
-    w.external[d.dof] += velocity == Velocity::now
-                             ? d.force(v)
-                             : d.force_after_step(v, others, state.mass[d.dof], setup_.window_size_s);
+    w.external[d.dof] +=
+        velocity == Velocity::now ? d.force(v) : d.force_after_step(v, others, state.mass[d.dof], setup_.window_size_s);
   }
 }
 
@@ -309,8 +315,9 @@ void ExplicitSolver::find_accelerations(double time_s, Velocity velocity) {
     set_dashpot_forces(state, w, velocity);
     for (const auto& [first, last] : w.front.rows()) {
       const auto count = last - first;
-      state.a.segment(first, count) = state.inverse_mass.segment(first, count).cwiseProduct(
-          w.external.segment(first, count) - w.internal.segment(first, count));
+      state.a.segment(first, count) =
+          state.inverse_mass.segment(first, count)
+              .cwiseProduct(w.external.segment(first, count) - w.internal.segment(first, count));
     }
     state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
     for (const auto& c : state.constrained) w.external[c.dof] = state.mass[c.dof] * state.a[c.dof] + w.internal[c.dof];
@@ -330,7 +337,8 @@ void ExplicitSolver::account() {
 
 void ExplicitSolver::update_status() {
   if (!contact_) return;
-  status_ = solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
+  status_ =
+      solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {
@@ -342,7 +350,8 @@ void ExplicitSolver::record(std::vector<double>& row) {
     const double kinetic = (state.mass.array() * state.v.array().square()).sum();
     const double staggered = 0.25 * dt * dt * (state.mass.array() * state.a.array().square()).sum();
     state.totals.energy_kinetic_j = 0.5 * (kinetic - staggered);
-    state.totals.energy_strain_j = 0.5 * state.u.dot(driven_by_force() ? subcycled_[b].internal() : windows_[b].internal);
+    state.totals.energy_strain_j =
+        0.5 * state.u.dot(driven_by_force() ? subcycled_[b].internal() : windows_[b].internal);
   }
   solver::record_bodies(states_, row);
   if (contact_) solver::append(contact_->report(states_), row);
@@ -368,7 +377,8 @@ void ExplicitSolver::write_fields(std::int64_t window) {
   solver::write_fields(setup_.output_directory, spec_->name, window, states_);
 }
 
-/// The shared nodes become this participant's own: integrated with the mass of its own elements, held by their supports.
+/// The shared nodes become this participant's own: integrated with the mass of its own elements, held by their
+/// supports.
 void ExplicitSolver::initialize_subcycling() {
   states_ = solver::initial_states(problem_, *spec_, true);
   solver::take_interface_mass(setup_.interface_mass_kg, states_);
@@ -391,7 +401,8 @@ void ExplicitSolver::shared_motion(Link& output) const {
 }
 
 /// This part's entries of a link vector, whose parts follow one another; moves `next` on.
-Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const solver::BodyState& state, std::size_t& next) {
+Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const solver::BodyState& state,
+                                          std::size_t& next) {
   const double* begin = link.data() + next;
   next += state.shared_dofs.size();
   return {begin, static_cast<Eigen::Index>(state.shared_dofs.size())};
@@ -415,9 +426,11 @@ void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::ve
   shared_motion(output);
 }
 
-void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input, Link& output) {
+void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
+                                     Link& output) {
   substep_ = substep;
-  advance_subcycling(static_cast<double>(window - 1) * setup_.window_size_s + (substep - 1) * step_s(), 1, link_input, output);
+  advance_subcycling(static_cast<double>(window - 1) * setup_.window_size_s + (substep - 1) * step_s(), 1, link_input,
+                     output);
 }
 
 void ExplicitSolver::accept_subcycling() {

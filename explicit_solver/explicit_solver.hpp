@@ -18,11 +18,12 @@
 namespace ricochet::explicit_solver {
 
 /// Central difference method on the explicit elements of its bodies (Newmark, beta = 0, gamma = 1/2; Eq. 3-6):
-///   u_{n+1} = u_n + dt v_n + dt^2/2 a_n,   a_{n+1} = M^-1 (f_{n+1} - K u_{n+1}),   v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
-/// Stable for dt <= 2/omega_max(K_E, M). Shared nodes take the displacement the link gives; the answer is P = K u - f there.
-/// As the only participant (`all_explicit`) it also enforces the contact. Driven by force (dual protocols) it integrates its
-/// shared nodes, too, in one or more steps a window: SubcycledWindow. Rows that no wave has reached are left out (WaveFront), to
-/// the same bits.
+///   u_{n+1} = u_n + dt v_n + dt^2/2 a_n,   a_{n+1} = M^-1 (f_{n+1} - K u_{n+1}),   v_{n+1} = v_n + dt/2 (a_n +
+///   a_{n+1})
+/// Stable for dt <= 2/omega_max(K_E, M). Shared nodes take the displacement the link gives; the answer is P = K u - f
+/// there. As the only participant (`all_explicit`) it also enforces the contact. Driven by force (dual protocols) it
+/// integrates its shared nodes, too, in one or more steps a window: SubcycledWindow. Rows that no wave has reached are
+/// left out (WaveFront), to the same bits.
 ///
 /// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
 /// which the method conserves energy exactly.
@@ -31,12 +32,12 @@ class ExplicitSolver final : public participant::Participant {
   ExplicitSolver(scene::Problem problem, const std::string& name);
 
   participant::Description describe() override;
-  void initialize(const participant::Setup& setup, participant::Link& output) override;
+  void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
   void synchronise(participant::Integration integration, const std::vector<double>& link_input,
-                   participant::Link& output) override;
-  void advance(std::int64_t window, const std::vector<double>& link_input, participant::Link& output) override;
+                   participant::LinkOutput& output) override;
+  void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
-                       participant::Link& output) override;
+                       participant::LinkOutput& output) override;
   void accept() override;
   /// The next window but for what the shared nodes' displacement changes; driven by force, with the multiplier held.
   void work_ahead() override;
@@ -63,22 +64,24 @@ class ExplicitSolver final : public participant::Participant {
     Eigen::VectorXd external, external_old;  ///< f at n + 1 and n, reactions at constrained dofs included
     // K u is formed with the shared nodes where they were; their new displacement then changes the rows next to them.
     std::vector<int> near_rows;
-    fem::SparseMatrix shared_columns;           ///< K: near rows x shared dofs
+    fem::SparseMatrix shared_columns;             ///< K: near rows x shared dofs
     Eigen::VectorXd near_internal, shared_moved;  ///< K u in the near rows before that; by how much they have moved
     WaveFront front;
   };
+  /// The only participant: it owns every element and enforces the contact.
+  [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool driven_by_force() const { return setup_.driven_by == participant::Drive::force; }
   [[nodiscard]] double step_s() const { return setup_.window_size_s / setup_.substeps; }
   void initialize_internal_forces();
   void settle_at_start();
   void initialize_subcycling();
-  void synchronise_subcycling(const std::vector<double>& force, participant::Link& output);
-  void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::Link& output);
+  void synchronise_subcycling(const std::vector<double>& force, participant::LinkOutput& output);
+  void advance_subcycling(double begin_s, int steps, const std::vector<double>& force, participant::LinkOutput& output);
   void accept_subcycling();
-  void shared_motion(participant::Link& output) const;
+  void shared_motion(participant::LinkOutput& output) const;
   void take_link(const solver::BodyState& state, const std::vector<double>& link_input, std::size_t& next,
                  Eigen::VectorXd& u) const;
-  void interface_force(participant::Link& output) const;
+  void interface_force(participant::LinkOutput& output) const;
   /// What `state.v` is when accelerations are sought.
   enum class Velocity { now, half_a_step_before };
   void find_accelerations(double time_s, Velocity velocity);
@@ -108,7 +111,7 @@ class ExplicitSolver final : public participant::Participant {
   solver::ModelWatch model_watch_;
   solver::WatchedOutline outline_;
   std::int64_t window_ = 0;
-  bool trial_ = false;          ///< window_ + 1 is predicted: the old forces are already set aside
+  bool trial_ = false;  ///< window_ + 1 is predicted: the old forces are already set aside
   bool all_rows_ = false;
   bool contact_started_ = false;  ///< the contact has made the accelerations of the first window
   solver::SeparationWatch separation_;

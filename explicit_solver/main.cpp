@@ -1,4 +1,5 @@
 #include "common/solver/main.hpp"
+
 #include "explicit_solver/explicit_solver.hpp"
 
 int main(int argc, char** argv) {

@@ -24,8 +24,8 @@ std::vector<bool> acted_on(const BodyState& state, const std::vector<int>& drive
   return rows;
 }
 
-/// Whether the nodes of a row do not all begin with its own displacement and velocity (a component whose translation does make
-/// forces: with zero).
+/// Whether the nodes of a row do not all begin with its own displacement and velocity (a component whose translation
+/// does make forces: with zero).
 bool starts_uneven(const BodyState& state, int row) {
   const int components = fem::components(state.part.mesh.model), node = row / components;
   for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
@@ -103,7 +103,8 @@ int WaveFront::rows_computed() const {
   return sum;
 }
 
-void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u, Eigen::VectorXd& force) const {
+void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u,
+                         Eigen::VectorXd& force) const {
   for (const auto& rows : rows_) stiffness.multiply(u, force, rows.first, rows.last);
 }
 
@@ -122,7 +123,8 @@ void WaveFront::grow(const Eigen::VectorXd& force) {
       reach(slice);
     }
   }
-  const bool unchanged = next_front_.size() == none_reached && std::equal(front_.begin(), front_.end(), next_front_.begin());
+  const bool unchanged =
+      next_front_.size() == none_reached && std::equal(front_.begin(), front_.end(), next_front_.begin());
   front_.swap(next_front_);
   if (!unchanged) collect_rows();
 }

@@ -9,17 +9,17 @@ namespace ricochet::explicit_solver {
 
 /// The rows of a part that a wave can have reached; in all others K u is exactly zero and is not computed.
 ///
-/// A node that no force has ever acted on has the velocity it began with, and a row takes displacements relative to its own
-/// node (StiffnessProduct): where a row and its neighbours began alike and none of them has felt a force, all of them have
-/// moved by the same bits, and K u there is 0.0, not nearly so. Rows are kept by the slices of the product. A slice is
-/// *reached* once K u in it has not been zero, and from the start where anything else may move it; the neighbours of a reached
-/// slice are computed, too, and looked at after every product. No slice ever falls back, so that trial windows that are given
-/// up leave no more than some rows too many.
+/// A node that no force has ever acted on has the velocity it began with, and a row takes displacements relative to its
+/// own node (StiffnessProduct): where a row and its neighbours began alike and none of them has felt a force, all of
+/// them have moved by the same bits, and K u there is 0.0, not nearly so. Rows are kept by the slices of the product. A
+/// slice is *reached* once K u in it has not been zero, and from the start where anything else may move it; the
+/// neighbours of a reached slice are computed, too, and looked at after every product. No slice ever falls back, so
+/// that trial windows that are given up leave no more than some rows too many.
 class WaveFront {
  public:
   WaveFront() = default;
-  /// `state` before the first window. Reached at once: `driven` nodes, which the interface or a contact moves, loads, prescribed
-  /// motion, and rows whose neighbours do not begin with the same displacement and velocity.
+  /// `state` before the first window. Reached at once: `driven` nodes, which the interface or a contact moves, loads,
+  /// prescribed motion, and rows whose neighbours do not begin with the same displacement and velocity.
   WaveFront(const solver::BodyState& state, const std::vector<int>& driven);
 
   /// Rows first ... last - 1.

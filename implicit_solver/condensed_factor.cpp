@@ -31,8 +31,9 @@ struct Cholmod {
 };
 
 [[noreturn]] void refuse_indefinite() {
-  throw SolverError("the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
-                    "implicit partition");
+  throw SolverError(
+      "the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
+      "implicit partition");
 }
 
 /// `could_not`: what CHOLMOD, whose calls return nothing then, was to do.
@@ -106,7 +107,8 @@ void subtract_transposed_product(const double* l, int rows, int columns, const d
 
 }  // namespace
 
-CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& root) {
+CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active,
+                                 const std::vector<int>& root) {
   const auto dofs = static_cast<std::size_t>(a.rows());
   std::vector<int> unknown_of(dofs, -1), dof_of_unknown;
   for (std::size_t dof = 0; dof < dofs; ++dof) {
@@ -202,7 +204,8 @@ void CondensedFactor::forward(const Eigen::VectorXd& b) {
       for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
     }
     for (int k = 0; k < block.rows; ++k) y[k] = x[row[k]];
-    subtract_product(triangle + static_cast<std::ptrdiff_t>(block.width) * block.width, block.rows, block.width, own, y);
+    subtract_product(triangle + static_cast<std::ptrdiff_t>(block.width) * block.width, block.rows, block.width, own,
+                     y);
     for (int k = 0; k < block.rows; ++k) x[row[k]] = y[k];
   }
   root_rhs_ = work_.tail(unknowns - interior_);

@@ -16,8 +16,8 @@ namespace ricochet::implicit_solver {
 /// Contact forces act on root unknowns only, so contact states never touch the factor.
 class CondensedFactor {
  public:
-  /// `active`: unknowns kept (the others are constrained; their rows and columns are dropped); `root`: dofs of the root,
-  /// all active. Throws SolverError if A is not positive definite.
+  /// `active`: unknowns kept (the others are constrained; their rows and columns are dropped); `root`: dofs of the
+  /// root, all active. Throws SolverError if A is not positive definite.
   CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& root);
 
   /// Loads b (full length, inactive entries ignored) and eliminates; afterwards root_rhs() holds z.
@@ -25,8 +25,8 @@ class CondensedFactor {
   [[nodiscard]] const Eigen::VectorXd& root_rhs() const { return root_rhs_; }
   /// S^-1, dense, symmetric, in the order of `root`.
   [[nodiscard]] const Eigen::MatrixXd& root_inverse() const { return root_inverse_; }
-  /// Completes the solve of the last `forward`, as often as wanted, given x_root = S^-1 (z + ...); writes all active entries of
-  /// x (inactive ones untouched).
+  /// Completes the solve of the last `forward`, as often as wanted, given x_root = S^-1 (z + ...); writes all active
+  /// entries of x (inactive ones untouched).
   void backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x);
 
   [[nodiscard]] std::size_t factor_entries() const { return values_.size(); }
@@ -41,13 +41,13 @@ class CondensedFactor {
   };
   void collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows, const double* values);
 
-  int interior_ = 0;                 ///< unknowns eliminated before the root
-  std::vector<int> dof_of_;          ///< factor order -> dof
-  std::vector<Block> blocks_;        ///< of the interior
+  int interior_ = 0;           ///< unknowns eliminated before the root
+  std::vector<int> dof_of_;    ///< factor order -> dof
+  std::vector<Block> blocks_;  ///< of the interior
   std::vector<int> row_;
   std::vector<double> values_, inverse_diagonal_;
   int largest_block_ = 0;
-  Eigen::VectorXd gathered_;         ///< what a block's rows hold
+  Eigen::VectorXd gathered_;  ///< what a block's rows hold
   Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;
 };

@@ -14,18 +14,20 @@
 namespace ricochet::implicit_solver {
 
 namespace {
-/// With the shared nodes in the root most of a solve is done before the link's force is there, but every window multiplies by
-/// the dense inverse of the root. That pays while it has at most so many entries per entry of the operator. Measured on the
-/// rounded striker: 312 root unknowns (the limit there) break even, with 998 the implicit side takes four times as long.
+/// With the shared nodes in the root most of a solve is done before the link's force is there, but every window
+/// multiplies by the dense inverse of the root. That pays while it has at most so many entries per entry of the
+/// operator. Measured on the rounded striker: 312 root unknowns (the limit there) break even, with 998 the implicit
+/// side takes four times as long.
 constexpr std::size_t root_entries_per_entry = 2;
 }  // namespace
 
 using participant::Integration;
-using participant::Link;
+using participant::LinkOutput;
 
 namespace {
 
-fem::SparseMatrix block_diagonal(const std::vector<solver::BodyState>& states, const std::vector<Eigen::Index>& offsets) {
+fem::SparseMatrix block_diagonal(const std::vector<solver::BodyState>& states,
+                                 const std::vector<Eigen::Index>& offsets) {
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::Index size = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {
@@ -47,8 +49,10 @@ fem::SparseMatrix block_diagonal(const std::vector<solver::BodyState>& states, c
 ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
     : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)) {
   if (spec_->role != scene::Role::implicit_solver) {
-    throw ConfigError(fmt::format("{}: participant '{}' has role \"explicit\"; start explicit_solver for it, or set its role "
-                                  "to \"implicit\"", problem_.scene.path, name));
+    throw ConfigError(
+        fmt::format("{}: participant '{}' has role \"explicit\"; start explicit_solver for it, or set its role "
+                    "to \"implicit\"",
+                    problem_.scene.path, name));
   }
   states_ = solver::initial_states(problem_, *spec_, true);
   Eigen::Index offset = 0;
@@ -80,9 +84,9 @@ void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
   shared_force_.setZero(shared);
   interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(setup.interface_stiffness.data(), shared, shared);
   const auto size = stiffness_.rows();
-  for (auto* vector : {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
-                       &trial_.residual, &trial_.external, &trial_.link, &trial_.bracket, &trial_.jump,
-                       &trial_.mean_velocity}) {
+  for (auto* vector :
+       {&residual_, &external_, &link_, &rhs_, &trial_.increment, &trial_.velocity, &trial_.acceleration,
+        &trial_.residual, &trial_.external, &trial_.link, &trial_.bracket, &trial_.jump, &trial_.mean_velocity}) {
     vector->setZero(size);
   }
   if (!problem_.contact.pairs.empty()) {
@@ -193,7 +197,8 @@ void ImplicitSolver::add_stiffness_force(bool of_increment, Eigen::VectorXd& lin
     }
   }
   shared_force_.noalias() = interface_stiffness_ * shared_x_;
-  for (std::size_t k = 0; k < shared_dofs_.size(); ++k) link[shared_dofs_[k]] += shared_force_[static_cast<Eigen::Index>(k)];
+  for (std::size_t k = 0; k < shared_dofs_.size(); ++k)
+    link[shared_dofs_[k]] += shared_force_[static_cast<Eigen::Index>(k)];
 }
 
 /// Motion of the shared nodes at the end of a window.
@@ -278,7 +283,8 @@ void ImplicitSolver::prepare(std::int64_t window) {
 }
 
 void ImplicitSolver::work_ahead() {
-  const bool due = integration_ == Integration::implicit_newmark && window_ < setup_.last_window && !shared_dofs_.empty();
+  const bool due =
+      integration_ == Integration::implicit_newmark && window_ < setup_.last_window && !shared_dofs_.empty();
   if (due && prepared_ != window_ + 1) prepare(window_ + 1);
 }
 
@@ -318,7 +324,8 @@ void ImplicitSolver::solve_increment() {
   root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
   if (contact_) {
     const auto& root = contact_->root_dofs();
-    for (std::size_t i = 0; i < root.size(); ++i) trial_.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < root.size(); ++i)
+      trial_.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
     contact_->solve(states_, trial_.increment);
     const double scale = contact_->kappa() * 0.25 * setup_.window_size_s * setup_.window_size_s;
     const auto size = static_cast<Eigen::Index>(root.size());
@@ -373,7 +380,8 @@ void ImplicitSolver::constrain_rates(double time_s) {
     for (const auto& c : state.constrained) {
       const auto dof = static_cast<int>(offsets_[b]) + c.dof;
       double internal = external_[dof] - residual_[dof] - link_[dof];
-      for (fem::SparseMatrix::InnerIterator it(stiffness_, dof); it; ++it) internal += it.value() * trial_.increment[it.col()];
+      for (fem::SparseMatrix::InnerIterator it(stiffness_, dof); it; ++it)
+        internal += it.value() * trial_.increment[it.col()];
       trial_.velocity[dof] = c.velocity(time_s, dt);
       trial_.acceleration[dof] = c.acceleration(time_s, dt);
       trial_.residual[dof] = state.mass[c.dof] * trial_.acceleration[dof];
@@ -432,8 +440,8 @@ void ImplicitSolver::accept() {
   model_watch_.look(window_, states_);
 }
 
-/// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise add up
-/// like window^(3/2) in the momentum.
+/// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise
+/// add up like window^(3/2) in the momentum.
 void ImplicitSolver::resynchronise_residual() {
   double drift = 0.0, scale = 0.0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -468,12 +476,13 @@ void ImplicitSolver::account() {
 
 void ImplicitSolver::update_status() {
   if (!contact_) return;
-  status_ = solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
+  status_ =
+      solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
 }
 
-/// The explicit elements' share in the staggered metric of the shared nodes. Central difference takes dt^2/8 a^T M a off
-/// 1/2 v^T M v; where only L of the force M a is explicit, that is -dt^2/8 a . (-L). Without it the energy of the sum flickers
-/// at the interface by that amount.
+/// The explicit elements' share in the staggered metric of the shared nodes. Central difference takes dt^2/8 a^T M a
+/// off 1/2 v^T M v; where only L of the force M a is explicit, that is -dt^2/8 a . (-L). Without it the energy of the
+/// sum flickers at the interface by that amount.
 double ImplicitSolver::shared_staggered_energy(std::size_t part) const {
   if (integration_ == Integration::explicit_central || interface_stiffness_.size() > 0) return 0.0;
   const auto& state = states_[part];

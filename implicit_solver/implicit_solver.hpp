@@ -16,11 +16,12 @@
 
 namespace ricochet::implicit_solver {
 
-/// Trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2) on the implicit elements, the shared nodes (with the summed mass, Eq. 28)
-/// and the contact nodes, in increments (Eq. 16). With q_n = f_n - K u_n - L_n the elastic residual (L: internal force of the
-/// explicit elements at the shared nodes) one window is
+/// Trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2) on the implicit elements, the shared nodes (with the summed
+/// mass, Eq. 28) and the contact nodes, in increments (Eq. 16). With q_n = f_n - K u_n - L_n the elastic residual (L:
+/// internal force of the explicit elements at the shared nodes) one window is
 ///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r
-///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T r
+///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T
+///   r
 /// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
 /// dt^2/2 C v_n on the right.
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
@@ -33,10 +34,10 @@ class ImplicitSolver final : public participant::Participant {
   ImplicitSolver(scene::Problem problem, const std::string& name);
 
   participant::Description describe() override;
-  void initialize(const participant::Setup& setup, participant::Link& output) override;
+  void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
   void synchronise(participant::Integration integration, const std::vector<double>& link_input,
-                   participant::Link& output) override;
-  void advance(std::int64_t window, const std::vector<double>& link_input, participant::Link& output) override;
+                   participant::LinkOutput& output) override;
+  void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
   void accept() override;
   /// The next window's right-hand side and the elimination of everything but contact and shared nodes.
   void work_ahead() override;
@@ -57,7 +58,7 @@ class ImplicitSolver final : public participant::Participant {
   /// One window as it is tried; combined numbering of all parts.
   struct Window {
     Eigen::VectorXd increment, velocity, acceleration, residual;
-    Eigen::VectorXd external, link;              ///< f and L at n + 1
+    Eigen::VectorXd external, link;                ///< f and L at n + 1
     Eigen::VectorXd bracket, jump, mean_velocity;  ///< work of the contact forces, see ImplicitContact::account
   };
   [[nodiscard]] auto segment(Eigen::VectorXd& combined, std::size_t part) const {
@@ -75,7 +76,7 @@ class ImplicitSolver final : public participant::Participant {
   void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
   void add_stiffness_force(bool of_increment, Eigen::VectorXd& link);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
-  void put_output(const Window& window, participant::Link& output) const;
+  void put_output(const Window& window, participant::LinkOutput& output) const;
   void prepare(std::int64_t window);
   void advance_implicit(double time_s);
   void advance_explicit(double time_s);
@@ -94,12 +95,12 @@ class ImplicitSolver final : public participant::Participant {
   const scene::ParticipantSpec* spec_;
   std::vector<solver::BodyState> states_;
   std::vector<Eigen::Index> offsets_;
-  std::vector<int> shared_dofs_;                 ///< combined numbering, interface order
-  fem::SparseMatrix stiffness_;                  ///< all parts, block diagonal
-  Eigen::VectorXd residual_, external_, link_;   ///< q, f (with reactions) and L of the last accepted window
+  std::vector<int> shared_dofs_;                ///< combined numbering, interface order
+  fem::SparseMatrix stiffness_;                 ///< all parts, block diagonal
+  Eigen::VectorXd residual_, external_, link_;  ///< q, f (with reactions) and L of the last accepted window
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
-  Eigen::MatrixXd interface_stiffness_;          ///< S, in the order of shared_dofs_; empty: none
+  Eigen::MatrixXd interface_stiffness_;            ///< S, in the order of shared_dofs_; empty: none
   std::vector<Eigen::VectorXd> part_external_;     ///< per part: f for the balance of massless nodes
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u of an explicit step or a resynchronisation
   std::optional<CondensedFactor> factor_;

@@ -1,4 +1,5 @@
 #include "common/solver/main.hpp"
+
 #include "implicit_solver/implicit_solver.hpp"
 
 int main(int argc, char** argv) {

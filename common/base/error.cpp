@@ -25,7 +25,8 @@ void throw_errno(int error, const std::string& what) {
 }
 
 std::string text_of(const std::exception& error) {
-  if (dynamic_cast<const std::bad_alloc*>(&error)) return "out of memory: the machine, or the limit of this process (ulimit -v), has no more";
+  if (dynamic_cast<const std::bad_alloc*>(&error))
+    return "out of memory: the machine, or the limit of this process (ulimit -v), has no more";
   return error.what();
 }
 

@@ -69,8 +69,10 @@ void OwnFiles::read() {
   std::ifstream file(path);
   if (!file) return;
   const auto refuse = [&](const std::string& line) {
-    throw ConfigError(fmt::format("{}: found the line \"{:.80}\", which is none of a list of this program; remove it, or give "
-                                  "another folder with --out DIR", path, line));
+    throw ConfigError(
+        fmt::format("{}: found the line \"{:.80}\", which is none of a list of this program; remove it, or give "
+                    "another folder with --out DIR",
+                    path, line));
   };
   std::string line;
   if (!std::getline(file, line) || line != first_line) refuse(line);
@@ -121,8 +123,10 @@ void OwnFiles::claim(const std::vector<std::string>& names) {
   for (const auto& pattern : all) {
     for (const auto& name : present(pattern)) {
       if (owner_of(name) != Owner::somebody_else) continue;
-      throw ConfigError(fmt::format("{}/{} is there already, and ricochet did not write it, or it was changed since; move it away, "
-                                    "or give another folder with --out DIR", folder_, name));
+      throw ConfigError(
+          fmt::format("{}/{} is there already, and ricochet did not write it, or it was changed since; move it away, "
+                      "or give another folder with --out DIR",
+                      folder_, name));
     }
   }
   for (const auto& name : all) listed_[name] = {};

@@ -26,7 +26,8 @@ void require_descriptors(unsigned long needed) {
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
   const rlimit wanted{std::min<rlim_t>(needed, limit.rlim_max), limit.rlim_max};
   if (wanted.rlim_cur == needed && setrlimit(RLIMIT_NOFILE, &wanted) == 0) return;
-  throw MachineError(fmt::format("this process may have {} files open, it needs {}: raise the limit (ulimit -n)", limit.rlim_cur, needed));
+  throw MachineError(fmt::format("this process may have {} files open, it needs {}: raise the limit (ulimit -n)",
+                                 limit.rlim_cur, needed));
 }
 
 std::string printable(std::string_view text) {

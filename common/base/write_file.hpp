@@ -10,8 +10,8 @@ namespace ricochet {
 /// ConfigError, each with the file and the cause. `mode`: who may read and write it, as for chmod.
 void write_atomically(const std::string& path, const std::string& text, unsigned mode = 0644);
 
-/// Replaces what a file holds without any room on the disk: the text must not be longer than the file, whose rest becomes
-/// blanks. False if that cannot be done.
+/// Replaces what a file holds without any room on the disk: the text must not be longer than the file, whose rest
+/// becomes blanks. False if that cannot be done.
 bool write_within(const std::string& path, const std::string& text);
 
 /// Writes all of it to an open file; 0, or the errno of what went wrong.

@@ -42,8 +42,9 @@ using StressVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
 [[nodiscard]] double element_max_frequency_squared(const Section& section, const Material& material,
                                                    const ElementCoordinates& x);
 
-/// Whether that frequency squared is above `limit` [1/s^2]. The largest diagonal entry of M_e^-1/2 K_e M_e^-1/2 bounds it from
-/// below and the largest row sum of magnitudes from above, so that few elements of a graded mesh need the eigenvalue itself.
+/// Whether that frequency squared is above `limit` [1/s^2]. The largest diagonal entry of M_e^-1/2 K_e M_e^-1/2 bounds
+/// it from below and the largest row sum of magnitudes from above, so that few elements of a graded mesh need the
+/// eigenvalue itself.
 [[nodiscard]] bool element_frequency_squared_above(const Section& section, const Material& material,
                                                    const ElementCoordinates& x, double limit);
 

@@ -169,12 +169,9 @@ ElementType element_type(const Words& words, int type, const GmshEntity& entity)
   constexpr std::string_view allowed = "2-node lines and 4-node quadrilaterals (types 1 and 3) can be used";
   const std::string where = fmt::format("in entity {} of dimension {}", entity.second, entity.first);
   switch (type) {
-    case 1:
-      return {1, 2};
-    case 3:
-      return {2, 4};
-    case 15:
-      return {0, 1};
+    case 1: return {1, 2};
+    case 3: return {2, 4};
+    case 15: return {0, 1};
     case 2:
       words.fail(
           fmt::format("triangles (type 2) {}; only {}: recombine with 'Recombine Surface {{{}}};' or "
@@ -186,8 +183,7 @@ ElementType element_type(const Words& words, int type, const GmshEntity& entity)
     case 16:
       words.fail(
           fmt::format("second-order elements (type {}) {}; only {}: set Mesh.ElementOrder = 1", type, where, allowed));
-    default:
-      words.fail(fmt::format("element type {} {}; only {}", type, where, allowed));
+    default: words.fail(fmt::format("element type {} {}; only {}", type, where, allowed));
   }
 }
 

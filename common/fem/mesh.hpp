@@ -15,8 +15,8 @@ namespace ricochet::fem {
 /// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z). Quadrilaterals are numbered counter-clockwise.
 struct Mesh {
   Model model = Model::bar;
-  std::vector<Eigen::Vector2d> position;              ///< [m]
-  std::vector<std::array<int, 4>> elements;           ///< bar: first two entries, the others -1
+  std::vector<Eigen::Vector2d> position;     ///< [m]
+  std::vector<std::array<int, 4>> elements;  ///< bar: first two entries, the others -1
   std::map<std::string, std::vector<int>> element_groups;
   /// Edges (a, b) in the direction in which the body lies to the left, so the outward normal is (dy, -dx)/|..|;
   /// bar: (n, n), one node.

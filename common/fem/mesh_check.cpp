@@ -41,8 +41,9 @@ double longest_edge(const ElementCoordinates& x) {
 std::optional<std::string> far_away(const Mesh& mesh, const ElementCoordinates& x, double size) {
   const double distance = x.cwiseAbs().maxCoeff();
   if (distance <= furthest * size) return std::nullopt;
-  return fmt::format("of {:.3g} m lies {:.3g} m from the origin, allowed: at most {:.0e} times its size; move the mesh {}", size,
-                     distance, furthest, place(mesh, x));
+  return fmt::format(
+      "of {:.3g} m lies {:.3g} m from the origin, allowed: at most {:.0e} times its size; move the mesh {}", size,
+      distance, furthest, place(mesh, x));
 }
 
 bool has_repeated_node(const Mesh& mesh, int element) {

@@ -19,11 +19,11 @@ struct Part {
   std::string body;
   Section section;
   Material material;
-  Mesh mesh;                       ///< local numbering; groups and surfaces restricted to this part
-  std::vector<int> body_node;      ///< local node -> node of the whole body's mesh
-  std::vector<int> body_element;   ///< local element -> element of the whole body's mesh
-  Eigen::VectorXd lumped_mass;     ///< per local node, own elements only [kg]
-  SparseMatrix stiffness;          ///< own elements only, dof x dof, structurally symmetric [N/m]
+  Mesh mesh;                      ///< local numbering; groups and surfaces restricted to this part
+  std::vector<int> body_node;     ///< local node -> node of the whole body's mesh
+  std::vector<int> body_element;  ///< local element -> element of the whole body's mesh
+  Eigen::VectorXd lumped_mass;    ///< per local node, own elements only [kg]
+  SparseMatrix stiffness;         ///< own elements only, dof x dof, structurally symmetric [N/m]
 
   [[nodiscard]] int nodes() const { return static_cast<int>(mesh.position.size()); }
   [[nodiscard]] int dofs() const { return nodes() * components(mesh.model); }

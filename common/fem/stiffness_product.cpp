@@ -6,7 +6,8 @@
 #include <cstring>
 #include <map>
 
-// Vectors pass between functions of this file only, so how a processor without AVX-512 passes them is nobody's business.
+// Vectors pass between functions of this file only, so how a processor without AVX-512 passes them is nobody's
+// business.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace ricochet::fem {
@@ -69,7 +70,7 @@ void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice) {
     }
   }
   const int nodes = static_cast<int>(stiffness.rows()) / 2;
-  std::array<std::vector<int>, nodes_of_slice> scattered;  // neighbours that share no slot in a row
+  std::array<std::vector<int>, nodes_of_slice> scattered;   // neighbours that share no slot in a row
   std::vector<std::array<int, nodes_of_slice>> neighbours;  // node numbers per slot; -1: none
   std::vector<bool> in_a_row;
   for (const auto& [distance, present] : by_distance) {
@@ -132,7 +133,8 @@ void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& resul
       const Coefficients& c = coefficients_[static_cast<std::size_t>(k)];
       const Vector neighbour =
           (slot.first >= 0 ? load(values + slot.first)
-                           : load_pairs(values, &gathered_[static_cast<std::size_t>(slot.gathered)])) - own;
+                           : load_pairs(values, &gathered_[static_cast<std::size_t>(slot.gathered)])) -
+          own;
       same_sum += load(c.same) * neighbour;
       cross_sum += load(c.cross) * __builtin_shufflevector(neighbour, neighbour, 1, 0, 3, 2, 5, 4, 7, 6);
     }

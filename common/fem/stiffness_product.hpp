@@ -9,14 +9,16 @@ namespace ricochet::fem {
 
 /// K u, the explicit solver's inner loop, for a fixed symmetric K of two components per node (others go row by row).
 ///
-/// Four nodes, eight degrees of freedom, are one vector. A *slot* of such a slice holds one neighbour of each of its four nodes
-/// as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy, xx, yy, ...) and those that
-/// multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross * swap(u_neighbour).
-/// Where the four neighbours are numbered in a row, as in most of any well-numbered mesh, u_neighbour is one load; elsewhere
-/// it is put together from four. Sums run in a fixed order: the same part gives the same bits everywhere.
+/// Four nodes, eight degrees of freedom, are one vector. A *slot* of such a slice holds one neighbour of each of its
+/// four nodes as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy, xx, yy, ...)
+/// and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross *
+/// swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
+/// u_neighbour is one load; elsewhere it is put together from four. Sums run in a fixed order: the same part gives the
+/// same bits everywhere.
 ///
-/// A translation makes no force: where K maps a constant component to zero, a row takes u relative to its own node. Else the
-/// rounding of K u, which grows with the distance travelled, would push a body in free flight (momentum error like time^2).
+/// A translation makes no force: where K maps a constant component to zero, a row takes u relative to its own node.
+/// Else the rounding of K u, which grows with the distance travelled, would push a body in free flight (momentum error
+/// like time^2).
 class StiffnessProduct {
  public:
   StiffnessProduct() = default;
@@ -24,8 +26,8 @@ class StiffnessProduct {
 
   /// result = K u [N]; both of K's size, different vectors.
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
-  /// The same in the rows first ... last - 1 only, to the same bits. `first` is the first row of a slice, `last` the end of
-  /// one (of the last slice: the number of rows).
+  /// The same in the rows first ... last - 1 only, to the same bits. `first` is the first row of a slice, `last` the
+  /// end of one (of the last slice: the number of rows).
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
   static constexpr int rows_of_slice = 8;
@@ -47,14 +49,14 @@ class StiffnessProduct {
   void add_slice(const SparseMatrix& stiffness, int slice);
   void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
-  std::vector<int> slice_start_;            ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
+  std::vector<int> slice_start_;  ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
   std::vector<Slot> slots_;
   std::vector<Coefficients> coefficients_;  ///< one per slot
   std::vector<int> gathered_;
-  SparseMatrix rows_;                       ///< rows behind the last whole slice, or all of them
-  int first_row_ = 0;                       ///< row of the first of rows_
+  SparseMatrix rows_;  ///< rows behind the last whole slice, or all of them
+  int first_row_ = 0;  ///< row of the first of rows_
   int components_ = 1;
-  double follows_[2] = {0.0, 0.0};          ///< per component 1: u is taken relative to the row's node; 0: as it is
+  double follows_[2] = {0.0, 0.0};  ///< per component 1: u is taken relative to the row's node; 0: as it is
 };
 
 }  // namespace ricochet::fem

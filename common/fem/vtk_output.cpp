@@ -70,12 +70,9 @@ std::string cells(const Parts& parts) {
 /// Names of the stress components in the order of `StressVector`.
 std::vector<std::string_view> stress_names(Model model) {
   switch (model) {
-    case Model::bar:
-      return {"stress_axial"};
-    case Model::plane_strain:
-      return {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
-    case Model::axisymmetric:
-      return {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
+    case Model::bar: return {"stress_axial"};
+    case Model::plane_strain: return {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
+    case Model::axisymmetric: return {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
   }
   throw std::invalid_argument("unknown model");
 }

@@ -17,17 +17,17 @@ class OwnLoop::Relay : public Participant {
       : description_(std::move(description)), options_(std::move(options)) {}
 
   Description describe() override { return description_; }
-  void initialize(const Setup& given, Link& output) override {
+  void initialize(const Setup& given, LinkOutput& output) override {
     setup = given;
     output = written;
   }
-  void synchronise(Integration given, const std::vector<double>& link_input, Link& output) override {
+  void synchronise(Integration given, const std::vector<double>& link_input, LinkOutput& output) override {
     integration = given;
     time_step = 0.0;
     save = restore = false;
     pass(link_input, output);
   }
-  void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) override {
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
     time_step = setup.window_size_s;
     restore = window == window_;
     const auto& capabilities = description_.capabilities;
@@ -63,11 +63,11 @@ class OwnLoop::Relay : public Participant {
   double time_step = 0.0;
   bool save = false, restore = false, over = false;
   std::vector<double> input, recorded;
-  Link written;
+  LinkOutput written;
   int exit_code = static_cast<int>(ExitCode::participant);
 
  private:
-  void pass(const std::vector<double>& link_input, Link& output) {
+  void pass(const std::vector<double>& link_input, LinkOutput& output) {
     input = link_input;
     to_loop_.release();
     to_coupler_.acquire();
@@ -92,7 +92,7 @@ OwnLoop::OwnLoop(Description description, const ServeOptions& options)
 
 OwnLoop::~OwnLoop() { relay_->leave(); }
 
-void OwnLoop::initialize(Link output, std::vector<double> record) {
+void OwnLoop::initialize(LinkOutput output, std::vector<double> record) {
   relay_->written = std::move(output);
   relay_->recorded = std::move(record);
   relay_->start();
@@ -106,7 +106,7 @@ bool OwnLoop::must_save() const { return relay_->save; }
 bool OwnLoop::must_restore() const { return relay_->restore && ongoing(); }
 const std::vector<double>& OwnLoop::read() const { return relay_->input; }
 
-void OwnLoop::write(const Link& output, const std::vector<double>& record) {
+void OwnLoop::write(const LinkOutput& output, const std::vector<double>& record) {
   relay_->written = output;
   relay_->recorded = record;
 }

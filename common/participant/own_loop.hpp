@@ -34,7 +34,7 @@ class OwnLoop {
   ~OwnLoop();
 
   /// Meets the coupler; `output` and `record`: link output and history row at t = 0. Throws Error if the run failed.
-  void initialize(Link output, std::vector<double> record = {});
+  void initialize(LinkOutput output, std::vector<double> record = {});
   /// What the coupler set; after `initialize`.
   [[nodiscard]] const Setup& setup() const;
   /// By which integration an implicit participant is to go on from here.
@@ -48,10 +48,10 @@ class OwnLoop {
   [[nodiscard]] bool must_save() const;
   /// The coupler asks for the same window again: go back to where `must_save` was true.
   [[nodiscard]] bool must_restore() const;
-  /// Link input at the end of the window (explicit: displacement [m], implicit: force [N]).
+  /// LinkOutput input at the end of the window (explicit: displacement [m], implicit: force [N]).
   [[nodiscard]] const std::vector<double>& read() const;
-  /// Link output and history row (as many numbers as `record_columns`) at the end of the window.
-  void write(const Link& output, const std::vector<double>& record = {});
+  /// LinkOutput output and history row (as many numbers as `record_columns`) at the end of the window.
+  void write(const LinkOutput& output, const std::vector<double>& record = {});
   /// The window is computed: exchanges, and waits for what is next. Throws Error if the run failed.
   void advance();
   /// Waits for the end of the conversation; the exit code for `main`.

@@ -14,10 +14,10 @@
 /// its elements exert *on* being moved there, P = K u, the internal force [N] (positive: resists positive motion).
 /// An *implicit* participant integrates the interface nodes: it is given the sum of those internal forces [N] and
 /// answers with displacement [m], velocity [m/s] and acceleration [m/s^2] of its interface nodes.
-/// Under a dual protocol an explicit participant is *driven by force*, too: it integrates its interface nodes with its own
-/// mass, M a = f - K u + lambda, is given the interface multiplier lambda [N] at the end of a window (linear over the
-/// window) and answers with their motion. Capability "driven_by_force".
-/// Incremental transfer (Eq. 6), accumulation and resynchronisation are done by `serve`: here everything is absolute.
+/// Under a dual protocol an explicit participant is *driven by force*, too: it integrates its interface nodes with its
+/// own mass, M a = f - K u + lambda, is given the interface multiplier lambda [N] at the end of a window (linear over
+/// the window) and answers with their motion. Capability "driven_by_force". Incremental transfer (Eq. 6), accumulation
+/// and resynchronisation are done by `serve`: here everything is absolute.
 namespace ricochet::participant {
 
 struct Description {
@@ -44,15 +44,15 @@ enum class Drive { displacement, force };  ///< what the link input is
 
 struct Setup {
   std::string run_id, protocol, output_directory;
-  double window_size_s = 0;                 ///< Delta t of one window
-  int substeps = 1;                         ///< driven by force, explicit: central difference steps in a window
-  Drive driven_by = Drive::displacement;    ///< implicit participants: always force
+  double window_size_s = 0;               ///< Delta t of one window
+  int substeps = 1;                       ///< driven by force, explicit: central difference steps in a window
+  Drive driven_by = Drive::displacement;  ///< implicit participants: always force
   /// Per node: mass to integrate the interface nodes with, summed over all participants (Eq. 28); the own one if the
   /// protocol is dual.
   std::vector<double> interface_mass_kg;
-  /// Implicit: S, (nodes x components)^2, row-major, symmetric [N/m]; empty: none. The force of the other participants on
-  /// the interface nodes at the end of a window is link input + S u, u their displacement there. Only while integrating
-  /// by `implicit_newmark`.
+  /// Implicit: S, (nodes x components)^2, row-major, symmetric [N/m]; empty: none. The force of the other participants
+  /// on the interface nodes at the end of a window is link input + S u, u their displacement there. Only while
+  /// integrating by `implicit_newmark`.
   std::vector<double> interface_stiffness;
   int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
@@ -66,9 +66,9 @@ enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 
 /// (normally and, with friction, tangentially; in tension, too) at zero gap.
 enum class FrozenContact { open, sticking };
 
-/// Link output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by force:
-/// `value` is the displacement.
-struct Link {
+/// LinkOutput output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by
+/// force: `value` is the displacement.
+struct LinkOutput {
   std::vector<double> value, velocity_m_s, acceleration_m_s2;
 };
 
@@ -81,8 +81,8 @@ struct ContactStatus {
   bool finished = false;          ///< `until_separated_plus_s` has passed
 };
 
-/// How a run leaves the model of small strain, small displacement and contact nodes that stay opposite; see docs/limits.md. The
-/// numbers are those of the wire.
+/// How a run leaves the model of small strain, small displacement and contact nodes that stay opposite; see
+/// docs/limits.md. The numbers are those of the wire.
 enum class DepartureKind {
   strain = 1,       ///< size: largest principal strain
   rotation = 2,     ///< [rad]
@@ -95,13 +95,13 @@ enum class DepartureKind {
 /// Something that has left the model, so far.
 struct Departure {
   DepartureKind kind = DepartureKind::strain;
-  int body = 0;                    ///< index into Description::bodies
-  std::int64_t last_without = 0;   ///< window of the last look that did not find it
-  std::int64_t first = 0;          ///< window of the first look that did
-  std::int64_t looks = 0;          ///< that found it
-  double largest = 0;              ///< size
-  std::int64_t window = 0;         ///< of the largest
-  double x_m = 0, y_m = 0;         ///< its place in the reference configuration
+  int body = 0;                   ///< index into Description::bodies
+  std::int64_t last_without = 0;  ///< window of the last look that did not find it
+  std::int64_t first = 0;         ///< window of the first look that did
+  std::int64_t looks = 0;         ///< that found it
+  double largest = 0;             ///< size
+  std::int64_t window = 0;        ///< of the largest
+  double x_m = 0, y_m = 0;        ///< its place in the reference configuration
 };
 
 /// Where a node is of which the coupler wants to know whether another body meets it.
@@ -119,16 +119,17 @@ class Participant {
   [[nodiscard]] virtual Description describe() = 0;
   /// Called once. Returns the link output at t = 0: explicit its force, implicit its displacement (velocity,
   /// acceleration may be empty here).
-  virtual void initialize(const Setup& setup, Link& output) = 0;
+  virtual void initialize(const Setup& setup, LinkOutput& output) = 0;
   /// At the present time: take these absolute link values, recompute the accelerations from them, integrate by
   /// `integration` from here on. Called after `initialize` and whenever the coupler switches integration.
-  virtual void synchronise(Integration integration, const std::vector<double>& link_input, Link& output) = 0;
+  virtual void synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) = 0;
   /// Trial: from the last accepted state compute the window that ends at `window * window_size_s` with this link input
   /// (explicit: displacement at the window's end; implicit: interface force at its end).
-  virtual void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) = 0;
+  virtual void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) = 0;
   /// Trial of one substep of that window, 1 .. Setup::substeps, each accepted before the next; `link_input`: the
   /// multiplier at its end, linear from the end of the one before. Capability "single_substep".
-  virtual void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input, Link& output);
+  virtual void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
+                               LinkOutput& output);
   /// Makes the last trial final.
   virtual void accept() = 0;
   /// Called after an answer has been sent, while the others are at work: do now of the next window what does not depend

@@ -17,7 +17,8 @@ using wire::Message;
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 ExitCode exit_code(std::int64_t code) {
-  for (const auto known : {ExitCode::config, ExitCode::unstable, ExitCode::protocol, ExitCode::model, ExitCode::machine}) {
+  for (const auto known :
+       {ExitCode::config, ExitCode::unstable, ExitCode::protocol, ExitCode::model, ExitCode::machine}) {
     if (code == static_cast<std::int64_t>(known)) return known;
   }
   return ExitCode::participant;
@@ -43,7 +44,7 @@ Description checked(Description d) {
 
 }  // namespace
 
-void Participant::advance_substep(std::int64_t, int, const std::vector<double>&, Link&) {
+void Participant::advance_substep(std::int64_t, int, const std::vector<double>&, LinkOutput&) {
   throw ParticipantError("the participant announces the capability 'single_substep', but does not implement it");
 }
 

@@ -29,8 +29,8 @@ class Session {
   /// if the participant's results have the wrong size, SolverError if they are not finite; for a `failure` of the
   /// coupler an Error of its code. After an error only `failure` makes sense.
   bool handle(const wire::Message& request, wire::Message& reply);
-  /// To be called when a reply has been sent: finishes what the reply did not have to wait for (accepting a window that has
-  /// no contact to report, history rows, fields) and lets the participant work ahead. Throws what those throw.
+  /// To be called when a reply has been sent: finishes what the reply did not have to wait for (accepting a window that
+  /// has no contact to report, history rows, fields) and lets the participant work ahead. Throws what those throw.
   void work_ahead();
   /// Fills in the message that tells the coupler why this end stops; ends the conversation.
   void failure(ExitCode code, const std::string& text, wire::Message& message);
@@ -90,7 +90,7 @@ class Session {
   Setup setup_;
   wire::Lifecycle lifecycle_;
   IncrementalLink link_;
-  Link output_;
+  LinkOutput output_;
   ContactStatus contact_;
   std::string run_id_;
   std::int64_t sequence_ = 0, window_ = 0, accepted_window_ = 0, fields_window_ = -1;
@@ -98,7 +98,7 @@ class Session {
   double timeout_s_ = -1.0;
   bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
   bool synchronised_ = false, accept_due_ = false, record_due_ = false, fields_due_ = false;  ///< put off
-  bool moves_ = false;                       ///< driven by force: answers displacement, velocity, acceleration
+  bool moves_ = false;  ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
   std::vector<double> rows_;   ///< history rows not sent yet
   std::vector<double> spans_;  ///< window, begin, end of each computing span

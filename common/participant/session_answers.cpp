@@ -41,9 +41,9 @@ void Session::put_departures(wire::Array& array) {
   array.resize(static_cast<int>(found.size()), wire::departure_columns);
   auto out = array.data.begin();
   for (const auto& d : found) {
-    for (const double value : {static_cast<double>(d.kind), static_cast<double>(d.body), static_cast<double>(d.last_without),
-                               static_cast<double>(d.first), static_cast<double>(d.looks), d.largest,
-                               static_cast<double>(d.window), d.x_m, d.y_m}) {
+    for (const double value : {static_cast<double>(d.kind), static_cast<double>(d.body),
+                               static_cast<double>(d.last_without), static_cast<double>(d.first),
+                               static_cast<double>(d.looks), d.largest, static_cast<double>(d.window), d.x_m, d.y_m}) {
       *out++ = value;
     }
   }

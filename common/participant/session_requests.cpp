@@ -61,8 +61,9 @@ Drive drive_of(const std::string& text, const Description& description) {
   const bool implicit = description.role == "implicit";
   const bool by_force = implicit || std::find(has.begin(), has.end(), "driven_by_force") != has.end();
   const bool by_displacement = !implicit;
-  require(text == "force" ? by_force : by_displacement, "the coupler drives {} participant '{}' by {}, which it is not made for",
-          description.role, description.name, text);
+  require(text == "force" ? by_force : by_displacement,
+          "the coupler drives {} participant '{}' by {}, which it is not made for", description.role, description.name,
+          text);
   return text == "force" ? Drive::force : Drive::displacement;
 }
 
@@ -108,9 +109,10 @@ void Session::initialize(const Message& request, Message& reply) {
 
 void Session::take_interface_stiffness(const wire::Array& stiffness) {
   const int size = nodes_ * description_.components;
-  require(stiffness.rows == 0 || (stiffness.rows == size && stiffness.columns == size),
-          "the coupler sent 'interface_stiffness' with {} x {} numbers, the interface of participant '{}' needs {} x {}",
-          stiffness.rows, stiffness.columns, description_.name, size, size);
+  require(
+      stiffness.rows == 0 || (stiffness.rows == size && stiffness.columns == size),
+      "the coupler sent 'interface_stiffness' with {} x {} numbers, the interface of participant '{}' needs {} x {}",
+      stiffness.rows, stiffness.columns, description_.name, size, size);
   const auto& has = description_.capabilities;
   require(stiffness.rows == 0 || std::find(has.begin(), has.end(), "interface_stiffness") != has.end(),
           "the coupler sent an interface stiffness, but participant '{}' lacks the capability 'interface_stiffness'",
@@ -164,8 +166,9 @@ void Session::check_substep(const Message& request) const {
   require(std::find(has.begin(), has.end(), "single_substep") != has.end(),
           "the coupler asked for substep {}, but participant '{}' lacks the capability 'single_substep'",
           request.substep, description_.name);
-  require(setup_.driven_by == Drive::force, "the coupler asked for substep {}, but drives participant '{}' by displacement",
-          request.substep, description_.name);
+  require(setup_.driven_by == Drive::force,
+          "the coupler asked for substep {}, but drives participant '{}' by displacement", request.substep,
+          description_.name);
   require(request.substep == accepted_substep_ + 1 && request.substep <= setup_.substeps && request.windows == 1,
           "the coupler asked for substep {} of {} in window {}, the next one is substep {}", request.substep,
           setup_.substeps, request.window, accepted_substep_ + 1);
@@ -250,8 +253,10 @@ void Session::read_state(Message& reply) {
   participant_.read_state(state, scale);
   const bool positive = std::all_of(scale.begin(), scale.end(), [](double x) { return x > 0.0; });
   if (scale.size() != state.size() || !positive) {
-    throw ParticipantError(fmt::format("participant '{}' told a state of {} numbers with {} scales, expected as many, "
-                                       "each > 0", description_.name, state.size(), scale.size()));
+    throw ParticipantError(
+        fmt::format("participant '{}' told a state of {} numbers with {} scales, expected as many, "
+                    "each > 0",
+                    description_.name, state.size(), scale.size()));
   }
   set(reply.state, state, static_cast<int>(state.size()), 1);
   set(reply.state_scale, scale, static_cast<int>(scale.size()), 1);

@@ -56,7 +56,8 @@ class Counter {
     if (dots_ >= most_key_parts) refuse("parts of a key", dots_ + 1, most_key_parts);
   }
   [[noreturn]] void refuse(const char* what, int found, int allowed) const {
-    throw ConfigError(fmt::format("{}:{}: {}: found {} or more, allowed: at most {}", path_, line_, what, found, allowed));
+    throw ConfigError(
+        fmt::format("{}:{}: {}: found {} or more, allowed: at most {}", path_, line_, what, found, allowed));
   }
 
   const std::string& path_;

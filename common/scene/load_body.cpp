@@ -10,7 +10,8 @@ namespace ricochet::scene {
 namespace {
 
 constexpr int most_elements = 1'000'000;  // of a body
-/// Far beyond every material, in any system of units; wave speeds and energies of other values leave the range of numbers.
+/// Far beyond every material, in any system of units; wave speeds and energies of other values leave the range of
+/// numbers.
 constexpr Range densities{1e-15, 1e20, true, true};
 /// With fewer, an element would meet its own image: nodes lie within half a period of each other.
 constexpr int fewest_periodic_elements = 3;
@@ -184,7 +185,8 @@ Body load_body(TableReader& table, Model model, const std::string& folder) {
   for (TableReader& entry : table.tables("absorbing", "absorbing")) {
     AbsorbingSurface absorbing = load_absorbing(entry, model, surfaces);
     for (const AbsorbingSurface& other : body.absorbing)
-      if (other.surface == absorbing.surface) entry.refuse("surface", "\"" + other.surface + "\" a second time", "each surface once");
+      if (other.surface == absorbing.surface)
+        entry.refuse("surface", "\"" + other.surface + "\" a second time", "each surface once");
     body.absorbing.push_back(std::move(absorbing));
   }
   table.finish();

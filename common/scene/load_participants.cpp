@@ -78,7 +78,7 @@ std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables,
     }
     participants.push_back(participant);
   }
-  const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
+  const bool hybrid = scene.coupling.protocol.layout == Layout::hybrid;
   const auto is_implicit = [](const ParticipantSpec& p) { return p.role == Role::implicit_solver; };
   if (hybrid && !tables.empty() && std::none_of(participants.begin(), participants.end(), is_implicit))
     tables.back().refuse("role", "no implicit participant", "one [[participant]] with role = \"implicit\"");
@@ -86,7 +86,7 @@ std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables,
 }
 
 std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vector<ParticipantSpec>& given) {
-  const Layout layout = protocol_traits(scene.coupling.protocol).layout;
+  const Layout layout = scene.coupling.protocol.layout;
   if (layout == Layout::hybrid && !given.empty()) return given;
   ParticipantSpec all_explicit = first_of(given, Role::explicit_solver, "explicit");
   all_explicit.name = "explicit";

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int most = std::numeric_limits<int>::max();
 
-void load_transport(TableReader& table, Coupling& coupling) {
+void load_transport(TableReader& table, CouplingSettings& coupling) {
   if (table.has("transport")) coupling.transport = table.word("transport", {"auto", "shm", "zmq", "tcp"});
   const bool tcp = coupling.transport == "tcp";
   table.only_if(tcp, "address", "transport = \"tcp\"");
@@ -22,17 +22,13 @@ void load_transport(TableReader& table, Coupling& coupling) {
 }
 
 /// What only some protocols know.
-void load_protocol_settings(TableReader& table, Coupling& coupling) {
-  const ProtocolTraits& traits = protocol_traits(coupling.protocol);
-  table.only_if(traits.dual, "substeps", "a dual protocol: \"prakash_hjelmstad\" or \"gravouil_combescure\"");
+void load_protocol_settings(TableReader& table, CouplingSettings& coupling) {
+  table.only_if(coupling.protocol.dual, "substeps",
+                "a dual protocol: \"prakash_hjelmstad\" or \"gravouil_combescure\"");
   coupling.substeps = table.integer("substeps", 1, 1000, coupling.substeps);
-  const bool iterated = coupling.protocol == "fixed_point";
   for (const char* key : {"acceleration", "relaxation", "tolerance", "max_iterations"})
-    table.only_if(iterated, key, "protocol = \"fixed_point\"");
-  coupling.acceleration = table.choice<Acceleration>(
-      "acceleration",
-      {{"constant", Acceleration::constant}, {"aitken", Acceleration::aitken}, {"iqn_ils", Acceleration::iqn_ils}},
-      coupling.acceleration);
+    table.only_if(coupling.protocol.iterated, key, "protocol = \"fixed_point\"");
+  if (table.has("acceleration")) coupling.acceleration = table.word("acceleration", {"constant", "aitken", "iqn_ils"});
   coupling.relaxation = table.number("relaxation", {0.0, 1.0, false, true}, coupling.relaxation);
   coupling.tolerance = table.number("tolerance", {0.0, 1.0, false, false}, coupling.tolerance);
   coupling.max_iterations = table.integer("max_iterations", 1, 10000, coupling.max_iterations);
@@ -60,9 +56,9 @@ Time load_time(TableReader& table, bool has_contact) {
   return time;
 }
 
-Coupling load_coupling(TableReader& table, bool has_contact) {
-  Coupling coupling;
-  if (table.has("protocol")) coupling.protocol = table.word("protocol", protocol_names());
+CouplingSettings load_coupling(TableReader& table, bool has_contact) {
+  CouplingSettings coupling;
+  if (table.has("protocol")) coupling.protocol = protocol_traits(table.word("protocol", protocol_names()));
   load_protocol_settings(table, coupling);
   coupling.resynchronise_every = table.integer("resynchronise_every", 0, most, coupling.resynchronise_every);
   table.only_if(has_contact, "after_separation", "a [contact] table");

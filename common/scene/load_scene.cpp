@@ -49,24 +49,26 @@ void load_bodies(TableReader& root, Scene& scene) {
 
 /// The automatic partition asks which elements the step is too long for; only with it a step can be chosen by the cost.
 void check_automatic_partition(const TableReader& root, const TableReader& time, Scene& scene) {
-  const bool hybrid = protocol_traits(scene.coupling.protocol).layout == Layout::hybrid;
+  const bool hybrid = scene.coupling.protocol.layout == Layout::hybrid;
   if (!hybrid) scene.time.largest_step_s.reset();  // nothing to choose
   const bool automatic = scene.partition.rule == PartitionRule::automatic;
   if (hybrid && automatic && !scene.time.step_s)
     root.refuse("time", "no step_s, which the automatic partition needs",
                 "step_s or largest_step_s, or a [partition] by implicit_length_m or implicit_groups");
   if (hybrid && !automatic && scene.time.largest_step_s)
-    time.refuse("largest_step_s", "a largest step where the [partition] is given", "step_s, or partition.rule = \"auto\"");
+    time.refuse("largest_step_s", "a largest step where the [partition] is given",
+                "step_s, or partition.rule = \"auto\"");
 }
 
 /// Which protocol runs is known after the contact has been read.
 void check_contact_keys(TableReader& root, const Scene& scene) {
-  if (!scene.contact || protocol_traits(scene.coupling.protocol).layout != Layout::all_explicit) return;
+  if (!scene.contact || scene.coupling.protocol.layout != Layout::all_explicit) return;
   const std::string needed = "an implicit side, which \"all_explicit\" has not";
   auto contact = root.table("contact", "contact");
   contact.only_if(false, "impact_update", needed);
   if (scene.contact->multiplier_update == MultiplierUpdate::fully_implicit)
-    contact.refuse("multiplier_update", "\"fully_implicit\" under \"all_explicit\"", "\"trapezoidal_reset\" or \"massless\", or " + needed);
+    contact.refuse("multiplier_update", "\"fully_implicit\" under \"all_explicit\"",
+                   "\"trapezoidal_reset\" or \"massless\", or " + needed);
 }
 
 void load_tables(TableReader& root, Scene& scene) {

@@ -18,7 +18,7 @@ namespace ricochet::scene {
 [[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene);
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
-[[nodiscard]] Coupling load_coupling(TableReader& table, bool has_contact);
+[[nodiscard]] CouplingSettings load_coupling(TableReader& table, bool has_contact);
 [[nodiscard]] Output load_output(TableReader& table);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);

@@ -1,5 +1,8 @@
 #include "common/scene/protocols.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 
@@ -7,19 +10,34 @@ namespace ricochet::scene {
 
 const std::vector<ProtocolTraits>& protocols() {
   static const std::vector<ProtocolTraits> table{
-      {"hughes_liu", Layout::hybrid, false, true, ""},
-      {"kim", Layout::hybrid, false, true, ""},
-      {"kim_predicted", Layout::hybrid, false, true,
-       "protocol \"kim_predicted\" is unstable at almost any step: it is there to be studied, the energy watch will "
-       "stop the run; use \"kim\" or \"hughes_liu\""},
-      {"belytschko_mullen", Layout::hybrid, false, false, ""},
-      {"prakash_hjelmstad", Layout::hybrid, true, false, ""},
-      {"gravouil_combescure", Layout::hybrid, true, false,
-       "protocol \"gravouil_combescure\" dissipates with substeps > 1 (71 % of a split oscillator's energy in ten "
-       "periods): it is there to be studied; use \"prakash_hjelmstad\""},
-      {"fixed_point", Layout::hybrid, false, false, ""},
-      {"all_implicit", Layout::all_implicit, false, false, ""},
-      {"all_explicit", Layout::all_explicit, false, false, ""},
+      {.name = "hughes_liu", .may_switch = true},
+      {.name = "kim", .may_switch = true, .explicit_capabilities = {"repeat_window"}},
+      {.name = "kim_predicted",
+       .may_switch = true,
+       .trouble = "is unstable at almost any time step; use hughes_liu or kim",
+       .warning = "protocol \"kim_predicted\" is unstable at almost any step: it is there to be studied, the energy "
+                  "watch will "
+                  "stop the run; use \"kim\" or \"hughes_liu\""},
+      {.name = "belytschko_mullen",
+       .explicit_capabilities = {"repeat_window"},
+       .implicit_capabilities = {"interface_stiffness"}},
+      {.name = "prakash_hjelmstad",
+       .dual = true,
+       .explicit_capabilities = {"repeat_window", "driven_by_force"},
+       .implicit_capabilities = {"interface_stiffness"}},
+      {.name = "gravouil_combescure",
+       .dual = true,
+       .explicit_capabilities = {"repeat_window", "driven_by_force", "single_substep"},
+       .implicit_capabilities = {"repeat_window", "interface_stiffness"},
+       .warning =
+           "protocol \"gravouil_combescure\" dissipates with substeps > 1 (71 % of a split oscillator's energy in ten "
+           "periods): it is there to be studied; use \"prakash_hjelmstad\""},
+      {.name = "fixed_point",
+       .iterated = true,
+       .explicit_capabilities = {"repeat_window"},
+       .implicit_capabilities = {"repeat_window"}},
+      {.name = "all_implicit", .layout = Layout::all_implicit},
+      {.name = "all_explicit", .layout = Layout::all_explicit},
   };
   return table;
 }
@@ -33,7 +51,8 @@ std::vector<std::string> protocol_names() {
 const ProtocolTraits& protocol_traits(const std::string& name) {
   for (const ProtocolTraits& protocol : protocols())
     if (protocol.name == name) return protocol;
-  throw ConfigError("coupling.protocol: unknown protocol \"" + name + "\"" + did_you_mean(name, protocol_names()));
+  throw ConfigError(fmt::format("coupling.protocol: unknown protocol \"{}\", allowed are {}{}", name,
+                                fmt::join(protocol_names(), ", "), did_you_mean(name, protocol_names())));
 }
 
 }  // namespace ricochet::scene

@@ -12,17 +12,28 @@ enum class Layout {
   all_explicit,  ///< one explicit participant owns every element
 };
 
-/// What a scene has to know of a coupling protocol. A new protocol is one more row of `protocols()`.
+/// Everything that is known of a coupling protocol but how it computes a window. A scene holds the row of its protocol,
+/// and nobody looks one up by name after that.
 struct ProtocolTraits {
-  std::string name;
+  std::string name = "";
   Layout layout = Layout::hybrid;
-  bool dual = false;    ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
+  bool dual = false;        ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
+  bool iterated = false;    ///< repeats a window until the interface agrees
   bool may_switch = false;  ///< goes on with an implicit participant that integrates explicitly after separation
-  std::string warning;      ///< what `check` says about it; empty: nothing
+  std::vector<std::string> explicit_capabilities = {};  ///< every explicit participant must have them
+  std::vector<std::string> implicit_capabilities = {};
+  std::string trouble =
+      "";  ///< goes on after "protocol NAME", said when the energy watch stops a run; empty: none known
+  std::string warning = "";  ///< what `check` says of it; empty: nothing
+
+  /// Baselines, where one participant owns everything and nothing is exchanged, are not.
+  [[nodiscard]] bool coupled() const { return layout == Layout::hybrid; }
 };
+
+/// The one table of protocols.
 [[nodiscard]] const std::vector<ProtocolTraits>& protocols();
 [[nodiscard]] std::vector<std::string> protocol_names();
-/// Throws ConfigError for a name that is not in the table.
+/// Throws ConfigError with the nearest known name for a name that is not in the table.
 [[nodiscard]] const ProtocolTraits& protocol_traits(const std::string& name);
 
 }  // namespace ricochet::scene

@@ -26,8 +26,8 @@ struct Range {
 
 /// One table of a scene file, or of a file with another schema, read strictly. Keys that its kind (see schema.hpp) does
 /// not know are refused when it is opened; each getter checks type and range; every error is a ConfigError that shows
-/// file, line, key, what was found, what is allowed, the nearest known name, and the underlined source. `lines` collects
-/// the line of each key read.
+/// file, line, key, what was found, what is allowed, the nearest known name, and the underlined source. `lines`
+/// collects the line of each key read.
 class TableReader {
  public:
   struct Context {

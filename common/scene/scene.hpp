@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/fem/model.hpp"
+#include "common/scene/protocols.hpp"
 
 /// The scene file as plain structs: one struct per table, one member per key, SI units in the names.
 /// `load_scene` is strict; what these structs hold has passed every check that needs no mesh.
@@ -18,12 +19,12 @@ using fem::Model;
 /// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry.
 /// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer".
 struct StructuredMesh {
-  double start_m = 0.0;          ///< axis coordinate of the low end
-  double length_m = 0.0;         ///< extent along the axis
-  double across_m = 0.0;         ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (plane strain, from x = 0)
+  double start_m = 0.0;   ///< axis coordinate of the low end
+  double length_m = 0.0;  ///< extent along the axis
+  double across_m = 0.0;  ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (plane strain, from x = 0)
   int elements_along = 0;
   int elements_across = 1;
-  double grading_along = 1.0;    ///< size of the last element over size of the first, geometric in between
+  double grading_along = 1.0;  ///< size of the last element over size of the first, geometric in between
   double grading_across = 1.0;
   bool periodic_across = false;  ///< plane strain: "outer" is "inner" moved by across_m; both surfaces vanish
 };
@@ -61,7 +62,7 @@ struct PrescribedDisplacement {
 
 /// The long wave that an absorbing surface takes up, which fixes its speed along the surface's normal.
 enum class Wave {
-  bar,           ///< free sides: sqrt(E/rho) of bars and slender cylinders, sqrt(E/(rho (1 - nu^2))) of a plate in plane strain
+  bar,  ///< free sides: sqrt(E/rho) of bars and slender cylinders, sqrt(E/(rho (1 - nu^2))) of a plate in plane strain
   dilatational,  ///< no strain across: c_L (Eq. 26)
 };
 
@@ -74,13 +75,13 @@ struct AbsorbingSurface {
 struct Body {
   std::string name;
   Material material;
-  double area_m2 = 1.0;       ///< `bar`: cross section
-  double thickness_m = 1.0;   ///< `plane_strain`: thickness
+  double area_m2 = 1.0;      ///< `bar`: cross section
+  double thickness_m = 1.0;  ///< `plane_strain`: thickness
   std::variant<StructuredMesh, GmshMesh> mesh;
-  std::vector<double> initial_velocity_m_s;           ///< one entry per component
-  std::vector<double> initial_displacement_start_m;   ///< at the low end of the axis, linear along it
-  std::vector<double> initial_displacement_end_m;     ///< at the high end of the axis
-  std::vector<double> gravity_m_s2;                   ///< body force per unit mass, one entry per component
+  std::vector<double> initial_velocity_m_s;          ///< one entry per component
+  std::vector<double> initial_displacement_start_m;  ///< at the low end of the axis, linear along it
+  std::vector<double> initial_displacement_end_m;    ///< at the high end of the axis
+  std::vector<double> gravity_m_s2;                  ///< body force per unit mass, one entry per component
   std::vector<Support> supports;
   std::vector<Traction> tractions;
   std::vector<PrescribedDisplacement> prescribed;
@@ -99,13 +100,13 @@ enum class ImpactUpdate { none, impedance, mass };
 enum class FrictionLaw { return_mapping, regularised };
 
 struct Contact {
-  SurfaceName first;                    ///< n points out of this surface
-  std::optional<SurfaceName> second;    ///< empty: rigid plane
-  double initial_gap_m = 0.0;           ///< added to the distance of the two meshes along n
-  double nose_radius_m = 0.0;           ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
+  SurfaceName first;                  ///< n points out of this surface
+  std::optional<SurfaceName> second;  ///< empty: rigid plane
+  double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
+  double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
   Enforcement enforcement = Enforcement::multiplier;
   MultiplierUpdate multiplier_update = MultiplierUpdate::trapezoidal_reset;
-  double penalty_pa_m = 0.0;            ///< traction per penetration, Eq. 8-10
+  double penalty_pa_m = 0.0;  ///< traction per penetration, Eq. 8-10
   ImpactUpdate impact_update = ImpactUpdate::none;
   double friction_coefficient = 0.0;
   FrictionLaw friction_law = FrictionLaw::return_mapping;
@@ -116,37 +117,37 @@ enum class PartitionRule { implicit_length, implicit_groups, automatic };
 
 struct Partition {
   PartitionRule rule = PartitionRule::automatic;
-  std::map<std::string, double> implicit_length_m;                 ///< per body, measured from its contact surface
-  std::map<std::string, std::vector<std::string>> implicit_groups; ///< per body
+  std::map<std::string, double> implicit_length_m;                  ///< per body, measured from its contact surface
+  std::map<std::string, std::vector<std::string>> implicit_groups;  ///< per body
 };
 
 struct Time {
   std::optional<double> step_s;          ///< else safety_factor times the critical time step of what is explicit
-  std::optional<double> largest_step_s;  ///< then step_s is this, or the largest that leaves explicit elements, until `ricochet run` chooses
+  std::optional<double> largest_step_s;  ///< then step_s is this, or the largest that leaves explicit elements, until
+                                         ///< `ricochet run` chooses
   double safety_factor = 0.9;
-  double end_s = 0.0;                    ///< latest end
+  double end_s = 0.0;  ///< latest end
   std::optional<double> until_separated_plus_s;
 };
 
-/// How `fixed_point` chooses the next displacement of the shared nodes.
-enum class Acceleration { constant, aitken, iqn_ils };
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
-struct Coupling {
-  std::string protocol = "hughes_liu";
+/// The table [coupling].
+struct CouplingSettings {
+  ProtocolTraits protocol = protocol_traits("hughes_liu");
   int substeps = 1;                      ///< dual protocols: explicit steps in a window, m of Delta T = m Delta t
-  Acceleration acceleration = Acceleration::iqn_ils;
+  std::string acceleration = "iqn_ils";  ///< of fixed_point: "constant" | "aitken" | "iqn_ils"
   double relaxation = 0.5;               ///< omega of the first, or every, iteration of fixed_point
   double tolerance = 1e-10;              ///< of fixed_point: residual over the largest increment of a window
   int max_iterations = 50;
-  int resynchronise_every = 100;         ///< windows between exchanges of absolute values; 0: never
+  int resynchronise_every = 100;  ///< windows between exchanges of absolute values; 0: never
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
-  int separation_windows = 10;           ///< windows with every pair open and gaps growing that count as separated
-  double timeout_s = 60.0;               ///< longest wait for any peer
-  std::string transport = "auto";        ///< "auto" | "shm" | "zmq" | "tcp"
-  std::string address = "127.0.0.1";     ///< tcp: address to bind
-  int port = 0;                          ///< tcp: 0 picks a free one
-  double energy_growth_limit = 0.05;     ///< relative growth of the energy balance that stops the run
+  int separation_windows = 10;        ///< windows with every pair open and gaps growing that count as separated
+  double timeout_s = 60.0;            ///< longest wait for any peer
+  std::string transport = "auto";     ///< "auto" | "shm" | "zmq" | "tcp"
+  std::string address = "127.0.0.1";  ///< tcp: address to bind
+  int port = 0;                       ///< tcp: 0 picks a free one
+  double energy_growth_limit = 0.05;  ///< relative growth of the energy balance that stops the run
 };
 
 enum class Role { explicit_solver, implicit_solver };
@@ -155,35 +156,35 @@ enum class Start { launch, by_hand };
 struct ParticipantSpec {
   std::string name;
   Role role = Role::explicit_solver;
-  std::vector<std::string> bodies;       ///< explicit participants: whose explicit elements they own
-  std::string executable;                ///< empty: the solver shipped with ricochet
+  std::vector<std::string> bodies;  ///< explicit participants: whose explicit elements they own
+  std::string executable;           ///< empty: the solver shipped with ricochet
   Start start = Start::launch;
-  std::vector<std::string> groups;       ///< explicit, one body: only those of these element groups; empty: all
+  std::vector<std::string> groups;  ///< explicit, one body: only those of these element groups; empty: all
 };
 
 struct Output {
-  int history_every = 1;                 ///< windows per row of history.csv
-  int fields_every = 0;                  ///< windows per VTU snapshot; 0: none
-  int axial_stress_every = 0;            ///< windows per row of axial_stress.csv; 0: none
+  int history_every = 1;       ///< windows per row of history.csv
+  int fields_every = 0;        ///< windows per VTU snapshot; 0: none
+  int axial_stress_every = 0;  ///< windows per row of axial_stress.csv; 0: none
 };
 
 struct Scene {
-  std::string path;                      ///< absolute path of the scene file
-  std::string sha256;                    ///< of its text (and of the mesh files it names), hex
+  std::string path;    ///< absolute path of the scene file
+  std::string sha256;  ///< of its text (and of the mesh files it names), hex
   Model model = Model::bar;
   std::vector<Body> bodies;
   std::optional<Contact> contact;
   Partition partition;
   Time time;
-  Coupling coupling;
+  CouplingSettings coupling;
   std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
   Output output;
-  std::map<std::string, int> lines;           ///< key ("body.steel.support[0].surface") -> line of the file
+  std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
   [[nodiscard]] std::string where(const std::string& key) const;
   [[nodiscard]] int components() const { return model == Model::bar ? 1 : 2; }
-  [[nodiscard]] const Body& body(const std::string& name) const;  ///< ConfigError if unknown
+  [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown
 };
 

@@ -56,8 +56,10 @@ toml::value to_toml(const decltype(Override::value)& value) {
 void set(toml::value& root, const Override& change) {
   const auto words = split(change.key);
   if (words.size() < 2) {
-    throw ConfigError(fmt::format("found the key \"{}\", allowed: TABLE.KEY as in docs/scene.md, for example "
-                                  "time.step_s or body.NAME.material.youngs_modulus_pa", change.key));
+    throw ConfigError(
+        fmt::format("found the key \"{}\", allowed: TABLE.KEY as in docs/scene.md, for example "
+                    "time.step_s or body.NAME.material.youngs_modulus_pa",
+                    change.key));
   }
   toml::value* at = &root;
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
@@ -99,8 +101,7 @@ void keep_paths(toml::value& root, const fs::path& folder) {
 
 }  // namespace
 
-void write_variant(const std::string& scene_path, const std::vector<Override>& overrides,
-                   const std::string& out_path) {
+void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {
   if (!fs::is_regular_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
   toml::value root;
   std::ostringstream text;

@@ -15,9 +15,9 @@ struct Override {
 };
 
 /// Writes the scene file with some keys changed, to be loaded like any other: tables that are missing are added, paths
-/// in it and in the changes count from its folder, a step takes the place of a safety factor or of a largest step. Throws
-/// ConfigError if the file cannot be read or written, or a key leads through something that is no table; keys that no
-/// scene has are refused when it is loaded.
+/// in it and in the changes count from its folder, a step takes the place of a safety factor or of a largest step.
+/// Throws ConfigError if the file cannot be read or written, or a key leads through something that is no table; keys
+/// that no scene has are refused when it is loaded.
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path);
 
 }  // namespace ricochet::scene

@@ -11,12 +11,12 @@
 
 namespace ricochet::solver {
 
-/// What a participant knows of the mean axial stress in the layers of its bodies, for output.axial_stress_every of the scene:
-/// <output directory>/<participant>.axial_stress, which the coupler adds up to axial_stress.csv.
+/// What a participant knows of the mean axial stress in the layers of its bodies, for output.axial_stress_every of the
+/// scene: <output directory>/<participant>.axial_stress, which the coupler adds up to axial_stress.csv.
 ///
-/// The first line names the columns: time_s, then BODY/LOW/HIGH/SHARE for each layer in which the participant has elements:
-/// borders of the layer on the axis [m], and its share of the layer's volume. Values: its share of the layer's mean axial
-/// stress [Pa], tension positive. One line each so many windows, the start included.
+/// The first line names the columns: time_s, then BODY/LOW/HIGH/SHARE for each layer in which the participant has
+/// elements: borders of the layer on the axis [m], and its share of the layer's volume. Values: its share of the
+/// layer's mean axial stress [Pa], tension positive. One line each so many windows, the start included.
 class AxialStressFile {
  public:
   /// Most layers of one body.

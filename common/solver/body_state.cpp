@@ -105,18 +105,36 @@ void set_dashpots(const scene::BodyProblem& whole, scene::Role role, BodyState& 
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     const int node = state.part.body_node[static_cast<std::size_t>(dof / components)];
     const double coefficient = whole.damping_kg_s[node * components + dof % components];
-    if (coefficient > 0.0 && mine[static_cast<std::size_t>(dof)]) state.dashpots.push_back({dof, coefficient, state.v[dof]});
+    if (coefficient > 0.0 && mine[static_cast<std::size_t>(dof)])
+      state.dashpots.push_back({dof, coefficient, state.v[dof]});
   }
 }
 
-BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role, bool shared_integrated) {
+BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
+                        bool shared_integrated) {
   const int components = problem.scene.components();
   const auto index = static_cast<std::size_t>(owned.body);
   scene::ExternalForce external(problem.scene.bodies[index], owned.part);
-  BodyState state{.body = owned.body, .name = problem.bodies[index].name, .part = std::move(owned.part), .stiffness = {},
-                  .shared_nodes = std::move(owned.shared), .shared_dofs = {}, .integrated = {}, .free = {}, .mass = {},
-                  .inverse_mass = {}, .constrained = {}, .dashpots = {}, .external = std::move(external), .u = {}, .v = {}, .a = {},
-                  .normal = {}, .tangent = {}, .arm = {}, .totals = {}};
+  BodyState state{.body = owned.body,
+                  .name = problem.bodies[index].name,
+                  .part = std::move(owned.part),
+                  .stiffness = {},
+                  .shared_nodes = std::move(owned.shared),
+                  .shared_dofs = {},
+                  .integrated = {},
+                  .free = {},
+                  .mass = {},
+                  .inverse_mass = {},
+                  .constrained = {},
+                  .dashpots = {},
+                  .external = std::move(external),
+                  .u = {},
+                  .v = {},
+                  .a = {},
+                  .normal = {},
+                  .tangent = {},
+                  .arm = {},
+                  .totals = {}};
   state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
   for (const int node : state.shared_nodes) {
@@ -151,10 +169,11 @@ void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64
   while (std::isfinite(u[dof])) ++dof;
   const auto node = static_cast<std::size_t>(dof / components);
   const auto& x = state.part.mesh.position[node];
-  throw SolverError(fmt::format(
-      "window {}: the displacement of body '{}' is not finite at node {} ({:.6g}, {:.6g}) m; the time step exceeds a critical "
-      "time step or the contact is too stiff for it: run `ricochet check` on the scene",
-      window, state.name, state.part.body_node[node], x[0], x[1]));
+  throw SolverError(
+      fmt::format("window {}: the displacement of body '{}' is not finite at node {} ({:.6g}, {:.6g}) m; the time step "
+                  "exceeds a critical "
+                  "time step or the contact is too stiff for it: run `ricochet check` on the scene",
+                  window, state.name, state.part.body_node[node], x[0], x[1]));
 }
 
 }  // namespace ricochet::solver

@@ -7,7 +7,7 @@
 
 #include "common/fem/ledger.hpp"
 #include "common/fem/stiffness_product.hpp"
-#include "common/scene/problem.hpp"
+#include "common/problem/problem.hpp"
 
 /// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
 namespace ricochet::solver {
@@ -19,25 +19,31 @@ struct ConstrainedDof {
   double displacement_m = 0.0;
   const scene::Amplitude* amplitude = nullptr;  ///< null: fixed at its initial displacement
 
-  [[nodiscard]] double at(double time_s) const { return amplitude ? displacement_m * amplitude->at(time_s) : displacement_m; }
-  [[nodiscard]] double velocity(double time_s, double dt) const { return (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt); }
+  [[nodiscard]] double at(double time_s) const {
+    return amplitude ? displacement_m * amplitude->at(time_s) : displacement_m;
+  }
+  [[nodiscard]] double velocity(double time_s, double dt) const {
+    return (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt);
+  }
   [[nodiscard]] double acceleration(double time_s, double dt) const {
     return (at(time_s + dt) - 2.0 * at(time_s) + at(time_s - dt)) / (dt * dt);
   }
 };
 
-/// A degree of freedom of an absorbing surface, where a dashpot stands in for more of the body: force -c (v - v_0), so that a
-/// body in flight is not braked. Central difference takes it at n + 1 too,
+/// A degree of freedom of an absorbing surface, where a dashpot stands in for more of the body: force -c (v - v_0), so
+/// that a body in flight is not braked. Central difference takes it at n + 1 too,
 ///   M a_{n+1} = f - c (v_{n+1} - v_0),   v_{n+1} = v_{n+1/2} + dt/2 a_{n+1},
-/// which is M (v_{n+3/2} - v_{n+1/2})/dt = f - c ((v_{n+3/2} + v_{n+1/2})/2 - v_0). The staggered energy then changes by
-/// -dt v c v (v_0 = 0) and is positive for dt < 2/omega_max as without dashpots: the critical time step is the same.
+/// which is M (v_{n+3/2} - v_{n+1/2})/dt = f - c ((v_{n+3/2} + v_{n+1/2})/2 - v_0). The staggered energy then changes
+/// by -dt v c v (v_0 = 0) and is positive for dt < 2/omega_max as without dashpots: the critical time step is the same.
 struct Dashpot {
   int dof = 0;
   double coefficient_kg_s = 0.0;
   double initial_velocity_m_s = 0.0;  ///< v_0
 
   /// At a velocity [N].
-  [[nodiscard]] double force(double velocity_m_s) const { return -coefficient_kg_s * (velocity_m_s - initial_velocity_m_s); }
+  [[nodiscard]] double force(double velocity_m_s) const {
+    return -coefficient_kg_s * (velocity_m_s - initial_velocity_m_s);
+  }
   /// At the end of an explicit step, from v_{n+1/2} and all other forces on the mass [N].
   [[nodiscard]] double force_after_step(double half_velocity_m_s, double others_n, double mass_kg, double dt) const {
     const double a = (others_n + force(half_velocity_m_s)) / (mass_kg + 0.5 * dt * coefficient_kg_s);
@@ -46,22 +52,22 @@ struct Dashpot {
 };
 
 struct BodyState {
-  int body = -1;                    ///< index into Problem::bodies
+  int body = -1;  ///< index into Problem::bodies
   std::string name;
   fem::Part part;
   fem::StiffnessProduct stiffness;  ///< of the part, for K u in the step
   std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
-  std::vector<bool> integrated;     ///< per dof: this participant integrates it
-  std::vector<bool> free;           ///< per dof: integrated here and not constrained
-  Eigen::VectorXd mass;             ///< per dof, what this participant integrates; 0 elsewhere [kg]
-  Eigen::VectorXd inverse_mass;     ///< 1/mass; 0 where constrained, not integrated or massless [1/kg]
+  std::vector<bool> integrated;  ///< per dof: this participant integrates it
+  std::vector<bool> free;        ///< per dof: integrated here and not constrained
+  Eigen::VectorXd mass;          ///< per dof, what this participant integrates; 0 elsewhere [kg]
+  Eigen::VectorXd inverse_mass;  ///< 1/mass; 0 where constrained, not integrated or massless [1/kg]
   std::vector<ConstrainedDof> constrained;
-  std::vector<Dashpot> dashpots;    ///< of a shared node: the implicit participant's
+  std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
   Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
   Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
-  Eigen::VectorXd arm;              ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
+  Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
   fem::BodyTotals totals;
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -70,9 +76,9 @@ struct BodyState {
   void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
   void constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const;
   void constrain_displacement(double time_s, Eigen::VectorXd& displacement) const;
-  /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n) to the external
-  /// work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions at constrained dofs and
-  /// the forces of dashpots [N].
+  /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n)
+  /// to the external work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions
+  /// at constrained dofs and the forces of dashpots [N].
   template <class MeanForce, class Increment>
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
     const int components = fem::components(part.mesh.model);
@@ -114,8 +120,8 @@ inline auto velocity_of(const std::vector<BodyState>& states) {
 
 /// One state per part of the participant, at t = 0. `shared_integrated`: the implicit participant integrates its shared
 /// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
-[[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
-                                                    bool shared_integrated);
+[[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem,
+                                                    const scene::ParticipantSpec& participant, bool shared_integrated);
 
 /// Refuses to go on with numbers that mean nothing: SolverError naming body, node, position and window.
 void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window);

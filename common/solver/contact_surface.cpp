@@ -33,15 +33,15 @@ double ContactSurface::gap_rate_min(const std::vector<BodyState>& states) const 
   return smallest;
 }
 
-Report ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const {
-  Report report;
+ContactRecord ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const {
+  ContactRecord report;
   double area = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     report.contact_force_n += forces[i].normal;
     report.friction_force_n += forces[i].tangential;
-    report.pairs_open += forces[i].state == State::open;
-    report.pairs_stick += forces[i].state == State::stick;
-    report.pairs_slip += forces[i].state == State::slip;
+    report.pairs_open += forces[i].state == ContactState::open;
+    report.pairs_stick += forces[i].state == ContactState::stick;
+    report.pairs_slip += forces[i].state == ContactState::slip;
     area += pairs[i].area_m2;
   }
   report.gap_min_m = gap_min(states);
@@ -50,8 +50,9 @@ Report ContactSurface::report(const std::vector<BodyState>& states, const std::v
   return report;
 }
 
-participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states, int pairs_closed,
-                                          std::int64_t window, const participant::Setup& setup, SeparationWatch& separation) {
+participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states,
+                                          int pairs_closed, std::int64_t window, const participant::Setup& setup,
+                                          SeparationWatch& separation) {
   participant::ContactStatus status;
   status.pairs_closed = pairs_closed;
   status.gap_min_m = surface.gap_min(states);

@@ -15,7 +15,7 @@ namespace ricochet::solver {
 /// Force of one pair: normal >= 0 on B along +n, tangential on B along +t [N].
 struct PairForce {
   double normal = 0.0, tangential = 0.0;
-  State state = State::open;
+  ContactState state = ContactState::open;
 };
 
 /// The contact of a scene in the local numbering of its owner: what can be said of it from the motion alone.
@@ -35,12 +35,13 @@ struct ContactSurface {
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]
   [[nodiscard]] double gap_rate_min(const std::vector<BodyState>& states) const;  ///< [m/s]
   /// Forces and states summed up, gap and principal stress; the energies are the caller's.
-  [[nodiscard]] Report report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const;
+  [[nodiscard]] ContactRecord report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const;
 };
 
 /// Contact status after a window: gaps, separation, and whether `until_separated_plus_s` of the setup has passed.
-[[nodiscard]] participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states,
-                                                        int pairs_closed, std::int64_t window,
-                                                        const participant::Setup& setup, SeparationWatch& separation);
+[[nodiscard]] participant::ContactStatus contact_status(const ContactSurface& surface,
+                                                        const std::vector<BodyState>& states, int pairs_closed,
+                                                        std::int64_t window, const participant::Setup& setup,
+                                                        SeparationWatch& separation);
 
 }  // namespace ricochet::solver

@@ -5,14 +5,14 @@
 #include <cmath>
 
 #include "common/fem/vtk_output.hpp"
-#include "common/scene/critical_step.hpp"
+#include "common/problem/critical_step.hpp"
 #include "common/solver/pairs.hpp"
 
 namespace ricochet::solver {
 namespace {
 
-/// Of the participant's elements, 0 without any. (The switch to all-explicit makes the implicit participant integrate its elements
-/// that way, too.)
+/// Of the participant's elements, 0 without any. (The switch to all-explicit makes the implicit participant integrate
+/// its elements that way, too.)
 double critical_time_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                           const std::vector<BodyState>& states) {
   std::vector<scene::AssembledPart> parts;
@@ -42,7 +42,8 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
       for (int c = 0; c < d.components; ++c) d.interface_position_m.push_back(x[c]);
       d.interface_mass_kg.push_back(state.part.lumped_mass[node]);
     }
-    for (const auto quantity : fem::body_quantities) d.record_columns.push_back(fmt::format("{}/{}", quantity, state.name));
+    for (const auto quantity : fem::body_quantities)
+      d.record_columns.push_back(fmt::format("{}/{}", quantity, state.name));
   }
   if (contact_owner) {
     for (auto& column : report_columns()) d.record_columns.push_back(std::move(column));

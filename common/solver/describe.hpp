@@ -7,7 +7,8 @@ namespace ricochet::solver {
 
 /// What every solver of ours says of itself: interface nodes body by body with positions and own lumped masses, scene
 /// hash, and the history columns: `<quantity>/<body>` for each body, and the contact columns if it owns the contact.
-[[nodiscard]] participant::Description describe(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+[[nodiscard]] participant::Description describe(const scene::Problem& problem,
+                                                const scene::ParticipantSpec& participant,
                                                 const std::vector<BodyState>& states, bool contact_owner);
 
 /// Distributes the summed interface masses of a Setup over the states' shared nodes (Eq. 28).

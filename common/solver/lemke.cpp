@@ -10,7 +10,8 @@ namespace {
 constexpr double smallest_pivot = 1e-11;
 constexpr int pivots_per_unknown = 50;
 
-/// Rows basis = q + ..., columns w (0 .. n-1), z (n .. 2n-1), the covering variable z0 (2n), the right-hand side (2n + 1).
+/// Rows basis = q + ..., columns w (0 .. n-1), z (n .. 2n-1), the covering variable z0 (2n), the right-hand side (2n +
+/// 1).
 class Tableau {
  public:
   Tableau(const Eigen::MatrixXd& m, const Eigen::VectorXd& q)
@@ -34,7 +35,8 @@ class Tableau {
     std::swap(basis_[static_cast<std::size_t>(row)], entering);
     return entering;
   }
-  /// Row of the smallest ratio; where ratios are equal the covering variable's, else that of the largest pivot. -1: none.
+  /// Row of the smallest ratio; where ratios are equal the covering variable's, else that of the largest pivot. -1:
+  /// none.
   [[nodiscard]] int leaving(int entering) const {
     const double threshold = smallest_pivot * rows_.col(entering).cwiseAbs().maxCoeff();
     int best = -1;

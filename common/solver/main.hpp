@@ -5,7 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/participant/participant.hpp"
-#include "common/scene/problem.hpp"
+#include "common/problem/problem.hpp"
 
 namespace ricochet::solver {
 

@@ -25,7 +25,8 @@ std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const st
       auto& found = inward[static_cast<std::size_t>(at)];
       for (const std::size_t next : {(i + 1) % corners, (i + corners - 1) % corners}) {
         const int other = element[next];
-        if (place[static_cast<std::size_t>(other)] >= 0 || std::find(found.begin(), found.end(), other) != found.end()) continue;
+        if (place[static_cast<std::size_t>(other)] >= 0 || std::find(found.begin(), found.end(), other) != found.end())
+          continue;
         found.push_back(other);
       }
     }
@@ -36,9 +37,11 @@ std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const st
 [[noreturn]] void refuse(const BodyState& state, int node) {
   const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
   throw ConfigError(fmt::format(
-      "contact.multiplier_update = \"massless\": the contact node {} of body '{}' at ({:.6g}, {:.6g}) m has no neighbour behind the "
+      "contact.multiplier_update = \"massless\": the contact node {} of body '{}' at ({:.6g}, {:.6g}) m has no "
+      "neighbour behind the "
       "contact surface among the elements of its participant to take its mass; give it a layer of elements, or use "
-      "\"trapezoidal_reset\"", state.part.body_node[static_cast<std::size_t>(node)], state.name, x[0], x[1]));
+      "\"trapezoidal_reset\"",
+      state.part.body_node[static_cast<std::size_t>(node)], state.name, x[0], x[1]));
 }
 
 }  // namespace
@@ -112,7 +115,8 @@ void MasslessNodes::factor(const std::vector<BodyState>& states) {
     k.setFromTriplets(entries.begin(), entries.end());
     statics.factor.compute(k);
     if (statics.factor.info() != Eigen::Success) {
-      throw SolverError(fmt::format("body '{}': the stiffness of its massless contact nodes is not positive definite", states[part].name));
+      throw SolverError(fmt::format("body '{}': the stiffness of its massless contact nodes is not positive definite",
+                                    states[part].name));
     }
     statics.moved.setZero(size);
   }
@@ -168,7 +172,8 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
       if (!statics_[part]) continue;
       auto& statics = *statics_[part];
       statics.solve();
-      for (std::size_t i = 0; i < statics.dofs.size(); ++i) (*u[part])[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
+      for (std::size_t i = 0; i < statics.dofs.size(); ++i)
+        (*u[part])[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
       statics.moved.setZero();
     }
   };
@@ -186,7 +191,8 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
   const auto of_part = [&](int part) -> const Eigen::VectorXd& { return *u[static_cast<std::size_t>(part)]; };
   for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
     const auto& pair = surface_->pairs[i];
-    gap_free_[static_cast<Eigen::Index>(i)] = pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
+    gap_free_[static_cast<Eigen::Index>(i)] =
+        pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
   }
   last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
   require_solved(last_);

@@ -12,25 +12,29 @@
 
 namespace ricochet::solver {
 
-/// Contact nodes without mass along the contact's normal (Khenous, Laborde, Renard 2008; Doyen, Ern, Piperno 2011): the mass of
-/// each goes in equal shares to its neighbours one layer of elements inwards. No velocity of such a node can jump, so that an
-/// impact costs no energy, and its force is that of the elements behind it, without the inertia of a lumped node.
+/// Contact nodes without mass along the contact's normal (Khenous, Laborde, Renard 2008; Doyen, Ern, Piperno 2011): the
+/// mass of each goes in equal shares to its neighbours one layer of elements inwards. No velocity of such a node can
+/// jump, so that an impact costs no energy, and its force is that of the elements behind it, without the inertia of a
+/// lumped node.
 ///
 /// Under an explicit integration their displacement u_c follows from that of the others: with the external force f,
 ///   K_cc u_c = f_c - K_ci u_i + N^T r,   gap = g0 + N u >= 0,   r >= 0,   r . gap = 0
 /// (`settle`). K_cc couples the nodes along a contact surface only and is factored once.
 ///
-/// What remains is of the order of one window: over a window in which a pair closes or opens, the trapezoidal rule and central
-/// difference give it the work 1/2 (r_n + r_{n+1}) (g_{n+1} - g_n), which is not zero. `give_back` returns it by an impulse
-/// between the inward nodes of the two sides, as a discrete gradient of the contact's potential would (Gonzalez 1996), so
-/// that energy is kept over any number of impacts.
+/// What remains is of the order of one window: over a window in which a pair closes or opens, the trapezoidal rule and
+/// central difference give it the work 1/2 (r_n + r_{n+1}) (g_{n+1} - g_n), which is not zero. `give_back` returns it
+/// by an impulse between the inward nodes of the two sides, as a discrete gradient of the contact's potential would
+/// (Gonzalez 1996), so that energy is kept over any number of impacts.
 class MasslessNodes {
  public:
-  /// Moves the masses of all contact nodes in `states`. Throws ConfigError for a node that has no neighbour to take them.
+  /// Moves the masses of all contact nodes in `states`. Throws ConfigError for a node that has no neighbour to take
+  /// them.
   MasslessNodes(const ContactSurface& surface, std::vector<BodyState>& states);
 
-  /// Sets the massless displacements in `u` (a vector per part) as above; `external` per part [N]. Returns r per pair [N].
-  const Eigen::VectorXd& settle(const std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
+  /// Sets the massless displacements in `u` (a vector per part) as above; `external` per part [N]. Returns r per pair
+  /// [N].
+  const Eigen::VectorXd& settle(const std::vector<BodyState>& states,
+                                const std::vector<const Eigen::VectorXd*>& external,
                                 const std::vector<Eigen::VectorXd*>& u);
   /// Calls f(part, dof) for every massless degree of freedom; they have no rates of their own.
   template <class F>
@@ -41,9 +45,9 @@ class MasslessNodes {
     }
   }
 
-  /// Of the window being tried: `made_j` is the energy that the normal force of a pair made. Returns the impulse on the inward
-  /// nodes of B along +n (on those of A the opposite) [N s] that takes it back, as far as one within +-`most_n_s` can, and
-  /// applies it to `velocity` (a vector per part); the rest is kept for the next window.
+  /// Of the window being tried: `made_j` is the energy that the normal force of a pair made. Returns the impulse on the
+  /// inward nodes of B along +n (on those of A the opposite) [N s] that takes it back, as far as one within
+  /// +-`most_n_s` can, and applies it to `velocity` (a vector per part); the rest is kept for the next window.
   double give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
                    const std::vector<double*>& velocity);
   /// Work of the impulses of the trial [J].

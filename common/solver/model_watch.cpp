@@ -21,12 +21,14 @@ double smallest_jacobian_ratio(const fem::ElementCoordinates& x, const std::arra
   const auto jacobian = [&](int corner, bool moved) {
     const auto at = [&](int i) -> Eigen::Vector2d {
       const int node = i % 4;
-      return moved ? Eigen::Vector2d(x.row(node).transpose() + u[static_cast<std::size_t>(node)]) : x.row(node).transpose();
+      return moved ? Eigen::Vector2d(x.row(node).transpose() + u[static_cast<std::size_t>(node)])
+                   : x.row(node).transpose();
     };
     const Eigen::Vector2d next = at(corner + 1) - at(corner), before = at(corner + 3) - at(corner);
     return next[0] * before[1] - next[1] * before[0];
   };
-  for (int corner = 0; corner < 4; ++corner) smallest = std::min(smallest, jacobian(corner, true) / jacobian(corner, false));
+  for (int corner = 0; corner < 4; ++corner)
+    smallest = std::min(smallest, jacobian(corner, true) / jacobian(corner, false));
   return smallest;
 }
 
@@ -62,7 +64,8 @@ std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector2d& normal)
 
 }  // namespace
 
-ModelWatch::ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface)
+ModelWatch::ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states,
+                       const ContactSurface* surface)
     : surface_(surface) {
   prepare_elements(states);
   if (surface_) prepare_pairs(problem);
@@ -101,9 +104,11 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
     order.push_back(pairs_.size());
-    pairs_.push_back({surface_->tangent.dot(x), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), x});
+    pairs_.push_back({surface_->tangent.dot(x), std::numeric_limits<double>::infinity(),
+                      std::numeric_limits<double>::infinity(), x});
   }
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return pairs_[i].along_m < pairs_[j].along_m; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return pairs_[i].along_m < pairs_[j].along_m; });
   ends_ = {order.front(), order.back()};
   for (std::size_t k = 1; k < order.size(); ++k) {
     auto &low = pairs_[order[k - 1]], &high = pairs_[order[k]];
@@ -163,7 +168,8 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
         rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
       }
       if (mesh.model == fem::Model::axisymmetric) strain.take(std::abs(hoop_strain(mesh, nodes, u)), place);
-      const double moved = std::max({(u[1] - u[0]).squaredNorm(), (u[2] - u[0]).squaredNorm(), (u[3] - u[0]).squaredNorm()});
+      const double moved =
+          std::max({(u[1] - u[0]).squaredNorm(), (u[2] - u[0]).squaredNorm(), (u[3] - u[0]).squaredNorm()});
       if (moved <= safe_share * safe_share * element.shortest_edge_m * element.shortest_edge_m) continue;
       const double ratio = smallest_jacobian_ratio(fem::element_coordinates(mesh, static_cast<int>(e)), u);
       if (ratio <= 0.0) inverted.take(1.0 - ratio, place);

@@ -12,15 +12,16 @@ namespace ricochet::solver {
 
 /// Looks for what small strain, small displacement and node pairs that stay opposite do not describe:
 ///   strain      largest |principal strain| at an element's middle, hoop strain included
-///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H: exact for any rotation [rad]
-///   inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
-///   slip        of a closed pair of two bodies, over the shorter edge at its nodes: so far they are from being opposite
-///   off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there. From 1/2 on nothing of the
-///               surface that the node stands for faces the other body, which the slip says; from 1 on that is no matter of half an
-///               element, and a force there is wrong
+///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H: exact for any
+///   rotation [rad] inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
+///   slip        of a closed pair of two bodies, over the shorter edge at its nodes: so far they are from being
+///   opposite off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there.
+///   From 1/2 on nothing of the
+///               surface that the node stands for faces the other body, which the slip says; from 1 on that is no
+///               matter of half an element, and a force there is wrong
 ///   penetration of a pair, over the depth of the shallower element behind it
-/// A look costs less than K u and is made every `every` windows. Once pairs have slipped, how far is looked at after each, since a contact
-/// may be over sooner.
+/// A look costs less than K u and is made every `every` windows. Once pairs have slipped, how far is looked at after
+/// each, since a contact may be over sooner.
 class ModelWatch {
  public:
   static constexpr std::int64_t every = 32;
@@ -63,7 +64,8 @@ class ModelWatch {
   void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
   [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
   [[nodiscard]] double along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const;
-  void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window, const Worst& worst);
+  void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window,
+              const Worst& worst);
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;

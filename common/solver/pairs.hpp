@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/problem.hpp"
+#include "common/problem/problem.hpp"
 
 /// Contact kinematics shared by both solvers: node pairs on flat surfaces, normal n from the first surface (A) to the
 /// second (B), tangent t = (-n_y, n_x).
@@ -25,10 +25,11 @@ struct Pair {
   double area_m2 = 0.0;
 };
 
-enum class State { open, stick, slip };
+enum class ContactState { open, stick, slip };
 
 /// The scene's contact pairs in the local numbering of a participant's parts (all contact nodes must be among them).
-[[nodiscard]] std::vector<Pair> local_pairs(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
+[[nodiscard]] std::vector<Pair> local_pairs(const scene::Problem& problem,
+                                            const std::vector<scene::ParticipantPart>& parts);
 
 /// d . (x_B - x_A) of a pair, with x one vector per part (`of_part(part)`), d the normal or the tangent.
 template <class OfPart>
@@ -44,25 +45,26 @@ double relative(const Pair& pair, const Eigen::Vector2d& direction, int componen
 /// Contact forces with a larger residual are counted as not converged, and the user is warned.
 constexpr double converged_contact_residual = 1e-6;
 
-/// What the contact owner reports; names of the columns, in the order of `append`. A contact force is the impulse that acted
-/// over the window, divided by its size: the only force that all laws and integrators share, and the one for which
-/// sum F dt = change of momentum holds exactly.
-struct Report {
+/// What the contact owner reports; names of the columns, in the order of `append`. A contact force is the impulse that
+/// acted over the window, divided by its size: the only force that all laws and integrators share, and the one for
+/// which sum F dt = change of momentum holds exactly.
+struct ContactRecord {
   double gap_min_m = 0.0;
   double contact_force_n = 0.0;           ///< on B along +n, over the window
   double contact_pressure_mean_pa = 0.0;  ///< that over the area of all pairs
   double principal_stress_mean_pa = 0.0;
-  double friction_force_n = 0.0;          ///< on B along +t, over the window
+  double friction_force_n = 0.0;  ///< on B along +t, over the window
   int pairs_stick = 0, pairs_slip = 0, pairs_open = 0;
-  double energy_contact_j = 0.0;   ///< work done so far by the normal contact forces: what impacts cost (a loss is negative)
-  double energy_friction_j = 0.0;  ///< dissipated so far by friction
+  double energy_contact_j =
+      0.0;  ///< work done so far by the normal contact forces: what impacts cost (a loss is negative)
+  double energy_friction_j = 0.0;                                ///< dissipated so far by friction
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
   // Of the contact problems since the row before; all zero where they have a closed form.
   int contact_iterations = 0;
-  double contact_residual = 0.0;    ///< largest violation of their conditions, relative to the largest normal force
-  int contact_unconverged = 0;      ///< windows so far in which that was above `converged_contact_residual`
+  double contact_residual = 0.0;  ///< largest violation of their conditions, relative to the largest normal force
+  int contact_unconverged = 0;    ///< windows so far in which that was above `converged_contact_residual`
 };
 [[nodiscard]] std::vector<std::string> report_columns();
-void append(const Report& report, std::vector<double>& row);
+void append(const ContactRecord& report, std::vector<double>& row);
 
 }  // namespace ricochet::solver

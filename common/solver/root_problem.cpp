@@ -37,7 +37,8 @@ RootProblem::RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, 
       solution_(open()) {}
 
 RootProblem::Solution RootProblem::open() const {
-  return {Eigen::VectorXd::Zero(compliance_.rows()), std::vector<State>(static_cast<std::size_t>(pairs_), State::open), 0, 0.0};
+  return {Eigen::VectorXd::Zero(compliance_.rows()),
+          std::vector<ContactState>(static_cast<std::size_t>(pairs_), ContactState::open), 0, 0.0};
 }
 
 double RootProblem::slack(int pair) const {
@@ -45,28 +46,27 @@ double RootProblem::slack(int pair) const {
   return 1.0 / (law_.penalty_pa_m * area_m2_[static_cast<std::size_t>(pair)]);
 }
 
-double RootProblem::alone(int unknown) const {
-  return compliance_(unknown, unknown) + slack(unknown % pairs_);
-}
+double RootProblem::alone(int unknown) const { return compliance_(unknown, unknown) + slack(unknown % pairs_); }
 
 void RootProblem::start_from(const Solution& last) {
   for (int i = 0; i < pairs_; ++i) {
     auto& state = states_[static_cast<std::size_t>(i)];
-    const State before = last.states[static_cast<std::size_t>(i)];
-    state.closed = before != State::open;
+    const ContactState before = last.states[static_cast<std::size_t>(i)];
+    state.closed = before != ContactState::open;
     state.tangent = Tangent::none;
     if (!state.closed || held(i)) continue;
     const bool plus = last.force[pairs_ + i] > 0.0;
-    state.tangent = regularised_ ? Tangent::regularised
-                    : before == State::stick ? Tangent::stick
-                    : plus ? Tangent::slip_plus : Tangent::slip_minus;
+    state.tangent = regularised_                    ? Tangent::regularised
+                    : before == ContactState::stick ? Tangent::stick
+                    : plus                          ? Tangent::slip_plus
+                                                    : Tangent::slip_minus;
   }
 }
 
 bool RootProblem::held(int pair) const { return !friction_ || compliance_(pairs_ + pair, pairs_ + pair) <= 0.0; }
 
-/// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by their diagonal, so that they
-/// and the rows of forces [N] are of one size.
+/// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by their
+/// diagonal, so that they and the rows of forces [N] are of one size.
 void RootProblem::assemble() {
   const double mu = law_.friction_coefficient;
   for (int i = 0; i < pairs_; ++i) {
@@ -111,8 +111,8 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     const int t = pairs_ + i;
     if (state.tangent == Tangent::stick) rhs_[t] = (slack(i) * last.force[t] - slip_free[i]) / alone(t);
     if (state.tangent != Tangent::regularised) continue;
-    // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and Newton's method
-    // cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
+    // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and
+    // Newton's method cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
     const double xi = law_.friction_regularisation_s_m, mu = law_.friction_coefficient;
     const double moved = compliance_.row(t).dot(solution_.force);
     const double velocity = 2.0 * (slip_free[i] + moved) / dt_ - slip_velocity[i];
@@ -152,7 +152,8 @@ bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::Ve
       const double slip = slip_free[i] + motion_[pairs_ + i];
       if (state.tangent == Tangent::stick && std::abs(tangential) > mu * normal + force_scale) {
         state.tangent = tangential > 0.0 ? Tangent::slip_plus : Tangent::slip_minus;
-      } else if ((state.tangent == Tangent::slip_plus && slip > 0.0) || (state.tangent == Tangent::slip_minus && slip < 0.0)) {
+      } else if ((state.tangent == Tangent::slip_plus && slip > 0.0) ||
+                 (state.tangent == Tangent::slip_minus && slip < 0.0)) {
         state.tangent = Tangent::stick;  // the traction must oppose the slip
       }
     }
@@ -320,9 +321,10 @@ void RootProblem::states_of_forces() {
     state = {.closed = x[i] > 0.0, .tangent = Tangent::none};
     if (!state.closed || held(i)) continue;
     const double tangential = x[pairs_ + i], limit = law_.friction_coefficient * x[i];
-    state.tangent = regularised_ ? Tangent::regularised
+    state.tangent = regularised_                                       ? Tangent::regularised
                     : std::abs(tangential) < limit * (1.0 - round_off) ? Tangent::stick
-                    : tangential > 0.0 ? Tangent::slip_plus : Tangent::slip_minus;
+                    : tangential > 0.0                                 ? Tangent::slip_plus
+                                                                       : Tangent::slip_minus;
   }
 }
 
@@ -349,16 +351,20 @@ void RootProblem::finish() {
     if (!state.closed) solution_.force[i] = 0.0;  // what the dense solve leaves of its identity row is round-off
     if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
     const bool stick = state.tangent == Tangent::stick || (friction_ && held(i));
-    solution_.states[static_cast<std::size_t>(i)] = !state.closed ? State::open : stick ? State::stick : State::slip;
+    solution_.states[static_cast<std::size_t>(i)] = !state.closed ? ContactState::open
+                                                    : stick       ? ContactState::stick
+                                                                  : ContactState::slip;
   }
 }
 
 void require_solved(const RootProblem::Solution& solution) {
   if (solution.residual <= residual_to_stop) return;
-  throw SolverError(fmt::format(
-      "the forces of {} contact pairs were not found: after {} iterations their conditions are violated by {:.2g} of the largest "
-      "force, allowed: {:.0e}; use a smaller time.step_s, contact.friction_coefficient or contact.friction_regularisation_s_m",
-      solution.states.size(), solution.iterations, solution.residual, residual_to_stop));
+  throw SolverError(
+      fmt::format("the forces of {} contact pairs were not found: after {} iterations their conditions are violated by "
+                  "{:.2g} of the largest "
+                  "force, allowed: {:.0e}; use a smaller time.step_s, contact.friction_coefficient or "
+                  "contact.friction_regularisation_s_m",
+                  solution.states.size(), solution.iterations, solution.residual, residual_to_stop));
 }
 
 }  // namespace ricochet::solver

@@ -9,41 +9,41 @@
 
 namespace ricochet::solver {
 
-/// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with friction,
-/// tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
+/// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with
+/// friction, tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
 ///   gap_i  = gap_free_i  + (D x)_i          [m]   gap at n + 1
 ///   slip_i = slip_free_i + (D x)_{n+i}      [m]   slip increment of the window
 /// multiplier: lambda >= 0, gap >= 0, lambda gap = 0.         penalty: lambda = alpha w max(0, -gap) (Eq. 8-10)
-/// return mapping: |tau| <= mu lambda; stick: slip = 0 (penalty: tau = tau_n - alpha w slip); slip: tau = s mu lambda with
-/// s opposing the slip (Eq. 21-24).                            regularised: tau = -mu lambda tanh(xi v_t) (Eq. 14, 15),
-/// with v_t = 2 slip / dt - v_t,n the relative tangential velocity at n + 1.
+/// return mapping: |tau| <= mu lambda; stick: slip = 0 (penalty: tau = tau_n - alpha w slip); slip: tau = s mu lambda
+/// with s opposing the slip (Eq. 21-24).                            regularised: tau = -mu lambda tanh(xi v_t) (Eq. 14,
+/// 15), with v_t = 2 slip / dt - v_t,n the relative tangential velocity at n + 1.
 ///
 /// States are found by the criteria (17)-(24), starting from those of the last window; the matrix of a set of states is
-/// kept factored while the states do not change. Where they cycle (1 to 16 % of frictional problems drawn at random), projected
-/// Gauss-Seidel goes on, which treats both friction laws; where that does not converge, Lemke's method on the linear
-/// complementarity problem that Coulomb friction is in two dimensions (Lemke 1965; Klarbring 1986). What is left undone
-/// stands in Solution::residual.
+/// kept factored while the states do not change. Where they cycle (1 to 16 % of frictional problems drawn at random),
+/// projected Gauss-Seidel goes on, which treats both friction laws; where that does not converge, Lemke's method on the
+/// linear complementarity problem that Coulomb friction is in two dimensions (Lemke 1965; Klarbring 1986). What is left
+/// undone stands in Solution::residual.
 class RootProblem {
  public:
   /// `compliance` D [m/N], symmetric positive definite, n x n without friction, 2n x 2n with; `area_m2` w per pair.
   RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, std::vector<double> area_m2, double dt);
 
   struct Solution {
-    Eigen::VectorXd force;              ///< x of the class comment
-    std::vector<State> states;  ///< per pair
-    int iterations = 0;                 ///< linear solves, sweeps and pivots
-    /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the largest
-    /// normal force.
+    Eigen::VectorXd force;             ///< x of the class comment
+    std::vector<ContactState> states;  ///< per pair
+    int iterations = 0;                ///< linear solves, sweeps and pivots
+    /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the
+    /// largest normal force.
     double residual = 0.0;
   };
 
   /// `slip_free` and `slip_velocity` (v_t,n [m/s]) are ignored without friction. `last` is the accepted solution of the
   /// window before (states to start from, tangential forces of the penalty law).
-  const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
-                        const Solution& last);
+  const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                        const Eigen::VectorXd& slip_velocity, const Solution& last);
 
-  /// Every pair closed and, with friction, sticking, whatever the sign of its force: the linear problem gap = 0, slip = 0
-  /// (penalty: of springs). Here `slip_free` counts from zero, not from the window before.
+  /// Every pair closed and, with friction, sticking, whatever the sign of its force: the linear problem gap = 0, slip =
+  /// 0 (penalty: of springs). Here `slip_free` counts from zero, not from the window before.
   const Solution& hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
   /// The state of `hold` with the penalty springs' forces at this gap and slip; multiplier: no forces.
   const Solution& spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip);
@@ -60,8 +60,8 @@ class RootProblem {
     bool operator==(const PairState&) const = default;
   };
   void start_from(const Solution& last);
-  void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
-                    const Solution& last);
+  void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                    const Eigen::VectorXd& slip_velocity, const Solution& last);
   void assemble();
   [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
   void stick_all();
@@ -78,7 +78,7 @@ class RootProblem {
   void finish();
   /// No tangential unknown: no friction, or supports hold both nodes (on the axis r = 0).
   [[nodiscard]] bool held(int pair) const;
-  [[nodiscard]] double slack(int pair) const;  ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
+  [[nodiscard]] double slack(int pair) const;     ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
   [[nodiscard]] double alone(int unknown) const;  ///< what an unknown moves its own row by [m/N]
 
   scene::Contact law_;

@@ -17,7 +17,8 @@ class SeparationWatch {
     const bool growing = gap_min_m > last_gap_m_;
     last_gap_m_ = gap_min_m;
     if (pairs_closed > 0) {
-      last_gap_m_ = -std::numeric_limits<double>::infinity();  // a closed gap is 0 up to round-off: any open one has grown
+      last_gap_m_ =
+          -std::numeric_limits<double>::infinity();  // a closed gap is 0 up to round-off: any open one has grown
       touched_ = true;
       separated_ = false;
       streak_ = 0;

@@ -47,13 +47,15 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<sce
         if (xi > 1.5) continue;
         Edge edge;
         const auto& first_end = part.mesh.position[static_cast<std::size_t>(a)];
-        const auto second_end = fem::nearest_image(part.mesh, part.mesh.position[static_cast<std::size_t>(b)], first_end);
+        const auto second_end =
+            fem::nearest_image(part.mesh, part.mesh.position[static_cast<std::size_t>(b)], first_end);
         edge.area_m2 = fem::edge_area(part.section, first_end, second_end).sum();
         const auto x = fem::element_coordinates(part.mesh, element);
         const int size = fem::nodes_per_element(model_) * components;
         edge.stress_of_displacement.resize(fem::stress_components(model_), size);
         for (int i = 0; i < size; ++i) {
-          const auto node = part.mesh.elements[static_cast<std::size_t>(element)][static_cast<std::size_t>(i / components)];
+          const auto node =
+              part.mesh.elements[static_cast<std::size_t>(element)][static_cast<std::size_t>(i / components)];
           edge.dofs.push_back(node * components + i % components);
           edge.stress_of_displacement.col(i) =
               fem::element_stress(part.section, part.material, x, fem::ElementVector::Unit(size, i), xi, eta);

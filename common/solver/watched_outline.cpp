@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/scene/outline.hpp"
+#include "common/problem/outline.hpp"
 
 namespace ricochet::solver {
 
@@ -10,7 +10,8 @@ WatchedOutline::WatchedOutline(const scene::Problem& problem, const std::vector<
   const auto pairs = scene::pairs_without_contact(problem);
   for (std::size_t part = 0; part < states.size(); ++part) {
     const int body = states[part].body;
-    const bool watched = std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == body || p.second == body; });
+    const bool watched =
+        std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == body || p.second == body; });
     if (!watched) continue;
     const auto outline = scene::outline_of(problem.bodies[static_cast<std::size_t>(body)].mesh);
     const auto& own = states[part].part.body_node;

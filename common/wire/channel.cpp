@@ -26,9 +26,7 @@ constexpr const char* coupler = "the coupler";  // for error texts
                   seconds_between(begin, deadline)));
 }
 
-[[noreturn]] void throw_gone(const char* why) {
-  throw ParticipantError(fmt::format("the coupler is gone: {}", why));
-}
+[[noreturn]] void throw_gone(const char* why) { throw ParticipantError(fmt::format("the coupler is gone: {}", why)); }
 
 }  // namespace
 
@@ -65,7 +63,8 @@ struct Channel::Impl {
   [[nodiscard]] const char* broken() const {
     if (items[1].revents != 0) {
       return heard ? "it closed the connection"
-                   : "it closed the connection before it answered: it does not know this key, or has all its participants";
+                   : "it closed the connection before it answered: it does not know this key, or has all its "
+                     "participants";
     }
     return items.size() > 2 && items[2].revents != 0 ? "standard input was closed" : nullptr;
   }
@@ -79,7 +78,8 @@ struct Channel::Impl {
   bool heard = false;  ///< anything so far
 };
 
-Channel::Channel(const std::string& endpoint, const std::optional<ParticipantKey>& key) : impl_(std::make_unique<Impl>()) {
+Channel::Channel(const std::string& endpoint, const std::optional<ParticipantKey>& key)
+    : impl_(std::make_unique<Impl>()) {
   try {
     if (key) {
       impl_->socket.set(zmq::sockopt::curve_serverkey, key->coupler_public_key);

@@ -57,9 +57,9 @@ class Channel {
 class Listener {
  public:
   /// `endpoint` "ipc://*" (a socket in a folder of its own that only this user may enter), "ipc://@name" (abstract
-  /// socket: anybody on this machine), "ipc://path" or "tcp://address:port" ("tcp://address:*"). Throws ConfigError if it
-  /// is none, or taken. `participants`: for each a key pair is made, and nobody else gets a byte through; without names
-  /// anybody may talk. A connection that sends a message above `largest_message` bytes is closed.
+  /// socket: anybody on this machine), "ipc://path" or "tcp://address:port" ("tcp://address:*"). Throws ConfigError if
+  /// it is none, or taken. `participants`: for each a key pair is made, and nobody else gets a byte through; without
+  /// names anybody may talk. A connection that sends a message above `largest_message` bytes is closed.
   explicit Listener(const std::string& endpoint, const std::vector<std::string>& participants = {},
                     std::size_t largest_message = default_largest_message);
   ~Listener();
@@ -81,8 +81,8 @@ class Listener {
   /// `identity`: on entry, of whom an answer is awaited, whose message is then taken with the least delay (empty: of
   /// nobody in particular); afterwards that of the sender. Fills in the message; false at the deadline or when one of
   /// `file_descriptors` became readable (then `ready` is called with its index, and waiting goes on while it returns
-  /// true), or a connection was closed (`closings`). They are looked at once every `look_every` at least, however fast messages come. ProtocolError from
-  /// decoding: `identity` then is the sender's.
+  /// true), or a connection was closed (`closings`). They are looked at once every `look_every` at least, however fast
+  /// messages come. ProtocolError from decoding: `identity` then is the sender's.
   bool receive(std::string& identity, Message& message, Deadline deadline, const std::vector<int>& file_descriptors,
                const std::function<bool(std::size_t)>& ready);
   /// To a peer that is gone it does nothing: its silence is noticed by who waits for its answer.

@@ -16,8 +16,8 @@ namespace {
 constexpr const char* key_requests = "inproc://zeromq.zap.01";  // where ZeroMQ asks
 constexpr const char* connection_events = "inproc://door";
 constexpr std::chrono::milliseconds longest_handshake{5000};
-/// Connections that have said nothing yet; the oldest one beyond is closed. So many that a participant has said hello on a
-/// busy machine before others have come in such numbers.
+/// Connections that have said nothing yet; the oldest one beyond is closed. So many that a participant has said hello
+/// on a busy machine before others have come in such numbers.
 constexpr std::size_t most_silent = 128;
 
 /// Shuts a connection of a listening socket. Its number may be that of something else by now, such as the pipe to a
@@ -83,8 +83,12 @@ void Door::answer_key_request() {
     while (frame.more() && receive_frame(requests_, frame)) words.push_back(frame.to_string());
     const auto found = words.size() == 7 && words[5] == "CURVE" ? names_.find(words[6]) : names_.end();
     const bool known = found != names_.end() && !closed_;
-    const std::array<std::string, 6> answer = {"1.0", words.size() > 1 ? words[1] : "", known ? "200" : "400",
-                                               known ? "OK" : "no key of this run", known ? found->second : "", ""};
+    const std::array<std::string, 6> answer = {"1.0",
+                                               words.size() > 1 ? words[1] : "",
+                                               known ? "200" : "400",
+                                               known ? "OK" : "no key of this run",
+                                               known ? found->second : "",
+                                               ""};
     for (std::size_t i = 0; i < answer.size(); ++i) {
       const auto more = i + 1 < answer.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
       send_frame(requests_, answer[i].data(), answer[i].size(), more);

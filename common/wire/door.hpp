@@ -10,8 +10,8 @@
 
 namespace ricochet::wire {
 
-/// Who gets in at a listening socket: asks everybody for a key of this run (ZAP, the authentication protocol of ZeroMQ),
-/// and watches the connections. Works when `attend` is called.
+/// Who gets in at a listening socket: asks everybody for a key of this run (ZAP, the authentication protocol of
+/// ZeroMQ), and watches the connections. Works when `attend` is called.
 class Door {
  public:
   /// Before the socket is bound. Without names everybody is let in.

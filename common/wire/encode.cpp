@@ -63,10 +63,12 @@ std::optional<std::string> not_finite(double value) {
 }
 
 std::optional<std::string> not_finite(const Array& array) {
-  // Every message is looked through on both ends. Exponents of ones only: inf or nan; as integers the loop is vectorised.
+  // Every message is looked through on both ends. Exponents of ones only: inf or nan; as integers the loop is
+  // vectorised.
   constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
   std::uint64_t any = 0;
-  for (const double x : array.data) any |= static_cast<std::uint64_t>((std::bit_cast<std::uint64_t>(x) & exponent) == exponent);
+  for (const double x : array.data)
+    any |= static_cast<std::uint64_t>((std::bit_cast<std::uint64_t>(x) & exponent) == exponent);
   if (any == 0) return std::nullopt;
   const auto found = std::find_if(array.data.begin(), array.data.end(), [](double x) { return !std::isfinite(x); });
   const auto index = found - array.data.begin();

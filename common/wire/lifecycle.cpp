@@ -8,35 +8,35 @@ namespace ricochet::wire {
 namespace {
 
 struct StateText {
-  State state;
+  LifecycleState state;
   std::string_view name, phrase;
 };
 
-/// In the order of `State`.
+/// In the order of `LifecycleState`.
 constexpr StateText state_texts[] = {
-    {State::connecting, "connecting", "'hello' was due"},
-    {State::greeting, "greeting", "'hello' was unanswered"},
-    {State::welcomed, "welcomed", "'describe' was due"},
-    {State::describing, "describing", "'describe' was outstanding"},
-    {State::described, "described", "'initialize' was due"},
-    {State::initializing, "initializing", "'initialize' was outstanding"},
-    {State::initialized, "initialized", "'synchronise' was due"},
-    {State::synchronising, "synchronising", "'synchronise' was outstanding"},
-    {State::ready, "ready", "the next window was due"},
-    {State::advancing, "advancing", "'advance' was outstanding"},
-    {State::trying, "trying", "'advance' (a trial) was outstanding"},
-    {State::tried, "tried", "a trial waited to be accepted or repeated"},
-    {State::accepting, "accepting", "'accept' was outstanding"},
-    {State::loading, "loading", "'load_state' was outstanding"},
-    {State::reading, "reading", "'read_state' was outstanding"},
-    {State::finishing, "finishing", "'finish' was outstanding"},
-    {State::finished, "finished", "the run was finished"},
-    {State::failed, "failed", "the run had failed"},
+    {LifecycleState::connecting, "connecting", "'hello' was due"},
+    {LifecycleState::greeting, "greeting", "'hello' was unanswered"},
+    {LifecycleState::welcomed, "welcomed", "'describe' was due"},
+    {LifecycleState::describing, "describing", "'describe' was outstanding"},
+    {LifecycleState::described, "described", "'initialize' was due"},
+    {LifecycleState::initializing, "initializing", "'initialize' was outstanding"},
+    {LifecycleState::initialized, "initialized", "'synchronise' was due"},
+    {LifecycleState::synchronising, "synchronising", "'synchronise' was outstanding"},
+    {LifecycleState::ready, "ready", "the next window was due"},
+    {LifecycleState::advancing, "advancing", "'advance' was outstanding"},
+    {LifecycleState::trying, "trying", "'advance' (a trial) was outstanding"},
+    {LifecycleState::tried, "tried", "a trial waited to be accepted or repeated"},
+    {LifecycleState::accepting, "accepting", "'accept' was outstanding"},
+    {LifecycleState::loading, "loading", "'load_state' was outstanding"},
+    {LifecycleState::reading, "reading", "'read_state' was outstanding"},
+    {LifecycleState::finishing, "finishing", "'finish' was outstanding"},
+    {LifecycleState::finished, "finished", "the run was finished"},
+    {LifecycleState::failed, "failed", "the run had failed"},
 };
 
-bool fits(const Transition& row, State state, Side sender, const Message& message) {
+bool fits(const Transition& row, LifecycleState state, Side sender, const Message& message) {
   if (row.state != state || row.sender != sender || row.kind != message.kind) return false;
-  return row.acceptance == Acceptance::any || (row.acceptance == Acceptance::at_once) == message.accept_at_once;
+  return row.form == AdvanceForm::any || (row.form == AdvanceForm::at_once) == message.accept_at_once;
 }
 
 std::string who(Side sender, std::string_view participant) {
@@ -44,8 +44,8 @@ std::string who(Side sender, std::string_view participant) {
 }
 
 /// "expected one of 'a', 'b'", by what the table allows.
-std::string expected(State state, Side sender) {
-  if (state == State::finished || state == State::failed) return "expected nothing more";
+std::string expected(LifecycleState state, Side sender) {
+  if (state == LifecycleState::finished || state == LifecycleState::failed) return "expected nothing more";
   std::vector<std::string> kinds;
   for (const auto& row : transitions()) {
     std::string quoted = fmt::format("'{}'", name(row.kind));
@@ -59,13 +59,13 @@ std::string expected(State state, Side sender) {
 
 }  // namespace
 
-std::string_view name(State state) { return state_texts[static_cast<std::size_t>(state)].name; }
+std::string_view name(LifecycleState state) { return state_texts[static_cast<std::size_t>(state)].name; }
 
-std::string_view phrase(State state) { return state_texts[static_cast<std::size_t>(state)].phrase; }
+std::string_view phrase(LifecycleState state) { return state_texts[static_cast<std::size_t>(state)].phrase; }
 
-const std::vector<State>& all_states() {
-  static const std::vector<State> states = [] {
-    std::vector<State> all;
+const std::vector<LifecycleState>& all_states() {
+  static const std::vector<LifecycleState> states = [] {
+    std::vector<LifecycleState> all;
     for (const auto& text : state_texts) all.push_back(text.state);
     return all;
   }();
@@ -73,7 +73,7 @@ const std::vector<State>& all_states() {
 }
 
 const std::vector<Transition>& transitions() {
-  using enum State;
+  using enum LifecycleState;
   constexpr auto coupler = Side::coupler, participant = Side::participant;
   static const std::vector<Transition> table{
       {connecting, participant, Kind::hello, greeting},
@@ -84,16 +84,16 @@ const std::vector<Transition>& transitions() {
       {initializing, participant, Kind::initialized, initialized},
       {initialized, coupler, Kind::synchronise, synchronising},
       {synchronising, participant, Kind::synchronised, ready},
-      {ready, coupler, Kind::advance, advancing, Acceptance::at_once},
-      {ready, coupler, Kind::advance, trying, Acceptance::on_request},
+      {ready, coupler, Kind::advance, advancing, AdvanceForm::at_once},
+      {ready, coupler, Kind::advance, trying, AdvanceForm::on_request},
       {ready, coupler, Kind::synchronise, synchronising},
       {ready, coupler, Kind::load_state, loading},
       {ready, coupler, Kind::read_state, reading},
       {ready, coupler, Kind::finish, finishing},
       {advancing, participant, Kind::advanced, ready},
       {trying, participant, Kind::advanced, tried},
-      {tried, coupler, Kind::advance, advancing, Acceptance::at_once},
-      {tried, coupler, Kind::advance, trying, Acceptance::on_request},
+      {tried, coupler, Kind::advance, advancing, AdvanceForm::at_once},
+      {tried, coupler, Kind::advance, trying, AdvanceForm::on_request},
       {tried, coupler, Kind::accept, accepting},
       {tried, coupler, Kind::synchronise, synchronising},
       {accepting, participant, Kind::accepted, ready},
@@ -106,7 +106,7 @@ const std::vector<Transition>& transitions() {
 
 void Lifecycle::step(Side sender, const Message& message, std::string_view participant) {
   if (message.kind == Kind::failure && !done()) {
-    state_ = State::failed;
+    state_ = LifecycleState::failed;
     return;
   }
   for (const auto& row : transitions()) {

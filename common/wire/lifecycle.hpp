@@ -11,7 +11,7 @@ namespace ricochet::wire {
 
 enum class Side { coupler, participant };
 
-enum class State {
+enum class LifecycleState {
   connecting,
   greeting,
   welcomed,
@@ -33,19 +33,19 @@ enum class State {
 };
 
 /// A state in one word, and in a phrase that goes on after "while".
-[[nodiscard]] std::string_view name(State state);
-[[nodiscard]] std::string_view phrase(State state);
-[[nodiscard]] const std::vector<State>& all_states();
+[[nodiscard]] std::string_view name(LifecycleState state);
+[[nodiscard]] std::string_view phrase(LifecycleState state);
+[[nodiscard]] const std::vector<LifecycleState>& all_states();
 
 /// Which `advance` a row of the table is about.
-enum class Acceptance { any, at_once, on_request };
+enum class AdvanceForm { any, at_once, on_request };
 
 struct Transition {
-  State state;
+  LifecycleState state;
   Side sender;
   Kind kind;
-  State next;
-  Acceptance acceptance = Acceptance::any;
+  LifecycleState next;
+  AdvanceForm form = AdvanceForm::any;
 };
 
 /// Everything that may be said, in the order of a run. Besides, either side may send `failure` in every state but
@@ -62,10 +62,10 @@ class Lifecycle {
   /// Where the conversation stands, as a phrase: "'initialize' was outstanding".
   [[nodiscard]] std::string_view state() const { return phrase(state_); }
   /// Finished or failed: no message is legal any more.
-  [[nodiscard]] bool done() const { return state_ == State::finished || state_ == State::failed; }
+  [[nodiscard]] bool done() const { return state_ == LifecycleState::finished || state_ == LifecycleState::failed; }
 
  private:
-  State state_ = State::connecting;
+  LifecycleState state_ = LifecycleState::connecting;
   std::int64_t next_sequence_[2] = {0, 0};
 };
 

@@ -57,7 +57,7 @@ class PrivateFolder {
 }  // namespace
 
 struct Listener::Impl {
-  struct Link {
+  struct SharedLink {
     std::string identity;
     std::unique_ptr<SharedMemory> memory;
   };
@@ -75,12 +75,12 @@ struct Listener::Impl {
   ~Impl() { zmq_socket_monitor(socket.handle(), nullptr, 0); }  // before `door`: its events would have nowhere to go
 
   /// Null for who shares no memory.
-  [[nodiscard]] const Link* link_to(const std::string& whose) const {
-    const auto is_to = [&](const Link& link) { return link.identity == whose; };
+  [[nodiscard]] const SharedLink* link_to(const std::string& whose) const {
+    const auto is_to = [&](const SharedLink& link) { return link.identity == whose; };
     const auto found = std::find_if(links.begin(), links.end(), is_to);
     return found == links.end() ? nullptr : &*found;
   }
-  bool receive_shared(const Link* awaited, std::string& sender, Message& message);
+  bool receive_shared(const SharedLink* awaited, std::string& sender, Message& message);
   bool receive_socket(std::string& sender, Message& message);
   bool is_of_its_sender(const std::string& sender);
   /// Whether the socket, or a file that `ready` has nothing against, has something to read until then.
@@ -95,13 +95,14 @@ struct Listener::Impl {
   std::size_t own_items = 0;  ///< those of sockets, before those of files
   zmq::message_t identity, frame;
   msgpack::sbuffer buffer;
-  std::vector<Link> links;
+  std::vector<SharedLink> links;
   std::map<std::string, Sender> senders;
   std::string last_sender;
   Clock::time_point next_look;
 };
 
-Listener::Listener(const std::string& endpoint, const std::vector<std::string>& participants, std::size_t largest_message) {
+Listener::Listener(const std::string& endpoint, const std::vector<std::string>& participants,
+                   std::size_t largest_message) {
   seed_routing_ids();
   impl_ = std::make_unique<Impl>(participants);
   std::string address = endpoint;
@@ -167,7 +168,8 @@ bool Listener::receive(std::string& identity, Message& message, Deadline deadlin
       const auto seen = impl_->look(until, ready);
       if (seen == Impl::Look::stop) return false;
       // Who closed its connection may have left last words.
-      if (seen == Impl::Look::closed) return impl_->receive_socket(identity, message) || impl_->receive_shared(awaited, identity, message);
+      if (seen == Impl::Look::closed)
+        return impl_->receive_socket(identity, message) || impl_->receive_shared(awaited, identity, message);
       if (seen == Impl::Look::something && impl_->receive_socket(identity, message)) return true;
     }
     if (impl_->receive_shared(awaited, identity, message)) return true;
@@ -177,8 +179,8 @@ bool Listener::receive(std::string& identity, Message& message, Deadline deadlin
 }
 
 /// A message that has come through shared memory; `sender` is set before an error can be that of a peer.
-bool Listener::Impl::receive_shared(const Link* awaited, std::string& sender, Message& message) {
-  const auto take = [&](const Link& link) {
+bool Listener::Impl::receive_shared(const SharedLink* awaited, std::string& sender, Message& message) {
+  const auto take = [&](const SharedLink& link) {
     sender = link.identity;
     link.memory->sender().flush();
     if (!link.memory->receiver().receive("the peer")) return false;
@@ -231,7 +233,8 @@ bool Listener::Impl::is_of_its_sender(const std::string& who) {
 Listener::Impl::Look Listener::Impl::look(Deadline until, const std::function<bool(std::size_t)>& ready) {
   if (!poll(items, until)) return Look::nothing;
   const auto closings = door.closings();
-  if (std::any_of(items.begin(), items.begin() + door_items, [](const auto& item) { return item.revents != 0; })) door.attend();
+  if (std::any_of(items.begin(), items.begin() + door_items, [](const auto& item) { return item.revents != 0; }))
+    door.attend();
   if (door.closings() != closings) return Look::closed;
   for (std::size_t i = own_items; i < items.size(); ++i) {
     if (items[i].revents != 0 && !ready(i - own_items)) return Look::stop;

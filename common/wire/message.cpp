@@ -9,20 +9,24 @@ namespace {
 using M = Message;
 
 // Fields that several kinds carry with the same meaning.
-constexpr Field absolute_output{"absolute", &M::absolute, "N or m",
-                                "link output, n x components: displacement; of who is driven by displacement, internal force"};
+constexpr Field absolute_output{
+    "absolute", &M::absolute, "N or m",
+    "link output, n x components: displacement; of who is driven by displacement, internal force"};
 constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s",
                          "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
                              "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field records{"records", &M::records, "", "history rows not sent before, rows x record columns"};
-constexpr Field departures{"departures", &M::departures, "",
-                           "what has left the model so far, rows x 9: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 "
-                           "node off its partner, 6 penetration: docs/limits.md), index into `bodies`, last window without it, first window with it, how many looks found it, "
-                           "largest size, its window, its place x and y; 0 rows: nothing, or not looked for"};
-constexpr Field outline{"outline", &M::outline, "m",
-                        "rows x (2 + components): index into `bodies`, node of that body's mesh, displacement, for nodes of the outlines "
-                        "of bodies that others could meet without a contact; 0 rows: not asked for records, or does not tell"};
+constexpr Field departures{
+    "departures", &M::departures, "",
+    "what has left the model so far, rows x 9: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 "
+    "node off its partner, 6 penetration: docs/limits.md), index into `bodies`, last window without it, first window "
+    "with it, how many looks found it, "
+    "largest size, its window, its place x and y; 0 rows: nothing, or not looked for"};
+constexpr Field outline{
+    "outline", &M::outline, "m",
+    "rows x (2 + components): index into `bodies`, node of that body's mesh, displacement, for nodes of the outlines "
+    "of bodies that others could meet without a contact; 0 rows: not asked for records, or does not tell"};
 constexpr Field records_requested{"records_requested", &M::records_requested, "",
                                   "the answer is to bring the history rows"};
 
@@ -161,7 +165,8 @@ const std::vector<KindEntry>& schema() {
         departures}},
       {Kind::failure,
        "failure",
-       {{"error_code", &M::error_code, "", "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 6 left the model, 7 machine"},
+       {{"error_code", &M::error_code, "",
+         "exit code: 2 input, 3 unstable, 4 participant, 5 protocol, 6 left the model, 7 machine"},
         {"error_culprit", &M::error_culprit, "", "who failed: name of a participant, or `coupler`"},
         {"error_text", &M::error_text, "", "what happened, and where"}}},
   };
@@ -196,7 +201,8 @@ const std::vector<Field>& header_fields() {
       {"sequence", &M::sequence, "", "counts the sender's messages on this link from 0"},
       {"window", &M::window, "",
        "the window it is about, at its end: window n ends at n x `window_size_s`; 0: the start"},
-      {"substep", &M::substep, "", "`advance` and its answer: the one step within the window that it is about, from 1; 0: the whole window"},
+      {"substep", &M::substep, "",
+       "`advance` and its answer: the one step within the window that it is about, from 1; 0: the whole window"},
   };
   return fields;
 }

@@ -22,8 +22,8 @@ struct Array {
   void resize(int new_rows, int new_columns);
 };
 
-/// max |accumulated - absolute| / max |absolute|, by which incremental transfer has drifted; the difference itself where the
-/// absolute values are all zero. Equal sizes.
+/// max |accumulated - absolute| / max |absolute|, by which incremental transfer has drifted; the difference itself
+/// where the absolute values are all zero. Equal sizes.
 [[nodiscard]] double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute);
 
 enum class Kind {
@@ -40,9 +40,9 @@ enum class Kind {
   advanced,
   accept,  ///< coupler: the last trial window is final
   accepted,
-  load_state,    ///< coupler: take this motion, without loads, with contact frozen so; `synchronise` follows
+  load_state,  ///< coupler: take this motion, without loads, with contact frozen so; `synchronise` follows
   state_loaded,
-  read_state,    ///< coupler asks for the motion as `load_state` takes it
+  read_state,  ///< coupler asks for the motion as `load_state` takes it
   state,
   finish,  ///< coupler: no more windows
   finished,
@@ -81,17 +81,18 @@ struct Message {
   Array interface_position_m;  ///< n x components
   Array interface_mass_kg;  ///< n x 1: own lumped mass in `description`, the sum over all participants in `initialize`
   Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
-  Array link_increment;     ///< to a participant: change of its link input since its last accepted window [m or N]
-  Array link_absolute;      ///< the same, absolute; empty (0 x components) unless resynchronising
-  Array increment;          ///< from a participant: change of its link output since its last accepted window [N or m]
-  Array absolute;           ///< the same, absolute; empty unless requested
-  Array velocity_m_s;       ///< who is driven by force: n x components; by displacement: empty
-  Array acceleration_m_s2;  ///< as velocity
-  Array state, state_scale; ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
-  Array records;            ///< history rows (rows x record_columns)
-  Array departures;         ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its window, x, y
-  Array outline;            ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
-  Array spans_s;            ///< rows x 3: window, begin, end of each computing span on the steady clock
+  Array link_increment;       ///< to a participant: change of its link input since its last accepted window [m or N]
+  Array link_absolute;        ///< the same, absolute; empty (0 x components) unless resynchronising
+  Array increment;            ///< from a participant: change of its link output since its last accepted window [N or m]
+  Array absolute;             ///< the same, absolute; empty unless requested
+  Array velocity_m_s;         ///< who is driven by force: n x components; by displacement: empty
+  Array acceleration_m_s2;    ///< as velocity
+  Array state, state_scale;   ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
+  Array records;              ///< history rows (rows x record_columns)
+  Array departures;  ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
+                     ///< window, x, y
+  Array outline;     ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
+  Array spans_s;     ///< rows x 3: window, begin, end of each computing span on the steady clock
 };
 
 [[nodiscard]] std::string_view name(Kind kind);

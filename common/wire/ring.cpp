@@ -95,8 +95,8 @@ bool RingReceiver::receive(std::string_view sender) {
   }
   std::size_t there = memory_.written.load(std::memory_order_acquire) - read_;
   if (there > RingMemory::capacity) {
-    throw ProtocolError(fmt::format("{} corrupted the shared memory: {} bytes in a ring of {}", sender, there,
-                                    RingMemory::capacity));
+    throw ProtocolError(
+        fmt::format("{} corrupted the shared memory: {} bytes in a ring of {}", sender, there, RingMemory::capacity));
   }
   if (header_bytes_ < sizeof header_) {
     const auto count = take(reinterpret_cast<char*>(&header_) + header_bytes_, sizeof header_ - header_bytes_, there);
@@ -129,8 +129,8 @@ std::size_t RingReceiver::take(char* to, std::size_t wanted, std::size_t there) 
 
 void RingReceiver::check_header(std::string_view sender) const {
   if (header_.magic != RingHeader::correct_magic) {
-    throw ProtocolError(fmt::format("{} corrupted the shared memory: no message begins with {:#018x}", sender,
-                                    header_.magic));
+    throw ProtocolError(
+        fmt::format("{} corrupted the shared memory: no message begins with {:#018x}", sender, header_.magic));
   }
   if (header_.sequence != sequence_) {
     throw ProtocolError(fmt::format("{} corrupted the shared memory: message {} where message {} was due", sender,

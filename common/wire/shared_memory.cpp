@@ -27,7 +27,7 @@ namespace {
 
 static_assert(sizeof(RingMemory) == 262'272, "docs/wire.md tells where everything lies");
 
-constexpr const char* label = "ricochet";  // shown as /memfd:ricochet where open files are listed
+constexpr const char* label = "ricochet";                // shown as /memfd:ricochet where open files are listed
 constexpr std::chrono::microseconds between_pieces{50};  // of a message that is larger than the ring
 constexpr int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;  // a file that shrinks kills who reads it
 

@@ -18,11 +18,16 @@ std::size_t size_of_value(std::string_view bytes) {
   const auto first = static_cast<unsigned char>(bytes.front());
   if (first >= 0xa0 && first < 0xc0) return 1U + (first & 0x1fU);  // a short text
   if (first < 0xc4 || first >= 0xe0) return 1;
-  const auto with_length = [&](std::size_t digits, std::size_t more) { return 1 + digits + more + big_endian(bytes.substr(1, digits)); };
+  const auto with_length = [&](std::size_t digits, std::size_t more) {
+    return 1 + digits + more + big_endian(bytes.substr(1, digits));
+  };
   switch (first) {
-    case 0xc4: case 0xd9: return with_length(1, 0);
-    case 0xc5: case 0xda: return with_length(2, 0);
-    case 0xc6: case 0xdb: return with_length(4, 0);
+    case 0xc4:
+    case 0xd9: return with_length(1, 0);
+    case 0xc5:
+    case 0xda: return with_length(2, 0);
+    case 0xc6:
+    case 0xdb: return with_length(4, 0);
     case 0xc7: return with_length(1, 1);
     case 0xc8: return with_length(2, 1);
     case 0xc9: return with_length(4, 1);

@@ -5,8 +5,8 @@
 #include <Eigen/Cholesky>
 
 #include "common/base/error.hpp"
+#include "coupler/interface/vectors.hpp"
 #include "coupler/protocols/unit_response.hpp"
-#include "coupler/protocols/vectors.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -117,7 +117,8 @@ void DualInterface::advance_free(const Step& step) {
     side.free_velocity = view(side.link->velocity_m_s());
     side.force.noalias() = side.impedance * side.free_velocity;
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      held_[static_cast<Eigen::Index>(side.dofs[i])] += side.link->input()[i] - side.force[static_cast<Eigen::Index>(i)];
+      held_[static_cast<Eigen::Index>(side.dofs[i])] +=
+          side.link->input()[i] - side.force[static_cast<Eigen::Index>(i)];
     }
   }
 }

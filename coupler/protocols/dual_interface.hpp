@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "coupler/protocols/coupling.hpp"
+#include "coupler/interface/coupling.hpp"
 
 namespace ricochet::coupler {
 

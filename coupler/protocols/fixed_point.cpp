@@ -4,9 +4,10 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <stdexcept>
 
 #include "common/base/error.hpp"
-#include "coupler/protocols/vectors.hpp"
+#include "coupler/interface/vectors.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -23,6 +24,18 @@ Eigen::MatrixXd newest_first(const std::vector<Eigen::VectorXd>& columns, Eigen:
 }
 
 }  // namespace
+
+FixedPoint::FixedPoint(const ProtocolSettings& settings) : settings_(settings) {
+  if (settings.acceleration == "constant") {
+    accelerate_ = &FixedPoint::relax;
+  } else if (settings.acceleration == "aitken") {
+    accelerate_ = &FixedPoint::relax_aitken;
+  } else if (settings.acceleration == "iqn_ils") {
+    accelerate_ = &FixedPoint::quasi_newton;
+  } else {
+    throw std::invalid_argument("acceleration \"" + settings.acceleration + "\"");
+  }
+}
 
 void FixedPoint::step(Coupling& coupling, const Step& step) {
   Step trial = step;
@@ -43,29 +56,19 @@ void FixedPoint::step(Coupling& coupling, const Step& step) {
       most_ = std::max<std::int64_t>(most_, iteration);
       return;
     }
-    accelerate(residual, answer, iteration == 1, u);
+    (this->*accelerate_)(residual, answer, iteration == 1, u);
   }
   throw SolverError(fmt::format(
       "window {}: fixed_point has not converged to coupling.tolerance = {} in coupling.max_iterations = {} iterations; "
       "use acceleration = \"iqn_ils\", a smaller relaxation or a smaller step",
-      step.window + 1, settings_.tolerance, settings_.max_iterations));
+      step.accepted_window + 1, settings_.tolerance, settings_.max_iterations));
 }
 
-void FixedPoint::accelerate(const Vector& residual, const Vector& answer, bool first, Vector& u) {
-  switch (settings_.acceleration) {
-    case Acceleration::constant:
-      u += settings_.relaxation * residual;
-      break;
-    case Acceleration::aitken:
-      relax_aitken(residual, first, u);
-      break;
-    case Acceleration::iqn_ils:
-      quasi_newton(residual, answer, first, u);
-      break;
-  }
+void FixedPoint::relax(const Vector& residual, const Vector& /*answer*/, bool /*first*/, Vector& u) {
+  u += settings_.relaxation * residual;
 }
 
-void FixedPoint::relax_aitken(const Vector& residual, bool first, Vector& u) {
+void FixedPoint::relax_aitken(const Vector& residual, const Vector& /*answer*/, bool first, Vector& u) {
   if (first) {
     relaxation_ = settings_.relaxation;
   } else {

@@ -21,18 +21,20 @@ namespace ricochet::coupler {
 /// Throws SolverError if `max_iterations` do not suffice.
 class FixedPoint final : public Protocol {
  public:
-  explicit FixedPoint(const ProtocolSettings& settings) : settings_(settings) {}
+  /// Throws std::invalid_argument for an acceleration that is none of these.
+  explicit FixedPoint(const ProtocolSettings& settings);
   void step(Coupling& coupling, const Step& step) override;
   [[nodiscard]] std::string note() const override;
 
  private:
   using Vector = Eigen::VectorXd;
-  /// Moves u given its residual; `first`: of this window.
-  void accelerate(const Vector& residual, const Vector& answer, bool first, Vector& u);
-  void relax_aitken(const Vector& residual, bool first, Vector& u);
+  // Each moves u given its residual; `first`: of this window.
+  void relax(const Vector& residual, const Vector& answer, bool first, Vector& u);
+  void relax_aitken(const Vector& residual, const Vector& answer, bool first, Vector& u);
   void quasi_newton(const Vector& residual, const Vector& answer, bool first, Vector& u);
 
   ProtocolSettings settings_;
+  void (FixedPoint::*accelerate_)(const Vector& residual, const Vector& answer, bool first, Vector& u);
   double relaxation_ = 1.0, scale_ = 0.0;
   Vector last_residual_, last_answer_;
   /// Differences of residuals and answers, newest last, and how many belong to the present window.

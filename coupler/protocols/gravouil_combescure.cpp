@@ -1,7 +1,7 @@
 #include "coupler/protocols/gravouil_combescure.hpp"
 
+#include "coupler/interface/vectors.hpp"
 #include "coupler/protocols/unit_response.hpp"
-#include "coupler/protocols/vectors.hpp"
 
 namespace ricochet::coupler {
 

@@ -12,10 +12,9 @@ namespace ricochet::coupler {
 /// Between the ends of the window the implicit side's *free* velocity, without multipliers, is linear in time:
 ///   v_free(0) = v_n + H_i lambda_n,   v_free(T) = v + H_i lambda of a trial window
 ///   v_j = v_free(t_j) - H_i lambda_j,   H_i the implicit side's operator
-/// H_i is measured with the contact open: while it is closed the free velocity is off by what the contact answers, and with
-/// m > 1 the window then grows slowly (`ricochet stability`: 5e-5 a window at m = 2, Courant 0.5).
-/// Dissipates O(dT) for m > 1: a protocol to be studied. 1 + 2 m exchanges with the explicit side, two with the
-/// implicit one.
+/// H_i is measured with the contact open: while it is closed the free velocity is off by what the contact answers, and
+/// with m > 1 the window then grows slowly (`ricochet stability`: 5e-5 a window at m = 2, Courant 0.5). Dissipates
+/// O(dT) for m > 1: a protocol to be studied. 1 + 2 m exchanges with the explicit side, two with the implicit one.
 class GravouilCombescure final : public Protocol {
  public:
   explicit GravouilCombescure(const ProtocolSettings& settings) : substeps_(settings.substeps) {}

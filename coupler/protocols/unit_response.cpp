@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
-#include "coupler/protocols/vectors.hpp"
+#include "coupler/interface/vectors.hpp"
 
 namespace ricochet::coupler {
 namespace {

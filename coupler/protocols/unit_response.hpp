@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "coupler/protocols/link.hpp"
+#include "coupler/interface/link.hpp"
 
 namespace ricochet::coupler {
 

@@ -13,7 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/own_files.hpp"
 #include "common/base/write_file.hpp"
-#include "coupler/report/assets.hpp"
+#include "coupler/report/assets/assets.hpp"
 
 namespace ricochet::report {
 namespace {
@@ -46,8 +46,8 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// Exit code of a program looked up on PATH that reads `input`; what it prints goes where ours goes. -1: there is none of
-/// that name.
+/// Exit code of a program looked up on PATH that reads `input`; what it prints goes where ours goes. -1: there is none
+/// of that name.
 int run_program(const std::vector<std::string>& words, const std::string& input) {
   std::vector<char*> arguments;
   for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -89,7 +89,8 @@ Pictures draw_pictures(const Page& page) {
   Pictures pictures{(results / "charts").string(), 0, ""};
   const ScratchFolder scratch(results);
   const int code = run_program({"node", "-e", std::string(asset("draw_pictures.js")), scratch.path()}, page.text);
-  if (code > 0) throw ParticipantError(fmt::format("node could not draw the charts of {}: exit code {}", page.path, code));
+  if (code > 0)
+    throw ParticipantError(fmt::format("node could not draw the charts of {}: exit code {}", page.path, code));
   if (code < 0) {
     pictures.obstacle = "no picture files: `node` is not on PATH; install the Debian package nodejs (18 or later)";
     return pictures;

@@ -10,18 +10,18 @@
 #include "common/base/error.hpp"
 #include "common/base/own_files.hpp"
 #include "common/base/write_file.hpp"
-#include "coupler/report/assets.hpp"
-#include "coupler/report/history_charts.hpp"
-#include "coupler/report/history_table.hpp"
-#include "coupler/report/libraries.hpp"
-#include "coupler/report/quantity.hpp"
-#include "coupler/report/stability_maps.hpp"
-#include "coupler/report/stability_page.hpp"
-#include "coupler/report/stress_waves.hpp"
-#include "coupler/report/study_page.hpp"
-#include "coupler/report/summary_page.hpp"
-#include "coupler/report/text.hpp"
-#include "coupler/report/timeline.hpp"
+#include "coupler/report/assets/assets.hpp"
+#include "coupler/report/parts/history_table.hpp"
+#include "coupler/report/parts/libraries.hpp"
+#include "coupler/report/parts/quantity.hpp"
+#include "coupler/report/parts/text.hpp"
+#include "coupler/report/run_page/history_charts.hpp"
+#include "coupler/report/run_page/stress_waves.hpp"
+#include "coupler/report/run_page/summary_page.hpp"
+#include "coupler/report/run_page/timeline.hpp"
+#include "coupler/report/stability_page/stability_maps.hpp"
+#include "coupler/report/stability_page/stability_page.hpp"
+#include "coupler/report/study_page/study_page.hpp"
 
 namespace ricochet::report {
 namespace {
@@ -86,7 +86,8 @@ std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryT
   if (table.rows() > 1 && std::filesystem::exists(axial)) {
     const auto& time = table.columns.front();
     auto waves = stress_wave_charts(read_history(axial.string()), {time.front(), time.back(), times});
-    const auto after = charts.begin() + std::min<std::ptrdiff_t>(1, std::ssize(charts));  // beside the stress at the contact
+    const auto after =
+        charts.begin() + std::min<std::ptrdiff_t>(1, std::ssize(charts));  // beside the stress at the contact
     charts.insert(after, std::make_move_iterator(waves.begin()), std::make_move_iterator(waves.end()));
   }
   for (auto& chart : charts) chart.caption = events_text(events);
@@ -124,7 +125,8 @@ std::string page_of(const std::filesystem::path& folder) {
 
 Page write_report(const std::string& directory) {
   const std::filesystem::path folder(directory);
-  const bool stability = !std::filesystem::exists(folder / "summary.json") && std::filesystem::exists(folder / "stability.json");
+  const bool stability =
+      !std::filesystem::exists(folder / "summary.json") && std::filesystem::exists(folder / "stability.json");
   Page page;
   try {
     if (std::filesystem::exists(folder / "study.json")) {
@@ -135,7 +137,8 @@ Page write_report(const std::string& directory) {
       page = {"report.html", page_of(directory)};
     }
   } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: summary.json, trace.json or study.json is not that of this program: {}", directory, error.what()));
+    throw ConfigError(fmt::format("{}: summary.json, trace.json or study.json is not that of this program: {}",
+                                  directory, error.what()));
   }
   OwnFiles own(directory);
   own.claim({page.path});

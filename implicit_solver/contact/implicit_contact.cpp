@@ -12,15 +12,13 @@ using scene::Enforcement;
 using scene::ImpactUpdate;
 using scene::MultiplierUpdate;
 using solver::BodyState;
+using solver::ContactState;
 using solver::Pair;
 using solver::PairSide;
-using solver::State;
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
                                  const std::vector<BodyState>& states)
-    : problem_(&problem),
-      law_(&*problem.scene.contact),
-      surface_(problem, parts) {
+    : problem_(&problem), law_(&*problem.scene.contact), surface_(problem, parts) {
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
@@ -33,13 +31,16 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vecto
       for (int c = 0; c < surface_.components; ++c) {
         const int dof = side.node * surface_.components + c;
         const bool acts = surface_.normal[c] != 0.0 || law_->friction_coefficient > 0.0;
-        if (acts && state.free[static_cast<std::size_t>(dof)]) root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
+        if (acts && state.free[static_cast<std::size_t>(dof)])
+          root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
       }
     }
     const auto moves = [&](const PairSide& side, Direction direction) {
       for (int c = 0; side.part >= 0 && c < surface_.components; ++c) {
         const int dof = side.node * surface_.components + c;
-        if (vector(direction)[c] != 0.0 && states[static_cast<std::size_t>(side.part)].free[static_cast<std::size_t>(dof)]) return true;
+        if (vector(direction)[c] != 0.0 &&
+            states[static_cast<std::size_t>(side.part)].free[static_cast<std::size_t>(dof)])
+          return true;
       }
       return false;
     };
@@ -119,10 +120,10 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   root_force_.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
 }
 
-double ImplicitContact::combined(const Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const {
-  return solver::relative(pair, direction, surface_.components, [&](int part) {
-    return values.data() + offsets_[static_cast<std::size_t>(part)];
-  });
+double ImplicitContact::combined(const Pair& pair, const Eigen::VectorXd& values,
+                                 const Eigen::Vector2d& direction) const {
+  return solver::relative(pair, direction, surface_.components,
+                          [&](int part) { return values.data() + offsets_[static_cast<std::size_t>(part)]; });
 }
 
 /// Relative displacements at the end of the window without contact forces, from zero, of held pairs.
@@ -137,8 +138,8 @@ void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eig
   }
 }
 
-/// With a penalty the force of the present gap is part of the acceleration that the law remembers; a multiplier either is
-/// not remembered or cancels in the mean.
+/// With a penalty the force of the present gap is part of the acceleration that the law remembers; a multiplier either
+/// is not remembered or cancels in the mean.
 void ImplicitContact::hold_rates(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                  Eigen::VectorXd& acceleration) {
   find_moved(states, Eigen::VectorXd::Zero(velocity.size()));
@@ -173,7 +174,8 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
   root_force_.noalias() = gather_.transpose() * trial_.force;
 }
 
-double ImplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states, Direction direction) const {
+double ImplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states,
+                                     Direction direction) const {
   double sum = 0.0;
   for (const auto& side : {pair.a, pair.b}) {
     if (side.part < 0) continue;
@@ -206,7 +208,8 @@ void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& s
   const auto& d = vector(direction);
   const double difference = combined(pair, values, d);
   const Mean share = mean_shares(pair, states, direction);
-  for (const auto& [side, amount] : {std::pair{pair.a, share.share_a * difference}, std::pair{pair.b, -share.share_b * difference}}) {
+  for (const auto& [side, amount] :
+       {std::pair{pair.a, share.share_a * difference}, std::pair{pair.b, -share.share_b * difference}}) {
     if (side.part < 0) continue;
     for (int c = 0; c < surface_.components; ++c) {
       values[offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c] += amount * d[c];
@@ -234,8 +237,8 @@ double ImplicitContact::along(const PairSide& side, Direction direction, const E
   return sum;
 }
 
-/// What a pair's forces are on B, the mean of it and of the opposite on A: the two differ where Eq. 25 weighs by impedances. A side
-/// that a support holds counts for nothing.
+/// What a pair's forces are on B, the mean of it and of the opposite on A: the two differ where Eq. 25 weighs by
+/// impedances. A side that a support holds counts for nothing.
 double ImplicitContact::on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const {
   const auto& [a_moves, b_moves] = moves_[pair][direction];
   const double on_a = a_moves ? along(surface_.pairs[pair].a, direction, forces) : 0.0;
@@ -309,7 +312,7 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
     push(pair, states, along_tangent, given - impulse.tangential, velocity);
     impulse.tangential = given;
   }
-  impulse.state = sticks ? State::stick : State::slip;
+  impulse.state = sticks ? ContactState::stick : ContactState::slip;
   const double force = trial_.force[static_cast<Eigen::Index>(surface_.pairs.size() + i)];
   const double force_limit = mu * std::max(0.0, remembered_normal_n_[i]);
   const double holding_force = force - combined(pair, acceleration, surface_.tangent) / inverse;
@@ -340,7 +343,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
                    .tangential = root_->friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
                    .state = trial_.states[i]};
     remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
-    const bool touched = trial_.states[i] != State::open || accepted_.states[i] != State::open;
+    const bool touched = trial_.states[i] != ContactState::open || accepted_.states[i] != ContactState::open;
     if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
   }
   if (frozen_) {
@@ -350,7 +353,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
   if (massless_) give_back(states, bracket, increment, velocity);
   if (!resets()) return;
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const bool closed = trial_.states[i] != State::open;
+    const bool closed = trial_.states[i] != ContactState::open;
     if (closed && !massless_) reset_normal(i, states, velocity, acceleration);
     if (!root_->friction()) continue;
     if (closed) {
@@ -376,8 +379,9 @@ void ImplicitContact::give_back(const std::vector<BodyState>& states, const Eige
   }
 }
 
-void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
-                              const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity) {
+void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::VectorXd& bracket,
+                              const Eigen::VectorXd& increment, const Eigen::VectorXd& jump,
+                              const Eigen::VectorXd& mean_velocity) {
   if (massless_) {
     work_normal_j_ += massless_->trial_work_j();
     massless_->accept();
@@ -387,7 +391,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     for (const auto& side : {pair.a, pair.b}) {
       if (side.part < 0) continue;
       const auto work = [&](Direction d) {
-        return 0.5 * along(side, d, bracket) * along(side, d, increment) + along(side, d, jump) * along(side, d, mean_velocity);
+        return 0.5 * along(side, d, bracket) * along(side, d, increment) +
+               along(side, d, jump) * along(side, d, mean_velocity);
       };
       work_normal_j_ += work(along_normal);
       dissipated_friction_j_ -= work(along_tangent);
@@ -417,16 +422,16 @@ void ImplicitContact::open() {
 
 int ImplicitContact::pairs_closed() const {
   return static_cast<int>(accepted_.states.size()) -
-         static_cast<int>(std::count(accepted_.states.begin(), accepted_.states.end(), State::open));
+         static_cast<int>(std::count(accepted_.states.begin(), accepted_.states.end(), ContactState::open));
 }
 
-solver::Report ImplicitContact::report(const std::vector<BodyState>& states) {
+solver::ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
   reported_ = impulse_;
   for (auto& force : reported_) {
     force.normal /= dt_;
     force.tangential /= dt_;
   }
-  solver::Report report = surface_.report(states, reported_);
+  solver::ContactRecord report = surface_.report(states, reported_);
   report.contact_impulse_n_s = impulse_normal_n_s_;
   report.friction_impulse_n_s = impulse_tangential_n_s_;
   report.contact_iterations = std::exchange(iterations_, 0);

@@ -11,20 +11,22 @@
 
 namespace ricochet::implicit_solver {
 
-/// Contact of the implicit side: kinematics of the pairs, the root problem, the update of velocities and accelerations on
-/// the contact surface, and the work of the contact forces.
+/// Contact of the implicit side: kinematics of the pairs, the root problem, the update of velocities and accelerations
+/// on the contact surface, and the work of the contact forces.
 ///
-/// The window's equation is A du = b + kappa dt^2/4 G^T r. kappa = 2 and r not remembered is the fully implicit law (Kane et al.):
-///   u_{n+1} = u_n + dt v_n + dt^2/4 (a_n + a_{n+1}) + dt^2/2 M^-1 G^T r,   v_{n+1} = v_n + dt/2 (a_n + a_{n+1}) + dt M^-1 G^T r
-/// with a the elastic acceleration. kappa = 1 lets r enter as any force of n + 1; afterwards velocity and acceleration of
-/// every closed pair are set to a weighted mean (Eq. 25), by masses (conserves momentum) or impedances (the paper's). Or the nodes
-/// have no mass along the normal: then no velocity has to jump, r balances K u at any time, and the impact of a node costs nothing
-/// (MasslessNodes).
+/// The window's equation is A du = b + kappa dt^2/4 G^T r. kappa = 2 and r not remembered is the fully implicit law
+/// (Kane et al.):
+///   u_{n+1} = u_n + dt v_n + dt^2/4 (a_n + a_{n+1}) + dt^2/2 M^-1 G^T r,   v_{n+1} = v_n + dt/2 (a_n + a_{n+1}) + dt
+///   M^-1 G^T r
+/// with a the elastic acceleration. kappa = 1 lets r enter as any force of n + 1; afterwards velocity and acceleration
+/// of every closed pair are set to a weighted mean (Eq. 25), by masses (conserves momentum) or impedances (the
+/// paper's). Or the nodes have no mass along the normal: then no velocity has to jump, r balances K u at any time, and
+/// the impact of a node costs nothing (MasslessNodes).
 ///
 /// Whatever the law, a pair gets over the window the impulse (on B; the opposite on A)
 ///   p = dt/2 [(M a_n - q_n) + (M a*_{n+1} - q_{n+1})] + J,   J of the jump of its velocity
-/// Coulomb's law is held by impulses: the jump along the tangent, of slipping pairs, too, is the one that leaves |p_t| <= mu p_n
-/// and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
+/// Coulomb's law is held by impulses: the jump along the tangent, of slipping pairs, too, is the one that leaves |p_t|
+/// <= mu p_n and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
 class ImplicitContact {
  public:
   ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
@@ -55,11 +57,13 @@ class ImplicitContact {
   /// (combined numbering); on return root_force() holds G^T r per root dof.
   void solve(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
   [[nodiscard]] const Eigen::VectorXd& root_force() const { return root_force_; }
-  /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) as the law asks, and finds the impulses of all
-  /// pairs. `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact forces in the trapezoidal sum.
+  /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) as the law asks, and finds the
+  /// impulses of all pairs. `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact forces in
+  /// the trapezoidal sum.
   void update_rates(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
                     const Eigen::VectorXd& increment, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
-  /// Accounts work and impulse of the window: `jump` = M (v - v*) of update_rates, `mean_velocity` = (v + v*)/2 at the root dofs.
+  /// Accounts work and impulse of the window: `jump` = M (v - v*) of update_rates, `mean_velocity` = (v + v*)/2 at the
+  /// root dofs.
   void account(std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
                const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity);
   void accept();
@@ -70,9 +74,10 @@ class ImplicitContact {
   void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
   [[nodiscard]] bool held() const { return frozen_ == participant::FrozenContact::sticking; }
   /// Held pairs: what the law makes of velocity and elastic acceleration (combined vectors) of the present motion.
-  void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+  void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
+                  Eigen::VectorXd& acceleration);
 
-  [[nodiscard]] solver::Report report(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] solver::ContactRecord report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -105,9 +110,11 @@ class ImplicitContact {
   void clip_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
   void give_back(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
                  const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
-  void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration) const;
+  void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
+                  Eigen::VectorXd& acceleration) const;
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
-  [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values, const Eigen::Vector2d& direction) const;
+  [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values,
+                                const Eigen::Vector2d& direction) const;
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
@@ -116,7 +123,7 @@ class ImplicitContact {
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
   double dt_ = 0.0;
-  Eigen::MatrixXd gather_;            ///< G: relative motion per root motion, rows as the unknowns of RootProblem
+  Eigen::MatrixXd gather_;  ///< G: relative motion per root motion, rows as the unknowns of RootProblem
   std::optional<solver::RootProblem> root_;
   std::optional<solver::MasslessNodes> massless_;
   std::vector<double*> velocity_of_part_;
@@ -124,7 +131,8 @@ class ImplicitContact {
   std::vector<Eigen::VectorXd*> u_of_part_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
   solver::RootProblem::Solution trial_, accepted_;
-  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers [N].
+  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers
+  /// [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;
   /// Whether supports leave A and B of a pair free to move along the normal, the tangent.

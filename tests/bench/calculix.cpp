@@ -10,7 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
-#include "coupler/report/history_table.hpp"
+#include "coupler/report/parts/history_table.hpp"
 #include "tests/bench/line_picture.hpp"
 #include "tests/bench/process_run.hpp"
 #include "tests/bench/reference_scene.hpp"
@@ -105,12 +105,18 @@ std::vector<Row> CalculixRuns::rows() const {
   for (const auto& protocol : protocols) {
     const auto found = ours_.find(protocol);
     const Runs runs = found == ours_.end() ? Runs{} : found->second;
-    rows.push_back({fmt::format("CalculiX / {}, first {} steps, wall time of the whole command", protocol, steps_), mesh,
-                    quotients(calculix_wall_s_, runs.wall_s), {}, missing});
+    rows.push_back({fmt::format("CalculiX / {}, first {} steps, wall time of the whole command", protocol, steps_),
+                    mesh,
+                    quotients(calculix_wall_s_, runs.wall_s),
+                    {},
+                    missing});
     const auto add = [&](int first, const std::vector<double>& values) {
       rows.push_back({fmt::format("CalculiX - {}, contact pressure: RMS of steps {} to {} / mean of the later half",
                                   protocol, first, steps_),
-                      mesh, values, {}, missing});
+                      mesh,
+                      values,
+                      {},
+                      missing});
     };
     add(1, runs.deviation);
     add(2, runs.deviation_later);
@@ -127,13 +133,14 @@ std::vector<std::string> CalculixRuns::write_picture() const {
                        hybrid.pressure_pa[i], implicit.pressure_pa[i]);
   }
   write_atomically(folder_ + "/calculix.csv", csv);
-  write_atomically(folder_ + "/calculix.svg",
-                   line_picture(fmt::format("Mean contact pressure, mesh {}, friction 0.1, the first {} steps", mesh_name(1), steps_),
-                                "time [µs]", "contact pressure [MPa]",
-                                {line("hughes_liu", "#0072b2", "", hybrid),
-                                 line("all_implicit", "#d55e00", "8 6", implicit),
-                                 line("CalculiX, penalty", "#000000", "2 3", calculix_)},
-                                1.5e-6 * plateau_pa(implicit)));
+  write_atomically(
+      folder_ + "/calculix.svg",
+      line_picture(
+          fmt::format("Mean contact pressure, mesh {}, friction 0.1, the first {} steps", mesh_name(1), steps_),
+          "time [µs]", "contact pressure [MPa]",
+          {line("hughes_liu", "#0072b2", "", hybrid), line("all_implicit", "#d55e00", "8 6", implicit),
+           line("CalculiX, penalty", "#000000", "2 3", calculix_)},
+          1.5e-6 * plateau_pa(implicit)));
   return {"calculix.csv", "calculix.svg"};
 }
 

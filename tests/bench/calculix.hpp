@@ -9,8 +9,9 @@
 
 namespace ricochet::bench {
 
-/// CalculiX against `hughes_liu` and `all_implicit` on the first steps of the reference scene: same mesh, step and friction.
-/// Times are those of whole commands, reading and factorising included, CalculiX with as many threads as it takes by itself.
+/// CalculiX against `hughes_liu` and `all_implicit` on the first steps of the reference scene: same mesh, step and
+/// friction. Times are those of whole commands, reading and factorising included, CalculiX with as many threads as it
+/// takes by itself.
 class CalculixRuns {
  public:
   /// Looks for `ccx` on the PATH; without it nothing is run, and the rows say so.
@@ -23,7 +24,7 @@ class CalculixRuns {
  private:
   struct Runs {
     std::vector<double> wall_s;
-    PressureHistory history;  ///< of the last repeat
+    PressureHistory history;                         ///< of the last repeat
     std::vector<double> deviation, deviation_later;  ///< from CalculiX, see `rows`
   };
   void run_calculix(const std::string& scene);

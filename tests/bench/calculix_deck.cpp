@@ -38,7 +38,8 @@ struct DeckBody {
       if (on_axis(nodes[0]) && on_axis(nodes[3]) && !on_axis(nodes[1]) && !on_axis(nodes[2])) return nodes;
       std::rotate(nodes.begin(), nodes.begin() + 1, nodes.end());
     }
-    throw ConfigError(fmt::format("body '{}', element {}: touches the axis, but not with one edge", body.name, element));
+    throw ConfigError(
+        fmt::format("body '{}', element {}: touches the axis, but not with one edge", body.name, element));
   }
   [[nodiscard]] bool touches_axis(const std::array<int, 4>& nodes) const {
     return std::any_of(nodes.begin(), nodes.end(), [this](int node) { return on_axis(node); });
@@ -64,9 +65,9 @@ void add_elements(const DeckBody& body, std::string& deck) {
       wedges += fmt::format("{}, {}, {}, {}, {}, {}, {}\n", id, body.front(n[0]), body.back(n[1]), body.front(n[1]),
                             body.front(n[3]), body.back(n[2]), body.front(n[2]));
     } else {
-      bricks += fmt::format("{}, {}, {}, {}, {}, {}, {}, {}, {}\n", id, body.front(n[0]), body.front(n[1]),
-                            body.front(n[2]), body.front(n[3]), body.back(n[0]), body.back(n[1]), body.back(n[2]),
-                            body.back(n[3]));
+      bricks +=
+          fmt::format("{}, {}, {}, {}, {}, {}, {}, {}, {}\n", id, body.front(n[0]), body.front(n[1]), body.front(n[2]),
+                      body.front(n[3]), body.back(n[0]), body.back(n[1]), body.back(n[2]), body.back(n[3]));
     }
   }
   const auto& name = body.body.name;
@@ -115,9 +116,10 @@ void add_ties(const DeckBody& body, std::string& deck) {
 
 void add_material(const DeckBody& body, std::string& deck) {
   const auto& material = body.body.material;
-  deck += fmt::format("*MATERIAL, NAME={0}\n*ELASTIC\n{1}, {2}\n*DENSITY\n{3}\n*SOLID SECTION, ELSET={0}, MATERIAL={0}\n",
-                      body.body.name, number(material.youngs_modulus_pa), number(material.poisson_ratio),
-                      number(material.density_kg_m3));
+  deck +=
+      fmt::format("*MATERIAL, NAME={0}\n*ELASTIC\n{1}, {2}\n*DENSITY\n{3}\n*SOLID SECTION, ELSET={0}, MATERIAL={0}\n",
+                  body.body.name, number(material.youngs_modulus_pa), number(material.poisson_ratio),
+                  number(material.density_kg_m3));
 }
 
 void add_velocities(const DeckBody& body, std::string& deck) {
@@ -148,7 +150,8 @@ void add_contact(const scene::Contact& contact, const DeckBody& a, const DeckBod
   const std::string stiffness = number(softer / shortest_edge_m(a.body.mesh, contact.first.surface));
   deck += fmt::format("*SURFACE, NAME=FIRST\n{}*SURFACE, NAME=SECOND\n{}", faces(a, contact.first.surface),
                       faces(b, contact.second->surface));
-  deck += fmt::format("*SURFACE INTERACTION, NAME=CONTACT\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n", stiffness);
+  deck += fmt::format("*SURFACE INTERACTION, NAME=CONTACT\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n",
+                      stiffness);
   if (contact.friction_coefficient > 0.0) {
     deck += fmt::format("*FRICTION\n{}, {}\n", number(contact.friction_coefficient), stiffness);
   }
@@ -168,7 +171,8 @@ std::string calculix_deck(const scene::Problem& problem, long steps) {
   require(contact.body_a >= 0 && contact.body_b >= 0, scene, "the contact of two bodies");
   require(scene.contact->initial_gap_m == 0.0 && scene.contact->nose_radius_m == 0.0, scene, "contact without a gap");
   for (const auto& body : scene.bodies) {
-    const bool heavy = std::any_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), [](double g) { return g != 0.0; });
+    const bool heavy =
+        std::any_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), [](double g) { return g != 0.0; });
     require(body.tractions.empty() && body.prescribed.empty() && !heavy, scene, "bodies without loads");
   }
   std::vector<DeckBody> bodies;

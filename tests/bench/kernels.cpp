@@ -13,7 +13,7 @@
 #include <type_traits>
 
 #include "common/fem/stiffness_product.hpp"
-#include "common/scene/problem.hpp"
+#include "common/problem/problem.hpp"
 #include "implicit_solver/condensed_factor.hpp"
 #include "tests/bench/reference_scene.hpp"
 

@@ -63,7 +63,8 @@ std::string drawn_axes(const Axis& x, const Axis& y, const std::string& x_label,
 /// Cut at the top edge of the picture, between points as well as at them.
 std::string drawn_line(const PictureLine& line, const Axis& x, const Axis& y) {
   std::string points;
-  for (std::size_t i = 0; i < line.x.size(); ++i) points += fmt::format("{:.2f},{:.2f} ", x.px(line.x[i]), y.px(line.y[i]));
+  for (std::size_t i = 0; i < line.x.size(); ++i)
+    points += fmt::format("{:.2f},{:.2f} ", x.px(line.x[i]), y.px(line.y[i]));
   return fmt::format("<polyline points=\"{}\" {} clip-path=\"url(#plot)\"/>\n", points, stroke_of(line));
 }
 
@@ -72,8 +73,8 @@ std::string cut_off(const std::vector<PictureLine>& lines, double y_end) {
   for (const auto& line : lines) {
     for (std::size_t i = 0; i < line.y.size(); ++i) {
       if (line.y[i] <= y_end) continue;
-      words += fmt::format("{}{}: {:.4g} at {:.3g}", words.empty() ? "above the picture: " : "; ", line.label, line.y[i],
-                           line.x[i]);
+      words += fmt::format("{}{}: {:.4g} at {:.3g}", words.empty() ? "above the picture: " : "; ", line.label,
+                           line.y[i], line.x[i]);
     }
   }
   return words;

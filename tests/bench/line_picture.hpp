@@ -11,8 +11,8 @@ struct PictureLine {
   std::vector<double> x, y;  ///< of equal length
 };
 
-/// Lines over common axes as SVG text: ticks, axis labels, legend. x reaches to its largest value, y from 0 to `y_end`; what lies
-/// above is cut off, and said under the title with its value. Labels hold no characters that XML reserves.
+/// Lines over common axes as SVG text: ticks, axis labels, legend. x reaches to its largest value, y from 0 to `y_end`;
+/// what lies above is cut off, and said under the title with its value. Labels hold no characters that XML reserves.
 [[nodiscard]] std::string line_picture(const std::string& title, const std::string& x_label, const std::string& y_label,
                                        const std::vector<PictureLine>& lines, double y_end);
 

@@ -17,9 +17,9 @@ Usage run_command(std::vector<std::string> command, const std::string& log);
 
 /// What `ricochet run` left and cost.
 struct SceneRun {
-  double window_s = 0.0;  ///< stepping time per window
-  double step_s = 0.0;    ///< stepping time per step of the explicit side
-  double setup_s = 0.0;   ///< start of the processes and set-up of the coupling
+  double window_s = 0.0;                  ///< stepping time per window
+  double step_s = 0.0;                    ///< stepping time per step of the explicit side
+  double setup_s = 0.0;                   ///< start of the processes and set-up of the coupling
   double stepping_s = 0.0, wall_s = 0.0;  ///< of all windows; of the whole run
   double peak_force_n = 0.0;              ///< largest contact force of the history
   double speed_change_m_s =

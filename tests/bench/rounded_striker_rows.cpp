@@ -16,8 +16,8 @@ struct Setting {
   double window_s, history_every;
 };
 
-/// From `ricochet study configs/studies/rounded_striker.toml` and `rounded_striker_substeps.toml`. Explicit steps of both hybrids
-/// are 40 ns. Rows of the history are 40 ns apart or a window.
+/// From `ricochet study configs/studies/rounded_striker.toml` and `rounded_striker_substeps.toml`. Explicit steps of
+/// both hybrids are 40 ns. Rows of the history are 40 ns apart or a window.
 const std::vector<Setting> settings = {{"all_explicit", "all_explicit", 1, 1.7e-9, 24},
                                        {"all_implicit", "all_implicit", 1, 9.6e-7, 1},
                                        {"hughes_liu", "hughes_liu", 1, 4e-8, 1},
@@ -60,8 +60,9 @@ std::vector<Row> RoundedStriker::rows() const {
   for (const std::string& hybrid : {best, std::string("hughes_liu")}) {
     for (const std::string other : {"all_explicit", "all_implicit"}) {
       const bool wanted = hybrid == best && other == "all_explicit";
-      compare(hybrid, other, "whole run", [](const SceneRun& run) { return run.wall_s; },
-              wanted ? std::optional(Level{true, 0.12}) : std::nullopt);
+      compare(
+          hybrid, other, "whole run", [](const SceneRun& run) { return run.wall_s; },
+          wanted ? std::optional(Level{true, 0.12}) : std::nullopt);
       compare(hybrid, other, "stepping", [](const SceneRun& run) { return run.stepping_s; }, {});
       compare(hybrid, other, "processor time", [](const SceneRun& run) { return run.usage.cpu_s; }, {});
     }

@@ -9,9 +9,9 @@
 
 namespace ricochet::bench {
 
-/// The rounded striker (configs/rounded_striker.toml): wall time of whole runs, each method at its cheapest setting that keeps
-/// the peak force to 0.5 %, and the error it has. The reference is all-explicit on the same mesh with half the step, computed
-/// once: what is compared is time integration and coupling. Repeated like the scenes.
+/// The rounded striker (configs/rounded_striker.toml): wall time of whole runs, each method at its cheapest setting
+/// that keeps the peak force to 0.5 %, and the error it has. The reference is all-explicit on the same mesh with half
+/// the step, computed once: what is compared is time integration and coupling. Repeated like the scenes.
 class RoundedStriker {
  public:
   explicit RoundedStriker(std::string folder);

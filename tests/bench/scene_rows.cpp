@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "common/scene/check.hpp"
+#include "common/check/check.hpp"
 #include "tests/bench/exchange.hpp"
 #include "tests/bench/in_child.hpp"
-#include "tests/support/one_process.hpp"
 #include "tests/bench/reference_scene.hpp"
+#include "tests/support/one_process.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -18,7 +18,8 @@ const std::string one_process = "one process", two_explicit = "two explicit";
 constexpr double whole_scene_steps = 763;  // of the 0.5 mm mesh, until 10 us after separation
 
 /// Protocols that are timed on the coarsest mesh only, for the table of protocols.
-const std::vector<std::string> others = {"kim", "kim_predicted", "belytschko_mullen", "gravouil_combescure", "fixed_point"};
+const std::vector<std::string> others = {"kim", "kim_predicted", "belytschko_mullen", "gravouil_combescure",
+                                         "fixed_point"};
 
 /// Lengths of the carbide cylinder that show what rows without a wave cost; the long one on the coarsest mesh only.
 std::vector<int> carbide_lengths(bool coarsest) { return coarsest ? std::vector<int>{1, 8} : std::vector<int>{1}; }
@@ -106,7 +107,8 @@ void SceneRuns::repeat() {
       choice.carbide_lengths = lengths;
       const std::string scene = write_reference_scene(choice, folder_ + "/scene.toml");
       for (const bool all_rows : {false, true}) {
-        unreached_s_[{n, lengths, all_rows}].push_back(in_child([&] { return test::run_in_one_process(scene, all_rows); }));
+        unreached_s_[{n, lengths, all_rows}].push_back(
+            in_child([&] { return test::run_in_one_process(scene, all_rows); }));
       }
     }
   }
@@ -114,10 +116,11 @@ void SceneRuns::repeat() {
 
 void SceneRuns::add_unreached(int n, std::vector<Row>& rows) const {
   for (const int lengths : carbide_lengths(n == refinements_.front())) {
-    rows.push_back({fmt::format("all_explicit: rows that waves have reached / all rows, carbide of {} mm", 80 * lengths),
-                    mesh_name(n),
-                    quotients(unreached_s_.at({n, lengths, false}), unreached_s_.at({n, lengths, true})),
-                    {}});
+    rows.push_back(
+        {fmt::format("all_explicit: rows that waves have reached / all rows, carbide of {} mm", 80 * lengths),
+         mesh_name(n),
+         quotients(unreached_s_.at({n, lengths, false}), unreached_s_.at({n, lengths, true})),
+         {}});
   }
 }
 
@@ -146,8 +149,10 @@ void SceneRuns::add_costs(int n, std::vector<Row>& rows) const {
 
 void SceneRuns::add_others(int n, std::vector<Row>& rows) const {
   for (const auto& protocol : others) {
-    rows.push_back({protocol + " / all_implicit", mesh_name(n),
-                    quotients(steps_s(at(n, protocol)), steps_s(at(n, "all_implicit"))), {}});
+    rows.push_back({protocol + " / all_implicit",
+                    mesh_name(n),
+                    quotients(steps_s(at(n, protocol)), steps_s(at(n, "all_implicit"))),
+                    {}});
   }
 }
 

@@ -36,7 +36,8 @@ class SceneRuns {
   long steps_;
   std::map<int, double> unknowns_;                   ///< of the whole structure
   std::map<int, std::map<std::string, Runs>> runs_;  ///< by refinement and method
-  /// all_explicit in one process [s per step]: by refinement, length of the carbide cylinder and whether all rows are computed.
+  /// all_explicit in one process [s per step]: by refinement, length of the carbide cylinder and whether all rows are
+  /// computed.
   std::map<std::tuple<int, int, bool>, std::vector<double>> unreached_s_;
 };
 

@@ -68,7 +68,8 @@ double tetrahedron(const Point& a, const Point& b, const Point& c, const Point& 
   const auto minus = [](const Point& p, const Point& q) { return Point{p[0] - q[0], p[1] - q[1], p[2] - q[2]}; };
   const Point u = minus(b, a), v = minus(c, a), w = minus(d, a);
   return (u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
-          u[2] * (v[0] * w[1] - v[1] * w[0])) / 6.0;
+          u[2] * (v[0] * w[1] - v[1] * w[0])) /
+         6.0;
 }
 
 TEST(CalculixDeck, ElementsFillTheWedgeAndNoneIsInsideOut) {
@@ -86,7 +87,9 @@ TEST(CalculixDeck, ElementsFillTheWedgeAndNoneIsInsideOut) {
     for (const auto& t : {std::array<std::size_t, 4>{0, 1, 2, 3}, {1, 2, 3, 4}, {2, 3, 4, 5}}) add(e, t);
   }
   for (const auto& e : cards(deck, "*ELEMENT, TYPE=C3D8")) {
-    for (const auto& t : {std::array<std::size_t, 4>{0, 1, 2, 5}, {0, 2, 3, 7}, {0, 5, 7, 4}, {2, 7, 5, 6}, {0, 2, 7, 5}}) add(e, t);
+    for (const auto& t :
+         {std::array<std::size_t, 4>{0, 1, 2, 5}, {0, 2, 3, 7}, {0, 5, 7, 4}, {2, 7, 5, 6}, {0, 2, 7, 5}})
+      add(e, t);
   }
   const double chord = 0.5 * std::sin(M_PI / 90.0);  // area of the flat sector over r^2
   EXPECT_NEAR(volume, chord * 0.002 * 0.002 * 0.008, 1e-6 * volume);
@@ -131,10 +134,11 @@ TEST(CalculixPressure, IsForceOverAreaAtEveryStep) {
 }
 
 TEST(LinePicture, HoldsLabelsTicksAndWhatItCutsOff) {
-  const auto svg = line_picture("a title", "time [s]", "force [N]",
-                                {{"ours", "#0072b2", "", {1.0, 2.0}, {3.0, 12.0}}, {"theirs", "#000000", "2 3", {1.0, 2.0}, {3.0, 4.0}}}, 10.0);
-  for (const char* part : {">a title<", ">time [s]<", ">force [N]<", ">ours<", ">theirs<", ">1.5<", ">10<", "stroke-dasharray=\"2 3\"",
-                           "above the picture: ours: 12 at 2"}) {
+  const auto svg = line_picture(
+      "a title", "time [s]", "force [N]",
+      {{"ours", "#0072b2", "", {1.0, 2.0}, {3.0, 12.0}}, {"theirs", "#000000", "2 3", {1.0, 2.0}, {3.0, 4.0}}}, 10.0);
+  for (const char* part : {">a title<", ">time [s]<", ">force [N]<", ">ours<", ">theirs<", ">1.5<", ">10<",
+                           "stroke-dasharray=\"2 3\"", "above the picture: ours: 12 at 2"}) {
     EXPECT_THAT(svg, HasSubstr(part));
   }
 }

@@ -1,19 +1,21 @@
-#include "tests/support/run.hpp"
-
 #include <fmt/format.h>
 
-// Acceptance A4 with less of the long bar: an absorbing end stands in for the rest. Each run is compared, window by window, with that
-// of the whole bar, whose own far end is heard of only after the end.
+#include "tests/support/run.hpp"
+
+// Acceptance A4 with less of the long bar: an absorbing end stands in for the rest. Each run is compared, window by
+// window, with that of the whole bar, whose own far end is heard of only after the end.
 
 namespace ricochet::test {
 namespace {
 
-/// A run against another: differences of the contact force over `force_n` and of the mean velocity of a body over `velocity_m_s`.
+/// A run against another: differences of the contact force over `force_n` and of the mean velocity of a body over
+/// `velocity_m_s`.
 struct Difference {
   double force_rms = 0.0, velocity_max = 0.0;
 };
 
-Difference compare(const RunResult& run, const RunResult& whole, double force_n, const std::string& body, double velocity_m_s) {
+Difference compare(const RunResult& run, const RunResult& whole, double force_n, const std::string& body,
+                   double velocity_m_s) {
   const std::string velocity = "velocity_mean_" + body + "_m_s";
   const std::size_t rows = std::min(run.column("time_s").size(), whole.column("time_s").size());
   Difference difference;
@@ -27,7 +29,8 @@ Difference compare(const RunResult& run, const RunResult& whole, double force_n,
   return difference;
 }
 
-/// The ledger with every joule's owner, the dashpots among the external ones: largest change over the largest kinetic energy.
+/// The ledger with every joule's owner, the dashpots among the external ones: largest change over the largest kinetic
+/// energy.
 double ledger_error(const RunResult& run) {
   const auto balance = [&run](std::size_t i) {
     const auto at = [&](const char* name) { return run.column(name)[i]; };
@@ -35,12 +38,14 @@ double ledger_error(const RunResult& run) {
            at("energy_contact_j") - at("energy_interface_j");
   };
   double largest = 0.0;
-  for (std::size_t i = 0; i < run.column("time_s").size(); ++i) largest = std::max(largest, std::abs(balance(i) - balance(0)));
+  for (std::size_t i = 0; i < run.column("time_s").size(); ++i)
+    largest = std::max(largest, std::abs(balance(i) - balance(0)));
   return largest / run.largest("energy_kinetic_j");
 }
 
 std::string with_absorbing(const std::string& text, const std::string& wave) {
-  const std::string table = "[[body.absorbing]]\nsurface = \"end\"\n" + (wave.empty() ? "" : "wave = \"" + wave + "\"\n");
+  const std::string table =
+      "[[body.absorbing]]\nsurface = \"end\"\n" + (wave.empty() ? "" : "wave = \"" + wave + "\"\n");
   return replaced(text, "[contact]", table + "\n[contact]");  // of the last body
 }
 
@@ -50,9 +55,12 @@ const double z_steel = 1e-4 * std::sqrt(207e9 * 7860), z_aluminium = 1e-4 * std:
 const double first_force_n = 10.0 * z_steel * z_aluminium / (z_steel + z_aluminium);
 
 std::string bars(const std::string& protocol, int refinement) {
-  std::string text = replaced(config_text("unequal_bars"), "safety_factor = 0.9", fmt::format("step_s = {}e-9", 174 / refinement));
-  text = replaced(text, "length_m = 0.1, elements = 100", fmt::format("length_m = 0.1, elements = {}", 100 * refinement));
-  text = replaced(text, "length_m = 0.4, elements = 400", fmt::format("length_m = 0.4, elements = {}", 400 * refinement));
+  std::string text =
+      replaced(config_text("unequal_bars"), "safety_factor = 0.9", fmt::format("step_s = {}e-9", 174 / refinement));
+  text =
+      replaced(text, "length_m = 0.1, elements = 100", fmt::format("length_m = 0.1, elements = {}", 100 * refinement));
+  text =
+      replaced(text, "length_m = 0.4, elements = 400", fmt::format("length_m = 0.4, elements = {}", 400 * refinement));
   return with_protocol(text, protocol);
 }
 
@@ -68,13 +76,15 @@ TEST_P(AbsorbingBar, StandsInForTheRestOfIt) {
   std::vector<Difference> differences;
   for (const int refinement : {1, 2}) {
     const std::string text = bars(GetParam(), refinement);
-    const RunResult whole = run_text(text, folder, "whole"), run = run_text(with_absorbing(cut(text, refinement), ""), folder, "cut");
+    const RunResult whole = run_text(text, folder, "whole"),
+                    run = run_text(with_absorbing(cut(text, refinement), ""), folder, "cut");
     differences.push_back(compare(run, whole, first_force_n, "striker", 10.0));
     EXPECT_LT(ledger_error(run), 1e-10) << refinement;
   }
   EXPECT_LT(differences[0].force_rms, 5e-3);
   EXPECT_LT(differences[0].velocity_max, 5e-5);
-  // Of a front that jumps, the force converges like the root of the element size, what it does to the striker like the size.
+  // Of a front that jumps, the force converges like the root of the element size, what it does to the striker like the
+  // size.
   EXPECT_LT(differences[1].force_rms, 0.8 * differences[0].force_rms);
   EXPECT_LT(differences[1].velocity_max, 0.6 * differences[0].velocity_max);
 }
@@ -87,15 +97,16 @@ TEST_P(AbsorbingBar, ItsFreeEndWouldReflect) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, AbsorbingBar,
-                         testing::Values("hughes_liu", "kim", "belytschko_mullen", "prakash_hjelmstad", "gravouil_combescure",
-                                         "fixed_point", "all_implicit", "all_explicit"),
+                         testing::Values("hughes_liu", "kim", "belytschko_mullen", "prakash_hjelmstad",
+                                         "gravouil_combescure", "fixed_point", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(AbsorbingBarSubsteps, StandsInForTheRestOfIt) {
   const TemporaryFolder folder;
   const std::string text = with_key(bars("prakash_hjelmstad", 1), "coupling", "substeps", "4");
   const std::string slow = replaced(text, "step_s = 174e-9", "step_s = 696e-9");
-  const RunResult whole = run_text(slow, folder, "whole"), run = run_text(with_absorbing(cut(slow, 1), ""), folder, "cut");
+  const RunResult whole = run_text(slow, folder, "whole"),
+                  run = run_text(with_absorbing(cut(slow, 1), ""), folder, "cut");
   const Difference difference = compare(run, whole, first_force_n, "striker", 10.0);
   EXPECT_LT(difference.force_rms, 5e-3);
   EXPECT_LT(difference.velocity_max, 5e-5);
@@ -104,18 +115,22 @@ TEST(AbsorbingBarSubsteps, StandsInForTheRestOfIt) {
 // The dashpots next to what the link moves: on shared nodes, and within reach of the dual protocols' corrections.
 TEST(AbsorbingBarAtTheInterface, StandsInForTheRestOfIt) {
   const TemporaryFolder folder;
-  for (const auto& [protocol, substeps] : {std::pair{"hughes_liu", 1}, {"prakash_hjelmstad", 1}, {"prakash_hjelmstad", 4}}) {
+  for (const auto& [protocol, substeps] :
+       {std::pair{"hughes_liu", 1}, {"prakash_hjelmstad", 1}, {"prakash_hjelmstad", 4}}) {
     std::string text = bars(protocol, 1);
     if (substeps > 1) {
-      text = replaced(with_key(text, "coupling", "substeps", std::to_string(substeps)), "step_s = 174e-9", fmt::format("step_s = {}e-9", 174 * substeps));
+      text = replaced(with_key(text, "coupling", "substeps", std::to_string(substeps)), "step_s = 174e-9",
+                      fmt::format("step_s = {}e-9", 174 * substeps));
     }
     const RunResult whole = run_text(text, folder, "whole");
     // 10 implicit elements and as many, two or no explicit ones behind them.
     for (const int elements : {20, 12}) {
       const std::string mesh = fmt::format("length_m = 0.0{0}, elements = {0}", elements);
-      const RunResult run = run_text(with_absorbing(replaced(text, "length_m = 0.4, elements = 400", mesh), ""), folder, "cut");
+      const RunResult run =
+          run_text(with_absorbing(replaced(text, "length_m = 0.4, elements = 400", mesh), ""), folder, "cut");
       const Difference difference = compare(run, whole, first_force_n, "striker", 10.0);
-      EXPECT_LT(difference.force_rms, substeps > 1 ? 1e-2 : 5e-3) << protocol << ' ' << elements << ": a long window smears the front";
+      EXPECT_LT(difference.force_rms, substeps > 1 ? 1e-2 : 5e-3)
+          << protocol << ' ' << elements << ": a long window smears the front";
       EXPECT_LT(difference.velocity_max, 2e-4) << protocol << ' ' << elements;
       EXPECT_LT(ledger_error(run), 1e-10) << protocol << ' ' << elements;
     }
@@ -126,16 +141,19 @@ TEST(AbsorbingBarAtTheInterface, StandsInForTheRestOfIt) {
 TEST(AbsorbingBarAlone, DoesNotBrakeAFlightAndTakesUpAPush) {
   const TemporaryFolder folder;
   for (const char* protocol : {"all_explicit", "all_implicit"}) {
-    const std::string text = std::string("model = \"bar\"\n[[body]]\nname = \"rod\"\n"
-                                         "material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\n"
-                                         "mesh = { length_m = 1.0, elements = 50 }\ninitial_velocity_m_s = [0.25]\n"
-                                         "absorbing = [{ surface = \"end\" }]\n#push\n"
-                                         "[time]\nsafety_factor = 0.9\nend_s = 8.0\n[coupling]\nprotocol = \"") + protocol + "\"\n";
+    const std::string text = std::string(
+                                 "model = \"bar\"\n[[body]]\nname = \"rod\"\n"
+                                 "material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\n"
+                                 "mesh = { length_m = 1.0, elements = 50 }\ninitial_velocity_m_s = [0.25]\n"
+                                 "absorbing = [{ surface = \"end\" }]\n#push\n"
+                                 "[time]\nsafety_factor = 0.9\nend_s = 8.0\n[coupling]\nprotocol = \"") +
+                             protocol + "\"\n";
     const RunResult flight = run_text(text, folder, "flight");
     EXPECT_NEAR(flight.last("velocity_mean_rod_m_s"), 0.25, 1e-12) << protocol;
     EXPECT_NEAR(flight.last("energy_external_j"), 0.0, 1e-11) << protocol;
     // Traction 0.01 on E = rho = 1: the wave carries v = 0.01, and the end keeps it when it has passed.
-    const RunResult push = run_text(replaced(text, "#push", "traction = [{ surface = \"start\", traction_pa = [0.01] }]"), folder, "push");
+    const RunResult push =
+        run_text(replaced(text, "#push", "traction = [{ surface = \"start\", traction_pa = [0.01] }]"), folder, "push");
     EXPECT_NEAR(push.mean("velocity_mean_rod_m_s", 4.0, 8.0), 0.26, 2e-5) << protocol;
     EXPECT_LT(ledger_error(push), 1e-10) << protocol;
   }
@@ -148,10 +166,12 @@ std::string plates(const std::string& protocol, int refinement, int upper_halves
   const auto mesh = [&](double length_m, int along) {
     return fmt::format("length_m = {}, height_m = 0.0075, elements = [3, {}]", length_m, along * refinement);
   };
-  std::string text = replaced(config_text("sticking_plates"), "mesh = { length_m = 0.25, height_m = 0.0075, elements = [3, 100]",
-                              "mesh = { " + mesh(0.125 * upper_halves, 50 * upper_halves));
+  std::string text =
+      replaced(config_text("sticking_plates"), "mesh = { length_m = 0.25, height_m = 0.0075, elements = [3, 100]",
+               "mesh = { " + mesh(0.125 * upper_halves, 50 * upper_halves));
   text = replaced(text, "length_m = 0.25, height_m = 0.0075, elements = [3, 100]", mesh(0.25, 100));
-  return with_protocol(replaced(text, "safety_factor = 0.9", fmt::format("step_s = {}e-9", 2000 / refinement)), protocol);
+  return with_protocol(replaced(text, "safety_factor = 0.9", fmt::format("step_s = {}e-9", 2000 / refinement)),
+                       protocol);
 }
 
 TEST(AbsorbingPlate, IsAsGoodAsABarsEndWithPressureAndShear) {
@@ -174,17 +194,18 @@ TEST(AbsorbingPlate, IsAsGoodAsABarsEndWithPressureAndShear) {
   }
 }
 
-// -- a slender cylinder and a thin strip with free sides: their long waves run at the bar speed, of the strip in plane strain at
-// sqrt(E/(rho (1 - nu^2))). What else is in the front, lateral inertia, meets another impedance:
-// that part does not vanish with the mesh.
+// -- a slender cylinder and a thin strip with free sides: their long waves run at the bar speed, of the strip in plane
+// strain at sqrt(E/(rho (1 - nu^2))). What else is in the front, lateral inertia, meets another impedance: that part
+// does not vanish with the mesh.
 
 std::string cylinders(const std::string& protocol, int along) {
   const std::string bar = replaced(bars(protocol, 1), "model = \"bar\"", "model = \"axisymmetric\"");
   std::string text = replaced(bar, "area_m2 = 1e-4\nmesh = { start_m = -0.1, length_m = 0.1, elements = 100 }",
                               "mesh = { start_m = -0.1, length_m = 0.1, radius_m = 0.002, elements = [2, 100] }");
   text = replaced(text, "initial_velocity_m_s = [10.0]", "initial_velocity_m_s = [0.0, 10.0]");
-  text = replaced(text, "area_m2 = 1e-4\nmesh = { length_m = 0.4, elements = 400 }",
-                  fmt::format("mesh = {{ length_m = {}, radius_m = 0.002, elements = [2, {}] }}", 0.001 * along, along));
+  text =
+      replaced(text, "area_m2 = 1e-4\nmesh = { length_m = 0.4, elements = 400 }",
+               fmt::format("mesh = {{ length_m = {}, radius_m = 0.002, elements = [2, {}] }}", 0.001 * along, along));
   text = replaced(text, "207e9, density", "207e9, poisson_ratio = 0.3, density");
   text = replaced(text, "70e9, density", "70e9, poisson_ratio = 0.33, density");
   return replaced(text, "step_s = 174e-9", "step_s = 120e-9");

@@ -4,7 +4,8 @@
 
 #include "tests/support/run.hpp"
 
-// The mean axial stress of layers along the axis, axial_stress.csv: against the exact wave, and however bodies are spread.
+// The mean axial stress of layers along the axis, axial_stress.csv: against the exact wave, and however bodies are
+// spread.
 
 namespace ricochet::test {
 namespace {

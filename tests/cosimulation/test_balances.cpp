@@ -9,7 +9,8 @@ namespace {
 /// Largest change of kinetic + strain + friction - external - contact - interface: what has no owner [J].
 double unowned_j(const RunResult& run) {
   std::vector<double> total(run.column("time_s").size());
-  const std::pair<const char*, double> terms[] = {{"kinetic", 1}, {"strain", 1}, {"friction", 1}, {"external", -1}, {"contact", -1}, {"interface", -1}};
+  const std::pair<const char*, double> terms[] = {{"kinetic", 1},   {"strain", 1},   {"friction", 1},
+                                                  {"external", -1}, {"contact", -1}, {"interface", -1}};
   for (const auto& [term, sign] : terms) {
     const auto& values = run.column(std::string("energy_") + term + "_j");
     for (std::size_t i = 0; i < total.size(); ++i) total[i] += sign * values[i];
@@ -21,8 +22,8 @@ double unowned_j(const RunResult& run) {
 
 class Ledger : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
-// kinetic + strain + friction - external - contact - interface is constant to round-off, whatever the method loses: every
-// joule has an owner. (The switch to all-explicit changes the metric of the kinetic energy, so up to there.)
+// kinetic + strain + friction - external - contact - interface is constant to round-off, whatever the method loses:
+// every joule has an owner. (The switch to all-explicit changes the metric of the kinetic energy, so up to there.)
 TEST_P(Ledger, EveryJouleHasAnOwner) {
   const auto& [scene, protocol] = GetParam();
   const TemporaryFolder folder;
@@ -36,13 +37,17 @@ TEST_P(Ledger, EveryJouleHasAnOwner) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Ledger,
                          testing::Combine(testing::Values("two_bars", "rod_on_stop", "slipping_plates", "kim_impact"),
                                           testing::Values("hughes_liu", "all_implicit", "all_explicit")),
-                         [](const auto& test) { return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param); });
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param);
+                         });
 
 /// configs/two_bars.toml with a body force and a growing push from behind.
 std::string loaded_bars(const std::string& coupling) {
   std::string text = config_text("two_bars");
-  for (int body = 0; body < 2; ++body) text = replaced(text, "area_m2 = 6.4516e-4\n", "area_m2 = 6.4516e-04\ngravity_m_s2 = [2e4]\n");
-  text = replaced(text, "[[body]]\nname = \"right\"", "traction = [{ surface = \"start\", traction_pa = [4e8], "
+  for (int body = 0; body < 2; ++body)
+    text = replaced(text, "area_m2 = 6.4516e-4\n", "area_m2 = 6.4516e-04\ngravity_m_s2 = [2e4]\n");
+  text = replaced(text, "[[body]]\nname = \"right\"",
+                  "traction = [{ surface = \"start\", traction_pa = [4e8], "
                   "amplitude = { time_s = [0.0, 1e-3], factor = [0.0, 1.0] } }]\n[[body]]\nname = \"right\"");
   return text + "[coupling]\nafter_separation = \"implicit\"\n" + coupling;
 }
@@ -57,18 +62,21 @@ TEST_P(LoadedBars, GainTheLoadsMomentumAndEveryJouleHasAnOwner) {
   EXPECT_LT(unowned_j(run) / run.column("energy_kinetic_j")[0], 1e-10);
   const double t = run.last("time_s"), mass_kg = 2.0 * 7844.066 * 6.4516e-4 * 0.254;
   const double momentum = mass_kg * 2e4 * t + 6.4516e-4 * 4e8 / 1e-3 * t * t / 2.0;
-  const bool exact = coupling.find("\"kim\"") == std::string::npos && coupling.find("combescure\"\nsub") == std::string::npos;
+  const bool exact =
+      coupling.find("\"kim\"") == std::string::npos && coupling.find("combescure\"\nsub") == std::string::npos;
   const double tolerance = exact ? 1e-9 : 1e-3;
   EXPECT_NEAR(run.last("momentum_n_kg_m_s"), momentum, tolerance * momentum);
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), tolerance);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, LoadedBars,
-                         testing::Values("protocol = \"hughes_liu\"", "protocol = \"kim\"", "protocol = \"belytschko_mullen\"",
-                                         "protocol = \"fixed_point\"", "protocol = \"prakash_hjelmstad\"",
-                                         "protocol = \"prakash_hjelmstad\"\nsubsteps = 2", "protocol = \"gravouil_combescure\"",
-                                         "protocol = \"gravouil_combescure\"\nsubsteps = 2", "protocol = \"all_implicit\"",
-                                         "protocol = \"all_explicit\""));
+                         testing::Values("protocol = \"hughes_liu\"", "protocol = \"kim\"",
+                                         "protocol = \"belytschko_mullen\"", "protocol = \"fixed_point\"",
+                                         "protocol = \"prakash_hjelmstad\"",
+                                         "protocol = \"prakash_hjelmstad\"\nsubsteps = 2",
+                                         "protocol = \"gravouil_combescure\"",
+                                         "protocol = \"gravouil_combescure\"\nsubsteps = 2",
+                                         "protocol = \"all_implicit\"", "protocol = \"all_explicit\""));
 
 // In two dimensions momentum along the contact surface has an account of its own.
 TEST(LoadedPlates, GainTheLoadsMomentumInBothDirections) {
@@ -77,7 +85,8 @@ TEST(LoadedPlates, GainTheLoadsMomentumInBothDirections) {
     std::string text = with_protocol(config_text("sticking_plates"), protocol);
     if (protocol == "prakash_hjelmstad") text = with_key(text, "coupling", "substeps", "2");
     for (int body = 0; body < 2; ++body) {
-      text = replaced(text, "density_kg_m3 = 1000.0 }\nmesh", "density_kg_m3 = 1000.00 }\ngravity_m_s2 = [4e3, 2e3]\nmesh");
+      text = replaced(text, "density_kg_m3 = 1000.0 }\nmesh",
+                      "density_kg_m3 = 1000.00 }\ngravity_m_s2 = [4e3, 2e3]\nmesh");
     }
     const RunResult run = run_text(with_key(text, "coupling", "after_separation", "\"implicit\""), folder, protocol);
     const double impulse = 2.0 * 1000.0 * 0.25 * 0.0075 * run.last("time_s");
@@ -91,7 +100,8 @@ TEST(LoadedPlates, GainTheLoadsMomentumInBothDirections) {
 // A guide along the bodies holds shared nodes, too: what it pushes is in the momentum along the contact surface.
 TEST(GuidedPlates, TheGuidesImpulseIsThatOfItsReactions) {
   const TemporaryFolder folder;
-  for (const std::string protocol : {"hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {
+  for (const std::string protocol :
+       {"hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {
     std::string text = with_protocol(config_text("sticking_plates"), protocol);
     for (int body = 0; body < 2; ++body) {
       text = replaced(text, ", periodic_across = true }", " }\nsupport = [{ surface = \"inner\", fixed = [\"x\"] }]");
@@ -128,25 +138,37 @@ TEST_P(FreeFlight, KeepsVelocityMassAndEnergyAndMakesNoStrain) {
   EXPECT_GT(run.column("time_s").size(), 20U);
 }
 
-const char* const bar = "material = { youngs_modulus_pa = 1e9, density_kg_m3 = 2000.0 }\narea_m2 = 0.02\nmesh = { length_m = 0.5, elements = 20, grading = 3.0 }\ninitial_velocity_m_s = [7.0]\n";
-const char* const plate = "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nthickness_m = 0.1\nmesh = { length_m = 0.5, height_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
-const char* const cylinder = "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nmesh = { length_m = 0.5, radius_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
+const char* const bar =
+    "material = { youngs_modulus_pa = 1e9, density_kg_m3 = 2000.0 }\narea_m2 = 0.02\nmesh = { length_m = 0.5, elements "
+    "= 20, grading = 3.0 }\ninitial_velocity_m_s = [7.0]\n";
+const char* const plate =
+    "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nthickness_m = 0.1\nmesh = { "
+    "length_m = 0.5, height_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
+const char* const cylinder =
+    "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nmesh = { length_m = 0.5, "
+    "radius_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
 
-INSTANTIATE_TEST_SUITE_P(Models, FreeFlight,
-                         testing::Combine(testing::Values(Shape{"bar", "bar", bar, 0.02 * 0.5},
-                                                          Shape{"plane_strain", "plane_strain", plate, 0.5 * 0.2 * 0.1},
-                                                          Shape{"axisymmetric", "axisymmetric", cylinder, M_PI * 0.2 * 0.2 * 0.5}),
-                                          testing::Values("all_explicit", "all_implicit")),
-                         [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
+INSTANTIATE_TEST_SUITE_P(
+    Models, FreeFlight,
+    testing::Combine(testing::Values(Shape{"bar", "bar", bar, 0.02 * 0.5},
+                                     Shape{"plane_strain", "plane_strain", plate, 0.5 * 0.2 * 0.1},
+                                     Shape{"axisymmetric", "axisymmetric", cylinder, M_PI * 0.2 * 0.2 * 0.5}),
+                     testing::Values("all_explicit", "all_implicit")),
+    [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
 
-// Patch test: a linear displacement on an unstructured Gmsh mesh is a constant state; axial stress and strain energy are exact.
+// Patch test: a linear displacement on an unstructured Gmsh mesh is a constant state; axial stress and strain energy
+// are exact.
 TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
   const TemporaryFolder folder;
-  std::string text = "model = \"axisymmetric\"\n[[body]]\nname = \"striker\"\n"
+  std::string text =
+      "model = \"axisymmetric\"\n[[body]]\nname = \"striker\"\n"
       "material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }\n"
-      "mesh = { gmsh = \"" + std::string(RICOCHET_SOURCE) + "/configs/striker.msh\" }\n"
+      "mesh = { gmsh = \"" +
+      std::string(RICOCHET_SOURCE) +
+      "/configs/striker.msh\" }\n"
       "initial_displacement_m = { start = [0.0, 0.0], end = [0.0, 1e-5] }\n"
-      "[time]\nsafety_factor = 0.5\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n[output]\nfields_every = 1\n";
+      "[time]\nsafety_factor = 0.5\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n[output]\nfields_every = "
+      "1\n";
   const RunResult run = run_text(text, folder);
   const std::string first = run.folder + "/fields/explicit_00000000.vtu";
   const auto position = vtu_array(first, "Points"), displacement = vtu_array(first, "displacement");
@@ -158,7 +180,8 @@ TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
   EXPECT_NEAR(u_low, 0.0, 1e-18);
   EXPECT_NEAR(u_high, 1e-5, 1e-18);
   const double strain = 1e-5 / (high - low), factor = 200e9 / (1.3 * 0.4);
-  const auto axial = vtu_array(first, "stress_axial"), hoop = vtu_array(first, "stress_hoop"), shear = vtu_array(first, "stress_shear");
+  const auto axial = vtu_array(first, "stress_axial"), hoop = vtu_array(first, "stress_hoop"),
+             shear = vtu_array(first, "stress_shear");
   ASSERT_GT(axial.size(), 100U);
   for (std::size_t e = 0; e < axial.size(); ++e) {
     EXPECT_NEAR(axial[e], factor * 0.7 * strain, 1e-9 * factor * strain);
@@ -172,7 +195,8 @@ TEST(Recontact, TheImplicitSideIsBackBeforeTheyTouch) {
   const RunResult run = run_text(config_text("rod_on_stop"), folder);
   const auto& switches = run.summary.at("switches");
   ASSERT_GE(switches.size(), 6U) << "four impacts: to explicit after each, back before the next";
-  for (std::size_t i = 0; i < switches.size(); ++i) EXPECT_EQ(switches[i].at("to"), i % 2 == 0 ? "explicit" : "implicit");
+  for (std::size_t i = 0; i < switches.size(); ++i)
+    EXPECT_EQ(switches[i].at("to"), i % 2 == 0 ? "explicit" : "implicit");
   EXPECT_GT(run.smallest("gap_min_m"), -1e-12) << "nothing ever penetrates";
   // Never explicit with a closed pair.
   const auto& time = run.column("time_s");

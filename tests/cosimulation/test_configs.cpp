@@ -31,7 +31,8 @@ TEST_P(EveryConfig, RunsAndKeepsItsBalances) {
   EXPECT_GT(run.column("time_s").size(), 100U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Configs, EveryConfig, testing::ValuesIn(scenes()), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Configs, EveryConfig, testing::ValuesIn(scenes()),
+                         [](const auto& test) { return test.param; });
 
 TEST(Configs, ThereAreSome) { EXPECT_GE(scenes().size(), 7U); }
 

@@ -52,7 +52,8 @@ struct SplitOscillator {
 
   static RunResult run(const TemporaryFolder& folder, const std::string& protocol, int substeps, double window,
                        double periods = 10) {
-    (void)folder.write(bar_mesh(2, 1, 20.0), "split.msh");  // long: a swing of 1 m, and another, is to invert no element
+    (void)folder.write(bar_mesh(2, 1, 20.0),
+                       "split.msh");  // long: a swing of 1 m, and another, is to invert no element
     const std::string text =
         "model = \"bar\"\n[[body]]\nname = \"rod\"\nmesh = { gmsh = \"split.msh\" }\n"
         "material = { youngs_modulus_pa = " +
@@ -236,7 +237,9 @@ TEST(FixedPoint, ConvergesToBelytschkoMullenWithAnyAcceleration) {
     EXPECT_LT(largest, 1e-7 * direct.largest("contact_force_n")) << acceleration;
     const std::string notes = run.summary.at("notes").dump();
     std::smatch note;
-    ASSERT_TRUE(std::regex_search(notes, note, std::regex("fixed_point: ([0-9.]+) iterations a window, at most ([0-9]+)"))) << notes;
+    ASSERT_TRUE(
+        std::regex_search(notes, note, std::regex("fixed_point: ([0-9.]+) iterations a window, at most ([0-9]+)")))
+        << notes;
     EXPECT_GT(std::stod(note[1]), 3.0) << acceleration << ": one to see that it agrees, and some before";
     EXPECT_LE(std::stod(note[1]), std::stod(note[2])) << acceleration;
     EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9) << acceleration;

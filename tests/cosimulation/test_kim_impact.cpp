@@ -1,7 +1,8 @@
 #include "tests/support/run.hpp"
 
 // Acceptance A5, configs/kim_impact.toml: the paper's axisymmetric impact. One-dimensional theory: 853.8 MPa on the
-// interface, separation 30.8-31.2 us; rho-weighted momentum 235 800 conserved; end velocities -6.47 / 19.24 m/s within 1 %.
+// interface, separation 30.8-31.2 us; rho-weighted momentum 235 800 conserved; end velocities -6.47 / 19.24 m/s within
+// 1 %.
 
 namespace ricochet::test {
 namespace {
@@ -87,8 +88,8 @@ TEST(KimImpactHybrid, TheSwitchToAllExplicitComesAfterSeparationAndCostsNoEnergy
   EXPECT_EQ(run.summary.at("switches")[0].at("to"), "explicit");
   const double switched_s = run.summary.at("switches")[0].at("time_s").get<double>();
   EXPECT_GT(switched_s, run.summary.at("separation_time_s").get<double>());
-  // A stale contact force would cost 1.2-2.4 %, a wrong half velocity 0.4-0.8 %. What is left is the change of the energy
-  // metric, dt^2/8 a^T M a; afterwards central difference conserves its energy to round-off.
+  // A stale contact force would cost 1.2-2.4 %, a wrong half velocity 0.4-0.8 %. What is left is the change of the
+  // energy metric, dt^2/8 a^T M a; afterwards central difference conserves its energy to round-off.
   const auto& time = run.column("time_s");
   const auto& error = run.column("energy_error");
   double before = 0.0, lowest = 1.0, highest = -1.0;
@@ -107,22 +108,28 @@ TEST(KimImpactForce, PeaksLikeAFourTimesFinerRun) {
   const TemporaryFolder folder;
   std::string finer = with_key(kim("hughes_liu", 0.1), "time", "end_s", "2e-6");
   for (int body = 0; body < 2; ++body) finer = replaced(finer, "elements = [10, 160]", "elements = [40, 640]");
-  const double peak_pa = run_text(with_key(finer, "time", "step_s", "1.35e-8"), folder, "finer").largest("contact_pressure_mean_pa");
+  const double peak_pa =
+      run_text(with_key(finer, "time", "step_s", "1.35e-8"), folder, "finer").largest("contact_pressure_mean_pa");
   for (const char* protocol : {"hughes_liu", "all_implicit", "all_explicit"}) {
     const RunResult run = run_text(kim(protocol, 0.1), folder, protocol);
     EXPECT_NEAR(run.largest("contact_pressure_mean_pa"), peak_pa, 0.05 * peak_pa) << protocol;
-    EXPECT_GT(run.last("energy_contact_j"), -run.column("energy_kinetic_j").front() / (2 * 160)) << "1/(2n), booked to the impact";
-    EXPECT_NEAR(run.last("energy_contact_j"), -2.05e-3 * run.column("energy_kinetic_j").front(), 1e-4 * run.column("energy_kinetic_j").front());
+    EXPECT_GT(run.last("energy_contact_j"), -run.column("energy_kinetic_j").front() / (2 * 160))
+        << "1/(2n), booked to the impact";
+    EXPECT_NEAR(run.last("energy_contact_j"), -2.05e-3 * run.column("energy_kinetic_j").front(),
+                1e-4 * run.column("energy_kinetic_j").front());
   }
 }
 
 TEST(KimImpactMultiplierUpdate, TheDefaultIsTheCalmerOneOfTheTwo) {
   const TemporaryFolder folder;
-  const RunResult reset = run_text(with_key(kim("hughes_liu", 0.1), "contact", "multiplier_update", "\"trapezoidal_reset\""), folder, "a");
+  const RunResult reset =
+      run_text(with_key(kim("hughes_liu", 0.1), "contact", "multiplier_update", "\"trapezoidal_reset\""), folder, "a");
   const RunResult standard = run_text(kim("hughes_liu", 0.1), folder, "b");
-  const RunResult kane = run_text(with_key(kim("hughes_liu", 0.1), "contact", "multiplier_update", "\"fully_implicit\""), folder, "c");
+  const RunResult kane =
+      run_text(with_key(kim("hughes_liu", 0.1), "contact", "multiplier_update", "\"fully_implicit\""), folder, "c");
   EXPECT_EQ(reset.column("contact_force_n"), standard.column("contact_force_n"));
-  const double calm = reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6), chatter = kane.deviation("contact_pressure_mean_pa", 5e-6, 20e-6);
+  const double calm = reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6),
+               chatter = kane.deviation("contact_pressure_mean_pa", 5e-6, 20e-6);
   EXPECT_NEAR(calm, 17e6, 1.7e6);
   EXPECT_NEAR(chatter, 671e6, 67e6);
   EXPECT_LE(kane.largest("energy_error"), 1e-5) << "the fully implicit law never gains energy";
@@ -133,10 +140,11 @@ TEST(KimImpactMultiplierUpdate, AMasslessContactNodeCostsNoEnergy) {
   for (const double friction : {0.0, 0.1}) {
     const TemporaryFolder folder;
     const auto massless = [&](const std::string& protocol) {
-      return run_text(with_key(kim(protocol, friction), "contact", "multiplier_update", "\"massless\""), folder, protocol);
+      return run_text(with_key(kim(protocol, friction), "contact", "multiplier_update", "\"massless\""), folder,
+                      protocol);
     };
-    const RunResult implicit = massless("all_implicit"), hybrid = massless("hughes_liu"), exact = massless("belytschko_mullen"),
-                    central = massless("all_explicit");
+    const RunResult implicit = massless("all_implicit"), hybrid = massless("hughes_liu"),
+                    exact = massless("belytschko_mullen"), central = massless("all_explicit");
     const RunResult reset = run_text(kim("hughes_liu", friction), folder, "reset");
     EXPECT_NEAR(reset.last("energy_error"), -1.7e-3, 1.7e-4);
     for (const RunResult* run : {&implicit, &exact, &central}) {
@@ -144,14 +152,17 @@ TEST(KimImpactMultiplierUpdate, AMasslessContactNodeCostsNoEnergy) {
       EXPECT_GT(run->smallest("energy_error"), -1e-6);
     }
     EXPECT_NEAR(hybrid.largest("energy_error"), 4.5e-4, 0.5e-4) << "what the interface of hughes_liu makes";
-    EXPECT_LT(std::abs(hybrid.last("energy_contact_j")), 1e-7 * hybrid.column("energy_kinetic_j").front()) << "not the contact";
-    const double calm = implicit.deviation("contact_pressure_mean_pa", 5e-6, 20e-6), expected = friction > 0.0 ? 17.3e6 : 34.5e6;
+    EXPECT_LT(std::abs(hybrid.last("energy_contact_j")), 1e-7 * hybrid.column("energy_kinetic_j").front())
+        << "not the contact";
+    const double calm = implicit.deviation("contact_pressure_mean_pa", 5e-6, 20e-6),
+                 expected = friction > 0.0 ? 17.3e6 : 34.5e6;
     EXPECT_NEAR(calm, expected, 0.1 * expected) << friction;
     EXPECT_EQ(hybrid.summary.at("switches").size(), 1U);
     for (const RunResult* run : {&implicit, &hybrid, &exact, &central}) {
       EXPECT_LT(run->summary.at("momentum_error_max").get<double>(), 1e-10);
       EXPECT_NEAR(run->mean("contact_pressure_mean_pa", 5e-6, 20e-6), 853.8e6, 0.005 * 853.8e6);
-      EXPECT_LT(run->deviation("contact_pressure_mean_pa", 5e-6, 20e-6), 1.1 * reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6));
+      EXPECT_LT(run->deviation("contact_pressure_mean_pa", 5e-6, 20e-6),
+                1.1 * reset.deviation("contact_pressure_mean_pa", 5e-6, 20e-6));
     }
   }
 }
@@ -169,7 +180,8 @@ TEST(KimImpactPenalty, ThePapersUpdateTamesAPenaltyThatExplodesWithoutIt) {
   const RunResult impedance = run_text(penalty("impedance"), folder, "impedance");
   EXPECT_LT(impedance.largest("energy_error"), 0.005);
   EXPECT_GT(impedance.smallest("energy_error"), -0.02);
-  EXPECT_GT(impedance.summary.at("momentum_error_max").get<double>(), 1e-5) << "impedance weights do not conserve momentum";
+  EXPECT_GT(impedance.summary.at("momentum_error_max").get<double>(), 1e-5)
+      << "impedance weights do not conserve momentum";
   const RunResult mass = run_text(penalty("mass"), folder, "mass");
   EXPECT_LT(mass.summary.at("momentum_error_max").get<double>(), 1e-10);
   EXPECT_LT(mass.largest("energy_error"), 0.005);

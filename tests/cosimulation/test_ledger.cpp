@@ -1,5 +1,5 @@
-// Balances that a run reports besides energy: angular momentum, axial momentum of a ring, drift of an interface; and the velocity of
-// shared nodes in the fields.
+// Balances that a run reports besides energy: angular momentum, axial momentum of a ring, drift of an interface; and
+// the velocity of shared nodes in the fields.
 #include <gmock/gmock.h>
 
 #include <map>
@@ -15,15 +15,19 @@ std::string blocks(const std::string& protocol, bool plane) {
   std::string text = "model = \"plane_strain\"\n";
   for (const std::string name : {"lower", "upper"}) {
     if (plane && name == "upper") continue;
-    text += "[[body]]\nname = \"" + name + "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n";
-    text += name == "lower" ? "mesh = { start_m = -0.06, height_m = 0.04, length_m = 0.06, elements = [4, 6] }\ngravity_m_s2 = [30.0, 100.0]\n"
-                              "initial_velocity_m_s = [1.0, 2.0]\n"
-                            : "mesh = { height_m = 0.04, length_m = 0.03, elements = [4, 3] }\ninitial_velocity_m_s = [0.0, -1.0]\n"
-                              "traction = [{ surface = \"outer\", traction_pa = [0.0, 1e5] }]\n";
+    text += "[[body]]\nname = \"" + name +
+            "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n";
+    text += name == "lower"
+                ? "mesh = { start_m = -0.06, height_m = 0.04, length_m = 0.06, elements = [4, 6] }\ngravity_m_s2 = "
+                  "[30.0, 100.0]\n"
+                  "initial_velocity_m_s = [1.0, 2.0]\n"
+                : "mesh = { height_m = 0.04, length_m = 0.03, elements = [4, 3] }\ninitial_velocity_m_s = [0.0, -1.0]\n"
+                  "traction = [{ surface = \"outer\", traction_pa = [0.0, 1e5] }]\n";
   }
   return text + "[contact]\nsurfaces = [\"lower.end\", \"" + (plane ? "rigid_plane" : "upper.start") +
-         "\"]\nfriction_coefficient = 0.3\n[partition]\nimplicit_length_m = { lower = 0.021" + (plane ? "" : ", upper = 0.011") +
-         " }\n[time]\nstep_s = 4e-6\nend_s = 6e-4\n[coupling]\nprotocol = \"" + protocol + "\"\n";
+         "\"]\nfriction_coefficient = 0.3\n[partition]\nimplicit_length_m = { lower = 0.021" +
+         (plane ? "" : ", upper = 0.011") + " }\n[time]\nstep_s = 4e-6\nend_s = 6e-4\n[coupling]\nprotocol = \"" +
+         protocol + "\"\n";
 }
 
 class AngularMomentum : public testing::TestWithParam<std::string> {};
@@ -33,7 +37,8 @@ TEST_P(AngularMomentum, IsBalancedAgainstTheMomentsOfLoadsAndOfARigidPlane) {
   for (const bool plane : {false, true}) {
     const auto run = run_text(blocks(GetParam(), plane), folder, plane ? "plane" : "two");
     const auto& angular = run.column("angular_momentum_kg_m2_s");
-    const double scale = *std::max_element(angular.begin(), angular.end()) - *std::min_element(angular.begin(), angular.end());
+    const double scale =
+        *std::max_element(angular.begin(), angular.end()) - *std::min_element(angular.begin(), angular.end());
     EXPECT_GT(scale, 0.01) << "loads and friction change it";
     EXPECT_LT(run.summary.at("angular_momentum_error_max").get<double>(), 1e-9) << plane;
     EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9) << plane;
@@ -41,7 +46,8 @@ TEST_P(AngularMomentum, IsBalancedAgainstTheMomentsOfLoadsAndOfARigidPlane) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, AngularMomentum,
-                         testing::Values("hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit", "all_explicit"),
+                         testing::Values("hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit",
+                                         "all_explicit"),
                          [](const auto& test) { return test.param; });
 
 TEST(AngularMomentum, IsNotBalancedWhereThePlatesRepeat) {
@@ -88,8 +94,10 @@ TEST(InterfaceDrift, IsThatOfTheDisplacementsWhereOnlyVelocitiesAreTied) {
       std::snprintf(name, sizeof name, "/fields/%s_%08d.vtu", participant.c_str(), window);
       const auto x = vtu_array(run.folder + name, "Points"), u = vtu_array(run.folder + name, "displacement");
       for (std::size_t i = 0; i < x.size(); i += 3) {
-        if (participant == "explicit") of_explicit[x[i]] = u[i];
-        else if (of_explicit.count(x[i])) largest = std::max(largest, std::abs(u[i] - of_explicit[x[i]]));
+        if (participant == "explicit")
+          of_explicit[x[i]] = u[i];
+        else if (of_explicit.count(x[i]))
+          largest = std::max(largest, std::abs(u[i] - of_explicit[x[i]]));
       }
     }
   }
@@ -102,7 +110,8 @@ TEST(InterfaceDrift, IsThatOfTheDisplacementsWhereOnlyVelocitiesAreTied) {
 TEST(Fields, TellTheVelocityOfSharedNodesFromEitherSide) {
   const TemporaryFolder folder;
   for (const char* protocol : {"hughes_liu", "kim", "belytschko_mullen", "fixed_point"}) {
-    const auto run = run_text(with_protocol(with_key(config_text("two_bars"), "output", "fields_every", "1000"), protocol), folder, protocol);
+    const auto run = run_text(
+        with_protocol(with_key(config_text("two_bars"), "output", "fields_every", "1000"), protocol), folder, protocol);
     std::map<double, double> of_explicit;
     int shared = 0;
     for (const std::string participant : {"explicit", "implicit"}) {
@@ -113,7 +122,8 @@ TEST(Fields, TellTheVelocityOfSharedNodesFromEitherSide) {
         if (participant == "explicit") of_explicit[x[i]] = v[i];
         if (participant == "explicit" || !of_explicit.count(x[i])) continue;
         ++shared;
-        EXPECT_NEAR(of_explicit[x[i]], v[i], 1.0) << protocol << " at " << x[i];  // of waves; it was 5 and -5 at the start
+        EXPECT_NEAR(of_explicit[x[i]], v[i], 1.0)
+            << protocol << " at " << x[i];  // of waves; it was 5 and -5 at the start
       }
     }
     EXPECT_EQ(shared, 2) << protocol;

@@ -2,8 +2,8 @@
 
 #include "tests/support/run.hpp"
 
-// Order of accuracy in time: a mesh is a smooth system of ordinary differential equations, so on a fixed mesh the error of a
-// second-order integrator falls to a quarter when dt is halved. Loads start gently (a ramp), no contact.
+// Order of accuracy in time: a mesh is a smooth system of ordinary differential equations, so on a fixed mesh the error
+// of a second-order integrator falls to a quarter when dt is halved. Loads start gently (a ramp), no contact.
 
 namespace ricochet::test {
 namespace {
@@ -41,10 +41,12 @@ gravity_m_s2 = [0.0, 0.2]
 constexpr int samples = 64;  ///< times at which histories are compared
 
 /// Momentum of the body at the sampled times up to t = 2.
-std::vector<double> momentum(const std::string& scene, const std::string& protocol, int windows, const TemporaryFolder& folder) {
+std::vector<double> momentum(const std::string& scene, const std::string& protocol, int windows,
+                             const TemporaryFolder& folder) {
   std::ostringstream step;
   step << std::setprecision(17) << 2.0 / windows;
-  const std::string text = scene + "[time]\nstep_s = " + step.str() + "\nend_s = 2.0\n[coupling]\nprotocol = \"" + protocol + "\"\n";
+  const std::string text =
+      scene + "[time]\nstep_s = " + step.str() + "\nend_s = 2.0\n[coupling]\nprotocol = \"" + protocol + "\"\n";
   const RunResult run = run_text(text, folder, protocol + std::to_string(windows));
   EXPECT_EQ(run.summary.at("steps").get<int>(), windows);
   const auto& all = run.column("momentum_n_kg_m_s");
@@ -77,12 +79,11 @@ TEST_P(OrderInTime, IsTwo) {
   EXPECT_GT(difference(coarse, middle), 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(ModelsAndIntegrators, OrderInTime,
-                         testing::Combine(testing::Values(Model{"bar", bar}, Model{"plane_strain", plate}, Model{"axisymmetric", cylinder}),
-                                          testing::Values("all_explicit", "all_implicit")),
-                         [](const auto& test) {
-                           return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    ModelsAndIntegrators, OrderInTime,
+    testing::Combine(testing::Values(Model{"bar", bar}, Model{"plane_strain", plate}, Model{"axisymmetric", cylinder}),
+                     testing::Values("all_explicit", "all_implicit")),
+    [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
 
 }  // namespace
 }  // namespace ricochet::test

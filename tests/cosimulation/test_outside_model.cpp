@@ -9,8 +9,10 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-std::string body(const std::string& name, const std::string& mesh, const std::string& velocity, const std::string& more = "") {
-  return "[[body]]\nname = \"" + name + "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n" + "mesh = { " +
+std::string body(const std::string& name, const std::string& mesh, const std::string& velocity,
+                 const std::string& more = "") {
+  return "[[body]]\nname = \"" + name +
+         "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n" + "mesh = { " +
          mesh + " }\ninitial_velocity_m_s = " + velocity + "\n" + more;
 }
 
@@ -22,8 +24,8 @@ std::string list(double x, const std::string& more = "") {
 }
 
 std::string settings(double step_s, double end_s, const std::string& protocol) {
-  return "[time]\nstep_s = " + std::to_string(step_s * 1e6) + "e-6\nend_s = " + std::to_string(end_s * 1e6) + "e-6\n[coupling]\nprotocol = \"" +
-         protocol + "\"\n";
+  return "[time]\nstep_s = " + std::to_string(step_s * 1e6) + "e-6\nend_s = " + std::to_string(end_s * 1e6) +
+         "e-6\n[coupling]\nprotocol = \"" + protocol + "\"\n";
 }
 
 const nlohmann::json* find(const RunResult& run, const std::string& kind) {
@@ -44,7 +46,8 @@ void expect_left(const RunResult& run, const std::string& kind, const std::strin
   ASSERT_TRUE(find(run, kind)) << run.summary.at("outside_model");
   EXPECT_TRUE(find(run, kind)->at("results_wrong").get<bool>());
   EXPECT_GE(find(run, kind)->at("first_s").get<double>(), run.summary.at("valid_until_s").get<double>());
-  EXPECT_LE(run.last("time_s"), std::max(run.summary.at("valid_until_s").get<double>(), run.column("time_s").front()) + 2e-4);
+  EXPECT_LE(run.last("time_s"),
+            std::max(run.summary.at("valid_until_s").get<double>(), run.column("time_s").front()) + 2e-4);
   EXPECT_THAT(file_text(run.folder + "/report.html"), HasSubstr("outside the model"));
 }
 
@@ -58,7 +61,8 @@ std::string sideways(const std::string& protocol, double velocity_m_s) {
   return "model = \"plane_strain\"\n" + body("lower", "start_m = -0.04, " + mesh, "[0.0, 0.0]") +
          body("upper", mesh, list(velocity_m_s, ", -1.0")) +
          "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\n"
-         "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" + settings(5e-6, 1.3e-3, protocol);
+         "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" +
+         settings(5e-6, 1.3e-3, protocol);
 }
 
 class OffPartner : public testing::TestWithParam<std::string> {};
@@ -67,15 +71,18 @@ TEST_P(OffPartner, IsNoContact) {
   const TemporaryFolder folder;
   const auto run = run_file(folder.write(sideways(GetParam(), 100.0)), folder);
   expect_left(run, "off_partner", "past the end of its partner's surface");
-  EXPECT_NEAR(find(run, "off_partner")->at("first_s").get<double>(), 1e-3, 1.5e-5) << "in the first window of the contact, or the next";
+  EXPECT_NEAR(find(run, "off_partner")->at("first_s").get<double>(), 1e-3, 1.5e-5)
+      << "in the first window of the contact, or the next";
   EXPECT_NEAR(run.summary.at("valid_until_s").get<double>(), 1e-3, 1e-4);
   EXPECT_LE(run.last("time_s"), 1e-3 + 2e-4);
 }
 
 TEST(Flight, AsideOfThePartnerIsPredicted) {
   const TemporaryFolder folder;
-  EXPECT_THAT(check(sideways("hughes_liu", 100.0), folder).out, HasSubstr("moved 0.1 m along the contact surface, 10 element edges: nodes are past"));
-  EXPECT_THAT(check(sideways("hughes_liu", 7.0), folder).out, HasSubstr("0.7 element edges: pressure and friction act"));
+  EXPECT_THAT(check(sideways("hughes_liu", 100.0), folder).out,
+              HasSubstr("moved 0.1 m along the contact surface, 10 element edges: nodes are past"));
+  EXPECT_THAT(check(sideways("hughes_liu", 7.0), folder).out,
+              HasSubstr("0.7 element edges: pressure and friction act"));
   EXPECT_THAT(check(sideways("hughes_liu", 3.0), folder).out, Not(HasSubstr("element edges")));
 }
 
@@ -95,7 +102,8 @@ INSTANTIATE_TEST_SUITE_P(Outside, OffPartner, testing::Values("hughes_liu", "all
 std::string bars(double closing_m_s, double step_s, const std::string& protocol = "hughes_liu") {
   return "model = \"bar\"\n" + body("left", "start_m = -1.0, length_m = 1.0, elements = 50", list(closing_m_s)) +
          body("right", "length_m = 1.0, elements = 50", "[0.0]") +
-         "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { left = 0.1, right = 0.1 }\n" +
+         "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { left = 0.1, right "
+         "= 0.1 }\n" +
          settings(step_s, 1.5e-3, protocol);
 }
 
@@ -123,7 +131,8 @@ TEST(Step, ThatMovesTheBodiesThroughEachOtherIsRefused) {
   const TemporaryFolder folder;
   const auto refused = check(bars(60000.0, 1.8e-5), folder);
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.error, HasSubstr("54 of the depth of an element of body \"left\" at the contact: more than its thickness"));
+  EXPECT_THAT(refused.error,
+              HasSubstr("54 of the depth of an element of body \"left\" at the contact: more than its thickness"));
   EXPECT_THAT(check(bars(800.0, 1.8e-5), folder).out, HasSubstr("nearly inside out"));
 }
 
@@ -141,7 +150,8 @@ TEST_P(ThirdBody, ThatAnotherMeetsWithoutAContactStopsTheRun) {
   EXPECT_THAT(check(text, folder).out, Not(HasSubstr("no contact"))) << "not on a straight flight from the start";
   const auto run = run_file(folder.write(text), folder);
   expect_left(run, "overlap", "with no contact between them");
-  // The far end of "right" moves with 2 m/s from 1 ms on for 1 ms, and its middle with 1 m/s: 2 mm are gone at about 2 ms.
+  // The far end of "right" moves with 2 m/s from 1 ms on for 1 ms, and its middle with 1 m/s: 2 mm are gone at about 2
+  // ms.
   EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 2e-3, 4e-4);
 }
 
@@ -155,7 +165,8 @@ TEST_P(ThirdBody, ThatFliesThroughAThinOneBetweenTwoLooksIsSeen) {
   EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 4e-4, 2e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Outside, ThirdBody, testing::Values("hughes_liu", "all_implicit", "all_explicit", "prakash_hjelmstad"),
+INSTANTIATE_TEST_SUITE_P(Outside, ThirdBody,
+                         testing::Values("hughes_liu", "all_implicit", "all_explicit", "prakash_hjelmstad"),
                          [](const auto& test) { return test.param; });
 
 TEST(Overlap, AtTheStartIsRefused) {
@@ -174,7 +185,8 @@ TEST(Rotation, AboveTwoDegreesIsSaid) {
                            settings(2.5e-4, 0.06, "all_implicit");
   const auto run = run_text(text, folder);
   ASSERT_TRUE(find(run, "rotation")) << run.summary.at("outside_model");
-  EXPECT_NEAR(find(run, "rotation")->at("size").get<double>(), 0.16, 0.03);  // nearly twice the static 6 p L^2 (1 - nu^2)/(E h^2)
+  EXPECT_NEAR(find(run, "rotation")->at("size").get<double>(), 0.16,
+              0.03);  // nearly twice the static 6 p L^2 (1 - nu^2)/(E h^2)
   EXPECT_THAT(run.outcome.error, HasSubstr("a strain of 0.0"));
 }
 

@@ -1,6 +1,7 @@
 #include "tests/support/run.hpp"
 
-// Acceptance A3: two plates under pressure and shear, on both sides of the stick limit v_t / v_n = mu c_L / c_S (here 0.52).
+// Acceptance A3: two plates under pressure and shear, on both sides of the stick limit v_t / v_n = mu c_L / c_S (here
+// 0.52).
 
 namespace ricochet::test {
 namespace {
@@ -38,7 +39,9 @@ TEST_P(Plates, SlipAboveTheLimit) {
   // Each side slips at v_t - mu c_L v_n / c_S = 14.8038 m/s: the power of friction says so.
   const auto& time = r.column("time_s");
   const auto& dissipated = r.column("energy_friction_j");
-  const auto at = [&](double t) { return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t) - time.begin()); };
+  const auto at = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t) - time.begin());
+  };
   const std::size_t i = at(50e-6), j = at(400e-6);
   const double slip_rate = (dissipated[j] - dissipated[i]) / (time[j] - time[i]) / (traction * area_m2);
   EXPECT_NEAR(slip_rate / 2.0, 20.0 - 0.3 * c_l * 10.0 / c_s, 0.01 * 14.8038);
@@ -49,11 +52,12 @@ TEST_P(Plates, KeepMomentumInBothDirections) {
   EXPECT_LT(run("slipping_plates").summary.at("momentum_error_max").get<double>(), 1e-10);
 }
 
-// With a penalty of a quarter of an element's stiffness. A pair that sticks remembers its traction, tau = tau_n - alpha w slip: what acts on the
-// plateau is the sum of all its slips.
+// With a penalty of a quarter of an element's stiffness. A pair that sticks remembers its traction, tau = tau_n - alpha
+// w slip: what acts on the plateau is the sum of all its slips.
 TEST_P(Plates, StickAndSlipWithAPenaltyToo) {
   const auto with_penalty = [&](const std::string& scene) {
-    const std::string text = with_key(with_protocol(config_text(scene), GetParam()), "contact", "penalty_pa_m", "1.2e11");
+    const std::string text =
+        with_key(with_protocol(config_text(scene), GetParam()), "contact", "penalty_pa_m", "1.2e11");
     return run_text(with_key(text, "contact", "enforcement", "\"penalty\""), folder_, scene);
   };
   const double shear = 1000 * c_s * 3.0, limit = 0.3 * pressure_pa;
@@ -68,15 +72,17 @@ TEST_P(Plates, StickAndSlipWithAPenaltyToo) {
 INSTANTIATE_TEST_SUITE_P(Protocols, Plates, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
-
 /// A law of the multiplier and a protocol.
 using Method = std::pair<const char*, const char*>;
 
-std::string name_of(const testing::TestParamInfo<Method>& info) { return std::string(info.param.first) + "_" + info.param.second; }
+std::string name_of(const testing::TestParamInfo<Method>& info) {
+  return std::string(info.param.first) + "_" + info.param.second;
+}
 
 std::string with_law(const std::string& text, const Method& method) {
   const std::string law = method.first;
-  const auto with_it = law == "trapezoidal_reset" ? text : with_key(text, "contact", "multiplier_update", "\"" + law + "\"");
+  const auto with_it =
+      law == "trapezoidal_reset" ? text : with_key(text, "contact", "multiplier_update", "\"" + law + "\"");
   return with_protocol(with_it, method.second);
 }
 
@@ -99,14 +105,18 @@ struct Edge {
 TEST_P(StickingPlates, StandOnTheRightSideOfTheStickLimit) {
   for (const Edge edge : {Edge{0.25, 0.3}, Edge{0.1, 0.05}}) {
     const double nu = edge.poisson_ratio, mu = edge.friction_coefficient;
-    const double speed_l = std::sqrt(1e9 * (1 - nu) / (1000 * (1 + nu) * (1 - 2 * nu))), speed_s = std::sqrt(1e9 / (2 * 1000 * (1 + nu)));
+    const double speed_l = std::sqrt(1e9 * (1 - nu) / (1000 * (1 + nu) * (1 - 2 * nu))),
+                 speed_s = std::sqrt(1e9 / (2 * 1000 * (1 + nu)));
     for (const double share : {0.99, 1.01}) {
       const double v_t = share * mu * speed_l / speed_s * 10.0, height_m = 0.0075 / 4, period_s = 0.5 / speed_l;
-      auto text = with_law(with_key(config_text("sticking_plates"), "contact", "friction_coefficient", std::to_string(mu)), GetParam());
+      auto text = with_law(
+          with_key(config_text("sticking_plates"), "contact", "friction_coefficient", std::to_string(mu)), GetParam());
       for (const auto& sign : {std::string(), std::string("-")}) {
         text = replaced(text, "poisson_ratio = 0.25", "poisson_ratio = " + std::to_string(nu));
-        text = replaced(text, "[" + sign + "3.0, " + sign + "10.0]", "[" + sign + std::to_string(v_t) + ", " + sign + "10.0]");
-        text = replaced(text, "height_m = 0.0075, elements = [3, 100]", "height_m = " + std::to_string(height_m) + ", elements = [3, 400]");
+        text = replaced(text, "[" + sign + "3.0, " + sign + "10.0]",
+                        "[" + sign + std::to_string(v_t) + ", " + sign + "10.0]");
+        text = replaced(text, "height_m = 0.0075, elements = [3, 100]",
+                        "height_m = " + std::to_string(height_m) + ", elements = [3, 400]");
       }
       const TemporaryFolder folder;
       const RunResult r = run_text(text, folder);

@@ -1,6 +1,6 @@
-// Prescribed motion against an exact wave, and the energy watch that must let it pass: a bar at rest, one end of which moves with a
-// constant velocity V from t_0 on. Behind the front that runs from there everything moves with V, under the strain V/c: momentum
-// rho A c V (t - t_0), work rho A c V^2 (t - t_0), half of it kinetic.
+// Prescribed motion against an exact wave, and the energy watch that must let it pass: a bar at rest, one end of which
+// moves with a constant velocity V from t_0 on. Behind the front that runs from there everything moves with V, under
+// the strain V/c: momentum rho A c V (t - t_0), work rho A c V^2 (t - t_0), half of it kinetic.
 #include <gmock/gmock.h>
 
 #include "tests/support/run.hpp"
@@ -12,7 +12,8 @@ using testing::HasSubstr;
 
 constexpr double velocity_m_s = 1e-3, begin_s = 0.3, end_s = 1.2;  // the front is at 0.9 of the bar then
 
-/// E = rho = A = L = 1. Elements from 4.6 mm at the low end to 18.4 mm at the high one; those that the step is too long for are implicit.
+/// E = rho = A = L = 1. Elements from 4.6 mm at the low end to 18.4 mm at the high one; those that the step is too long
+/// for are implicit.
 std::string bar(const std::string& protocol, const std::string& moved_end, double step_s) {
   return R"(model = "bar"
 [[body]]
@@ -20,15 +21,18 @@ name = "bar"
 material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }
 mesh = { length_m = 1.0, elements = 100, grading = 4.0 }
 [[body.prescribed]]
-surface = ")" + moved_end + R"("
+surface = ")" +
+         moved_end + R"("
 component = "x"
 displacement_m = 1e-3
 amplitude = { time_s = [0.3, 1.3], factor = [0.0, 1.0] }
 [time]
-step_s = )" + std::to_string(step_s) + R"(
+step_s = )" +
+         std::to_string(step_s) + R"(
 end_s = 1.2
 [coupling]
-protocol = ")" + protocol + R"("
+protocol = ")" +
+         protocol + R"("
 [output]
 history_every = 1
 )";
@@ -50,14 +54,16 @@ TEST_P(PrescribedMotion, MakesTheExactWave) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProtocol, PrescribedMotion,
-                         testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "prakash_hjelmstad",
-                                                          "gravouil_combescure", "fixed_point", "all_implicit", "all_explicit"),
+                         testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen",
+                                                          "prakash_hjelmstad", "gravouil_combescure", "fixed_point",
+                                                          "all_implicit", "all_explicit"),
                                           testing::Values("start", "end")),  // implicit end, explicit end
                          [](const auto& test) { return std::get<0>(test.param) + "_" + std::get<1>(test.param); });
 
 TEST(EnergyWatchInARun, HistoryEveryChangesNoVerdict) {
   const TemporaryFolder folder;
-  std::string text = replaced(with_protocol(config_text("two_bars"), "kim_predicted"), "end_s = 250e-6", "end_s = 5e-3");
+  std::string text =
+      replaced(with_protocol(config_text("two_bars"), "kim_predicted"), "end_s = 250e-6", "end_s = 5e-3");
   text = with_key(text, "coupling", "after_separation", "\"implicit\"");
   std::string first;
   for (const char* rows : {"1", "3", "1000"}) {

@@ -14,8 +14,10 @@ std::string readme() { return file_text(std::string(RICOCHET_SOURCE) + "/README.
 
 TEST(Readme, TheFirstCommandEndsWithTheLinesShown) {
   const TemporaryFolder folder;
-  const Outcome outcome = run_command({ricochet_binary(), "run", std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml", "--out",
-                                       (folder.path() / "kim_impact").string()}, folder.path().string());
+  const Outcome outcome =
+      run_command({ricochet_binary(), "run", std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml", "--out",
+                   (folder.path() / "kim_impact").string()},
+                  folder.path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   // Numbers of the mechanics to the letter; wall time and folder are the machine's.
   std::smatch block;
@@ -31,7 +33,8 @@ TEST(Readme, TheFirstCommandEndsWithTheLinesShown) {
     ++checked;
   }
   EXPECT_EQ(checked, 4);
-  for (const char* file : {"history.csv", "summary.json", "report.html", "trace.json", "fields/kim_impact.pvd", "logs"}) {
+  for (const char* file :
+       {"history.csv", "summary.json", "report.html", "trace.json", "fields/kim_impact.pvd", "logs"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "kim_impact" / file)) << file;
   }
 }
@@ -51,7 +54,8 @@ TEST(Readme, EveryCommandOfTheTableExists) {
 TEST(Readme, InitWritesASceneThatRuns) {
   const TemporaryFolder folder;
   const auto in_folder = [&](const std::string& command) {
-    return run_command({"/bin/sh", "-c", "cd " + folder.path().string() + " && " + ricochet_binary() + " " + command}, folder.path().string());
+    return run_command({"/bin/sh", "-c", "cd " + folder.path().string() + " && " + ricochet_binary() + " " + command},
+                       folder.path().string());
   };
   EXPECT_EQ(in_folder("init first").code, 0);
   EXPECT_EQ(in_folder("check first.toml").code, 0);
@@ -80,7 +84,8 @@ TEST(Readme, EnergyAndMomentumOfTheTableAreThoseOfTheRuns) {
     double lowest, highest, momentum_error;
   };
   const std::string text = readme();
-  for (const Row& row : {Row{"hughes_liu", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0}, Row{"kim", "-0.27 % to 0 ", "1e-4", 0, -0.0027, 0.0, 1e-4},
+  for (const Row& row : {Row{"hughes_liu", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0},
+                         Row{"kim", "-0.27 % to 0 ", "1e-4", 0, -0.0027, 0.0, 1e-4},
                          Row{"kim_predicted", "-0.22 % to 0 ", "exact", 0, -0.0022, 0.0, 0.0},
                          Row{"belytschko_mullen", "-0.20 % to 0 ", "exact", 0, -0.0020, 0.0, 0.0},
                          Row{"prakash_hjelmstad", "-0.21 % to 0 at m = 1 ", "exact", 1, -0.0021, 0.0, 0.0},
@@ -91,7 +96,8 @@ TEST(Readme, EnergyAndMomentumOfTheTableAreThoseOfTheRuns) {
                          Row{"all_implicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0},
                          Row{"all_explicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0}}) {
     std::smatch line;
-    ASSERT_TRUE(std::regex_search(text, line, std::regex("\n\\| `" + std::string(row.protocol) + "`[^\n]*"))) << row.protocol;
+    ASSERT_TRUE(std::regex_search(text, line, std::regex("\n\\| `" + std::string(row.protocol) + "`[^\n]*")))
+        << row.protocol;
     EXPECT_NE(line.str().find(row.energy), std::string::npos) << row.protocol << ": " << row.energy;
     EXPECT_NE(line.str().find(row.momentum), std::string::npos) << row.protocol << ": " << row.momentum;
     const TemporaryFolder folder;
@@ -102,9 +108,11 @@ TEST(Readme, EnergyAndMomentumOfTheTableAreThoseOfTheRuns) {
     if (row.substeps <= 1) {
       EXPECT_NEAR(run.smallest("energy_error"), row.lowest, -0.1 * row.lowest) << row.protocol;
     }
-    EXPECT_NEAR(run.largest("energy_error"), row.highest, std::max(0.1 * row.highest, 5e-5)) << row.protocol << " " << row.substeps;
+    EXPECT_NEAR(run.largest("energy_error"), row.highest, std::max(0.1 * row.highest, 5e-5))
+        << row.protocol << " " << row.substeps;
     const double momentum = run.summary.at("momentum_error_max").get<double>();
-    EXPECT_NEAR(momentum, row.momentum_error, row.momentum_error > 0.0 ? 0.5 * row.momentum_error : 1e-9) << row.protocol;
+    EXPECT_NEAR(momentum, row.momentum_error, row.momentum_error > 0.0 ? 0.5 * row.momentum_error : 1e-9)
+        << row.protocol;
   }
 }
 

@@ -10,7 +10,8 @@ namespace {
 double exact(double x, double t) {
   const int n = static_cast<int>(std::floor(std::fmod(t, 3.0)));
   const double f = t - std::floor(t);
-  const bool below = f < x, before = f <= 1.0 - x;  // zones: I below & before, II !below & before, III below & !before, IV
+  const bool below = f < x,
+             before = f <= 1.0 - x;  // zones: I below & before, II !below & before, III below & !before, IV
   if (n == 0) return below ? 0.5 - x / 2 : 0.5 - f / 2;
   if (n == 1) {
     if (below) return before ? -f / 2 : -0.5 + x / 2;
@@ -19,7 +20,8 @@ double exact(double x, double t) {
   return before ? f / 2 : 0.5 - x / 2;
 }
 
-/// Trapezoidal integral over the nodes of one snapshot of one participant, which holds x from its smallest to largest node.
+/// Trapezoidal integral over the nodes of one snapshot of one participant, which holds x from its smallest to largest
+/// node.
 double squared_error(const std::string& path, double t) {
   const auto position = vtu_array(path, "Points"), displacement = vtu_array(path, "displacement");
   double sum = 0.0;
@@ -34,12 +36,14 @@ double squared_error(const std::string& path, double t) {
 }
 
 /// Error of u in L2(0, T; L2): square root of the time mean of the squared L2 norm in space, times sqrt(T).
-double displacement_error(const RunResult& run, const std::vector<std::string>& participants, double window_s, int windows) {
+double displacement_error(const RunResult& run, const std::vector<std::string>& participants, double window_s,
+                          int windows) {
   double sum = 0.0;
   for (int n = 1; n <= windows; ++n) {
     char name[32];
     std::snprintf(name, sizeof name, "_%08d.vtu", n);
-    for (const auto& participant : participants) sum += window_s * squared_error(run.folder + "/fields/" + participant + name, n * window_s);
+    for (const auto& participant : participants)
+      sum += window_s * squared_error(run.folder + "/fields/" + participant + name, n * window_s);
   }
   return std::sqrt(sum);
 }
@@ -55,7 +59,8 @@ class RodOnStop : public testing::TestWithParam<Level> {};
 TEST_P(RodOnStop, StaysWithinItsLevelsOverFourImpacts) {
   const Level& level = GetParam();
   const TemporaryFolder folder;
-  const RunResult run = run_text(with_key(with_protocol(config_text("rod_on_stop"), level.protocol), "output", "fields_every", "1"), folder);
+  const RunResult run = run_text(
+      with_key(with_protocol(config_text("rod_on_stop"), level.protocol), "output", "fields_every", "1"), folder);
   const double window_s = run.summary.at("window_size_s").get<double>();
   const int windows = run.summary.at("steps").get<int>();
   EXPECT_NEAR(windows * window_s, 12.0, 2.0 * window_s);

@@ -1,5 +1,5 @@
-// configs/rounded_striker.toml: a mesh so fine at the contact that all-explicit needs 23 times the steps of the hybrid. The
-// peak force, up to its time, against a run of the whole structure by the trapezoidal rule with short steps.
+// configs/rounded_striker.toml: a mesh so fine at the contact that all-explicit needs 23 times the steps of the hybrid.
+// The peak force, up to its time, against a run of the whole structure by the trapezoidal rule with short steps.
 #include <gmock/gmock.h>
 
 #include "tests/support/run.hpp"
@@ -38,7 +38,8 @@ TEST(RoundedStriker, PeakForceOfTheHybridIsThatOfAFineImplicitRun) {
   EXPECT_LT(error({"hughes_liu", "8e-9", ""}), 0.0007);
   EXPECT_LT(error({"hughes_liu", "4e-8", ""}), 0.0031);
   EXPECT_LT(error({"hughes_liu", "6e-8", ""}), 0.0031) << "its 388 shared nodes are left out of the dense root";
-  EXPECT_LT(error({"prakash_hjelmstad", "6.4e-7", "16"}), 0.0011) << "the setting of the benchmark; a force is the mean of a window";
+  EXPECT_LT(error({"prakash_hjelmstad", "6.4e-7", "16"}), 0.0011)
+      << "the setting of the benchmark; a force is the mean of a window";
 }
 
 TEST(RoundedStriker, AllExplicitCannotTakeTheHybridsStep) {

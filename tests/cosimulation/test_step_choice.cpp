@@ -16,8 +16,9 @@ std::string graded_bars(const std::string& time) {
   for (const bool left : {true, false}) {
     text += std::string("[[body]]\nname = \"") + (left ? "left" : "right") +
             "\"\nmaterial = { youngs_modulus_pa = 2e11, density_kg_m3 = 8000.0 }\narea_m2 = 1e-4\n"
-            "mesh = { start_m = " + (left ? "-1.0" : "0.0") + ", length_m = 1.0, elements = 40, grading = " +
-            (left ? "0.0333" : "30.0") + " }\ninitial_velocity_m_s = [" + (left ? "5.0" : "-5.0") + "]\n";
+            "mesh = { start_m = " +
+            (left ? "-1.0" : "0.0") + ", length_m = 1.0, elements = 40, grading = " + (left ? "0.0333" : "30.0") +
+            " }\ninitial_velocity_m_s = [" + (left ? "5.0" : "-5.0") + "]\n";
   }
   return text + "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nrule = \"auto\"\n[time]\n" + time +
          "\nend_s = 6e-4\n";
@@ -27,8 +28,8 @@ std::string graded_bars(const std::string& time) {
 struct Calibration {
   explicit Calibration(const RunResult& run) : columns(read_history(run.folder + "/calibration.csv")) {
     const auto& predicted = columns.at("predicted_s");
-    best_step_s = columns.at("step_s")[static_cast<std::size_t>(
-        std::min_element(predicted.begin(), predicted.end()) - predicted.begin())];
+    best_step_s = columns.at(
+        "step_s")[static_cast<std::size_t>(std::min_element(predicted.begin(), predicted.end()) - predicted.begin())];
   }
   History columns;
   double best_step_s = 0.0;
@@ -52,7 +53,8 @@ TEST(LargestStep, TheRunTakesTheStepOfLeastPredictedTime) {
   EXPECT_NEAR(run.summary.at("window_size_s").get<double>(), calibration.best_step_s, 1e-5 * calibration.best_step_s);
   EXPECT_THAT(run.outcome.out, HasSubstr("  chosen\n"));
   EXPECT_THAT(run.summary.at("scene").get<std::string>(), HasSubstr("/scene.toml"));
-  // The bars exchange their velocities whatever the step is (impedance theory), but for waves that the coarse far ends disperse.
+  // The bars exchange their velocities whatever the step is (impedance theory), but for waves that the coarse far ends
+  // disperse.
   EXPECT_NEAR(run.last("velocity_mean_left_m_s"), -5.0, 0.3);
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9);
 }
@@ -64,7 +66,8 @@ TEST(LargestStep, WhatWasMeasuredIsNotMeasuredAgain) {
     std::map<std::string, std::string> ids;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() / "scene" / "calibration")) {
       if (entry.path().filename() != "summary.json") continue;
-      ids[entry.path().string()] = nlohmann::json::parse(file_text(entry.path().string())).at("run_id").get<std::string>();
+      ids[entry.path().string()] =
+          nlohmann::json::parse(file_text(entry.path().string())).at("run_id").get<std::string>();
     }
     return ids;
   };
@@ -94,8 +97,9 @@ TEST(LargestStep, ABaselineTakesItAsItIs) {
 
 TEST(LargestStep, ASolverThatFailsIsTheRunsFailure) {
   const TemporaryFolder folder;
-  const std::string participants = "[[participant]]\nname = \"mine\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\n"
-                                   "executable = \"/bin/false\"\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  const std::string participants =
+      "[[participant]]\nname = \"mine\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\n"
+      "executable = \"/bin/false\"\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
   const auto run = run_file(folder.write(graded_bars("largest_step_s = 1e-5") + participants), folder);
   EXPECT_EQ(run.outcome.code, 4);
   EXPECT_THAT(run.outcome.out, HasSubstr("cannot be run: participant 'mine' ended with exit code 1"));

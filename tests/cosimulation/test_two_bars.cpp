@@ -63,14 +63,16 @@ TEST_P(TwoBars, ReboundAndLoseNoMoreThanTheContactNodesEnergyAtEachImpact) {
 
 TEST_P(TwoBars, KeepTheirMomentum) { EXPECT_LT(run_.summary.at("momentum_error_max").get<double>(), 1e-12); }
 
-/// Protocol and largest energy error on the way. `hughes_liu` conserves its own measure of energy at the interface, which is not
-/// kinetic + strain: with waves as short as those of an impact on 20 elements the two differ by 1.2 %.
+/// Protocol and largest energy error on the way. `hughes_liu` conserves its own measure of energy at the interface,
+/// which is not kinetic + strain: with waves as short as those of an impact on 20 elements the two differ by 1.2 %.
 class TwoBarsMassless : public testing::TestWithParam<std::pair<const char*, double>> {};
 
 TEST_P(TwoBarsMassless, KeepTheirEnergyAndEveryJouleHasAnOwner) {
   const auto& [protocol, largest] = GetParam();
   const TemporaryFolder folder;
-  const RunResult run = run_text(with_key(with_protocol(config_text("two_bars"), protocol), "contact", "multiplier_update", "\"massless\""), folder);
+  const RunResult run = run_text(
+      with_key(with_protocol(config_text("two_bars"), protocol), "contact", "multiplier_update", "\"massless\""),
+      folder);
   const double first = run.column("energy_kinetic_j").front();
   EXPECT_GT(run.smallest("energy_error"), -largest);
   EXPECT_LT(run.largest("energy_error"), largest);
@@ -83,7 +85,8 @@ TEST_P(TwoBarsMassless, KeepTheirEnergyAndEveryJouleHasAnOwner) {
   double drift = 0.0;
   for (std::size_t i = 0; i < run.column("time_s").size() && run.column("time_s")[i] <= switched_s; ++i) {
     const auto value = [&](const char* term) { return run.column(std::string("energy_") + term + "_j")[i]; };
-    drift = std::max(drift, std::abs(value("kinetic") + value("strain") - value("external") - value("contact") - value("interface") - first));
+    drift = std::max(drift, std::abs(value("kinetic") + value("strain") - value("external") - value("contact") -
+                                     value("interface") - first));
   }
   EXPECT_LT(drift, 1e-12 * first);
 }
@@ -95,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(Protocols, TwoBarsMassless,
 
 TEST(TwoBarsMasslessHybrid, IntegratesItsMasslessNodesExplicitlyAfterTheSwitch) {
   const TemporaryFolder folder;
-  const RunResult run = run_text(with_key(config_text("two_bars"), "contact", "multiplier_update", "\"massless\""), folder);
+  const RunResult run =
+      run_text(with_key(config_text("two_bars"), "contact", "multiplier_update", "\"massless\""), folder);
   ASSERT_EQ(run.summary.at("switches").size(), 1U);
   const double switched_s = run.summary.at("switches")[0].at("time_s").get<double>();
   double lowest = 1.0, highest = -1.0;

@@ -15,7 +15,8 @@ class UnequalBars : public testing::TestWithParam<const char*> {};
 TEST_P(UnequalBars, ForceFallsInStepsIfTheStrikerIsStiffer) {
   const TemporaryFolder folder;
   const RunResult run = run_text(with_protocol(config_text("unequal_bars"), GetParam()), folder);
-  const double first = 10.0 * z_steel * z_aluminium / (z_steel + z_aluminium), r = (z_steel - z_aluminium) / (z_steel + z_aluminium);
+  const double first = 10.0 * z_steel * z_aluminium / (z_steel + z_aluminium),
+               r = (z_steel - z_aluminium) / (z_steel + z_aluminium);
   for (int n = 0; n < 3; ++n) {
     const double mean = run.mean("contact_force_n", (n + 0.2) * interval_s, (n + 0.8) * interval_s);
     EXPECT_NEAR(mean, first * std::pow(r, n), 0.01 * first) << "interval " << n;
@@ -26,8 +27,10 @@ TEST_P(UnequalBars, TheyPartAfterOneIntervalIfTheStrikerIsSofter) {
   const TemporaryFolder folder;
   // The striker made of the bar's aluminium, the bar of the striker's steel: Z1 < Z2.
   std::string text = config_text("unequal_bars");
-  text = replaced(text, "youngs_modulus_pa = 207e9, density_kg_m3 = 7860.0", "youngs_modulus_pa = 70e9, density_kg_m3 = 2701.0");
-  text = replaced(text, "youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0", "youngs_modulus_pa = 207e9, density_kg_m3 = 7860.0");
+  text = replaced(text, "youngs_modulus_pa = 207e9, density_kg_m3 = 7860.0",
+                  "youngs_modulus_pa = 70e9, density_kg_m3 = 2701.0");
+  text = replaced(text, "youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0",
+                  "youngs_modulus_pa = 207e9, density_kg_m3 = 7860.0");
   const RunResult run = run_text(with_protocol(text, GetParam()), folder);
   const double transit_s = 2 * 0.1 / std::sqrt(70e9 / 2701.0);
   EXPECT_NEAR(run.summary.at("separation_time_s").get<double>(), transit_s, 0.03 * transit_s);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/problem.hpp"
-#include "coupler/history_file.hpp"
+#include "common/problem/problem.hpp"
+#include "coupler/results/history_file.hpp"
 #include "tests/support/merged_history.hpp"
 
 /// Writes history.csv of a scene whose solvers run in this process.

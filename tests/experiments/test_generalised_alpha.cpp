@@ -40,8 +40,8 @@ class GeneralisedAlpha : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const TemporaryFolder folder;
-    const auto outcome =
-        run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/generalised_alpha.py"}, folder.path().string());
+    const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/generalised_alpha.py"},
+                                     folder.path().string());
     ASSERT_EQ(outcome.code, 0) << outcome.error;
     printed() = rows_of(outcome.out);
   }
@@ -76,7 +76,8 @@ TEST_F(GeneralisedAlpha, DampingCostsMoreEnergyThanTheResetLawBeforeItLowersTheP
     EXPECT_GT(row.lost, 3 * reset.lost) << name;
     EXPECT_GT(row.overshoot, reset.overshoot) << name;
   }
-  EXPECT_LT(printed()["0.5 h/c, massless, generalised alpha 0"].overshoot, 0.9 * undamped) << "some damping does lower it";
+  EXPECT_LT(printed()["0.5 h/c, massless, generalised alpha 0"].overshoot, 0.9 * undamped)
+      << "some damping does lower it";
 }
 
 TEST_F(GeneralisedAlpha, ThePeakOfTheResetLawIsHalfAnElementOverTheWindow) {

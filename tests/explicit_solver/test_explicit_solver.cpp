@@ -1,9 +1,8 @@
-#include "explicit_solver/explicit_solver.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
+#include "explicit_solver/explicit_solver.hpp"
 
 namespace ricochet::explicit_solver {
 namespace {
@@ -29,7 +28,7 @@ struct Started {
   scene::Problem given;
   ExplicitSolver solver;
   participant::Description description;
-  participant::Link output;
+  participant::LinkOutput output;
 };
 
 TEST(ExplicitSolver, RefusesTheRoleOfTheOther) {

@@ -1,6 +1,4 @@
 // The explicit solver leaves out rows that no wave has reached: the same bits as with all rows, and fewer of them.
-#include "explicit_solver/wave_front.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <sstream>
 
 #include "explicit_solver/explicit_solver.hpp"
+#include "explicit_solver/wave_front.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::explicit_solver {
@@ -33,7 +32,8 @@ scene::Problem problem_of(const std::string& text) {
 }
 
 bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
 /// Two solvers of one scene, one of which computes all rows.
@@ -45,17 +45,17 @@ class Twins {
     setup.window_size_s = problem_.window_size_s;
     setup.last_window = 1'000'000;
     setup.interface_mass_kg = full.describe().interface_mass_kg;
-    each([&](ExplicitSolver& solver, participant::Link& output) { solver.initialize(setup, output); });
+    each([&](ExplicitSolver& solver, participant::LinkOutput& output) { solver.initialize(setup, output); });
     synchronise(std::vector<double>(output_.value.size(), 0.0));
   }
   void synchronise(const std::vector<double>& link) {
-    each([&](ExplicitSolver& solver, participant::Link& output) {
+    each([&](ExplicitSolver& solver, participant::LinkOutput& output) {
       solver.synchronise(participant::Integration::implicit_newmark, link, output);
     });
   }
   void step(const std::vector<double>& link) {
     ++window_;
-    each([&](ExplicitSolver& solver, participant::Link& output) {
+    each([&](ExplicitSolver& solver, participant::LinkOutput& output) {
       solver.advance(window_, std::vector<double>(link.size(), 1e-7), output);  // a trial that is given up
       solver.advance(window_, link, output);
       solver.accept();
@@ -81,7 +81,7 @@ class Twins {
  private:
   template <class Call>
   void each(Call call) {
-    participant::Link other;
+    participant::LinkOutput other;
     call(skipping, other);
     call(full, output_);
     ASSERT_EQ(other.value, output_.value) << "window " << window_;
@@ -92,7 +92,7 @@ class Twins {
   ExplicitSolver skipping, full;
 
  private:
-  participant::Link output_;
+  participant::LinkOutput output_;
   std::int64_t window_ = 0;
 };
 
@@ -120,14 +120,27 @@ const Case cases[] = {
     {"gmsh", config_text("striker_gmsh") + all_explicit, 150, 0.9},
     {"plates_that_stick", config_text("sticking_plates") + all_explicit, 300, 0.2},
     {"stretched_from_the_start", config_text("rod_on_stop") + all_explicit, 200, 1.0},
-    {"traction", loads + "traction = [{ surface = \"outer\", traction_pa = [0.0, 0.0] }, { surface = \"end\", traction_pa = [1e5, 2e5], "
-                         "amplitude = { time_s = [0.0, 1e-3], factor = [0.0, 1.0] } }]\n" + time_table, 200, 0.3},
-    {"prescribed", loads + "prescribed = [{ surface = \"start\", component = \"y\", displacement_m = 1e-3, "
-                           "amplitude = { time_s = [2e-4, 1e-3], factor = [0.0, 1.0] } }]\n" + time_table, 200, 0.3},
+    {"traction",
+     loads +
+         "traction = [{ surface = \"outer\", traction_pa = [0.0, 0.0] }, { surface = \"end\", traction_pa = [1e5, "
+         "2e5], "
+         "amplitude = { time_s = [0.0, 1e-3], factor = [0.0, 1.0] } }]\n" +
+         time_table,
+     200, 0.3},
+    {"prescribed",
+     loads +
+         "prescribed = [{ surface = \"start\", component = \"y\", displacement_m = 1e-3, "
+         "amplitude = { time_s = [2e-4, 1e-3], factor = [0.0, 1.0] } }]\n" +
+         time_table,
+     200, 0.3},
     {"gravity", loads + "gravity_m_s2 = [0.0, -9.81]\n" + time_table, 20, 1.0},
     {"stopped_by_a_support", loads + "support = [{ surface = \"end\", fixed = [\"y\"] }]\n" + time_table, 200, 0.4},
-    {"absorbing", loads + "support = [{ surface = \"end\", fixed = [\"y\"] }]\n"
-                          "absorbing = [{ surface = \"start\", wave = \"dilatational\" }]\n" + time_table, 200, 0.4},
+    {"absorbing",
+     loads +
+         "support = [{ surface = \"end\", fixed = [\"y\"] }]\n"
+         "absorbing = [{ surface = \"start\", wave = \"dilatational\" }]\n" +
+         time_table,
+     200, 0.4},
 };
 
 class SkippedRows : public testing::TestWithParam<Case> {};
@@ -145,7 +158,8 @@ TEST_P(SkippedRows, LeaveEveryBitAsItIs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(AllExplicit, SkippedRows, testing::ValuesIn(cases), [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(AllExplicit, SkippedRows, testing::ValuesIn(cases),
+                         [](const auto& test) { return test.param.name; });
 
 /// Displacements of the shared nodes or forces on them: nothing at first.
 std::vector<double> link_of(std::size_t size, int window, double scale) {
@@ -210,7 +224,8 @@ TEST(SkippedRows, AreNoneOfALoadedState) {
 }
 
 TEST(WaveFront, GrowsByALayerOfElementsPerStep) {
-  // 61 rows of 7 nodes. In ten steps the impulse of the traction is ten layers deep, and slices end with a row or two more.
+  // 61 rows of 7 nodes. In ten steps the impulse of the traction is ten layers deep, and slices end with a row or two
+  // more.
   Twins twins(cases[5].text);
   const double layers = 61.0;
   for (int n = 1; n <= 10; ++n) twins.step();

@@ -94,7 +94,8 @@ TEST_P(StartedByHandOver, killed_is_told_as_gone_at_once) {
   ByHand implicit(folder, "implicit_solver", run.scene(), "implicit", offered(run));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   kill(implicit.pid(), SIGKILL);
-  expect_failure(run, 4, "participant_failed", {"participant 'implicit' is gone in window ", "its connection was closed"});
+  expect_failure(run, 4, "participant_failed",
+                 {"participant 'implicit' is gone in window ", "its connection was closed"});
   expect_recovery(run, folder);
 }
 
@@ -133,11 +134,15 @@ struct Stranger {
 void PrintTo(const Stranger& stranger, std::ostream* out) { *out << stranger.what; }
 
 const std::vector<Stranger> strangers = {
-    {"unknown_name", "implict", "implicit",
+    {"unknown_name",
+     "implict",
+     "implicit",
      {"this run has no participant 'implict', allowed are explicit, implicit", "did you mean"}},
     {"another_scene", "implicit", "implicit", {"participant 'implicit' read another scene", "give both the same file"}},
     {"wrong_role", "implicit", "explicit", {"participant 'implicit' says it is explicit, the scene wants implicit"}},
-    {"name_of_another", "explicit", "",
+    {"name_of_another",
+     "explicit",
+     "",
      {"participant 'implicit' says it is 'explicit': it has the key of the one, not of the other"}},
 };
 

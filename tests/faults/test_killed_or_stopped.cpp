@@ -16,8 +16,8 @@ void PrintTo(const Fault& fault, std::ostream* out) {
 }
 
 std::string name_of(const testing::TestParamInfo<Fault>& info) {
-  return std::string(info.param.signal == SIGKILL ? "kill_" : "stop_") + info.param.who + "_" + info.param.when + "_over_" +
-         info.param.transport;
+  return std::string(info.param.signal == SIGKILL ? "kill_" : "stop_") + info.param.who + "_" + info.param.when +
+         "_over_" + info.param.transport;
 }
 
 std::vector<Fault> all_faults() {

@@ -7,9 +7,11 @@ namespace {
 class Machine : public testing::Test {
  protected:
   /// The scene by `ricochet run`, in a shell that has done `before` to itself; `after` stands behind the command.
-  Outcome run(const std::string& before, const std::string& scene_text, const std::string& after = "", double timeout_s = 60.0) {
+  Outcome run(const std::string& before, const std::string& scene_text, const std::string& after = "",
+              double timeout_s = 60.0) {
     scene_ = folder_.write(scene_text);
-    const std::string line = before + "exec '" + ricochet_binary() + "' run '" + scene_ + "' --out '" + out() + "' " + after;
+    const std::string line =
+        before + "exec '" + ricochet_binary() + "' run '" + scene_ + "' --out '" + out() + "' " + after;
     return run_command({"/bin/sh", "-c", line}, folder_.path().string(), timeout_s);
   }
   [[nodiscard]] std::string out() const { return folder_.path().string() + "/out"; }
@@ -43,7 +45,8 @@ TEST_F(Machine, closed_standard_files) {
     EXPECT_EQ(summary().at("status"), "done") << closed;
     const auto rows = lines_of(out() + "/history.csv");
     EXPECT_EQ(rows.size(), few_windows + 2U) << closed;
-    for (const auto& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
+    for (const auto& row : rows)
+      EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
   }
 }
 
@@ -67,7 +70,8 @@ TEST_F(Machine, a_full_disk) {
   for (const std::string fields : {"0", "100"}) {
     const std::string scene = folder_.write(with_key(bars(few_windows), "output", "fields_every", fields));
     const std::string line = mount + " && { '" + ricochet_binary() + "' run '" + scene + "' --out '" + out() +
-                             "'; code=$?; cat '" + out() + "/summary.json'; find '" + out() + "' -name '*.part'; exit $code; }";
+                             "'; code=$?; cat '" + out() + "/summary.json'; find '" + out() +
+                             "' -name '*.part'; exit $code; }";
     const auto outcome = run_command({"/usr/bin/unshare", "-rm", "sh", "-c", line}, folder_.path().string());
     EXPECT_EQ(outcome.code, 7) << outcome.error;
     EXPECT_THAT(outcome.error, HasSubstr("No space left on device (errno 28)"));

@@ -34,8 +34,8 @@ class TakenPort {
 TEST(Refused, a_port_that_is_in_use) {
   const TemporaryFolder folder;
   const TakenPort port;
-  const std::string scene = replaced(bars(few_windows), "[coupling]\n",
-                                     "[coupling]\ntransport = \"tcp\"\nport = " + port.text() + "\n");
+  const std::string scene =
+      replaced(bars(few_windows), "[coupling]\n", "[coupling]\ntransport = \"tcp\"\nport = " + port.text() + "\n");
   FaultRun run(folder, scene);
   EXPECT_EQ(run.coupler().wait(10.0), 2);
   const std::string endpoint = "'tcp://127.0.0.1:" + port.text() + "'";
@@ -47,8 +47,7 @@ TEST(Refused, a_results_folder_that_cannot_be_written) {
   const TemporaryFolder folder;
   const std::string scene = folder.write(bars(few_windows)), file = folder.write("a file", "taken");
   for (const std::string& out : {file, file + "/out", std::string("/proc/nowhere")}) {
-    const auto outcome =
-        run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 10.0);
+    const auto outcome = run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 10.0);
     EXPECT_EQ(outcome.code, 2) << out;
     EXPECT_THAT(outcome.error, HasSubstr("cannot create the results folder " + out));
   }

@@ -84,8 +84,10 @@ TEST_P(Stranger, with_a_key_of_its_own_is_shut_out) {
   key >> word >> coupler;
   char public_key[41], secret_key[41];
   ASSERT_EQ(zmq_curve_keypair(public_key, secret_key), 0);
-  const std::string other = folder_.write("coupler " + coupler + "\npublic " + public_key + "\nsecret " + secret_key + "\n", "other.key");
-  Process stranger({program("implicit_solver"), "--scene", run_.scene(), "--name", "implicit", "--connect", endpoint(), "--key", other},
+  const std::string other =
+      folder_.write("coupler " + coupler + "\npublic " + public_key + "\nsecret " + secret_key + "\n", "other.key");
+  Process stranger({program("implicit_solver"), "--scene", run_.scene(), "--name", "implicit", "--connect", endpoint(),
+                    "--key", other},
                    "/dev/null", folder_.path().string() + "/stranger.txt");
   EXPECT_EQ(stranger.wait(10.0), 4);
   EXPECT_THAT(file_text(folder_.path().string() + "/stranger.txt"), HasSubstr("it does not know this key"));
@@ -147,7 +149,8 @@ TEST_P(StrangerOverTcp, with_an_endless_greeting_takes_no_memory) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, StrangerOverTcp, testing::Values("tcp"), [](const auto& test) { return test.param; });
 
-/// Connections by the hundred per second to a run that computes: it takes about as long, and a death is noticed at once.
+/// Connections by the hundred per second to a run that computes: it takes about as long, and a death is noticed at
+/// once.
 TEST(Flood, of_connections_neither_slows_a_run_nor_hides_a_death) {
   const TemporaryFolder folder;
   FaultRun run(folder, with_key(bars(all_windows), "coupling", "transport", "\"tcp\""));
@@ -162,7 +165,8 @@ TEST(Flood, of_connections_neither_slows_a_run_nor_hides_a_death) {
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   kill(run.pid_of("explicit"), SIGKILL);
-  expect_failure(run, 4, "participant_failed", {"participant 'explicit' was killed by signal 9 (SIGKILL) in window "}, 3.0);
+  expect_failure(run, 4, "participant_failed", {"participant 'explicit' was killed by signal 9 (SIGKILL) in window "},
+                 3.0);
   over = true;
   flood.join();
 }

@@ -15,15 +15,19 @@ struct Command {
 void PrintTo(const Command& command, std::ostream* out) { *out << command.name; }
 
 const std::vector<Command> commands = {
-    {"run", {"run", "SCENE", "--out", "."}, {"history.csv", "summary.json", "trace.json", "logs/explicit.log", "report.html"}},
-    {"stability", {"stability", "SCENE", "--sweep", "courant=0.5", "--out", "."},
+    {"run",
+     {"run", "SCENE", "--out", "."},
+     {"history.csv", "summary.json", "trace.json", "logs/explicit.log", "report.html"}},
+    {"stability",
+     {"stability", "SCENE", "--sweep", "courant=0.5", "--out", "."},
      {"stability.csv", "stability.json", "stability.html", "variants/0001.toml", "logs/implicit.log"}},
     {"study", {"study", "STUDY", "--out", "."}, {"results.csv", "study.json", "report.html", "runs/draft.toml"}},
 };
 
 /// Of every kind that some command writes, under names that none of these takes.
-const std::vector<std::string> foreign = {"mine/scene.toml", "results_of_mine.csv", "charts/mine.svg", "logs/mine.log",
-                                          "variants/mine.toml", "fields/mine.vtu", "fields/mine.pvd", "notes.txt"};
+const std::vector<std::string> foreign = {
+    "mine/scene.toml",    "results_of_mine.csv", "charts/mine.svg", "logs/mine.log",
+    "variants/mine.toml", "fields/mine.vtu",     "fields/mine.pvd", "notes.txt"};
 
 class UserFiles : public testing::TestWithParam<Command> {
  protected:
@@ -51,8 +55,10 @@ class UserFiles : public testing::TestWithParam<Command> {
 
   TemporaryFolder folder_, scratch_;
   std::string scene_ = folder_.write(bars(few_windows), "scene.toml");
-  std::string study_ = folder_.write("scene = \"scene.toml\"\nmethods = [\"hughes_liu\", \"kim\"]\nrepeats = 1\n"
-                                     "[reference]\nexact = \"impedance_theory\"\n", "study.toml");
+  std::string study_ = folder_.write(
+      "scene = \"scene.toml\"\nmethods = [\"hughes_liu\", \"kim\"]\nrepeats = 1\n"
+      "[reference]\nexact = \"impedance_theory\"\n",
+      "study.toml");
 };
 
 TEST_P(UserFiles, stay_as_they_are_in_the_results_folder) {
@@ -80,15 +86,20 @@ TEST_P(UserFiles, under_a_name_that_is_needed_are_named_and_stay) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, UserFiles, testing::ValuesIn(commands), [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Faults, UserFiles, testing::ValuesIn(commands),
+                         [](const auto& test) { return test.param.name; });
 
 /// A page of others in a results folder is neither run nor taken for ours.
 TEST(CodeFromData, report_runs_no_program_that_lies_in_the_folder) {
   const TemporaryFolder folder;
   const std::string mark = folder.path().string() + "/mark";
-  const std::string page = "<script type=\"application/json\" id=\"charts\">[]</script><script>/*! vega\n*/"
-                           "process.getBuiltinModule?.('fs').writeFileSync('" + mark + "', ''); "
-                           "require('fs').writeFileSync('" + mark + "', '')</script>";
+  const std::string page =
+      "<script type=\"application/json\" id=\"charts\">[]</script><script>/*! vega\n*/"
+      "process.getBuiltinModule?.('fs').writeFileSync('" +
+      mark +
+      "', ''); "
+      "require('fs').writeFileSync('" +
+      mark + "', '')</script>";
   static_cast<void>(folder.write(page, "stability.html"));
   auto outcome = run_command({ricochet_binary(), "report", folder.path().string()}, folder.path().string(), 60.0);
   EXPECT_EQ(outcome.code, 2);

@@ -1,5 +1,3 @@
-#include "implicit_solver/condensed_factor.hpp"
-
 #include <SuiteSparse_config.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "common/base/error.hpp"
+#include "implicit_solver/condensed_factor.hpp"
 
 namespace ricochet::implicit_solver {
 namespace {
@@ -21,8 +20,10 @@ fem::SparseMatrix grid_operator(int nx, int ny, double shift) {
   for (int j = 0; j < ny; ++j) {
     for (int i = 0; i < nx; ++i) {
       entries.emplace_back(node(i, j), node(i, j), 4.0 + shift);
-      if (i + 1 < nx) entries.emplace_back(node(i, j), node(i + 1, j), -1.0), entries.emplace_back(node(i + 1, j), node(i, j), -1.0);
-      if (j + 1 < ny) entries.emplace_back(node(i, j), node(i, j + 1), -1.0), entries.emplace_back(node(i, j + 1), node(i, j), -1.0);
+      if (i + 1 < nx)
+        entries.emplace_back(node(i, j), node(i + 1, j), -1.0), entries.emplace_back(node(i + 1, j), node(i, j), -1.0);
+      if (j + 1 < ny)
+        entries.emplace_back(node(i, j), node(i, j + 1), -1.0), entries.emplace_back(node(i, j + 1), node(i, j), -1.0);
     }
   }
   fem::SparseMatrix a(nx * ny, nx * ny);
@@ -73,7 +74,8 @@ TEST(CondensedFactor, RootInverseIsTheRootBlockOfTheInverse) {
   const Eigen::MatrixXd inverse = c.dense().inverse();
   for (std::size_t i = 0; i < c.root.size(); ++i) {
     for (std::size_t j = 0; j < c.root.size(); ++j) {
-      EXPECT_NEAR(factor.root_inverse()(static_cast<int>(i), static_cast<int>(j)), inverse(c.root[i], c.root[j]), 1e-13);
+      EXPECT_NEAR(factor.root_inverse()(static_cast<int>(i), static_cast<int>(j)), inverse(c.root[i], c.root[j]),
+                  1e-13);
     }
   }
 }
@@ -113,8 +115,12 @@ class ScarceMemory {
   explicit ScarceMemory(int allocations) {
     left = allocations;
     SuiteSparse_config.malloc_func = [](std::size_t size) { return left-- > 0 ? std::malloc(size) : nullptr; };
-    SuiteSparse_config.calloc_func = [](std::size_t n, std::size_t size) { return left-- > 0 ? std::calloc(n, size) : nullptr; };
-    SuiteSparse_config.realloc_func = [](void* p, std::size_t size) { return left-- > 0 ? std::realloc(p, size) : nullptr; };
+    SuiteSparse_config.calloc_func = [](std::size_t n, std::size_t size) {
+      return left-- > 0 ? std::calloc(n, size) : nullptr;
+    };
+    SuiteSparse_config.realloc_func = [](void* p, std::size_t size) {
+      return left-- > 0 ? std::realloc(p, size) : nullptr;
+    };
   }
   ScarceMemory(const ScarceMemory&) = delete;
   ScarceMemory& operator=(const ScarceMemory&) = delete;
@@ -138,7 +144,8 @@ TEST(CondensedFactor, SaysSoWhenCholmodRunsOutOfMemoryWhereverThatIs) {
       const CondensedFactor factor(c.a, c.active, c.root);
       done = true;
     } catch (const SolverError& error) {
-      EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << allocations << ": " << error.what();
+      EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos)
+          << allocations << ": " << error.what();
     }
   }
   EXPECT_GT(allocations, 20);

@@ -5,8 +5,8 @@
 #include "implicit_solver/implicit_solver.hpp"
 #include "tests/support/scene_file.hpp"
 
-// Eq. 25-27 of the paper with numbers worked out by hand. In so short a first window no force moves anything, and what is left
-// of the velocities of a closed pair is its update.
+// Eq. 25-27 of the paper with numbers worked out by hand. In so short a first window no force moves anything, and what
+// is left of the velocities of a closed pair is its update.
 
 namespace ricochet::implicit_solver {
 namespace {
@@ -31,8 +31,10 @@ initial_velocity_m_s = [-1.0, 0.0]
 surfaces = ["lower.end", "upper.start"]
 enforcement = "penalty"
 penalty_pa_m = 1e12
-impact_update = ")" + update + R"("
-friction_coefficient = )" + friction_coefficient + R"(
+impact_update = ")" +
+         update + R"("
+friction_coefficient = )" +
+         friction_coefficient + R"(
 [time]
 step_s = 1e-10
 end_s = 1e-9
@@ -53,7 +55,7 @@ Motion after_one_window(const std::string& text) {
   static_cast<void>(solver.describe());
   participant::Setup setup;
   setup.window_size_s = problem.window_size_s;
-  participant::Link output;
+  participant::LinkOutput output;
   solver.initialize(setup, output);
   solver.synchronise(participant::Integration::implicit_newmark, {}, output);
   solver.advance(1, {}, output);
@@ -74,7 +76,8 @@ Motion after_one_window(const std::string& text) {
 TEST(ImpactUpdate, TakesTheImpedanceWeightedMeanAlongAndAcrossTheNormal) {
   const Motion motion = after_one_window(blocks("impedance", "5.0"));  // 3/7 of a slip per closing: sticks
   const double normal = (6.0 * 7.0 + 8.0 * 0.0) / (6.0 + 8.0);
-  const double tangential = (std::sqrt(3.0) * 2.0 - 2.0 * std::sqrt(2.0) * 1.0) / (std::sqrt(3.0) + 2.0 * std::sqrt(2.0));
+  const double tangential =
+      (std::sqrt(3.0) * 2.0 - 2.0 * std::sqrt(2.0) * 1.0) / (std::sqrt(3.0) + 2.0 * std::sqrt(2.0));
   EXPECT_NEAR(normal, 3.0, 1e-12);
   EXPECT_NEAR(tangential, 0.139388, 1e-6);
   for (const auto& velocity : {motion.lower, motion.upper}) {

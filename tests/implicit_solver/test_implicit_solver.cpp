@@ -1,16 +1,15 @@
-#include "implicit_solver/implicit_solver.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
+#include "implicit_solver/implicit_solver.hpp"
 
 namespace ricochet::implicit_solver {
 namespace {
 
 scene::Problem baseline(const std::string& config, scene::MultiplierUpdate update) {
   auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
-  scene.coupling.protocol = "all_implicit";
+  scene.coupling.protocol = scene::protocol_traits("all_implicit");
   scene.contact->multiplier_update = update;
   scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch, {}}};
   for (const auto& body : scene.bodies) scene.participants[0].bodies.push_back(body.name);
@@ -18,7 +17,8 @@ scene::Problem baseline(const std::string& config, scene::MultiplierUpdate updat
 }
 
 struct Started {
-  Started(const std::string& config, scene::MultiplierUpdate update) : given(baseline(config, update)), solver(given, "implicit") {
+  Started(const std::string& config, scene::MultiplierUpdate update)
+      : given(baseline(config, update)), solver(given, "implicit") {
     (void)solver.describe();
     participant::Setup setup;
     setup.window_size_s = given.window_size_s;
@@ -29,20 +29,22 @@ struct Started {
     solver.advance(++window, {}, output);
     solver.accept();
   }
-  /// 1/2 v^T M v - dt^2/8 a^T M a + 1/2 u^T K u with a = -M^-1 K u: the metric in which central difference conserves energy.
+  /// 1/2 v^T M v - dt^2/8 a^T M a + 1/2 u^T K u with a = -M^-1 K u: the metric in which central difference conserves
+  /// energy.
   [[nodiscard]] double staggered_energy() const {
     double energy = 0.0;
     const double dt = given.window_size_s;
     for (const auto& state : solver.states()) {
       const Eigen::VectorXd force = state.part.stiffness * state.u;
       const Eigen::VectorXd a = -state.inverse_mass.cwiseProduct(force);
-      energy += 0.5 * state.mass.dot(state.v.cwiseAbs2()) - dt * dt / 8.0 * state.mass.dot(a.cwiseAbs2()) + 0.5 * state.u.dot(force);
+      energy += 0.5 * state.mass.dot(state.v.cwiseAbs2()) - dt * dt / 8.0 * state.mass.dot(a.cwiseAbs2()) +
+                0.5 * state.u.dot(force);
     }
     return energy;
   }
   scene::Problem given;
   ImplicitSolver solver;
-  participant::Link output;
+  participant::LinkOutput output;
   int window = 0;
 };
 
@@ -64,7 +66,8 @@ TEST_P(SwitchAtSeparation, CostsNoEnergyInTheStaggeredMetric) {
 }
 
 INSTANTIATE_TEST_SUITE_P(MultiplierUpdates, SwitchAtSeparation,
-                         testing::Values(scene::MultiplierUpdate::trapezoidal_reset, scene::MultiplierUpdate::fully_implicit));
+                         testing::Values(scene::MultiplierUpdate::trapezoidal_reset,
+                                         scene::MultiplierUpdate::fully_implicit));
 
 TEST(ImplicitSolver, TheIncrementalResidualStaysTheResidual) {
   Started run("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
@@ -74,7 +77,8 @@ TEST(ImplicitSolver, TheIncrementalResidualStaysTheResidual) {
 }
 
 TEST(ImplicitSolver, ATrialRepeatedGivesTheSameBits) {
-  Started a("kim_impact", scene::MultiplierUpdate::trapezoidal_reset), b("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
+  Started a("kim_impact", scene::MultiplierUpdate::trapezoidal_reset),
+      b("kim_impact", scene::MultiplierUpdate::trapezoidal_reset);
   for (int n = 1; n <= 20; ++n) {
     a.step();
     b.solver.advance(n, {}, b.output);

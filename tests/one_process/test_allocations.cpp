@@ -1,5 +1,5 @@
-// The stepping loop takes no memory from the heap: protocol, links, sessions and both solvers, in one process, where every
-// allocation of the program is counted. (Not with the address sanitizer, which does the allocating then.)
+// The stepping loop takes no memory from the heap: protocol, links, sessions and both solvers, in one process, where
+// every allocation of the program is counted. (Not with the address sanitizer, which does the allocating then.)
 #ifndef __SANITIZE_ADDRESS__
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -46,7 +46,8 @@ std::string impact(const std::string& protocol, int substeps) {
 
 /// Of a run but for its first deliveries of history rows, which let vectors reach their size.
 struct Count {
-  long long allocations = 0, windows = 0, deliveries = 0;  ///< allocations between deliveries, not by who takes the rows
+  long long allocations = 0, windows = 0,
+            deliveries = 0;  ///< allocations between deliveries, not by who takes the rows
   long long links = 0;
 };
 
@@ -76,8 +77,8 @@ Count count(const std::string& text) {
 
 class Window : public testing::TestWithParam<std::pair<const char*, int>> {};
 
-/// A delivery gives each link's buffer away with the rows, and a long one makes the sessions' buffers grow. Nothing else
-/// allocates. (The dense problems of `gravouil_combescure` and `fixed_point` do, in every window.)
+/// A delivery gives each link's buffer away with the rows, and a long one makes the sessions' buffers grow. Nothing
+/// else allocates. (The dense problems of `gravouil_combescure` and `fixed_point` do, in every window.)
 TEST_P(Window, TakesNoMemory) {
   constexpr long long growth = 40;
   const auto found = count(impact(GetParam().first, GetParam().second));

@@ -6,8 +6,9 @@
 #include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"
 
-// What a contact force is: the impulse over a window, divided by its size. For every contact law, protocol and baseline the
-// forces of all windows then add up to the change of momentum of each body, and friction stays in its cone window by window.
+// What a contact force is: the impulse over a window, divided by its size. For every contact law, protocol and baseline
+// the forces of all windows then add up to the change of momentum of each body, and friction stays in its cone window
+// by window.
 
 namespace ricochet {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 struct Law {
   const char* name;
   const char* keys;
-  bool all_explicit;    ///< central difference knows it, too
+  bool all_explicit;  ///< central difference knows it, too
   bool takes_a_mean_by_impedance = false;
 };
 constexpr Law laws[] = {
@@ -25,7 +26,8 @@ constexpr Law laws[] = {
     {"fully_implicit", "multiplier_update = \"fully_implicit\"\n", false},
     {"penalty", "enforcement = \"penalty\"\npenalty_pa_m = 1e11\n", true},
     {"penalty_mass", "enforcement = \"penalty\"\npenalty_pa_m = 1e13\nimpact_update = \"mass\"\n", false},
-    {"penalty_impedance", "enforcement = \"penalty\"\npenalty_pa_m = 1e13\nimpact_update = \"impedance\"\n", false, true},
+    {"penalty_impedance", "enforcement = \"penalty\"\npenalty_pa_m = 1e13\nimpact_update = \"impedance\"\n", false,
+     true},
 };
 
 struct Protocol {
@@ -34,40 +36,49 @@ struct Protocol {
   double momentum_error;  ///< of the protocol itself, relative
 };
 constexpr Protocol protocols[] = {
-    {"hughes_liu", 1, 1e-12},        {"kim", 1, 2e-2},                {"kim_predicted", 1, 1e-12},
-    {"belytschko_mullen", 1, 1e-12}, {"prakash_hjelmstad", 1, 1e-12}, {"prakash_hjelmstad", 2, 1e-12},
-    {"gravouil_combescure", 1, 1e-12}, {"gravouil_combescure", 2, 2e-2}, {"fixed_point", 1, 1e-10},
-    {"all_implicit", 1, 1e-12},      {"all_explicit", 1, 1e-12},
+    {"hughes_liu", 1, 1e-12},          {"kim", 1, 2e-2},
+    {"kim_predicted", 1, 1e-12},       {"belytschko_mullen", 1, 1e-12},
+    {"prakash_hjelmstad", 1, 1e-12},   {"prakash_hjelmstad", 2, 1e-12},
+    {"gravouil_combescure", 1, 1e-12}, {"gravouil_combescure", 2, 2e-2},
+    {"fixed_point", 1, 1e-10},         {"all_implicit", 1, 1e-12},
+    {"all_explicit", 1, 1e-12},
 };
 
 std::string plate(const char* name, double start_m, double v_t, double v_n, int elements = 10) {
-  return std::string("[[body]]\nname = \"") + name + "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, " +
-         "density_kg_m3 = " + (name[0] == 'l' ? "1000.0" : "1700.0") + " }\nmesh = { start_m = " + std::to_string(start_m) +
-         ", length_m = 0.25, height_m = 0.075, elements = [3, " + std::to_string(elements) + "], periodic_across = true }\n" +
-         "initial_velocity_m_s = [" + std::to_string(v_t) + ", " + std::to_string(v_n) + "]\n";
+  return std::string("[[body]]\nname = \"") + name +
+         "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, " +
+         "density_kg_m3 = " + (name[0] == 'l' ? "1000.0" : "1700.0") +
+         " }\nmesh = { start_m = " + std::to_string(start_m) + ", length_m = 0.25, height_m = 0.075, elements = [3, " +
+         std::to_string(elements) + "], periodic_across = true }\n" + "initial_velocity_m_s = [" + std::to_string(v_t) +
+         ", " + std::to_string(v_n) + "]\n";
 }
 
 std::string coupled(const Protocol& protocol, double end_s) {
-  return "[partition]\nimplicit_length_m = { " + std::string("lower = 0.075") + " }\n[time]\nstep_s = 1e-5\nend_s = " +
-         std::to_string(end_s) + "\n[coupling]\nresynchronise_every = 10\nprotocol = \"" + protocol.name + "\"\nenergy_growth_limit = 1e9\n" +
+  return "[partition]\nimplicit_length_m = { " + std::string("lower = 0.075") +
+         " }\n[time]\nstep_s = 1e-5\nend_s = " + std::to_string(end_s) +
+         "\n[coupling]\nresynchronise_every = 10\nprotocol = \"" + protocol.name + "\"\nenergy_growth_limit = 1e9\n" +
          (protocol.substeps > 1 ? "substeps = " + std::to_string(protocol.substeps) + "\n" : std::string());
 }
 
 /// One plate against a rigid plane; slides along it at 25 m/s.
-std::string on_a_plane(const Law& law, const Protocol& protocol, const char* friction = "friction_coefficient = 0.3\n") {
-  return "model = \"plane_strain\"\n" + plate("lower", -0.25, 25.0, 10.0) + "[contact]\nsurfaces = [\"lower.end\", \"rigid_plane\"]\n" +
-         friction + law.keys + coupled(protocol, 8e-4);
+std::string on_a_plane(const Law& law, const Protocol& protocol,
+                       const char* friction = "friction_coefficient = 0.3\n") {
+  return "model = \"plane_strain\"\n" + plate("lower", -0.25, 25.0, 10.0) +
+         "[contact]\nsurfaces = [\"lower.end\", \"rigid_plane\"]\n" + friction + law.keys + coupled(protocol, 8e-4);
 }
 
 /// Two plates of different density that meet after ten windows; they stick in part of the run, or slip.
 std::string two_plates(const Law& law, const Protocol& protocol, double v_t) {
-  auto text = "model = \"plane_strain\"\n" + plate("lower", -0.25, v_t, 10.0) + plate("upper", 0.0, -v_t, -10.0) +
-              "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 2e-3\nfriction_coefficient = 0.3\n" + law.keys +
-              coupled(protocol, 1e-3);
+  auto text =
+      "model = \"plane_strain\"\n" + plate("lower", -0.25, v_t, 10.0) + plate("upper", 0.0, -v_t, -10.0) +
+      "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 2e-3\nfriction_coefficient = 0.3\n" +
+      law.keys + coupled(protocol, 1e-3);
   return test::replaced(text, "{ lower = 0.075 }", "{ lower = 0.075, upper = 0.05 }");
 }
 
-bool applies(const Law& law, const Protocol& protocol) { return law.all_explicit || std::string(protocol.name) != "all_explicit"; }
+bool applies(const Law& law, const Protocol& protocol) {
+  return law.all_explicit || std::string(protocol.name) != "all_explicit";
+}
 
 class ContactForce : public testing::TestWithParam<std::tuple<Law, Protocol>> {
  protected:
@@ -100,7 +111,8 @@ TEST_P(ContactForce, TimesTheWindowIsTheMomentumThatAPlaneTakes) {
   const auto history = rows(on_a_plane(law(), protocol()));
   const auto &first = history.front().bodies[0], &last = history.back().bodies[0];
   const Impulses sum(history);
-  const double momentum = std::hypot(first.momentum_n_kg_m_s, first.momentum_t_kg_m_s), allowed = protocol().momentum_error * momentum;
+  const double momentum = std::hypot(first.momentum_n_kg_m_s, first.momentum_t_kg_m_s),
+               allowed = protocol().momentum_error * momentum;
   ASSERT_GT(sum.normal, 0.5 * std::abs(first.momentum_n_kg_m_s)) << "it is to hit the plane";
   EXPECT_NEAR(last.momentum_n_kg_m_s - first.momentum_n_kg_m_s, -sum.normal, allowed);
   EXPECT_NEAR(last.momentum_t_kg_m_s - first.momentum_t_kg_m_s, -sum.tangential, allowed);
@@ -115,8 +127,10 @@ TEST_P(ContactForce, TimesTheWindowIsTheMomentumThatEachOfTwoBodiesGets) {
     const auto change = [&](std::size_t body, double coupler::BodyRow::*momentum) {
       return history.back().bodies[body].*momentum - history.front().bodies[body].*momentum;
     };
-    const double on_a_n = change(0, &coupler::BodyRow::momentum_n_kg_m_s), on_b_n = change(1, &coupler::BodyRow::momentum_n_kg_m_s);
-    const double on_a_t = change(0, &coupler::BodyRow::momentum_t_kg_m_s), on_b_t = change(1, &coupler::BodyRow::momentum_t_kg_m_s);
+    const double on_a_n = change(0, &coupler::BodyRow::momentum_n_kg_m_s),
+                 on_b_n = change(1, &coupler::BodyRow::momentum_n_kg_m_s);
+    const double on_a_t = change(0, &coupler::BodyRow::momentum_t_kg_m_s),
+                 on_b_t = change(1, &coupler::BodyRow::momentum_t_kg_m_s);
     const double scale = 18.75 * std::hypot(10.0, v_t), allowed = protocol().momentum_error * scale;
     ASSERT_GT(sum.normal, 0.5 * 18.75 * 10.0) << "they are to hit each other";
     ASSERT_GT(std::abs(sum.tangential), 1.0);
@@ -132,7 +146,8 @@ TEST_P(ContactForce, TimesTheWindowIsTheMomentumThatEachOfTwoBodiesGets) {
 
 TEST_P(ContactForce, OfASlippingPlateIsOnTheConeInEveryWindow) {
   if (!applies(law(), protocol())) GTEST_SKIP() << "not a law of central difference";
-  for (const char* friction : {"friction_coefficient = 0.3\n", "friction_coefficient = 0.3\nfriction_law = \"regularised\"\n"}) {
+  for (const char* friction :
+       {"friction_coefficient = 0.3\n", "friction_coefficient = 0.3\nfriction_law = \"regularised\"\n"}) {
     int windows = 0;
     double largest = 0.0, worst = 0.0;
     const auto history = rows(on_a_plane(law(), protocol(), friction));
@@ -154,7 +169,8 @@ std::string name_of(const testing::TestParamInfo<std::tuple<Law, Protocol>>& inf
   return std::string(law.name) + "_" + protocol.name + "_" + std::to_string(protocol.substeps);
 }
 
-INSTANTIATE_TEST_SUITE_P(LawsAndProtocols, ContactForce, testing::Combine(testing::ValuesIn(laws), testing::ValuesIn(protocols)), name_of);
+INSTANTIATE_TEST_SUITE_P(LawsAndProtocols, ContactForce,
+                         testing::Combine(testing::ValuesIn(laws), testing::ValuesIn(protocols)), name_of);
 
 }  // namespace
 }  // namespace ricochet

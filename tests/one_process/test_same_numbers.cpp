@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "coupler/conserved.hpp"
-#include "coupler/history_file.hpp"
+#include "coupler/results/history_file.hpp"
+#include "coupler/watch/conserved.hpp"
 #include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"
 
@@ -28,7 +28,8 @@ std::string history_in_one_process(const std::string& scene, const std::string& 
   return test::file_text(path);
 }
 
-/// The paper's impact on a coarser mesh: friction, contact from the first window on, coupling values made absolute twice.
+/// The paper's impact on a coarser mesh: friction, contact from the first window on, coupling values made absolute
+/// twice.
 std::string impact(const std::string& protocol) {
   auto text = test::config_text("kim_impact");
   for (int body = 0; body < 2; ++body) text = test::replaced(text, "elements = [10, 160]", "elements = [3, 80]");

@@ -18,12 +18,13 @@ std::string long_rod(const std::string& protocol, double safety_factor) {
   return with_protocol(replaced(text, "safety_factor = 0.9", "safety_factor = " + number(safety_factor)), protocol);
 }
 
-// Row 8. At Courant 1 the shortest wave's frequency is 2/dt: it grows linearly. Its energy in the conserved metric is zero, so
-// that only the strain energy shows it.
+// Row 8. At Courant 1 the shortest wave's frequency is 2/dt: it grows linearly. Its energy in the conserved metric is
+// zero, so that only the strain energy shows it.
 TEST(CourantOne, TheShortestWaveGrowsInAllExplicit) {
   const TemporaryFolder folder;
   const auto strain = [&](double safety_factor) {
-    const std::string text = with_key(long_rod("all_explicit", safety_factor), "coupling", "energy_growth_limit", "1e9");
+    const std::string text =
+        with_key(long_rod("all_explicit", safety_factor), "coupling", "energy_growth_limit", "1e9");
     return run_text(text, folder).largest("energy_strain_j");
   };
   EXPECT_LT(strain(0.999), 1.1 * 0.125e-6);
@@ -34,7 +35,8 @@ TEST(CourantOne, TheShortestWaveGrowsInAllExplicit) {
 
 TEST(CourantOne, AHybridGainsEnergyEarlier) {
   const TemporaryFolder folder;
-  const double edge = measured_edge(0.9, 0.995, [&](double factor) { return grows(long_rod("hughes_liu", factor), folder); });
+  const double edge =
+      measured_edge(0.9, 0.995, [&](double factor) { return grows(long_rod("hughes_liu", factor), folder); });
   EXPECT_NEAR(edge, 0.972, 0.01) << "check warns from 0.95 on";
   EXPECT_THAT(check_text(long_rod("hughes_liu", 0.955), folder).out, HasSubstr("may grow from impact to impact"));
   EXPECT_THAT(check_text(long_rod("hughes_liu", 0.945), folder).out, Not(HasSubstr("warning")));
@@ -47,9 +49,10 @@ TEST(CourantOne, AHybridGainsEnergyEarlier) {
 std::string stiff_tip_mesh(double ratio) {
   std::ostringstream text;
   text.precision(17);
-  text << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n0 3 \"tip_end\"\n1 1 \"bar\"\n1 2 \"tip\"\n$EndPhysicalNames\n"
-       << "$Entities\n1 2 0 0\n1 " << 1.0 + 0.05 / ratio << " 0 0 1 3\n1 0 0 0 1 0 0 1 1 0\n2 1 0 0 " << 1.0 + 0.05 / ratio
-       << " 0 0 2 1 2 0\n$EndEntities\n$Nodes\n1 22 1 22\n1 1 0 22\n";
+  text << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n0 3 \"tip_end\"\n1 1 \"bar\"\n1 2 "
+          "\"tip\"\n$EndPhysicalNames\n"
+       << "$Entities\n1 2 0 0\n1 " << 1.0 + 0.05 / ratio << " 0 0 1 3\n1 0 0 0 1 0 0 1 1 0\n2 1 0 0 "
+       << 1.0 + 0.05 / ratio << " 0 0 2 1 2 0\n$EndEntities\n$Nodes\n1 22 1 22\n1 1 0 22\n";
   for (int i = 1; i <= 22; ++i) text << i << "\n";
   for (int i = 0; i <= 20; ++i) text << 0.05 * i << " 0 0\n";
   text << 1.0 + 0.05 / ratio << " 0 0\n$EndNodes\n$Elements\n3 22 1 22\n0 1 15 1\n1 22\n1 1 1 20\n";
@@ -62,8 +65,11 @@ std::string stiff_tip(const std::string& protocol, double step_s) {
   return "model = \"bar\"\n[[body]]\nname = \"bar\"\nmaterial = { youngs_modulus_pa = 1e9, density_kg_m3 = 1000.0 }\n"
          "mesh = { gmsh = \"tip.msh\" }\ninitial_displacement_m = { start = [-1e-3], end = [1e-3] }\n"
          "[contact]\nsurfaces = [\"bar.tip_end\", \"rigid_plane\"]\ninitial_gap_m = 1.0\n"
-         "[partition]\nimplicit_groups = { bar = [\"tip\"] }\n[time]\nstep_s = " + number(step_s) + "\nend_s = 0.1\n"
-         "[coupling]\nprotocol = \"" + protocol + "\"\n";
+         "[partition]\nimplicit_groups = { bar = [\"tip\"] }\n[time]\nstep_s = " +
+         number(step_s) +
+         "\nend_s = 0.1\n"
+         "[coupling]\nprotocol = \"" +
+         protocol + "\"\n";
 }
 
 // Row 9. Integrated explicitly with stiffness k ratio on the mass m of a bar's node, the shared node would allow
@@ -73,12 +79,12 @@ TEST(StiffImplicitNeighbour, DoesNotLowerTheStepOfTheExplicitElements) {
   for (const double ratio : {1.0, 100.0, 1e4}) {
     const TemporaryFolder folder;
     (void)folder.write(stiff_tip_mesh(ratio), "tip.msh");
-    const double edge = measured_edge(0.9, 1.1, [&](double share) {
-      return refused(stiff_tip("hughes_liu", share * courant_s), folder);
-    });
+    const double edge = measured_edge(
+        0.9, 1.1, [&](double share) { return refused(stiff_tip("hughes_liu", share * courant_s), folder); });
     EXPECT_NEAR(edge, 1.0, 0.01) << ratio;
     // The sum of two metrics of energy sways, the more the closer to Courant 1, but it does not grow.
-    const RunResult run = run_text(with_key(stiff_tip("hughes_liu", 0.96 * courant_s), "coupling", "energy_growth_limit", "1e9"), folder);
+    const RunResult run =
+        run_text(with_key(stiff_tip("hughes_liu", 0.96 * courant_s), "coupling", "energy_growth_limit", "1e9"), folder);
     const auto& error = run.column("energy_error");
     ASSERT_GT(error.size(), 2000U);
     const auto middle = error.begin() + static_cast<std::ptrdiff_t>(error.size() / 2);
@@ -95,8 +101,10 @@ TEST(StiffContactLayer, MakesEnergyLikeAPenalty) {
     for (const double ratio : {1.0, 100.0}) {
       const TemporaryFolder folder;
       (void)folder.write(stiff_tip_mesh(ratio), "tip.msh");
-      std::string text = replaced(stiff_tip(protocol, 0.8 * 0.05 / 1000.0), "initial_gap_m = 1.0", "initial_gap_m = 0.1");
-      text = replaced(text, "initial_displacement_m = { start = [-1e-3], end = [1e-3] }", "initial_velocity_m_s = [20.0]");
+      std::string text =
+          replaced(stiff_tip(protocol, 0.8 * 0.05 / 1000.0), "initial_gap_m = 1.0", "initial_gap_m = 0.1");
+      text =
+          replaced(text, "initial_displacement_m = { start = [-1e-3], end = [1e-3] }", "initial_velocity_m_s = [20.0]");
       const double growth = unwatched_growth(text, folder);
       if (ratio > 1.0) {
         EXPECT_NEAR(growth, expected, 0.1 * expected) << protocol;

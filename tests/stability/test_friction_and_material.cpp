@@ -10,18 +10,21 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// The sticking plates with regularised friction, xi = 1 s/m, and all velocities times `factor`: mu N dt / (2 m) is 2.7 m/s times
-/// that, against 1/xi = 1 m/s.
+/// The sticking plates with regularised friction, xi = 1 s/m, and all velocities times `factor`: mu N dt / (2 m) is 2.7
+/// m/s times that, against 1/xi = 1 m/s.
 std::string plates(const std::string& protocol, double factor) {
-  std::string text = with_key(with_protocol(config_text("sticking_plates"), protocol), "contact", "friction_law", "\"regularised\"");
+  std::string text =
+      with_key(with_protocol(config_text("sticking_plates"), protocol), "contact", "friction_law", "\"regularised\"");
   for (const double sign : {1.0, -1.0}) {
     const std::string from = sign > 0 ? "[3.0, 10.0]" : "[-3.0, -10.0]";
-    text = replaced(text, from, std::string("[") + number(3.0 * sign * factor) + ", " + number(10.0 * sign * factor) + "]");
+    text = replaced(text, from,
+                    std::string("[") + number(3.0 * sign * factor) + ", " + number(10.0 * sign * factor) + "]");
   }
   return replaced(text, "end_s = 600e-6", "end_s = 400e-6");
 }
 
-/// Each plate's shear wave: tau = rho c_S (v_t - v/2), and tau = mu p tanh(xi v): the traction [Pa] of two plates that slide at v.
+/// Each plate's shear wave: tau = rho c_S (v_t - v/2), and tau = mu p tanh(xi v): the traction [Pa] of two plates that
+/// slide at v.
 double exact_traction_pa(double factor) {
   const double c_s = std::sqrt(1e9 / (2 * 1000 * 1.25)), limit_pa = 3.28634e6 * factor;
   double low = 0.0, high = 6.0 * factor;
@@ -32,7 +35,8 @@ double exact_traction_pa(double factor) {
   return 1000 * c_s * (3.0 * factor - 0.5 * low);
 }
 
-// Row 13. Friction by impulses asks for the velocity that it leaves: however stiff the law is for the step, nothing rings.
+// Row 13. Friction by impulses asks for the velocity that it leaves: however stiff the law is for the step, nothing
+// rings.
 class RegularisedFriction : public testing::TestWithParam<const char*> {};
 
 TEST_P(RegularisedFriction, HasTheExactMeanTractionAndDoesNotRing) {
@@ -41,7 +45,9 @@ TEST_P(RegularisedFriction, HasTheExactMeanTractionAndDoesNotRing) {
     const RunResult run = run_text(plates(GetParam(), factor), folder);
     const double traction_pa = std::abs(run.mean("friction_force_n", 100e-6, 400e-6)) / 0.0075;
     EXPECT_NEAR(traction_pa, exact_traction_pa(factor), 2e-3 * exact_traction_pa(factor)) << factor;
-    EXPECT_LT(run.deviation("friction_force_n", 50e-6, 100e-6), 0.02 * std::abs(run.mean("friction_force_n", 50e-6, 100e-6))) << factor;
+    EXPECT_LT(run.deviation("friction_force_n", 50e-6, 100e-6),
+              0.02 * std::abs(run.mean("friction_force_n", 50e-6, 100e-6)))
+        << factor;
   }
 }
 
@@ -52,7 +58,8 @@ TEST(RegularisedFrictionOfAPenalty, IsWarnedOfWhereNoVelocityIsSet) {
   const TemporaryFolder folder;
   const auto checked = [&](const std::string& update) {
     std::string text = with_key(plates("all_implicit", 4.0), "contact", "enforcement", "\"penalty\"");
-    text = with_key(with_key(text, "contact", "penalty_pa_m", "1e10"), "contact", "impact_update", "\"" + update + "\"");
+    text =
+        with_key(with_key(text, "contact", "penalty_pa_m", "1e10"), "contact", "impact_update", "\"" + update + "\"");
     return check_text(text, folder).out;
   };
   EXPECT_THAT(checked("none"), HasSubstr("the friction force rings after an impact"));
@@ -79,7 +86,8 @@ TEST(PoissonRatio, CostsTimeStepsAsItNearsOneHalf) {
   const TemporaryFolder folder;
   const auto window_s = [&](const std::string& ratio) {
     std::string text = replaced(config_text("sticking_plates"), "poisson_ratio = 0.25", "poisson_ratio = " + ratio);
-    text = replaced(replaced(text, "poisson_ratio = 0.25", "poisson_ratio = " + ratio), "end_s = 600e-6", "end_s = 2e-6");
+    text =
+        replaced(replaced(text, "poisson_ratio = 0.25", "poisson_ratio = " + ratio), "end_s = 600e-6", "end_s = 2e-6");
     return run_text(text, folder).summary.at("window_size_s").get<double>();
   };
   EXPECT_NEAR(window_s("0.49") / window_s("0.4999"), std::sqrt(0.02 / 0.0002), 0.05 * 10.0);

@@ -16,7 +16,8 @@ std::set<std::string> all_tests() {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
     if (entry.path().extension() != ".cpp") continue;
     const std::string text = file_text(entry.path().string());
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it) names.insert((*it)[1].str() + "." + (*it)[2].str());
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
+      names.insert((*it)[1].str() + "." + (*it)[2].str());
   }
   return names;
 }

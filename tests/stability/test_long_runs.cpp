@@ -13,9 +13,11 @@ std::string flying_bar(const std::string& protocol, int substeps) {
          "mesh = { length_m = 1.0, elements = 10 }\ninitial_velocity_m_s = [2.0]\n"
          "initial_displacement_m = { start = [-1e-3], end = [1e-3] }\n"
          "[contact]\nsurfaces = [\"bar.start\", \"rigid_plane\"]\ninitial_gap_m = 1.0\n"  // it flies away from it
-         "[partition]\nimplicit_length_m = { bar = 0.5 }\n[time]\nstep_s = " + number(window_s) +
-         "\nend_s = " + number(windows * window_s) + "\n[coupling]\nprotocol = \"" + protocol + "\"\n" +
-         (substeps > 1 ? "substeps = " + std::to_string(substeps) + "\nenergy_growth_limit = 1.0\n" : std::string()) + "[output]\nhistory_every = " + std::to_string(rows_every) + "\n";
+         "[partition]\nimplicit_length_m = { bar = 0.5 }\n[time]\nstep_s = " +
+         number(window_s) + "\nend_s = " + number(windows * window_s) + "\n[coupling]\nprotocol = \"" + protocol +
+         "\"\n" +
+         (substeps > 1 ? "substeps = " + std::to_string(substeps) + "\nenergy_growth_limit = 1.0\n" : std::string()) +
+         "[output]\nhistory_every = " + std::to_string(rows_every) + "\n";
 }
 
 struct Halves {
@@ -68,9 +70,12 @@ TEST_P(LongRun, KeepsMomentumAndEnergyWithoutTrend) {
 
 INSTANTIATE_TEST_SUITE_P(Protocols, LongRun,
                          testing::Values(Level{"hughes_liu", 2e-9, 9e-3}, Level{"all_implicit", 3e-9, 3e-9},
-                                         Level{"all_explicit", 2e-13, 1e-8}, Level{"belytschko_mullen", 2e-9, 6e-9}, Level{"fixed_point", 2e-9, 7e-3},
-                                         Level{"prakash_hjelmstad", 3e-9, 1.5e-2}, Level{"prakash_hjelmstad", 6e-9, 0.2, 4}),
-                         [](const auto& test) { return test.param.protocol + std::string("_") + std::to_string(test.param.substeps); });
+                                         Level{"all_explicit", 2e-13, 1e-8}, Level{"belytschko_mullen", 2e-9, 6e-9},
+                                         Level{"fixed_point", 2e-9, 7e-3}, Level{"prakash_hjelmstad", 3e-9, 1.5e-2},
+                                         Level{"prakash_hjelmstad", 6e-9, 0.2, 4}),
+                         [](const auto& test) {
+                           return test.param.protocol + std::string("_") + std::to_string(test.param.substeps);
+                         });
 
 // A dual protocol that dissipates: energy only falls, and so does what moves inside the bar; the flight remains.
 TEST(LongRunGravouilCombescure, LosesTheVibrationAndKeepsTheFlight) {
@@ -84,8 +89,8 @@ TEST(LongRunGravouilCombescure, LosesTheVibrationAndKeepsTheFlight) {
   EXPECT_NEAR(run.last("velocity_mean_bar_m_s"), -2.0, 0.02) << "along the normal: away from the plane";
 }
 
-// `kim` evaluates the rows of the shared and of the explicit nodes with different displacements: it only ever loses energy, until
-// the waves that its interface damps are gone, and its momentum sways.
+// `kim` evaluates the rows of the shared and of the explicit nodes with different displacements: it only ever loses
+// energy, until the waves that its interface damps are gone, and its momentum sways.
 TEST(LongRunKim, OnlyLosesEnergyAndHoldsItsMomentumToALevel) {
   const TemporaryFolder folder;
   const RunResult run = run_long("kim", folder);
@@ -97,8 +102,9 @@ TEST(LongRunKim, OnlyLosesEnergyAndHoldsItsMomentumToALevel) {
   EXPECT_LT(momentum.second_high - momentum.second_low, 1.05 * (momentum.first_high - momentum.first_low));
 }
 
-/// Bodies that bounce for 1e5 windows on massless contact nodes: hundreds of impacts, each of which closes and opens a pair. Under
-/// these protocols nothing but the contact could make energy; `hughes_liu` lets it creep at its interface, docs/limits.md.
+/// Bodies that bounce for 1e5 windows on massless contact nodes: hundreds of impacts, each of which closes and opens a
+/// pair. Under these protocols nothing but the contact could make energy; `hughes_liu` lets it creep at its interface,
+/// docs/limits.md.
 class LongBounce : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
 TEST_P(LongBounce, KeepsItsEnergyWithinOnePercentAndIsNotStopped) {
@@ -121,7 +127,9 @@ TEST_P(LongBounce, KeepsItsEnergyWithinOnePercentAndIsNotStopped) {
 INSTANTIATE_TEST_SUITE_P(Scenes, LongBounce,
                          testing::Combine(testing::Values("rod_on_stop", "bouncing_bar"),
                                           testing::Values("belytschko_mullen", "all_implicit", "all_explicit")),
-                         [](const auto& test) { return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param); });
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" + std::get<1>(test.param);
+                         });
 
 TEST(LongRunKim, KeepsLessOfItsMomentumWhereImpactsNeverEnd) {
   const TemporaryFolder folder;

@@ -18,7 +18,8 @@ class ExtremePartition : public testing::TestWithParam<Extreme> {};
 
 TEST_P(ExtremePartition, RunsWithTheForceOfTheory) {
   const TemporaryFolder folder;
-  const RunResult run = run_text(with_key(config_text("two_bars"), "partition", "implicit_length_m", GetParam().lengths_m), folder);
+  const RunResult run =
+      run_text(with_key(config_text("two_bars"), "partition", "implicit_length_m", GetParam().lengths_m), folder);
   EXPECT_NEAR(run.summary.at("separation_time_s").get<double>(), release_s, 2.0 * window_s);
   EXPECT_NEAR(run.mean("contact_force_n", 60e-6, 140e-6), force_n, 0.01 * force_n);
   EXPECT_GE(run.smallest("energy_error"), -0.05);
@@ -33,7 +34,8 @@ INSTANTIATE_TEST_SUITE_P(TwoBars, ExtremePartition,
                                          Extreme{"contact_nodes_alone", "{ left = 0.0, right = 0.0 }", 0.035, 0.031},
                                          Extreme{"none_in_one_body", "{ left = 0.0, right = 0.0635 }", 0.015, 0.007},
                                          Extreme{"one_body_whole", "{ left = 1.0, right = 0.0635 }", 5e-3, -0.031},
-                                         Extreme{"one_body_whole_none_in_the_other", "{ left = 1.0, right = 0.0 }", 0.015, 0.0035}),
+                                         Extreme{"one_body_whole_none_in_the_other", "{ left = 1.0, right = 0.0 }",
+                                                 0.015, 0.0035}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

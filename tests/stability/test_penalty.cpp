@@ -2,7 +2,8 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, rows 1 to 5: penalties and the exact gap constraint under the trapezoidal rule and central differences.
+// docs/limits.md, rows 1 to 5: penalties and the exact gap constraint under the trapezoidal rule and central
+// differences.
 
 namespace ricochet::test {
 namespace {
@@ -21,8 +22,8 @@ double explicit_penalty_limit_s(double alpha_over_k) {
   return rod_element_m * std::sqrt(2.0 / (1.0 + std::sqrt(1.0 + alpha_over_k * alpha_over_k)));
 }
 
-// Row 1. As alpha grows the penalty becomes the exact gap constraint; the trapezoidal rule alone then makes energy out of the
-// jump of velocity. The multiplier laws do not (TwoBars, KimImpactMultiplierUpdate).
+// Row 1. As alpha grows the penalty becomes the exact gap constraint; the trapezoidal rule alone then makes energy out
+// of the jump of velocity. The multiplier laws do not (TwoBars, KimImpactMultiplierUpdate).
 TEST(ExactConstraint, TheTrapezoidalRuleAloneMakesEnergyOfAnImpact) {
   const TemporaryFolder folder;
   for (const auto& [protocol, growth] : {std::pair{"all_implicit", 2.07}, std::pair{"hughes_liu", 4.40}}) {
@@ -31,7 +32,8 @@ TEST(ExactConstraint, TheTrapezoidalRuleAloneMakesEnergyOfAnImpact) {
     EXPECT_NEAR(at_1e6, growth, 0.1 * growth) << protocol;
     EXPECT_NEAR(at_1e6, at_1e4, 0.02 * at_1e4) << protocol << ": it is the limit, not the number, of the penalty";
     EXPECT_LT(unwatched_growth(bars(protocol), folder), 5e-4) << protocol << ": default";
-    EXPECT_LT(unwatched_growth(with_key(bars(protocol), "contact", "multiplier_update", "\"fully_implicit\""), folder), 5e-4);
+    EXPECT_LT(unwatched_growth(with_key(bars(protocol), "contact", "multiplier_update", "\"fully_implicit\""), folder),
+              5e-4);
   }
 }
 
@@ -61,8 +63,11 @@ TEST(ExplicitPenalty, IsRefusedBeyondItsCriticalStep) {
   const TemporaryFolder folder;
   for (const double ratio : {1.0, 2.0, 10.0}) {
     const double limit_s = explicit_penalty_limit_s(ratio);
-    const auto scene = [&](double share) { return with_step(with_penalty(rod("all_explicit"), ratio * rod_k_pa_m), share * limit_s); };
-    EXPECT_NEAR(measured_edge(0.95, 1.05, [&](double share) { return refused(scene(share), folder); }), 1.0, 0.005) << ratio;
+    const auto scene = [&](double share) {
+      return with_step(with_penalty(rod("all_explicit"), ratio * rod_k_pa_m), share * limit_s);
+    };
+    EXPECT_NEAR(measured_edge(0.95, 1.05, [&](double share) { return refused(scene(share), folder); }), 1.0, 0.005)
+        << ratio;
     const Outcome beyond = check_text(scene(1.01), folder);
     EXPECT_THAT(beyond.error, HasSubstr("contact.penalty_pa_m: found"));
     EXPECT_THAT(beyond.error, HasSubstr("1.01 times the critical time step"));
@@ -90,11 +95,13 @@ TEST(ExplicitPenalty, ContactThatOpensAndClosesLowersTheLimitOfAStiffOne) {
   EXPECT_NEAR(edge, 0.62, 0.062);
   EXPECT_GT(unwatched_growth(scene(0.8), folder), 0.05) << "chaotic: 9 % or 143 %, by the rounding";
   EXPECT_LT(unwatched_growth(scene(0.49), folder), 0.02) << "measured: 0.9 %";
-  EXPECT_THAT(check_text(scene(0.51), folder).out, HasSubstr("contact that opens and closes may gain energy above 0.5"));
+  EXPECT_THAT(check_text(scene(0.51), folder).out,
+              HasSubstr("contact that opens and closes may gain energy above 0.5"));
   EXPECT_THAT(check_text(scene(0.49), folder).out, Not(HasSubstr("warning")));
 }
 
-// Row 5. Two bars with the published alpha = 1.31339e9 N/m: released 2 L / c + 1.678347 tau after the impact, tau = Z / (2 alpha).
+// Row 5. Two bars with the published alpha = 1.31339e9 N/m: released 2 L / c + 1.678347 tau after the impact, tau = Z /
+// (2 alpha).
 TEST(SoftPenalty, ReleasesLateByTheDelayThatCheckReports) {
   const TemporaryFolder folder;
   const double z = 6.4516e-4 * std::sqrt(206.8e9 * 7844.066), contact_s = 2.0 * 0.254 / std::sqrt(206.8e9 / 7844.066);
@@ -103,8 +110,10 @@ TEST(SoftPenalty, ReleasesLateByTheDelayThatCheckReports) {
   for (const char* protocol : {"all_implicit", "hughes_liu", "all_explicit"}) {
     const std::string soft = with_penalty(bars(protocol), 1.31339e9 / 6.4516e-4);
     EXPECT_THAT(check_text(soft, folder).out, HasSubstr("contact lasts about 1.66e-05 s too long (1.678 tau)"));
-    EXPECT_NEAR(run_text(soft, folder).summary.at("separation_time_s").get<double>(), 49.456e-6 + contact_s + delay_s, 2.226e-6);
-    EXPECT_NEAR(run_text(bars(protocol), folder).summary.at("separation_time_s").get<double>(), 49.456e-6 + contact_s, 2 * 2.226e-6);
+    EXPECT_NEAR(run_text(soft, folder).summary.at("separation_time_s").get<double>(), 49.456e-6 + contact_s + delay_s,
+                2.226e-6);
+    EXPECT_NEAR(run_text(bars(protocol), folder).summary.at("separation_time_s").get<double>(), 49.456e-6 + contact_s,
+                2 * 2.226e-6);
   }
 }
 

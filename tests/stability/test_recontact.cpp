@@ -2,8 +2,8 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, row 12: configs/bouncing_bar.toml touches, parts and touches again. Exact as long as the bar does not vibrate:
-// fall sqrt(2 h / g), contact 2 L / c, flight 2 v / g.
+// docs/limits.md, row 12: configs/bouncing_bar.toml touches, parts and touches again. Exact as long as the bar does not
+// vibrate: fall sqrt(2 h / g), contact 2 L / c, flight 2 v / g.
 
 namespace ricochet::test {
 namespace {
@@ -31,7 +31,9 @@ std::vector<Touch> touches(const RunResult& run) {
 std::string scene(const std::string& protocol) { return with_protocol(config_text("bouncing_bar"), protocol); }
 
 /// Duration of a flight over the exact one.
-double flight_of_exact(const std::vector<Touch>& list, std::size_t i) { return (list.at(i + 1).begin_s - list.at(i).end_s) / flight_s; }
+double flight_of_exact(const std::vector<Touch>& list, std::size_t i) {
+  return (list.at(i + 1).begin_s - list.at(i).end_s) / flight_s;
+}
 
 class Bounce : public testing::TestWithParam<const char*> {};
 
@@ -53,7 +55,8 @@ TEST_P(Bounce, FollowsTheExactFlightsUntilVibrationsTell) {
   const double energy_j = 0.5 * mass_kg * speed_m_s * speed_m_s;
   EXPECT_GT(run.last("energy_error"), -0.06);
   EXPECT_LT(run.largest("energy_error"), 0.01);
-  EXPECT_NEAR(run.largest("energy_external_j"), energy_j, 0.1 * energy_j) << "the fall, and the way on while it is squeezed";
+  EXPECT_NEAR(run.largest("energy_external_j"), energy_j, 0.1 * energy_j)
+      << "the fall, and the way on while it is squeezed";
   EXPECT_GT(run.smallest("gap_min_m"), -1e-15) << "nothing ever penetrates";
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-10);
 }
@@ -67,18 +70,21 @@ TEST(BounceFlights, AreShorterEachTimeAndByLessWithMasslessContactNodes) {
     const char *protocol, *law;
     double flights[3];
   };
-  for (const Row& row : {Row{"hughes_liu", "trapezoidal_reset", {0.988, 0.973, 0.957}},
-                         Row{"all_implicit", "trapezoidal_reset", {0.981, 0.957, 0.924}},
-                         Row{"all_explicit", "", {0.989, 0.975, 0.957}}, Row{"hughes_liu", "massless", {0.992, 0.979, 0.964}},
-                         Row{"all_implicit", "massless", {0.983, 0.959, 0.944}},
-                          Row{"belytschko_mullen", "massless", {0.992, 0.983, 0.967}}, Row{"all_explicit", "massless", {0.994, 0.984, 0.971}}}) {
+  for (const Row& row :
+       {Row{"hughes_liu", "trapezoidal_reset", {0.988, 0.973, 0.957}},
+        Row{"all_implicit", "trapezoidal_reset", {0.981, 0.957, 0.924}}, Row{"all_explicit", "", {0.989, 0.975, 0.957}},
+        Row{"hughes_liu", "massless", {0.992, 0.979, 0.964}}, Row{"all_implicit", "massless", {0.983, 0.959, 0.944}},
+        Row{"belytschko_mullen", "massless", {0.992, 0.983, 0.967}},
+        Row{"all_explicit", "massless", {0.994, 0.984, 0.971}}}) {
     const TemporaryFolder folder;
     const std::string law = row.law, text = scene(row.protocol);
-    const RunResult run = run_text(law.empty() ? text : with_key(text, "contact", "multiplier_update", "\"" + law + "\""), folder);
+    const RunResult run =
+        run_text(law.empty() ? text : with_key(text, "contact", "multiplier_update", "\"" + law + "\""), folder);
     EXPECT_EQ(run.summary.at("switches").empty(), std::string(row.protocol) != "hughes_liu");
     const auto list = touches(run);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(flight_of_exact(list, i), row.flights[i], 0.1 * (1.0 - row.flights[i])) << row.protocol << " " << law << " " << i + 1;
+      EXPECT_NEAR(flight_of_exact(list, i), row.flights[i], 0.1 * (1.0 - row.flights[i]))
+          << row.protocol << " " << law << " " << i + 1;
     }
   }
 }

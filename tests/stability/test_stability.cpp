@@ -72,16 +72,17 @@ implicit_length_m = { stiff = 1.0, soft = 0.0 }
 [time]
 end_s = 1e-3
 [coupling]
-protocol = ")" + protocol + "\"\n";
+protocol = ")" +
+         protocol + "\"\n";
 }
 
 class Edge : public testing::TestWithParam<const char*> {};
 
 TEST_P(Edge, IsTwoByTheLargestFrequencyOfTheExplicitElementsWhateverTheStiffnessOfTheOthers) {
   TemporaryFolder folder;
-  const auto result = study(folder.write(bars(GetParam())), folder,
-                            {"--sweep", "courant=0.5,0.999,1.001", "--against",
-                             "body.stiff.material.youngs_modulus_pa=2e11:2e15:3:log"});
+  const auto result = study(
+      folder.write(bars(GetParam())), folder,
+      {"--sweep", "courant=0.5,0.999,1.001", "--against", "body.stiff.material.youngs_modulus_pa=2e11:2e15:3:log"});
   ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
   ASSERT_EQ(result.rows.size(), 3U * 3U * 2U);
   // Free bar of equal elements with lumped masses: omega_max = 2 c / h, so the limit is h/c.
@@ -162,8 +163,8 @@ INSTANTIATE_TEST_SUITE_P(Substeps, DualEdge, testing::Values(1, 2, 3, 5, 10));
 TEST(AbsorbingEdge, IsThatOfTheBodyWithoutAbsorbingSurfaces) {
   TemporaryFolder folder;
   for (const char* protocol : {"hughes_liu", "prakash_hjelmstad"}) {
-    const std::string text = replaced(std::string(protocol) == "hughes_liu" ? bars(protocol) : graded_bars(protocol, 2), "[contact]",
-                                      "[[body.absorbing]]\nsurface = \"end\"\n[contact]");
+    const std::string text = replaced(std::string(protocol) == "hughes_liu" ? bars(protocol) : graded_bars(protocol, 2),
+                                      "[contact]", "[[body.absorbing]]\nsurface = \"end\"\n[contact]");
     const auto result = study(folder.write(text), folder, {"--sweep", "courant=0.9,0.999,1.003"});
     ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
     ASSERT_EQ(result.rows.size(), 6U);
@@ -183,7 +184,8 @@ TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) 
     ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
     for (const auto& row : result.rows) {
       const bool stable = number(row, "courant") < 1.0 && (m == 1 || row.at("contact") == "open");
-      EXPECT_EQ(row.at("verdict"), stable ? "stable" : "unstable") << m << " " << row.at("courant") << " " << row.at("contact");
+      EXPECT_EQ(row.at("verdict"), stable ? "stable" : "unstable")
+          << m << " " << row.at("courant") << " " << row.at("contact");
       if (!stable && number(row, "courant") == 0.5) {
         EXPECT_NEAR(number(row, "growth_per_window"), 5e-5, 5e-6);
       }
@@ -363,9 +365,11 @@ TEST(StabilityRefuses, CourantNumbersOfWhatHasNoLimit) {
 }
 
 TEST(StabilityRefuses, AParticipantThatCannotLoadAState) {
-  const std::string participants = "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"
-                                   "executable = \"" RICOCHET_BUILD "/spring_mass\"\n"
-                                   "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  const std::string participants =
+      "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"
+      "executable = \"" RICOCHET_BUILD
+      "/spring_mass\"\n"
+      "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
   EXPECT_THAT(refused({}, bars("hughes_liu") + participants),
               HasSubstr("cannot take part in `ricochet stability`: it lacks the capability \"load_state\" (it has: "
                         "repeat_window)"));

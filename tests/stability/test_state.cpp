@@ -2,7 +2,7 @@
 // the state is read and loaded, lead to the same. With the solvers themselves, in this process.
 #include <gtest/gtest.h>
 
-#include "coupler/stability/window_map.hpp"
+#include "coupler/spectrum/window_map.hpp"
 #include "tests/support/one_process.hpp"
 #include "tests/support/run.hpp"
 
@@ -43,7 +43,8 @@ traction = [{ surface = "end", traction_pa = [0.0, -1e6] }]
 [contact]
 surfaces = ["lower.end", "upper.start"]
 initial_gap_m = 1e-4
-)" + contact + R"(
+)" + contact +
+         R"(
 [partition]
 implicit_length_m = { lower = 0.02, upper = 0.01 }
 [time]
@@ -51,7 +52,8 @@ step_s = 1.0e-6
 end_s = 1e-3
 [coupling]
 resynchronise_every = 3
-protocol = ")" + protocol + "\"\n";
+protocol = ")" +
+         protocol + "\"\n";
 }
 
 struct Law {
@@ -103,8 +105,8 @@ std::string name_of(const testing::TestParamInfo<State::ParamType>& test) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, State,
-    testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "all_implicit", "belytschko_mullen", "prakash_hjelmstad",
-                                     "gravouil_combescure"),
+    testing::Combine(testing::Values("hughes_liu", "kim", "kim_predicted", "all_implicit", "belytschko_mullen",
+                                     "prakash_hjelmstad", "gravouil_combescure"),
                      testing::Values(Law{"reset", friction}, Law{"frictionless", ""},
                                      Law{"fully_implicit", friction + "multiplier_update = \"fully_implicit\""},
                                      Law{"penalty", friction + penalty},
@@ -112,13 +114,14 @@ INSTANTIATE_TEST_SUITE_P(
                                      Law{"regularised", friction + "friction_law = \"regularised\""}),
                      testing::Values("open", "sticking")),
     name_of);
-INSTANTIATE_TEST_SUITE_P(
-    AllExplicit, State,
-    testing::Combine(testing::Values("all_explicit"),
-                     testing::Values(Law{"reset", friction}, Law{"frictionless", ""}, Law{"penalty", friction + penalty},
-                                     Law{"regularised", friction + "friction_law = \"regularised\""}),
-                     testing::Values("open", "sticking")),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(AllExplicit, State,
+                         testing::Combine(testing::Values("all_explicit"),
+                                          testing::Values(Law{"reset", friction}, Law{"frictionless", ""},
+                                                          Law{"penalty", friction + penalty},
+                                                          Law{"regularised",
+                                                              friction + "friction_law = \"regularised\""}),
+                                          testing::Values("open", "sticking")),
+                         name_of);
 
 }  // namespace
 }  // namespace ricochet::test

@@ -3,7 +3,8 @@
 #include "tests/stability/edges.hpp"
 #include "tests/support/vtu.hpp"
 
-// docs/limits.md, row 11: what the switch to explicit integration costs, measured in the metric that central difference conserves.
+// docs/limits.md, row 11: what the switch to explicit integration costs, measured in the metric that central difference
+// conserves.
 
 namespace ricochet::test {
 namespace {
@@ -40,8 +41,8 @@ struct Bars {
       mass[i + 1] += 0.5 * density_kg_m3 * area_m2 * length;
     }
   }
-  /// 1/2 w M w + 1/2 u K (u + dt w) of the half step that starts here with velocity w = v + share dt a: with share 1/2, what
-  /// central difference conserves.
+  /// 1/2 w M w + 1/2 u K (u + dt w) of the half step that starts here with velocity w = v + share dt a: with share 1/2,
+  /// what central difference conserves.
   [[nodiscard]] double staggered_energy_j(double share) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -56,7 +57,8 @@ TEST(Switch, CostsNothingInTheStaggeredMetric) {
   const TemporaryFolder folder;
   const RunResult run = run_text(with_key(config_text("two_bars"), "output", "fields_every", "1"), folder);
   ASSERT_EQ(run.summary.at("switches").size(), 1U);
-  const int switched = static_cast<int>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
+  const int switched =
+      static_cast<int>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
   ASSERT_LT(switched + 10, run.summary.at("steps").get<int>());
   const Bars before(run.folder + "/fields", switched);
   ASSERT_EQ(before.x.size(), 42U);
@@ -74,12 +76,14 @@ TEST(Switch, ShowsTheChangeOfMetricInTheHistory) {
   const TemporaryFolder folder;
   const RunResult run = run_text(config_text("two_bars"), folder);
   const auto& error = run.column("energy_error");
-  const auto at = static_cast<std::size_t>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
+  const auto at =
+      static_cast<std::size_t>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
   EXPECT_NEAR(error[at + 1] - error[at], -1.12e-3, 0.1e-3);
   for (std::size_t i = at + 1; i < error.size(); ++i) EXPECT_NEAR(error[i], error[at + 1], 1e-13);
 }
 
-/// Two elements in each bar, one of them implicit: what is explicit alone would stand 1.155 of the step that the whole bar does.
+/// Two elements in each bar, one of them implicit: what is explicit alone would stand 1.155 of the step that the whole
+/// bar does.
 TEST(Switch, StaysImplicitWhereTheWholeBodyCouldNotFollow) {
   const TemporaryFolder folder;
   std::string text = config_text("two_bars");
@@ -88,7 +92,8 @@ TEST(Switch, StaysImplicitWhereTheWholeBodyCouldNotFollow) {
   text = replaced(replaced(text, "step_s = 2.226e-6", ""), "end_s = 250e-6", "end_s = 5e-3");
   const RunResult run = run_text(text, folder);
   EXPECT_TRUE(run.summary.at("switches").empty());
-  EXPECT_NE(run.outcome.out.find("'implicit' stays implicit after separation: explicit and implicit elements of body"), std::string::npos);
+  EXPECT_NE(run.outcome.out.find("'implicit' stays implicit after separation: explicit and implicit elements of body"),
+            std::string::npos);
   EXPECT_LT(run.largest("energy_error"), 0.05);
   const Outcome check = check_text(text, folder);
   EXPECT_NE(check.out.find("note: the implicit side stays implicit after separation"), std::string::npos) << check.out;
@@ -97,7 +102,8 @@ TEST(Switch, StaysImplicitWhereTheWholeBodyCouldNotFollow) {
 /// The implicit side of contact nodes alone has no elements, and no limit of its own.
 TEST(Switch, ContactNodesAloneCanDoIt) {
   const TemporaryFolder folder;
-  const std::string text = replaced(config_text("two_bars"), "{ left = 0.0635, right = 0.0635 }", "{ left = 0.0, right = 0.0 }");
+  const std::string text =
+      replaced(config_text("two_bars"), "{ left = 0.0635, right = 0.0635 }", "{ left = 0.0, right = 0.0 }");
   EXPECT_EQ(run_text(text, folder).summary.at("switches").size(), 1U);
 }
 

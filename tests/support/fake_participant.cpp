@@ -18,7 +18,7 @@
 
 #include "common/base/error.hpp"
 #include "common/participant/session.hpp"
-#include "common/scene/problem.hpp"
+#include "common/problem/problem.hpp"
 #include "common/wire/codec.hpp"
 #include "common/wire/shared_memory.hpp"
 #include "explicit_solver/explicit_solver.hpp"

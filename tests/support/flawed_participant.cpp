@@ -37,17 +37,17 @@ class Spring : public Participant {
     d.record_columns = {"energy_kinetic_j/rod", "energy_interface_j"};
     return d;
   }
-  void initialize(const Setup& setup, Link& output) override {
+  void initialize(const Setup& setup, LinkOutput& output) override {
     dt_ = setup.window_size_s;
     if (flaw_ == "process_dependent") stiffness_ *= 1.0 + 1e-12 * static_cast<double>(getpid());
     output.value = {0.0};
   }
-  void synchronise(Integration, const std::vector<double>& link_input, Link& output) override {
+  void synchronise(Integration, const std::vector<double>& link_input, LinkOutput& output) override {
     trial_ = u_;
     find_force(link_input[0], output);
     accept_motion();
   }
-  void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) override {
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
     trial_ = u_ + dt_ * v_ + 0.5 * dt_ * dt_ * a_;
     find_force(link_input[0], output);
     if (flaw_ == "trial_leaks") v_ += 1e-3 * dt_ * trial_force_ / mass;
@@ -63,7 +63,7 @@ class Spring : public Participant {
   }
 
  private:
-  void find_force(double link, Link& output) {
+  void find_force(double link, LinkOutput& output) {
     trial_link_ = link;
     output.value = {trial_force_ = stiffness_ * (link - trial_)};
   }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "coupler/conserved.hpp"
-#include "coupler/history.hpp"
+#include "coupler/results/history.hpp"
+#include "coupler/watch/conserved.hpp"
 #include "tests/support/one_process.hpp"
 
 namespace ricochet::test {

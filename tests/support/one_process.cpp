@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "common/participant/session.hpp"
-#include "coupler/participants.hpp"
-#include "coupler/time_loop.hpp"
+#include "coupler/processes/participants.hpp"
+#include "coupler/run/time_loop.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
 
@@ -81,7 +81,7 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
     participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec, all_rows));
   }
   coupling_ = couple(participants_, plan_.window_size_s);
-  protocol_ = coupler::find_protocol(scene.coupling.protocol).make(coupler::protocol_settings(scene.coupling));
+  protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
   protocol_->start(*coupling_, coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, ""));
 }
 
@@ -90,7 +90,7 @@ OneProcess::~OneProcess() = default;
 double OneProcess::run(std::function<void(std::int64_t)> on_records) {
   const auto& coupling = problem_.scene.coupling;
   const coupler::LoopSettings settings{plan_.windows, plan_.window_size_s, coupling.resynchronise_every,
-                                       coupler::find_protocol(coupling.protocol).coupled, false};
+                                       coupling.protocol.coupled(), false};
   coupler::TimeLoop loop(*coupling_, *protocol_, settings, std::move(on_records));
   const auto begin = std::chrono::steady_clock::now();
   loop.run();

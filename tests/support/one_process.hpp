@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/check.hpp"
+#include "common/check/check.hpp"
 #include "coupler/protocols/protocol.hpp"
 
 namespace ricochet::test {

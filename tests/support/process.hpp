@@ -53,7 +53,8 @@ class Process {
   /// Exit code; 128 + signal if it was killed; -1 if it still runs after the timeout.
   int wait(double timeout_s) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
-    while (running() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    while (running() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     return exited_ ? code_ : -1;
   }
 
@@ -82,7 +83,8 @@ struct Outcome {
 };
 
 /// Runs a command to its end.
-inline Outcome run_command(const std::vector<std::string>& command, const std::string& scratch_folder, double timeout_s = 120.0) {
+inline Outcome run_command(const std::vector<std::string>& command, const std::string& scratch_folder,
+                           double timeout_s = 120.0) {
   const std::string out = scratch_folder + "/stdout.txt", error = scratch_folder + "/stderr.txt";
   Process process(command, out, error);
   Outcome outcome;

@@ -88,7 +88,7 @@ inline std::string ricochet_binary() { return std::string(RICOCHET_BUILD) + "/ri
 
 /// Runs a scene file into `folder`/out and reads what it left, whether it succeeded or not.
 inline RunResult run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out = "out",
-                    double timeout_s = 120.0) {
+                          double timeout_s = 120.0) {
   RunResult run;
   run.folder = (folder.path() / out).string();
   run.outcome = run_command({ricochet_binary(), "run", scene, "--out", run.folder}, folder.path().string(), timeout_s);
@@ -112,7 +112,8 @@ inline std::string config_text(const std::string& name) {
 }
 
 /// A scene's text with one key of one table set; the table is added if the scene lacks it.
-inline std::string with_key(const std::string& text, const std::string& table, const std::string& key, const std::string& value) {
+inline std::string with_key(const std::string& text, const std::string& table, const std::string& key,
+                            const std::string& value) {
   const std::string header = "[" + table + "]", entry = key + " = " + value + "\n";
   std::istringstream lines(text);
   std::string result, line;

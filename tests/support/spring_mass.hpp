@@ -32,16 +32,16 @@ class SpringMass : public Participant {
     d.record_columns = {"displacement_m", "velocity_m_s"};
     return d;
   }
-  void initialize(const Setup& given, Link& output) override {
+  void initialize(const Setup& given, LinkOutput& output) override {
     setup = given;
     force(u_, output);
   }
-  void synchronise(Integration, const std::vector<double>& link_input, Link& output) override {
+  void synchronise(Integration, const std::vector<double>& link_input, LinkOutput& output) override {
     for (std::size_t i = 0; i < link_input.size(); ++i) link_[i] = link_input[i];
     for (std::size_t i = 0; i < u_.size(); ++i) a_[i] = -stiffness / mass * (u_[i] - link_[i]);
     force(u_, output);
   }
-  void advance(std::int64_t window, const std::vector<double>& link_input, Link& output) override {
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
     const double dt = setup.window_size_s;
     for (std::size_t i = 0; i < u_.size(); ++i) trial_u_[i] = u_[i] + dt * v_[i] + 0.5 * dt * dt * a_[i];
     for (std::size_t i = 0; i < link_input.size(); ++i) link_[i] = link_input[i];
@@ -75,15 +75,15 @@ class SpringMass : public Participant {
 
   static constexpr double mass = 1.0, stiffness = 100.0;
   std::vector<std::string> capabilities{"repeat_window"};
-  std::function<void(std::int64_t window, Link& output)> on_advance;  ///< to spoil a window
+  std::function<void(std::int64_t window, LinkOutput& output)> on_advance;  ///< to spoil a window
   ContactStatus status;
   Setup setup;
   std::optional<FrozenContact> frozen;  ///< of the last `load_state`
   std::size_t missing_scales = 0;       ///< how many scales `read_state` forgets
-  std::vector<std::int64_t> fields;  ///< windows at which result fields were asked for
+  std::vector<std::int64_t> fields;     ///< windows at which result fields were asked for
 
  private:
-  void force(const std::vector<double>& u, Link& output) const {
+  void force(const std::vector<double>& u, LinkOutput& output) const {
     output.value.resize(static_cast<std::size_t>(nodes_));
     for (std::size_t i = 0; i < output.value.size(); ++i) output.value[i] = stiffness * (link_[i] - u[i]);
   }

@@ -39,9 +39,9 @@ TEST_P(GetfemImpact, AgreesWithOurImplicitSolverToRoundOff) {
   const auto ours = run_text(short_impact(GetParam(), ""), folder, "ours");
   ASSERT_EQ(ours.column("time_s").size(), 201U);
   ASSERT_EQ(theirs.column("time_s"), ours.column("time_s"));
-  for (const char* name :
-       {"contact_force_n", "contact_pressure_mean_pa", "contact_impulse_n_s", "pairs_slip", "pairs_open", "energy_kinetic_j",
-        "energy_strain_j", "momentum_n_kg_m_s", "velocity_mean_steel_m_s", "velocity_mean_carbide_m_s"}) {
+  for (const char* name : {"contact_force_n", "contact_pressure_mean_pa", "contact_impulse_n_s", "pairs_slip",
+                           "pairs_open", "energy_kinetic_j", "energy_strain_j", "momentum_n_kg_m_s",
+                           "velocity_mean_steel_m_s", "velocity_mean_carbide_m_s"}) {
     const auto &a = theirs.column(name), &b = ours.column(name);
     double difference = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i]));
@@ -87,7 +87,9 @@ class Doubting(getfem_impact.Impact):
 
 getfem.util_trace_level(0)
 main(Doubting)
-)", RICOCHET_SOURCE), "doubting.py");
+)",
+                                             RICOCHET_SOURCE),
+                                 "doubting.py");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;
 }
@@ -95,7 +97,8 @@ main(Doubting)
 TEST(Getfem, ContactForcesThatWereNotFoundAreTold) {
   TemporaryFolder folder;
   const auto run = run_text(short_impact("hughes_liu", doubting_participant(folder)), folder);
-  const std::string told = "100 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05";
+  const std::string told =
+      "100 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05";
   EXPECT_THAT(run.outcome.error, testing::HasSubstr("warning: "));
   EXPECT_THAT(run.outcome.error, testing::HasSubstr(told));
   EXPECT_THAT(run.outcome.out, testing::HasSubstr(told));

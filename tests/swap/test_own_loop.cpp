@@ -7,7 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/participant/own_loop.hpp"
-#include "tests/participant/scripted_coupler.hpp"
+#include "tests/common/participant/scripted_coupler.hpp"
 #include "tests/support/private_endpoint.hpp"
 #include "tests/support/run.hpp"
 

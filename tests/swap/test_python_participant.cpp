@@ -49,7 +49,7 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
   ASSERT_EQ(python.column("time_s").size(), ours.column("time_s").size());
   for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
   EXPECT_NEAR(largest(python.column("contact_force_n")), 1.45e5, 1e4);  // they did meet; Z v is 1.33e5
-  for (const auto& process : python.summary.at("processes")) {  // each its own way in one run
+  for (const auto& process : python.summary.at("processes")) {          // each its own way in one run
     const std::string role = process.at("role");
     EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? "shm" : "");
   }
@@ -143,9 +143,10 @@ TEST(PythonWire, RefusesWhatIsNoMessageByName) {
   EXPECT_THAT(refusal("m['kind'] = 'wellcome'"), HasSubstr("unknown kind 'wellcome'"));
   EXPECT_THAT(refusal("data = msgpack.packb(m) + b'0'"), HasSubstr("bytes that are no message"));
   EXPECT_THAT(refusal("data = b'\\x82' + msgpack.packb('kind') * 4"), HasSubstr("a field there twice"));
-  EXPECT_THAT(refusal("m.update(kind='synchronise', integration='x', link_absolute=array([1, 2], 1)); "
-                      "m.pop('participant'); m.pop('timeout_s'); m.pop('shared_memory'); m['link_absolute']['shape'] = [3, 1]"),
-              HasSubstr("field 'link_absolute' has the shape 3 x 1 but other data"));
+  EXPECT_THAT(
+      refusal("m.update(kind='synchronise', integration='x', link_absolute=array([1, 2], 1)); "
+              "m.pop('participant'); m.pop('timeout_s'); m.pop('shared_memory'); m['link_absolute']['shape'] = [3, 1]"),
+      HasSubstr("field 'link_absolute' has the shape 3 x 1 but other data"));
 }
 
 }  // namespace

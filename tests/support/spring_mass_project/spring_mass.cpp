@@ -25,16 +25,16 @@ class SpringMass : public Participant {
                         "momentum_n_kg_m_s/left"};
     return d;
   }
-  void initialize(const Setup& setup, Link& output) override {
+  void initialize(const Setup& setup, LinkOutput& output) override {
     dt_ = setup.window_size_s;
     output.value = {force_};
   }
-  void synchronise(Integration, const std::vector<double>& link_input, Link& output) override {
+  void synchronise(Integration, const std::vector<double>& link_input, LinkOutput& output) override {
     trial_ = u_;
     take_link(link_input[0], output);
     finish_window();
   }
-  void advance(std::int64_t, const std::vector<double>& link_input, Link& output) override {
+  void advance(std::int64_t, const std::vector<double>& link_input, LinkOutput& output) override {
     trial_ = u_ + dt_ * v_ + 0.5 * dt_ * dt_ * a_;  // from the accepted state, however often it is tried
     take_link(link_input[0], output);
   }
@@ -50,7 +50,7 @@ class SpringMass : public Participant {
   }
 
  private:
-  void take_link(double link, Link& output) {
+  void take_link(double link, LinkOutput& output) {
     trial_link_ = link;
     trial_force_ = stiffness * (link - trial_);
     output.value = {trial_force_};

@@ -1,0 +1,182 @@
+#include "common/check/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/check/check_contact.hpp"
+#include "common/check/check_model.hpp"
+#include "common/check/check_reach.hpp"
+#include "common/check/check_switch.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Share of the critical step above which the shortest wave of the mesh grows once a contact has released it: at
+/// Courant 1 linearly; in a hybrid earlier, since what the implicit side sends at every impact the explicit side keeps.
+/// Measured, docs/limits.md.
+constexpr double largest_quiet_share = 0.999, largest_quiet_share_hybrid = 0.95;
+constexpr double poisson_locking = 0.49;
+/// Beyond it the number of a step is no integer in a double, in which history rows carry it.
+constexpr double most_windows = 1e15;
+
+int count_unknowns(const Problem& problem, const ParticipantPart& part, bool implicit) {
+  const int components = problem.scene.components();
+  const BodyProblem& body = problem.bodies[at(part.body)];
+  int free = 0;
+  for (int node = 0; node < part.part.nodes(); ++node) {
+    const bool shared = std::binary_search(part.shared.begin(), part.shared.end(), node);
+    if (!implicit && shared && !problem.scene.coupling.protocol.dual) continue;
+    for (int c = 0; c < components; ++c)
+      if (!body.fixed_dof[at(part.part.body_node[at(node)] * components + c)]) ++free;
+  }
+  return free;
+}
+
+ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
+  const bool implicit = participant.role == Role::implicit_solver;
+  ParticipantPlan plan;
+  plan.name = participant.name;
+  plan.role = implicit ? "implicit" : "explicit";
+  plan.critical_time_step_s = infinity;
+  const std::vector<ParticipantPart> parts = participant_parts(problem, participant);
+  std::vector<AssembledPart> assembled;
+  for (const ParticipantPart& part : parts) {
+    plan.nodes += part.part.nodes();
+    plan.elements += static_cast<int>(part.part.mesh.elements.size());
+    plan.interface_nodes += static_cast<int>(part.shared.size());
+    plan.unknowns += count_unknowns(problem, part, implicit);
+    assembled.push_back({part.body, &part.part});
+  }
+  if (!implicit) plan.critical_time_step_s = critical_time_step(problem, participant, assembled);
+  return plan;
+}
+
+/// "time.step_s", or "time" if the step follows from the safety factor.
+std::string step_place(const Scene& scene) {
+  return scene.where(scene.time.largest_step_s ? "time.largest_step_s" : scene.time.step_s ? "time.step_s" : "time");
+}
+
+void check_critical_step(const Problem& problem, const ParticipantPlan& participant,
+                         std::vector<std::string>& warnings) {
+  const ProtocolTraits& protocol = problem.scene.coupling.protocol;
+  const int substeps = problem.scene.coupling.substeps;
+  const double critical = participant.critical_time_step_s;
+  const double step = problem.window_size_s / substeps, ratio = step / critical;
+  if (ratio > 1.0 + 1e-9)
+    throw ConfigError(fmt::format(
+        "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
+        "step_s = {:.3g} or less, {}or a larger implicit part",
+        step_place(problem.scene), step, ratio, critical, participant.name, 0.9 * substeps * critical,
+        protocol.dual ? "more coupling.substeps, " : ""));
+  const bool hybrid = protocol.layout == Layout::hybrid;
+  if (ratio > (hybrid ? largest_quiet_share_hybrid : largest_quiet_share))
+    warnings.push_back(
+        fmt::format("the step is {:.5g} times the critical time step of \"{}\": the shortest wave of the mesh may grow "
+                    "from impact to "
+                    "impact; step_s = {:.3g} leaves room",
+                    ratio, participant.name, 0.9 * substeps * critical));
+}
+
+/// Steps up to the latest end.
+long long count_windows(const Problem& problem) {
+  const double windows = std::ceil(problem.scene.time.end_s / problem.window_size_s - 1e-9);
+  if (!(windows <= most_windows))
+    throw ConfigError(fmt::format(
+        "{}: found {:.6g} s, which takes {:.3g} steps of {:.6g} s; allowed: an end after at most {:g} steps",
+        problem.scene.where("time.end_s"), problem.scene.time.end_s, windows, problem.window_size_s, most_windows));
+  return static_cast<long long>(windows);
+}
+
+void check_materials(const Problem& problem, std::vector<std::string>& warnings) {
+  if (problem.scene.model == Model::bar) return;
+  for (const BodyProblem& body : problem.bodies)
+    if (body.material.poisson_ratio > poisson_locking)
+      warnings.push_back(fmt::format(
+          "body \"{}\": poisson_ratio = {} is nearly incompressible: elements lock and the wave speed, {:.4g} m/s, "
+          "asks for small steps",
+          body.name, body.material.poisson_ratio, fem::longitudinal_wave_speed(problem.scene.model, body.material)));
+}
+
+}  // namespace
+
+std::vector<ParticipantPlan> plan_participants(const Problem& problem) {
+  std::vector<ParticipantPlan> plans;
+  for (const ParticipantSpec& participant : problem.scene.participants)
+    plans.push_back(plan_participant(problem, participant));
+  return plans;
+}
+
+double element_bound_time_step(const Problem& problem, const ParticipantSpec& participant) {
+  double smallest = infinity;
+  for (const BodyProblem& body : problem.bodies) {
+    const std::vector<bool> owned = owned_elements(problem.scene, body, participant);
+    const bool any = std::find(owned.begin(), owned.end(), true) != owned.end();
+    if (participant.role == Role::implicit_solver || !any) continue;
+    smallest = std::min(smallest, element_bound_time_step(body, limiting_elements(problem, body, participant)));
+  }
+  return smallest;
+}
+
+double critical_time_step(const std::vector<ParticipantPlan>& participants) {
+  double smallest = infinity;
+  for (const ParticipantPlan& participant : participants)
+    smallest = std::min(smallest, participant.critical_time_step_s);
+  return smallest;
+}
+
+Plan plan(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  Plan plan;
+  plan.window_size_s = problem.window_size_s;
+  plan.windows = count_windows(problem);
+  plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
+  const ProtocolTraits& protocol = scene.coupling.protocol;
+  const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
+  if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
+  plan.participants = plan_participants(problem);
+  for (const ParticipantPlan& participant : plan.participants) check_critical_step(problem, participant, plan.warnings);
+  check_materials(problem, plan.warnings);
+  check_penalty(problem, plan);
+  check_friction(problem, plan);
+  check_impact(problem, plan);
+  check_overlaps(problem, plan);
+  check_slip_in_flight(problem, plan);
+  plan.notes = unreached_ends(problem);
+  plan.switch_obstacle = switch_obstacle(problem);
+  if (!plan.switch_obstacle.empty())
+    plan.notes.push_back("the implicit side stays implicit after separation: " + plan.switch_obstacle);
+  return plan;
+}
+
+std::string to_text(const Plan& plan) {
+  std::string text = fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", "participant", "role", "nodes",
+                                 "elements", "unknowns", "interface", "critical step [s]");
+  for (const ParticipantPlan& p : plan.participants) {
+    const std::string critical =
+        std::isfinite(p.critical_time_step_s) ? fmt::format("{:.6g}", p.critical_time_step_s) : "none";
+    text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, p.role, p.nodes, p.elements,
+                        p.unknowns, p.interface_nodes, critical);
+  }
+  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", plan.window_size_s, plan.windows,
+                      plan.contact_pairs);
+  if (plan.penalty_step_ratio > 0.0)
+    text += fmt::format("penalty: sqrt(2 alpha_n/m) dt = {:.4g}, alpha_n/k = {:.4g}\n", plan.penalty_step_ratio,
+                        plan.penalty_stiffness_ratio);
+  if (plan.penalty_delay_s > 0.0)
+    text += fmt::format("penalty: contact lasts about {:.4g} s too long (1.678 tau)\n", plan.penalty_delay_s);
+  if (plan.penalty_critical_s > 0.0)
+    text += fmt::format("penalty: critical step in contact {:.6g} s\n", plan.penalty_critical_s);
+  for (const std::string& warning : plan.warnings) text += "warning: " + warning + "\n";
+  for (const std::string& note : plan.notes) text += "note: " + note + "\n";
+  return text;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,224 @@
+#include "common/check/check_contact.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/fem/element.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// Delay of the release in units of tau = Z / (2 alpha_n), from the exact solution of two equal bars with a penalty.
+constexpr double delay_per_tau = 1.678347;
+/// Intermittent contact halves what central difference stands.
+constexpr double intermittent_share = 0.5;
+/// mu N dt / (2 m) over 1/xi from which regularised friction rings. Measured, docs/limits.md.
+constexpr double ringing_ratio = 10.0;
+/// Strain that counts as small.
+constexpr double small_strain = 0.02;
+
+/// A body on one side of the contact, and its node of a pair.
+struct Sides {
+  std::vector<const BodyProblem*> body;
+
+  explicit Sides(const Problem& problem) {
+    for (const int index : {problem.contact.body_a, problem.contact.body_b})
+      if (index >= 0) body.push_back(&problem.bodies[at(index)]);
+  }
+  [[nodiscard]] static int node(const ContactPair& pair, std::size_t side) {
+    return side == 0 ? pair.node_a : pair.node_b;
+  }
+};
+
+double modulus(const BodyProblem& body) {
+  const double speed = fem::longitudinal_wave_speed(body.section.model, body.material);
+  return body.material.density_kg_m3 * speed * speed;
+}
+
+/// Impedance per area rho c [kg/(m^2 s)].
+double impedance(const BodyProblem& body) {
+  return body.material.density_kg_m3 * fem::longitudinal_wave_speed(body.section.model, body.material);
+}
+
+/// The smaller mass of each pair's nodes [kg].
+std::vector<double> pair_masses(const Problem& problem) {
+  std::vector<double> mass(problem.contact.pairs.size(), std::numeric_limits<double>::infinity());
+  const Sides sides(problem);
+  for (std::size_t side = 0; side < sides.body.size(); ++side) {
+    const Eigen::VectorXd nodal = body_lumped_mass(*sides.body[side]);
+    for (std::size_t i = 0; i < mass.size(); ++i)
+      mass[i] = std::min(mass[i], nodal[Sides::node(problem.contact.pairs[i], side)]);
+  }
+  return mass;
+}
+
+/// Smallest extent along the normal of the elements at a node [m].
+double element_depth(const BodyProblem& body, int node, const Eigen::Vector2d& normal) {
+  double depth = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    const auto& nodes = body.mesh.elements[at(e)];
+    if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) continue;
+    const Eigen::VectorXd along = fem::element_coordinates(body.mesh, e) * normal;
+    depth = std::min(depth, along.maxCoeff() - along.minCoeff());
+  }
+  return depth;
+}
+
+/// Extent of a body along the normal [m].
+double thickness(const BodyProblem& body, const Eigen::Vector2d& normal) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Eigen::Vector2d& x : body.mesh.position) {
+    low = std::min(low, normal.dot(x));
+    high = std::max(high, normal.dot(x));
+  }
+  return high - low;
+}
+
+double stiffness_ratio(const Problem& problem) {
+  const Sides sides(problem);
+  double stiffness = 0.0;  // per area, k / A
+  for (std::size_t side = 0; side < sides.body.size(); ++side) {
+    const BodyProblem& body = *sides.body[side];
+    const ContactPair& pair = problem.contact.pairs.front();
+    const int node = Sides::node(pair, side);
+    const double share = problem.scene.model == Model::bar ? body.section.measure / pair.area_m2 : 1.0;
+    stiffness = std::max(stiffness, share * modulus(body) / element_depth(body, node, problem.contact.normal));
+  }
+  return problem.scene.contact->penalty_pa_m / stiffness;
+}
+
+/// 1.678347 tau, tau = 1 / (alpha_n (1/Z_a + 1/Z_b)); a rigid plane has no 1/Z_b.
+double release_delay(const Problem& problem) {
+  double compliance = 0.0;
+  for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / (impedance(*body) * body->section.measure);
+  const double stiffness = problem.scene.contact->penalty_pa_m * problem.contact.pairs.front().area_m2;
+  return delay_per_tau / (stiffness * compliance);
+}
+
+void check_explicit_penalty(const Problem& problem, Plan& plan) {
+  plan.penalty_critical_s = penalty_critical_time_step(problem);
+  const Scene& scene = problem.scene;
+  const double ratio = problem.window_size_s / plan.penalty_critical_s;
+  if (ratio > 1.0 + 1e-9)
+    throw ConfigError(fmt::format(
+        "{}: found {:.6g} Pa/m with a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of central "
+        "difference with this penalty; allowed: step_s = {:.3g} or less, a softer penalty, or enforcement = "
+        "\"multiplier\"",
+        scene.where("contact.penalty_pa_m"), scene.contact->penalty_pa_m, problem.window_size_s, ratio,
+        plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
+  if (ratio > intermittent_share)
+    plan.warnings.push_back(fmt::format(
+        "the step is {:.3g} times the critical time step with this penalty: contact that opens and closes may gain "
+        "energy above {}; step_s = {:.3g} or enforcement = \"multiplier\" is safe",
+        ratio, intermittent_share, intermittent_share * plan.penalty_critical_s));
+}
+
+/// Relative normal velocity with which the bodies approach at the start [m/s].
+double approach_speed(const Problem& problem) {
+  const ContactGeometry& contact = problem.contact;
+  double speed = 0.0;
+  for (int c = 0; c < problem.scene.components(); ++c) {
+    speed += contact.normal[c] * problem.scene.bodies[at(contact.body_a)].initial_velocity_m_s[at(c)];
+    if (contact.body_b >= 0)
+      speed -= contact.normal[c] * problem.scene.bodies[at(contact.body_b)].initial_velocity_m_s[at(c)];
+  }
+  return std::max(speed, 0.0);
+}
+
+}  // namespace
+
+void check_penalty(const Problem& problem, Plan& plan) {
+  const auto& contact = problem.scene.contact;
+  if (!contact || contact->enforcement != Enforcement::penalty) return;
+  const std::vector<double> mass = pair_masses(problem);
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    const double stiffness = contact->penalty_pa_m * problem.contact.pairs[i].area_m2;
+    plan.penalty_step_ratio =
+        std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.window_size_s);
+  }
+  plan.penalty_stiffness_ratio = stiffness_ratio(problem);
+  if (problem.scene.model == Model::bar) plan.penalty_delay_s = release_delay(problem);
+  if (problem.scene.coupling.protocol.layout == Layout::all_explicit) {
+    check_explicit_penalty(problem, plan);
+  } else if (contact->impact_update == ImpactUpdate::none && plan.penalty_step_ratio > 1.0) {
+    plan.warnings.push_back(fmt::format(
+        "penalty with the trapezoidal rule and impact_update = \"none\": sqrt(2 alpha_n/m) dt = {:.4g}, above 1, "
+        "creates energy at every impact; use impact_update = \"mass\", enforcement = \"multiplier\" or penalty_pa_m = "
+        "{:.3g}",
+        plan.penalty_step_ratio, contact->penalty_pa_m / std::pow(plan.penalty_step_ratio, 2)));
+  }
+}
+
+/// Regularised friction is a damper as stiff as mu N xi: the trapezoidal rule follows it without damping its own
+/// ringing, where no law of impulses solves for the velocity that friction leaves.
+void check_friction(const Problem& problem, Plan& plan) {
+  const auto& contact = problem.scene.contact;
+  if (!contact || contact->friction_law != FrictionLaw::regularised) return;
+  plan.warnings.push_back(fmt::format(
+      "regularised friction, mu p tanh(xi v): below a relative velocity of 1/xi = {:.3g} m/s it is less than mu p, "
+      "so nothing sticks "
+      "and a pair held by friction creeps; friction_law = \"return_mapping\" sticks",
+      1.0 / contact->friction_regularisation_s_m));
+  if (contact->enforcement != Enforcement::penalty || contact->impact_update != ImpactUpdate::none) return;
+  if (problem.scene.coupling.protocol.layout == Layout::all_explicit) return;
+  double compliance = 0.0;
+  for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / impedance(*body);
+  const double pressure = approach_speed(problem) / compliance;
+  const std::vector<double> mass = pair_masses(problem);
+  double needed = 0.0;
+  for (std::size_t i = 0; i < mass.size(); ++i)
+    needed = std::max(needed, contact->friction_coefficient * pressure * problem.contact.pairs[i].area_m2 *
+                                  problem.window_size_s / (2.0 * mass[i]));
+  const double scale = 1.0 / contact->friction_regularisation_s_m;
+  if (ringing_ratio * scale < needed)
+    plan.warnings.push_back(
+        fmt::format("regularised friction: its velocity scale 1/xi = {:.3g} m/s is less than a tenth of mu N dt/(2 m) "
+                    "= {:.3g} m/s, so "
+                    "the friction force rings after an impact; use friction_law = \"return_mapping\" or "
+                    "friction_regularisation_s_m = "
+                    "{:.3g}",
+                    scale, needed, ringing_ratio / needed));
+}
+
+void check_impact(const Problem& problem, Plan& plan) {
+  if (!problem.scene.contact) return;
+  const double speed = approach_speed(problem), moved_m = speed * problem.window_size_s;
+  const Sides sides(problem);
+  double compliance = 0.0;
+  for (const BodyProblem* body : sides.body) compliance += 1.0 / impedance(*body);
+  for (std::size_t side = 0; side < sides.body.size(); ++side) {
+    const BodyProblem& body = *sides.body[side];
+    const double strain = speed / compliance / modulus(body);
+    if (strain > small_strain)
+      plan.warnings.push_back(
+          fmt::format("an impact at {:.4g} m/s strains body \"{}\" by about {:.2g} %: strain is "
+                      "small no more, expect "
+                      "errors of stresses and forces of that size",
+                      speed, body.name, 100.0 * strain));
+    const double depth_m =
+        element_depth(body, Sides::node(problem.contact.pairs.front(), side), problem.contact.normal);
+    const std::string found = fmt::format(
+        "a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
+        "other, {:.3g} of the depth of an "
+        "element of body \"{}\" at the contact",
+        problem.window_size_s, moved_m, moved_m / depth_m, body.name);
+    if (moved_m > thickness(body, problem.contact.normal))
+      throw ConfigError(
+          fmt::format("{}: found {}: more than its thickness, they would pass through it; allowed: {:.3g} s or less",
+                      problem.scene.where("time"), found, 0.5 * depth_m / speed));
+    if (moved_m > 0.5 * depth_m)
+      plan.warnings.push_back(
+          fmt::format("{}: the impact turns that element nearly inside out; {:.3g} s or less "
+                      "leaves room",
+                      found, 0.5 * depth_m / speed));
+  }
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,26 @@
+#include "common/check/check_switch.hpp"
+
+#include <fmt/format.h>
+
+#include "common/problem/critical_step.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+
+std::string switch_obstacle(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  const bool asked = scene.contact && scene.coupling.after_separation == AfterSeparation::switch_to_explicit;
+  if (!asked || !scene.coupling.protocol.may_switch) return "";
+  for (const BodyProblem& body : problem.bodies) {
+    const std::vector<bool> all(body.mesh.elements.size(), true);
+    const double critical = critical_time_step_beyond(body, all, problem.window_size_s);
+    if (problem.window_size_s > critical)
+      return fmt::format(
+          "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
+          "step of {:.6g} s",
+          body.name, critical, problem.window_size_s);
+  }
+  return "";
+}
+
+}  // namespace ricochet::scene

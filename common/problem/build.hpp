@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+
+/// The steps of build_problem, in their order. Internal to common/problem and common/check.
+namespace ricochet::scene {
+
+/// Mesh of a body, structured or read, checked.
+[[nodiscard]] fem::Mesh build_mesh(const Scene& scene, const Body& body);
+
+/// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.
+/// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support.
+void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);
+
+/// Initial displacement (linear along the axis) and velocity. Throws ConfigError where it moves a support.
+void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body);
+
+/// damping_kg_s of the absorbing surfaces. Throws ConfigError for an unknown surface, one that is perpendicular to no
+/// coordinate, one without area, and one that is held along its normal.
+void set_absorbing(const Scene& scene, const Body& spec, BodyProblem& body);
+/// Throws ConfigError if a contact node lies on an absorbing surface.
+void refuse_absorbing_contact(const Problem& problem);
+
+/// Node pairs of the contact surfaces. Throws ConfigError for unknown, curved, not opposite or not matching surfaces,
+/// for bodies that overlap, and for a pair that is held in the normal direction on every side.
+[[nodiscard]] ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies);
+
+/// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
+void set_partition(Problem& problem);
+
+/// The contact nodes of a body, ascending; empty if it takes no part in the contact.
+[[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
+
+/// Per element: a corner of it is among these nodes, which ascend.
+[[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);
+
+/// Per node: belongs to one of the elements.
+[[nodiscard]] std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element);
+
+/// Throws ConfigError, led by file, line and key, if `surface` is not in the mesh.
+void require_surface(const Scene& scene, const std::string& key, const fem::Mesh& mesh, const std::string& surface);
+
+[[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace ricochet::scene

@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "common/problem/build.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+std::string place(const BodyProblem& body, int node) {
+  const Eigen::Vector2d& x = body.mesh.position[at(node)];
+  return fmt::format("node {} of \"{}\" at ({:.6g}, {:.6g}) m", node, body.name, x[0], x[1]);
+}
+
+/// Who holds which dof, for the error text.
+using Holders = std::vector<std::string>;
+
+void fix_axis(BodyProblem& body, Holders& holders) {
+  if (body.section.model != Model::axisymmetric) return;
+  double radius = 0.0;
+  for (const Eigen::Vector2d& x : body.mesh.position) radius = std::max(radius, x[0]);
+  for (int node = 0; node < static_cast<int>(body.mesh.position.size()); ++node) {
+    if (body.mesh.position[at(node)][0] > 1e-12 * radius) continue;
+    body.fixed_dof[at(node * 2)] = true;
+    holders[at(node * 2)] = "the axis r = 0";
+  }
+}
+
+void fix_supports(const Scene& scene, const Body& spec, BodyProblem& body, Holders& holders) {
+  const int components = scene.components();
+  for (std::size_t i = 0; i < spec.supports.size(); ++i) {
+    const std::string key = fmt::format("body.{}.support[{}]", spec.name, i);
+    require_surface(scene, key + ".surface", body.mesh, spec.supports[i].surface);
+    for (const int node : fem::surface_nodes(body.mesh, spec.supports[i].surface)) {
+      for (const int c : spec.supports[i].components) {
+        body.fixed_dof[at(node * components + c)] = true;
+        holders[at(node * components + c)] = key;
+      }
+    }
+  }
+}
+
+void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders& holders) {
+  const int components = scene.components();
+  for (std::size_t i = 0; i < spec.prescribed.size(); ++i) {
+    const PrescribedDisplacement& prescribed = spec.prescribed[i];
+    const std::string key = fmt::format("body.{}.prescribed[{}]", spec.name, i);
+    require_surface(scene, key + ".surface", body.mesh, prescribed.surface);
+    for (const int node : fem::surface_nodes(body.mesh, prescribed.surface)) {
+      const int dof = node * components + prescribed.component;
+      if (body.fixed_dof[at(dof)])
+        throw ConfigError(
+            fmt::format("{}: found {} held by {} already; allowed: one support or prescribed "
+                        "displacement for each component of a node",
+                        scene.where(key), place(body, node), holders[at(dof)]));
+      body.fixed_dof[at(dof)] = true;
+      body.prescribed_displacement_m[dof] = prescribed.displacement_m;
+      body.prescribed_index[at(dof)] = static_cast<int>(i);
+      holders[at(dof)] = key;
+    }
+  }
+}
+
+}  // namespace
+
+void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
+  const std::size_t dofs = body.mesh.position.size() * at(scene.components());
+  body.fixed_dof.assign(dofs, false);
+  body.prescribed_index.assign(dofs, -1);
+  body.prescribed_displacement_m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dofs));
+  Holders holders(dofs);
+  fix_axis(body, holders);
+  fix_supports(scene, spec, body, holders);
+  prescribe(scene, spec, body, holders);
+}
+
+void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) {
+  const int components = scene.components();
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Eigen::Vector2d& x : body.mesh.position) {
+    low = std::min(low, fem::axis_coordinate(scene.model, x));
+    high = std::max(high, fem::axis_coordinate(scene.model, x));
+  }
+  const auto dofs = static_cast<Eigen::Index>(body.fixed_dof.size());
+  body.initial_displacement_m.resize(dofs);
+  body.initial_velocity_m_s.resize(dofs);
+  for (int dof = 0; dof < static_cast<int>(dofs); ++dof) {
+    const int node = dof / components;
+    const auto c = at(dof % components);
+    const double part = (fem::axis_coordinate(scene.model, body.mesh.position[at(node)]) - low) / (high - low);
+    const double start = spec.initial_displacement_start_m[c], end = spec.initial_displacement_end_m[c];
+    const double initial = start + part * (end - start);
+    const int prescribed = body.prescribed_index[at(dof)];
+    const double round_off = 1e-12 * std::max(std::abs(start), std::abs(end));
+    if (body.fixed_dof[at(dof)] && prescribed < 0 && std::abs(initial) > round_off)
+      throw ConfigError(fmt::format("{}: found {} m at {}, which is held; allowed: 0 on supports and on the axis r = 0",
+                                    scene.where("body." + spec.name + ".initial_displacement_m"), initial,
+                                    place(body, node)));
+    body.initial_displacement_m[dof] = initial;
+    if (body.fixed_dof[at(dof)]) body.initial_displacement_m[dof] = 0.0;
+    if (prescribed >= 0)
+      body.initial_displacement_m[dof] =
+          body.prescribed_displacement_m[dof] * spec.prescribed[at(prescribed)].amplitude.at(0.0);
+    body.initial_velocity_m_s[dof] = body.fixed_dof[at(dof)] ? 0.0 : spec.initial_velocity_m_s[c];
+  }
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "common/base/error.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+fem::Section section_of(Model model, const Body& body) {
+  switch (model) {
+    case Model::bar: return {model, body.area_m2};
+    case Model::plane_strain: return {model, body.thickness_m};
+    case Model::axisymmetric: break;
+  }
+  return {model, 2.0 * std::numbers::pi};
+}
+
+BodyProblem build_body(const Scene& scene, const Body& spec) {
+  BodyProblem body;
+  body.name = spec.name;
+  body.section = section_of(scene.model, spec);
+  body.material = spec.material;
+  body.mesh = build_mesh(scene, spec);
+  for (std::size_t i = 0; i < spec.tractions.size(); ++i)
+    require_surface(scene, fmt::format("body.{}.traction[{}].surface", spec.name, i), body.mesh,
+                    spec.tractions[i].surface);
+  set_constraints(scene, spec, body);
+  set_absorbing(scene, spec, body);
+  set_initial_state(scene, spec, body);
+  return body;
+}
+
+/// The scene's step, or safety_factor times the critical step of what is explicit. `all_implicit` takes the step that
+/// `all_explicit` would take, so that the two can be compared.
+double window_size(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  if (scene.time.step_s) return *scene.time.step_s;
+  const ProtocolTraits& protocol = scene.coupling.protocol;
+  const bool hybrid = protocol.layout == Layout::hybrid;
+  double critical = std::numeric_limits<double>::infinity();
+  for (const BodyProblem& body : problem.bodies) {
+    std::vector<bool> is_explicit(body.mesh.elements.size(), true);
+    for (std::size_t e = 0; hybrid && e < is_explicit.size(); ++e) is_explicit[e] = !body.implicit_element[e];
+    critical = std::min(critical, critical_time_step(body, is_explicit, protocol.dual));
+  }
+  const double window = scene.coupling.substeps * scene.time.safety_factor * critical;
+  if (window > scene.time.end_s)
+    throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
+                                  scene.where("time.end_s"), scene.time.end_s, window));
+  return window;
+}
+
+/// A step that is too long for every element would leave none explicit.
+void bound_largest_step(Problem& problem) {
+  Time& time = problem.scene.time;
+  if (!time.largest_step_s) return;
+  const std::vector<double> steps = element_critical_steps(problem);
+  if (steps.empty()) return;  // all at the contact: refused with any step
+  const double longest_s = time.safety_factor * *std::max_element(steps.begin(), steps.end());
+  time.step_s = std::min(*time.step_s, problem.scene.coupling.substeps * longest_s);
+}
+
+}  // namespace
+
+Problem build_problem(const Scene& scene) {
+  Problem problem;
+  problem.scene = scene;
+  for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
+  problem.contact = build_contact(scene, problem.bodies);
+  refuse_absorbing_contact(problem);
+  bound_largest_step(problem);
+  set_partition(problem);
+  problem.window_size_s = window_size(problem);
+  return problem;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,164 @@
+#include "common/problem/critical_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/problem/build.hpp"
+#include "common/scene/protocols.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr double frequency_tolerance = 1e-9;
+
+double step_of(double frequency_squared) {
+  return frequency_squared > 0.0 ? 2.0 / std::sqrt(frequency_squared) : std::numeric_limits<double>::infinity();
+}
+
+fem::Part part_of(const BodyProblem& body, const std::vector<bool>& of_element) {
+  std::vector<int> elements;
+  for (std::size_t e = 0; e < of_element.size(); ++e)
+    if (of_element[e]) elements.push_back(static_cast<int>(e));
+  return fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
+}
+
+/// Stiffness, mass and supports of all bodies side by side, and the first node of each.
+struct Whole {
+  std::vector<Eigen::Triplet<double>> stiffness;
+  std::vector<double> mass;
+  std::vector<bool> fixed_dof;
+  std::vector<int> first_node;
+};
+
+Whole assemble(const Problem& problem) {
+  Whole whole;
+  const int components = problem.scene.components();
+  for (const BodyProblem& body : problem.bodies) {
+    const fem::Part part = part_of(body, std::vector<bool>(body.mesh.elements.size(), true));
+    const int first = static_cast<int>(whole.mass.size());
+    whole.first_node.push_back(first);
+    for (int row = 0; row < part.stiffness.outerSize(); ++row)
+      for (fem::SparseMatrix::InnerIterator entry(part.stiffness, row); entry; ++entry)
+        whole.stiffness.emplace_back(first * components + static_cast<int>(entry.row()),
+                                     first * components + static_cast<int>(entry.col()), entry.value());
+    whole.mass.insert(whole.mass.end(), part.lumped_mass.begin(), part.lumped_mass.end());
+    whole.fixed_dof.insert(whole.fixed_dof.end(), body.fixed_dof.begin(), body.fixed_dof.end());
+  }
+  return whole;
+}
+
+/// alpha_n n n^T between the two nodes of each pair.
+void add_springs(const Problem& problem, Whole& whole) {
+  const ContactGeometry& contact = problem.contact;
+  const int components = problem.scene.components();
+  for (const ContactPair& pair : contact.pairs) {
+    std::vector<std::pair<int, double>> ends{{whole.first_node[at(contact.body_a)] + pair.node_a, -1.0}};
+    if (contact.body_b >= 0) ends.emplace_back(whole.first_node[at(contact.body_b)] + pair.node_b, 1.0);
+    const double stiffness = problem.scene.contact->penalty_pa_m * pair.area_m2;
+    for (const auto& [p, sign_p] : ends)
+      for (const auto& [q, sign_q] : ends)
+        for (int i = 0; i < components; ++i)
+          for (int j = 0; j < components; ++j)
+            whole.stiffness.emplace_back(p * components + i, q * components + j,
+                                         stiffness * sign_p * sign_q * contact.normal[i] * contact.normal[j]);
+  }
+}
+
+/// `tolerance`: of the largest frequency squared, relative.
+double critical_time_step_to(double tolerance, const BodyProblem& body, const fem::Part& part, bool own_mass) {
+  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
+  const int components = fem::components(body.section.model);
+  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
+  Eigen::VectorXd mass(part.nodes());
+  std::vector<bool> fixed_dof;
+  for (int i = 0; i < part.nodes(); ++i) {
+    const int node = part.body_node[at(i)];
+    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
+    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
+  }
+  return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, tolerance));
+}
+
+}  // namespace
+
+/// In the order in which fem::extract_part sums, so that it gives the same bits.
+Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.mesh.position.size()));
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    const Eigen::VectorXd own =
+        fem::element_lumped_mass(body.section, body.material, fem::element_coordinates(body.mesh, e));
+    for (Eigen::Index i = 0; i < own.size(); ++i)
+      mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
+  }
+  return mass;
+}
+
+double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass) {
+  return critical_time_step(body, part_of(body, of_element), own_mass);
+}
+
+double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass) {
+  return critical_time_step_to(frequency_tolerance, body, part, own_mass);
+}
+
+double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool>& of_element, double step_s) {
+  constexpr double rough = 1e-3;
+  const fem::Part part = part_of(body, of_element);
+  const double critical_s = critical_time_step_to(rough, body, part, false);
+  const bool close = std::abs(critical_s - step_s) <= 2.0 * rough * step_s;
+  return close ? critical_time_step(body, part) : critical_s;
+}
+
+std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
+                                    const ParticipantSpec& participant) {
+  if (problem.scene.coupling.protocol.dual) return owned_elements(problem.scene, body, participant);
+  std::vector<bool> limiting = body.implicit_element;
+  if (participant.role == Role::explicit_solver) limiting.flip();
+  return limiting;
+}
+
+double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
+                          const std::vector<AssembledPart>& parts) {
+  const bool dual = problem.scene.coupling.protocol.dual;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const AssembledPart& assembled : parts) {
+    const BodyProblem& body = problem.bodies[at(assembled.body)];
+    const std::vector<bool> limiting = limiting_elements(problem, body, participant);
+    const bool same = std::count(limiting.begin(), limiting.end(), true) == std::ssize(assembled.part->body_element);
+    smallest = std::min(
+        smallest, same ? critical_time_step(body, *assembled.part, dual) : critical_time_step(body, limiting, dual));
+  }
+  return smallest;
+}
+
+double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
+  return fem::element_critical_time_step(part_of(body, of_element));
+}
+
+std::vector<double> element_critical_steps(const Problem& problem) {
+  std::vector<double> steps;
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contact, index));
+    for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+      if (at_contact[at(e)]) continue;
+      steps.push_back(step_of(
+          fem::element_max_frequency_squared(body.section, body.material, fem::element_coordinates(body.mesh, e))));
+    }
+  }
+  return steps;
+}
+
+double penalty_critical_time_step(const Problem& problem) {
+  Whole whole = assemble(problem);
+  add_springs(problem, whole);
+  const int components = problem.scene.components();
+  const auto nodes = static_cast<Eigen::Index>(whole.mass.size());
+  fem::SparseMatrix stiffness(nodes * components, nodes * components);
+  stiffness.setFromTriplets(whole.stiffness.begin(), whole.stiffness.end());
+  const Eigen::VectorXd mass = Eigen::Map<const Eigen::VectorXd>(whole.mass.data(), nodes);
+  return step_of(fem::max_frequency_squared(stiffness, mass, components, whole.fixed_dof, frequency_tolerance));
+}
+
+}  // namespace ricochet::scene

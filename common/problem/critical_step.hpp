@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "common/problem/problem.hpp"
+
+namespace ricochet::scene {
+
+/// Critical time step of central difference on some elements of a body with the full nodal masses of the whole body:
+///   dt = 2 / omega_max(K_E, M)  [s],
+/// the stability limit of a coupling with shared summed masses (Hughes and Liu 1978): it does not depend on the
+/// stiffness of the other elements. `own_mass`: with the mass of those elements alone, the limit of an explicit side
+/// that a dual protocol couples. Supported degrees of freedom are left out; infinity without elements.
+[[nodiscard]] double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element,
+                                        bool own_mass = false);
+/// The same for elements that are assembled already.
+[[nodiscard]] double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass = false);
+
+/// The same, but only as accurate as it takes to say whether it is above `step_s`: 1e-3 unless the two are that close,
+/// then 1e-9. Most steps lie a few percent below the limit, and Lanczos needs a fraction of the products for the third
+/// digit.
+[[nodiscard]] double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool>& of_element,
+                                               double step_s);
+
+/// The elements whose critical step a participant keeps: with summed masses all of its role in the body, in a dual
+/// protocol its own.
+[[nodiscard]] std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
+                                                  const ParticipantSpec& participant);
+
+/// A body's part that is assembled already.
+struct AssembledPart {
+  int body = -1;  ///< index into Problem::bodies
+  const fem::Part* part = nullptr;
+};
+/// Smallest critical step over a participant's parts [s], infinity without any.
+[[nodiscard]] double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
+                                        const std::vector<AssembledPart>& parts);
+
+/// The same by the element bound, 2 / max omega_e over those elements, each with its own lumped mass [s]: never above
+/// the exact one, because every node's mass is at least the sum of theirs (Hughes, The Finite Element Method, 9.2).
+[[nodiscard]] double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
+
+/// The element bound of each element that does not touch the contact, by itself [s]: where the automatic partition,
+/// which makes the others implicit with any step, changes. The order means nothing.
+[[nodiscard]] std::vector<double> element_critical_steps(const Problem& problem);
+
+/// Critical time step of central difference on all bodies with every contact pair closed by a penalty spring of
+/// alpha * area [N/m]. For two equal bars, or one against a rigid plane, of element size h:
+///   dt = (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha_n/k)^2))),  k = E A/h,  s = 2 for two bars, 1 against a plane.
+[[nodiscard]] double penalty_critical_time_step(const Problem& problem);
+
+/// Lumped mass of every node of the whole body [kg].
+[[nodiscard]] Eigen::VectorXd body_lumped_mass(const BodyProblem& body);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+
+/// Whether bodies overlap that no contact holds apart.
+namespace ricochet::scene {
+
+/// Nodes and edges of a mesh that belong to one element only; a bar's are its ends, without edges.
+struct Outline {
+  std::vector<int> nodes;                 ///< of the mesh, ascending
+  std::vector<std::array<int, 2>> edges;  ///< indices into `nodes`
+};
+[[nodiscard]] Outline outline_of(const fem::Mesh& mesh);
+
+struct BodyPair {
+  int first = 0, second = 0;  ///< indices into Problem::bodies, first < second
+};
+/// All pairs of bodies but the two of the contact.
+[[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
+
+/// A body where it has got to. Bars and meshes that repeat across are intervals along the axis.
+class Shape {
+ public:
+  Shape() = default;
+  explicit Shape(const BodyProblem& body);
+
+  [[nodiscard]] const Outline& outline() const { return outline_; }
+  /// Moves it to its reference plus these displacements of the outline's nodes [m].
+  void move(const std::vector<Eigen::Vector2d>& displacement);
+  [[nodiscard]] const Eigen::Vector2d& low() const { return low_; }  ///< of the box around it [m]
+  [[nodiscard]] const Eigen::Vector2d& high() const { return high_; }
+  /// Bodies along this coordinate have ends that others can pass.
+  [[nodiscard]] bool counts(int axis) const { return axis >= first_axis_ && axis <= last_axis_; }
+  /// Smallest extent of that box that counts [m].
+  [[nodiscard]] double thickness() const;
+  [[nodiscard]] double shortest_edge() const { return shortest_edge_m_; }
+
+  struct Overlap {
+    double depth_m = 0.0;  ///< 0: none
+    Eigen::Vector2d place{0.0, 0.0};
+  };
+  /// Largest depth at which a node or the middle of an edge of either lies within the other.
+  [[nodiscard]] Overlap overlap(const Shape& other) const;
+
+ private:
+  [[nodiscard]] bool boxes_meet(const Shape& other) const;
+  /// How deep a place lies within; <= 0 outside.
+  [[nodiscard]] double depth(const Eigen::Vector2d& place) const;
+  void add_points_within(const Shape& other, Overlap& worst) const;
+
+  Outline outline_;
+  int first_axis_ = 0, last_axis_ = 1;  ///< coordinates that count
+  std::vector<Eigen::Vector2d> reference_, x_;
+  Eigen::Vector2d low_{0.0, 0.0}, high_{0.0, 0.0};
+  double shortest_edge_m_ = 0.0;
+};
+
+/// Depth of an overlap from which on it is one, and no round-off or rim of bodies that touch [m].
+[[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,260 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+#include "common/fem/element.hpp"
+#include "common/problem/build.hpp"
+#include "common/scene/protocols.hpp"
+#include "common/scene/reader.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// Elements that lie within `length` of the contact surface, measured against its outward normal.
+std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector2d& outward, int contact_node,
+                                double length) {
+  const Eigen::Vector2d surface = body.mesh.position[at(contact_node)];
+  const auto corners = at(fem::nodes_per_element(body.section.model));
+  std::vector<bool> inside;
+  for (const auto& element : body.mesh.elements) {
+    bool whole = true;
+    for (std::size_t i = 0; i < corners; ++i) {
+      const double depth = (surface - body.mesh.position[at(element[i])]).dot(outward);
+      whole = whole && depth <= length * (1.0 + 1e-9);
+    }
+    inside.push_back(whole);
+  }
+  return inside;
+}
+
+/// Elements of a body that belong to one of the groups; `key` of the scene names them.
+std::vector<bool> in_groups(const Scene& scene, const BodyProblem& body, const std::vector<std::string>& groups,
+                            const std::string& key) {
+  std::vector<bool> inside(body.mesh.elements.size(), false);
+  for (const std::string& group : groups) {
+    const auto found = body.mesh.element_groups.find(group);
+    if (found == body.mesh.element_groups.end()) {
+      std::vector<std::string> known;
+      for (const auto& entry : body.mesh.element_groups) known.push_back(entry.first);
+      throw ConfigError(fmt::format("{}: found group \"{}\"{}; allowed: {}", scene.where(key), group,
+                                    did_you_mean(group, known), one_of(known)));
+    }
+    for (const int e : found->second) inside[at(e)] = true;
+  }
+  return inside;
+}
+
+std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body) {
+  const auto groups = scene.partition.implicit_groups.find(body.name);
+  if (groups == scene.partition.implicit_groups.end()) return std::vector<bool>(body.mesh.elements.size(), false);
+  return in_groups(scene, body, groups->second, "partition.implicit_groups." + body.name);
+}
+
+/// Elements that the step is too long for, and the layer along the contact surface.
+std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
+  const double frequency_squared = 4.0 / (step_s * step_s);
+  std::vector<bool> inside = elements_at(body.mesh, contact);
+  for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
+    if (inside[at(e)]) continue;
+    inside[at(e)] = fem::element_frequency_squared_above(body.section, body.material,
+                                                         fem::element_coordinates(body.mesh, e), frequency_squared);
+  }
+  return inside;
+}
+
+std::vector<bool> implicit_elements(const Problem& problem, int index) {
+  const Scene& scene = problem.scene;
+  const BodyProblem& body = problem.bodies[at(index)];
+  const Layout layout = scene.coupling.protocol.layout;
+  if (layout != Layout::hybrid) return std::vector<bool>(body.mesh.elements.size(), layout == Layout::all_implicit);
+  const std::vector<int> contact = contact_nodes(problem.contact, index);
+  switch (scene.partition.rule) {
+    case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
+    case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value() / scene.coupling.substeps);
+    case PartitionRule::implicit_length: break;
+  }
+  const auto length = scene.partition.implicit_length_m.find(body.name);
+  if (length == scene.partition.implicit_length_m.end()) return std::vector<bool>(body.mesh.elements.size(), false);
+  const Eigen::Vector2d& normal = problem.contact.normal;
+  std::vector<bool> inside =
+      within_length(body, index == problem.contact.body_a ? normal : -normal, contact.front(), length->second);
+  if (scene.contact->multiplier_update != MultiplierUpdate::massless) return inside;
+  const std::vector<bool> layer =
+      elements_at(body.mesh, contact);  // massless nodes are moved by the elements behind them
+  std::transform(inside.begin(), inside.end(), layer.begin(), inside.begin(), std::logical_or<>());
+  return inside;
+}
+
+bool has(const std::vector<bool>& flags, bool value) {
+  return std::find(flags.begin(), flags.end(), value) != flags.end();
+}
+
+/// An explicit and an implicit participant that have nothing to do are a misunderstanding.
+void require_both_kinds(const Problem& problem) {
+  bool any_explicit = false, any_implicit = false;
+  for (const BodyProblem& body : problem.bodies) {
+    any_explicit = any_explicit || has(body.implicit_element, false);
+    any_implicit = any_implicit || has(body.implicit_node, true);
+  }
+  const std::string where = problem.scene.where("partition");
+  if (!any_explicit)
+    throw ConfigError(where +
+                      ": found every element implicit; allowed: some explicit elements, or protocol "
+                      "\"all_implicit\"");
+  if (!any_implicit)
+    throw ConfigError(where +
+                      ": found nothing implicit; allowed: implicit elements or a contact, or protocol "
+                      "\"all_explicit\"");
+}
+
+std::string place(const BodyProblem& body, int node) {
+  const Eigen::Vector2d& x = body.mesh.position[at(node)];
+  return fmt::format("({:.6g}, {:.6g}) m of body \"{}\"", x[0], x[1], body.name);
+}
+
+/// Per element of a body the index of the explicit participant that owns it, -1 for implicit ones: each explicit
+/// element belongs to exactly one.
+std::vector<int> explicit_owners(const Scene& scene, const BodyProblem& body) {
+  std::vector<int> owner(body.mesh.elements.size(), -1);
+  for (std::size_t p = 0; p < scene.participants.size(); ++p) {
+    if (scene.participants[p].role != Role::explicit_solver) continue;
+    const std::vector<bool> own = owned_elements(scene, body, scene.participants[p]);
+    for (std::size_t e = 0; e < own.size(); ++e) {
+      if (!own[e]) continue;
+      if (owner[e] >= 0)
+        throw ConfigError(
+            fmt::format("{}: found the element at {} in the groups of \"{}\", too; allowed: each element in one",
+                        scene.where("participant." + scene.participants[p].name + ".groups"),
+                        place(body, body.mesh.elements[e][0]), scene.participants[at(owner[e])].name));
+      owner[e] = static_cast<int>(p);
+    }
+  }
+  for (std::size_t e = 0; e < owner.size(); ++e)
+    if (owner[e] < 0 && !body.implicit_element[e])
+      throw ConfigError(
+          fmt::format("{}: found no explicit participant for the element at {}; allowed: each explicit element in "
+                      "one",
+                      scene.where("participant"), place(body, body.mesh.elements[e][0])));
+  return owner;
+}
+
+/// Only the implicit participant integrates what participants share: where two explicit ones meet, it must be there,
+/// too.
+void require_implicit_between(const Scene& scene, const BodyProblem& body, const std::vector<int>& owner) {
+  const auto corners = at(fem::nodes_per_element(body.section.model));
+  std::vector<int> of_node(body.mesh.position.size(), -1);
+  for (std::size_t e = 0; e < owner.size(); ++e) {
+    if (owner[e] < 0) continue;
+    for (std::size_t i = 0; i < corners; ++i) {
+      const int node = body.mesh.elements[e][i];
+      int& first = of_node[at(node)];
+      if (first < 0) first = owner[e];
+      if (first != owner[e] && !body.implicit_node[at(node)])
+        throw ConfigError(fmt::format(
+            "{}: found the node at {} shared by \"{}\" and \"{}\", which belongs to no implicit participant; make its "
+            "elements implicit",
+            scene.where("participant." + scene.participants[at(owner[e])].name), place(body, node),
+            scene.participants[at(first)].name, scene.participants[at(owner[e])].name));
+    }
+  }
+}
+
+/// Each explicit element belongs to exactly one participant, and each participant has some.
+void require_owners(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  std::vector<bool> busy(scene.participants.size(), false);
+  for (const BodyProblem& body : problem.bodies) {
+    const std::vector<int> owner = explicit_owners(scene, body);
+    require_implicit_between(scene, body, owner);
+    for (const int p : owner)
+      if (p >= 0) busy[at(p)] = true;
+  }
+  for (std::size_t p = 0; p < busy.size(); ++p)
+    if (scene.participants[p].role == Role::explicit_solver && !busy[p])
+      throw ConfigError(scene.where("participant." + scene.participants[p].name) +
+                        ": found no explicit element in its bodies; allowed: a participant with elements, or a shorter "
+                        "implicit part");
+}
+
+}  // namespace
+
+std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, const ParticipantSpec& participant) {
+  if (participant.role == Role::implicit_solver) return body.implicit_element;
+  std::vector<bool> owned(body.mesh.elements.size(), false);
+  if (std::find(participant.bodies.begin(), participant.bodies.end(), body.name) == participant.bodies.end())
+    return owned;
+  if (participant.groups.empty()) {
+    owned.flip();
+  } else {
+    owned = in_groups(scene, body, participant.groups, "participant." + participant.name + ".groups");
+  }
+  for (std::size_t e = 0; e < owned.size(); ++e) owned[e] = owned[e] && !body.implicit_element[e];
+  return owned;
+}
+
+std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes) {
+  const auto corners = static_cast<std::ptrdiff_t>(fem::nodes_per_element(mesh.model));
+  std::vector<bool> at_them;
+  for (const auto& element : mesh.elements) {
+    at_them.push_back(std::any_of(element.begin(), element.begin() + corners,
+                                  [&](int n) { return std::binary_search(nodes.begin(), nodes.end(), n); }));
+  }
+  return at_them;
+}
+
+std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element) {
+  const auto corners = at(fem::nodes_per_element(body.section.model));
+  std::vector<bool> touched(body.mesh.position.size(), false);
+  for (std::size_t e = 0; e < of_element.size(); ++e) {
+    if (!of_element[e]) continue;
+    for (std::size_t i = 0; i < corners; ++i) touched[at(body.mesh.elements[e][i])] = true;
+  }
+  return touched;
+}
+
+namespace {
+
+/// Explicit elements at a contact node are in the way of a massless contact node, which follows its neighbours' forces
+/// at once, and of a dual protocol, whose shared nodes' velocities the contact must leave alone.
+void require_implicit_contact(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  const bool massless = scene.contact && scene.contact->multiplier_update == MultiplierUpdate::massless;
+  const bool dual = scene.coupling.protocol.dual;
+  if (!massless && !dual) return;
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    std::vector<bool> is_explicit = body.implicit_element;
+    is_explicit.flip();
+    const std::vector<bool> touched = touched_nodes(body, is_explicit);
+    for (const int node : contact_nodes(problem.contact, index))
+      if (touched[at(node)])
+        throw ConfigError(fmt::format(
+            "{}: found \"{}\" and an explicit element at the contact node at {}; allowed: implicit elements all around "
+            "contact nodes",
+            scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
+            massless ? "massless" : scene.coupling.protocol.name, place(body, node)));
+  }
+}
+
+}  // namespace
+
+void set_partition(Problem& problem) {
+  const Layout layout = problem.scene.coupling.protocol.layout;
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    BodyProblem& body = problem.bodies[at(index)];
+    body.implicit_element = implicit_elements(problem, index);
+    body.implicit_node = touched_nodes(body, body.implicit_element);
+    if (layout != Layout::hybrid) continue;
+    for (const int node : contact_nodes(problem.contact, index)) body.implicit_node[at(node)] = true;
+  }
+  if (layout != Layout::hybrid) return;
+  require_both_kinds(problem);
+  require_owners(problem);
+  require_implicit_contact(problem);
+}
+
+}  // namespace ricochet::scene

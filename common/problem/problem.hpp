@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "common/fem/mesh.hpp"
+#include "common/fem/part.hpp"
+#include "common/scene/scene.hpp"
+
+/// A scene turned into meshes, contact pairs and partitions: what both solvers and `check` start from.
+namespace ricochet::scene {
+
+/// One pair of contact nodes at the same position along the surface.
+struct ContactPair {
+  int node_a = -1;          ///< node of the first surface's body mesh
+  int node_b = -1;          ///< node of the second's; -1: rigid plane
+  double gap0_m = 0.0;      ///< initial gap >= 0
+  double area_m2 = 0.0;     ///< tributary area: integral of N dA over the first surface's edges
+  double distance_m = 0.0;  ///< from the axis (first coordinate of node a), for the nose and for output
+};
+
+struct ContactGeometry {
+  int body_a = -1;                   ///< index into Problem::bodies
+  int body_b = -1;                   ///< -1: rigid plane
+  Eigen::Vector2d normal{0.0, 0.0};  ///< n, out of body a; bar: (+-1, 0). Tangent t = (-n_y, n_x)
+  std::vector<ContactPair> pairs;    ///< sorted by distance
+};
+
+struct BodyProblem {
+  std::string name;
+  fem::Section section;
+  fem::Material material;
+  fem::Mesh mesh;                             ///< the whole body
+  std::vector<bool> implicit_element;         ///< per element
+  std::vector<bool> implicit_node;            ///< per node: integrated by the implicit participant
+  std::vector<bool> fixed_dof;                ///< supports and the axis r = 0 (u_r); prescribed dofs too
+  Eigen::VectorXd prescribed_displacement_m;  ///< per dof, amplitude excluded; 0 on supports
+  std::vector<int> prescribed_index;          ///< per dof: which Body::prescribed, -1 none
+  Eigen::VectorXd damping_kg_s;            ///< per dof: dashpots of the absorbing surfaces; 0 elsewhere and where held
+  Eigen::VectorXd initial_displacement_m;  ///< per dof (on prescribed dofs their value at t = 0)
+  Eigen::VectorXd initial_velocity_m_s;    ///< per dof (0 on fixed dofs)
+};
+
+struct Problem {
+  Scene scene;
+  std::vector<BodyProblem> bodies;  ///< in the scene's order
+  ContactGeometry contact;          ///< pairs empty without contact
+  double window_size_s = 0.0;       ///< Delta t, from step_s or the safety factor
+};
+
+/// Builds meshes and partitions. `baseline` protocols: all_implicit makes every element implicit, all_explicit none.
+/// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError (names scene file, key,
+/// and the nodes where surfaces do not match; surfaces must be flat).
+[[nodiscard]] Problem build_problem(const Scene& scene);
+
+/// The parts a participant owns, in the scene's order of bodies; a body without elements (and, for the implicit side,
+/// without contact nodes) of this participant is left out.
+struct ParticipantPart {
+  int body = -1;  ///< index into Problem::bodies
+  fem::Part part;
+  std::vector<int> shared;  ///< local nodes shared with other participants, ascending body node
+};
+[[nodiscard]] std::vector<ParticipantPart> participant_parts(const Problem& problem,
+                                                             const ParticipantSpec& participant);
+
+/// Per element of a body: a participant owns it. An explicit one owns explicit elements of its bodies (of its groups),
+/// the implicit one all implicit elements.
+[[nodiscard]] std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body,
+                                               const ParticipantSpec& participant);
+
+/// External nodal forces on the nodes of a part at a time: tractions and gravity of its own elements [N].
+class ExternalForce {
+ public:
+  ExternalForce() = default;  ///< no load
+  ExternalForce(const Body& body, const fem::Part& part);
+  [[nodiscard]] bool zero() const { return terms_.empty(); }
+  /// Per dof of the part: some load acts on it at some time.
+  [[nodiscard]] std::vector<bool> loaded(int dofs) const;
+  /// Adds nothing and allocates nothing where there is no load. `force` has part.dofs() entries, overwritten.
+  void at(double time_s, Eigen::VectorXd& force) const;
+
+ private:
+  struct Term {
+    Amplitude amplitude;
+    Eigen::VectorXd force;
+  };
+  std::vector<Term> terms_;
+};
+
+}  // namespace ricochet::scene

@@ -1,0 +1,20 @@
+// The `ricochet` command:
+//   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | study STUDY | report DIR |
+//            init NAME | check-participant -- COMMAND ... | --version
+#include <cstdio>
+#include <exception>
+
+#include "common/base/error.hpp"
+#include "common/base/process.hpp"
+#include "coupler/command/command_line.hpp"
+#include "coupler/run/compute_scene.hpp"
+
+int main(int argc, char** argv) {
+  ricochet::prepare_process();
+  try {
+    return ricochet::coupler::run_command_line(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ricochet: %s\n", ricochet::printable(ricochet::text_of(error)).c_str());
+    return ricochet::coupler::exit_code_of(error);
+  }
+}

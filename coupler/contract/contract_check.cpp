@@ -1,0 +1,247 @@
+#include "coupler/contract/contract_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "common/base/error.hpp"
+#include "coupler/contract/contract_run.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+/// A clause that does not apply to this participant, and why.
+struct NotApplicable {
+  std::string why;
+};
+
+[[noreturn]] void fail(const std::string& text) { throw ProtocolError(text); }
+
+/// The clauses, in the order in which they are tried; later ones build on what the first run brought.
+class Contract {
+ public:
+  Contract(const ContractCommand& command, double window_size_s) : command_(command) {
+    drive_.window_size_s = window_size_s;
+  }
+  bool check();
+
+ private:
+  void judge(const std::string& clause, const std::function<void()>& test);
+  /// Runs `test` if the first run went through: there is nothing to compare with otherwise.
+  void judge_run(const std::string& clause, const std::function<void()>& test);
+
+  void describes_itself();
+  void runs_to_the_end();
+  void is_deterministic();
+  void repeats_a_window();
+  void keeps_zero();
+  void reports_its_work();
+  void refuses_another_version();
+  void outlives_no_coupler(bool silent);
+
+  ContractCommand command_;
+  ContractDrive drive_;
+  ContractRun first_;
+  bool described_ = false, ran_ = false, deterministic_ = false;
+  int passed_ = 0, failed_ = 0, skipped_ = 0;
+};
+
+void Contract::judge(const std::string& clause, const std::function<void()>& test) {
+  const auto print = [&clause](const char* verdict, const std::string& text) {
+    fmt::print("  {:<8} {}{}{}\n", verdict, clause, text.empty() ? "" : ": ", text);
+    std::fflush(stdout);
+  };
+  try {
+    test();
+    ++passed_;
+    print("passed", "");
+  } catch (const NotApplicable& reason) {
+    ++skipped_;
+    print("-", reason.why);
+  } catch (const Error& error) {
+    ++failed_;
+    print("FAILED", error.what());
+  }
+}
+
+void Contract::judge_run(const std::string& clause, const std::function<void()>& test) {
+  judge(clause, [&] {
+    if (!ran_) throw NotApplicable{"not tested, it did not come that far"};
+    test();
+  });
+}
+
+bool Contract::check() {
+  judge("describes itself consistently", [this] { describes_itself(); });
+  judge(fmt::format("computes {} windows and ends with exit code 0", drive_.windows), [this] { runs_to_the_end(); });
+  judge_run("a second process gives the same bits", [this] { is_deterministic(); });
+  judge_run("a repeated trial of a window gives the same bits", [this] { repeats_a_window(); });
+  judge_run("zero input stays zero", [this] { keeps_zero(); });
+  judge_run("interface work equals force times motion", [this] { reports_its_work(); });
+  judge("refuses another version of the protocol", [this] { refuses_another_version(); });
+  judge("ends by itself when the coupler dies", [this] { outlives_no_coupler(false); });
+  judge("ends by itself when the coupler falls silent", [this] { outlives_no_coupler(true); });
+  fmt::print("{} of {} clauses passed, {} failed, {} not applicable\n", passed_, passed_ + failed_ + skipped_, failed_,
+             skipped_);
+  return failed_ == 0;
+}
+
+void Contract::describes_itself() {
+  ContractPeer peer(command_);
+  describe(peer, command_.timeout_s, first_);
+  described_ = true;
+}
+
+void Contract::runs_to_the_end() {
+  if (!described_) throw NotApplicable{"not tested, it did not come that far"};
+  first_ = {};
+  run_contract(command_, drive_, first_);
+  ran_ = true;
+}
+
+/// Names the first window at which two runs part.
+void require_equal(const ContractRun& a, const ContractRun& b, const std::string& which) {
+  using Values = std::vector<double>;
+  const auto first_difference = [](const Values& x, const Values& y) -> std::optional<std::size_t> {
+    const auto [at, unused] = std::mismatch(x.begin(), x.end(), y.begin(), y.end());
+    if (at == x.end() && x.size() == y.size()) return std::nullopt;
+    return at - x.begin();
+  };
+  if (const auto at = first_difference(a.output, b.output)) {
+    const auto window = *at / std::max<std::size_t>(a.size(), 1);
+    fail(fmt::format("the link output of {} differs from window {} on", which, window));
+  }
+  if (first_difference(a.velocity, b.velocity) || first_difference(a.acceleration, b.acceleration)) {
+    fail(fmt::format("velocities or accelerations of {} differ", which));
+  }
+  if (const auto at = first_difference(a.records, b.records)) {
+    const auto columns = a.description.record_columns.size();
+    fail(fmt::format("the history of {} differs from row {} on, column \"{}\"", which, *at / columns,
+                     a.description.record_columns[*at % columns]));
+  }
+}
+
+void Contract::is_deterministic() {
+  ContractRun second;
+  run_contract(command_, drive_, second);
+  require_equal(first_, second, "the second process");
+  deterministic_ = true;
+}
+
+void Contract::repeats_a_window() {
+  const auto& capabilities = first_.description.capabilities;
+  if (std::find(capabilities.begin(), capabilities.end(), "repeat_window") == capabilities.end()) {
+    throw NotApplicable{"it does not announce \"repeat_window\" (protocol \"kim\" will refuse it)"};
+  }
+  auto drive = drive_;
+  drive.try_first = true;
+  ContractRun run;
+  run_contract(command_, drive, run);
+  if (!run.forgotten.empty()) {
+    fail(fmt::format("window {}: the same input, tried again after another one, gives other numbers",
+                     run.forgotten.front()));
+  }
+  if (deterministic_) require_equal(first_, run, "a run with repeated trials");
+}
+
+double largest(const std::vector<double>& values) {
+  double result = 0.0;
+  for (const double value : values) result = std::max(result, std::abs(value));
+  return result;
+}
+
+void Contract::keeps_zero() {
+  auto drive = drive_;
+  drive.zero_input = true;
+  ContractRun run;
+  run_contract(command_, drive, run);
+  for (const char* energy : {"energy_kinetic_j", "energy_strain_j"}) {
+    const auto values = run.column(energy);
+    if (!values.empty() && values.front() != 0.0) {
+      throw NotApplicable{fmt::format("it does not start at rest ({} {:.6g})", energy, values.front())};
+    }
+  }
+  if (largest(run.column("energy_external_j")) > 0.0) throw NotApplicable{"loads act on it"};
+  const double output = std::max({largest(run.first_output), largest(run.output), largest(run.velocity)});
+  if (output > 0.0) {
+    fail(
+        fmt::format("its link output reaches {:.6g}, though no column energy_kinetic_j, energy_strain_j or "
+                    "energy_external_j tells of motion or loads",
+                    output));
+  }
+}
+
+/// Explicit: W = sum over windows of 1/2 (P_n + P_n+1) . du, with u the input and P the output. Implicit: the work of
+/// -L, with L the input and u the output; it may hold the explicit elements' share of the staggered kinetic energy of
+/// the shared nodes, dt^2/8 a . L.
+void Contract::reports_its_work() {
+  const auto reported = first_.column("energy_interface_j");
+  if (reported.empty()) fail("it has no column energy_interface_j: nobody could tell who makes energy in a run");
+  const auto& force = first_.implicit() ? first_.input : first_.output;
+  const auto& motion = first_.implicit() ? first_.output : first_.input;
+  const std::size_t size = first_.size();
+  const double sign = first_.implicit() ? -1.0 : 1.0, dt = first_.window_size_s;
+  double work = 0.0, scale = 0.0;
+  const auto staggered = [&](std::size_t row) {
+    double sum = 0.0;
+    for (std::size_t i = row * size; i < (row + 1) * size; ++i) sum += first_.acceleration[i] * force[i];
+    return 0.125 * dt * dt * sum;
+  };
+  for (std::size_t row = 1; row < reported.size(); ++row) {
+    for (std::size_t i = row * size; i < (row + 1) * size; ++i) {
+      const double part = 0.5 * sign * (force[i - size] + force[i]) * (motion[i] - motion[i - size]);
+      work += part;
+      scale += std::abs(part);
+    }
+    const double said = reported[row] - reported.front();
+    const bool plain = std::abs(said - work) <= 1e-9 * scale;
+    if (plain || (first_.implicit() && std::abs(said - work - staggered(row) + staggered(0)) <= 1e-9 * scale)) continue;
+    fail(fmt::format("window {}: it reports {:.9g} J, force times motion is {:.9g} J", row, said, work));
+  }
+}
+
+void Contract::refuses_another_version() {
+  ContractPeer peer(command_);
+  wire::Message welcome;
+  welcome.kind = wire::Kind::welcome;
+  welcome.participant = peer.meet().participant;
+  welcome.timeout_s = command_.timeout_s;
+  peer.tell(welcome, wire::protocol_version + 1);
+  const auto* answer = peer.hear();
+  const int expected = static_cast<int>(ExitCode::protocol);
+  if (answer && answer->kind == wire::Kind::failure && answer->error_code == expected) return;
+  if (answer)
+    fail(fmt::format("it answered '{}' with code {} to version {}, expected 'failure' with code {}",
+                     wire::name(answer->kind), answer->error_code, wire::protocol_version + 1, expected));
+  const auto end = peer.wait_end();
+  if (end->signal != 0 || end->exit_status != expected) {
+    fail(fmt::format("it {}, expected 'failure' or exit code {}", end->text(), expected));
+  }
+}
+
+/// The standard input of the process stays open: what ends it must be the connection, or its deadline.
+void Contract::outlives_no_coupler(bool silent) {
+  if (!described_) throw NotApplicable{"not tested, it did not come that far"};
+  ContractPeer peer(command_);
+  auto drive = drive_;
+  drive.windows = 3;
+  ContractRun run;
+  describe(peer, std::min(1.0, 0.2 * command_.timeout_s), run);
+  if (ran_) advance(peer, drive, run);
+  if (!silent) peer.die();
+  const auto end = peer.wait_end();
+  if (!end) fail(fmt::format("it still runs {} s later", command_.timeout_s));
+  if (end->signal == 0 && end->exit_status == 0) fail("it ended with exit code 0, as if all were well");
+}
+
+}  // namespace
+
+bool check_participant(const ContractCommand& command, double window_size_s) {
+  fmt::print("{}\n", fmt::join(command.words, " "));
+  return Contract(command, window_size_s).check();
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,103 @@
+#include "coupler/contract/contract_peer.hpp"
+
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
+#include "coupler/processes/interrupted.hpp"
+#include "coupler/processes/run_id.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+constexpr const char* participant = "under test";  // its name for launcher and error texts
+constexpr std::size_t log_lines = 4;
+
+}  // namespace
+
+ContractPeer::ContractPeer(const ContractCommand& command)
+    : run_id_(make_run_id()),
+      timeout_s_(command.timeout_s),
+      log_(std::filesystem::temp_directory_path() / ("ricochet-check-" + run_id_ + ".log")),
+      listener_(std::make_unique<wire::Listener>("ipc://*", std::vector<std::string>{participant})) {
+  LaunchRequest request{participant,
+                        command.words.front(),
+                        {command.words.begin() + 1, command.words.end()},
+                        log_,
+                        wire::to_text(listener_->key_of(participant))};
+  request.arguments.insert(request.arguments.end(),
+                           {"--connect", listener_->endpoint(), "--key", LaunchRequest::key_path});
+  launcher_.launch(request);
+}
+
+ContractPeer::~ContractPeer() {
+  launcher_.stop(std::chrono::milliseconds(500));
+  std::error_code ignored;
+  std::filesystem::remove(log_, ignored);
+}
+
+const wire::Message& ContractPeer::meet() {
+  if (!hear()) throw_ended("before it said hello");
+  if (inbox_.kind == wire::Kind::failure) throw ParticipantError("it failed at start: " + inbox_.error_text);
+  listener_->limit(identity_, wire::default_largest_message);
+  return inbox_;
+}
+
+void ContractPeer::tell(wire::Message& message, std::int64_t version) {
+  message.version = version;
+  message.run_id = run_id_;
+  message.sequence = sequence_++;
+  lifecycle_.step(wire::Side::coupler, message, participant);
+  listener_->send(identity_, message);
+}
+
+const wire::Message& ContractPeer::ask(wire::Message& message) {
+  tell(message);
+  if (!hear()) throw_ended(fmt::format("asked to '{}'", wire::name(message.kind)));
+  if (inbox_.kind == wire::Kind::failure) {
+    throw ParticipantError(fmt::format("asked to '{}' it failed: {}", wire::name(message.kind), inbox_.error_text));
+  }
+  if (inbox_.run_id != run_id_) throw ProtocolError("it sent a message of another run");
+  return inbox_;
+}
+
+const wire::Message* ContractPeer::hear() {
+  constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
+  const auto deadline = wire::deadline_in(timeout_s_);
+  const auto nothing_happened = [this](std::size_t) {
+    launcher_.poll();
+    return launcher_.events() == 0;
+  };
+  for (;;) {
+    launcher_.poll();
+    const bool ended = launcher_.end_of(participant).has_value();
+    if (listener_->receive(identity_, inbox_, ended ? wire::deadline_in(drain_s) : deadline,
+                           {launcher_.file_descriptor()}, nothing_happened)) {
+      break;
+    }
+    if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
+    if (ended) return nullptr;
+    if (wire::Clock::now() < deadline) continue;
+    throw ParticipantError(fmt::format("it was silent for {} s while {}", timeout_s_, lifecycle_.state()));
+  }
+  lifecycle_.step(wire::Side::participant, inbox_, participant);
+  return &inbox_;
+}
+
+std::optional<ProcessEnd> ContractPeer::wait_end() {
+  launcher_.wait_all(std::chrono::milliseconds(static_cast<long>(1000 * timeout_s_)));
+  if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
+  return launcher_.end_of(participant);
+}
+
+std::string ContractPeer::log_tail() const {
+  auto lines = last_lines(log_, log_lines);
+  while (!lines.empty() && lines.back() == '\n') lines.pop_back();
+  return lines.empty() ? "" : "; it printed\n" + lines;
+}
+
+void ContractPeer::throw_ended(const std::string& when) const {
+  const auto end = launcher_.end_of(participant)->text();
+  throw ParticipantError(fmt::format("{} it {}{}", when, end, log_tail()));
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,222 @@
+#include "coupler/contract/contract_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+#include "coupler/results/history.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using wire::Kind;
+using wire::Message;
+
+void require(bool holds, const std::string& text) {
+  if (!holds) throw ProtocolError(text);
+}
+
+Message request(Kind kind, std::int64_t window = 0) {
+  Message message;
+  message.kind = kind;
+  message.window = window;
+  return message;
+}
+
+void check_interface(const Message& d) {
+  const int count = d.interface_position_m.rows;
+  require(d.components >= 1 && d.components <= 3,
+          fmt::format("it has {} components, allowed are 1 to 3", d.components));
+  require(d.interface_position_m.columns == d.components && d.interface_body.rows == count &&
+              d.interface_body.columns == 1 && d.interface_mass_kg.rows == count && d.interface_mass_kg.columns == 1,
+          fmt::format("it has {} x {} positions, {} x {} masses and {} x {} body numbers for {} components", count,
+                      d.interface_position_m.columns, d.interface_mass_kg.rows, d.interface_mass_kg.columns,
+                      d.interface_body.rows, d.interface_body.columns, d.components));
+  for (int i = 0; i < count; ++i) {
+    const double mass = d.interface_mass_kg.data[static_cast<std::size_t>(i)];
+    const double body = d.interface_body.data[static_cast<std::size_t>(i)];
+    require(mass > 0.0, fmt::format("interface node {} has the mass {} kg, expected more than 0", i, mass));
+    require(body >= 0.0 && body < static_cast<double>(d.bodies.size()) && body == std::floor(body),
+            fmt::format("interface node {} has the body number {}, it has {} bodies", i, body, d.bodies.size()));
+  }
+}
+
+void check_description(const Message& hello, const Message& d) {
+  require(!hello.participant.empty(), "it has no name");
+  require(hello.role == "explicit" || hello.role == "implicit",
+          fmt::format("its role is '{}', allowed are 'explicit', 'implicit'", hello.role));
+  check_interface(d);
+  require(d.critical_time_step_s >= 0.0, fmt::format("its critical time step is {} s", d.critical_time_step_s));
+  static const std::vector<std::string> known = {"repeat_window",  "switch_integration",  "driven_by_force",
+                                                 "single_substep", "interface_stiffness", "load_state"};
+  for (const auto& capability : d.capabilities) {
+    require(std::find(known.begin(), known.end(), capability) != known.end(),
+            fmt::format("it has the unknown capability '{}'", capability));
+  }
+  const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, 1.0);
+}
+
+/// Largest extent of the interface [m]; for a single point its distance from the origin, or 1 m there.
+double length_scale(const Message& d) {
+  double scale = 0.0;
+  for (int c = 0; c < d.interface_position_m.columns; ++c) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < d.interface_position_m.rows; ++i) {
+      const double x = d.interface_position_m.data[static_cast<std::size_t>(i * d.interface_position_m.columns + c)];
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+    scale = std::max({scale, high - low, d.interface_position_m.rows == 1 ? std::abs(high) : 0.0});
+  }
+  return scale > 0.0 ? scale : 1.0;
+}
+
+/// Link input at the end of a window; `other`: a different one, for trials that are thrown away.
+std::vector<double> input_at(const ContractRun& run, const ContractDrive& drive, int window, bool other) {
+  const auto& d = run.description;
+  std::vector<double> input(run.size(), 0.0);
+  if (drive.zero_input && !other) return input;
+  const double displacement = 1e-6 * length_scale(d);
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    const double phase = 1.3 * static_cast<double>(i) + (other ? 0.9 : 0.0);
+    const double shape = window * std::sin(0.5 * window + phase) / drive.windows;
+    const double mass = d.interface_mass_kg.data[i / static_cast<std::size_t>(d.components)];
+    const double size = run.implicit() ? mass * displacement / (run.window_size_s * run.window_size_s) : displacement;
+    input[i] = size * shape;
+  }
+  return input;
+}
+
+void append(const std::vector<double>& values, std::vector<double>& to) {
+  to.insert(to.end(), values.begin(), values.end());
+}
+
+void take_rates(const Message& answer, ContractRun& run) {
+  const std::size_t expected = run.implicit() ? run.size() : 0;
+  for (const auto* rates : {&answer.velocity_m_s, &answer.acceleration_m_s2}) {
+    require(rates->data.size() == expected, fmt::format("'{}' has {} velocities or accelerations, expected {}",
+                                                        wire::name(answer.kind), rates->data.size(), expected));
+  }
+  append(answer.velocity_m_s.data, run.velocity);
+  append(answer.acceleration_m_s2.data, run.acceleration);
+}
+
+std::vector<double> output_of(const wire::Array& array, const char* field, const ContractRun& run) {
+  require(array.data.size() == run.size() && array.columns == run.description.components,
+          fmt::format("its '{}' has {} x {} numbers, its interface has {} x {}", field, array.rows, array.columns,
+                      run.description.interface_position_m.rows, run.description.components));
+  return array.data;
+}
+
+Message initialize_request(const ContractRun& run, const ContractDrive& drive) {
+  auto message = request(Kind::initialize);
+  message.protocol = "hughes_liu";
+  message.output_directory = "/tmp";
+  message.window_size_s = run.window_size_s;
+  message.driven_by = run.implicit() ? "force" : "displacement";
+  message.interface_mass_kg = run.description.interface_mass_kg;
+  for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
+  message.until_separated_plus_s = -1.0;
+  message.separation_windows = 10;
+  message.last_window = drive.windows;
+  return message;
+}
+
+void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
+  const double critical = run.description.critical_time_step_s;
+  run.window_size_s = drive.window_size_s > 0 ? drive.window_size_s : critical > 0 ? 0.5 * critical : 1e-6;
+  auto initialize = initialize_request(run, drive);
+  run.first_output = output_of(peer.ask(initialize).absolute, "absolute", run);
+  auto synchronise = request(Kind::synchronise);
+  synchronise.integration = run.implicit() ? "implicit_newmark" : "explicit_central";
+  synchronise.link_absolute = run.description.interface_position_m;
+  synchronise.link_absolute.data.assign(run.size(), 0.0);
+  const auto& answer = peer.ask(synchronise);
+  run.input.assign(run.size(), 0.0);
+  run.output = output_of(answer.absolute, "absolute", run);
+  take_rates(answer, run);
+  append(answer.records.data, run.records);
+}
+
+/// One `advance` with the input as increment to the last accepted one.
+const Message& advance_by(ContractPeer& peer, const ContractRun& run, int window, const std::vector<double>& input,
+                          bool accept_at_once) {
+  auto message = request(Kind::advance, window);
+  message.link_increment = run.description.interface_position_m;
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    message.link_increment.data[i] = input[i] - run.input[run.input.size() - input.size() + i];
+  }
+  message.link_absolute.resize(0, static_cast<int>(run.description.components));
+  message.accept_at_once = accept_at_once;
+  return peer.ask(message);
+}
+
+bool same_answer(const Message& a, const Message& b) {
+  return a.increment.data == b.increment.data && a.velocity_m_s.data == b.velocity_m_s.data &&
+         a.acceleration_m_s2.data == b.acceleration_m_s2.data;
+}
+
+void one_window(ContractPeer& peer, const ContractDrive& drive, int window, ContractRun& run) {
+  const auto input = input_at(run, drive, window, false);
+  Message answer = advance_by(peer, run, window, input, !drive.try_first);
+  if (drive.try_first) {
+    advance_by(peer, run, window, input_at(run, drive, window, true), false);
+    const Message again = advance_by(peer, run, window, input, false);
+    if (!same_answer(answer, again)) run.forgotten.push_back(window);
+    auto accept = request(Kind::accept, window);
+    peer.ask(accept);
+  }
+  auto output = output_of(answer.increment, "increment", run);
+  for (std::size_t i = 0; i < output.size(); ++i) output[i] += run.output[run.output.size() - output.size() + i];
+  append(input, run.input);
+  run.output.insert(run.output.end(), output.begin(), output.end());
+  take_rates(answer, run);
+}
+
+}  // namespace
+
+std::vector<double> ContractRun::column(const std::string& name) const {
+  const auto& columns = description.record_columns;
+  std::vector<std::size_t> indices;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c] == name || columns[c].rfind(name + "/", 0) == 0) indices.push_back(c);
+  }
+  std::vector<double> sum(indices.empty() ? 0 : records.size() / columns.size(), 0.0);
+  for (std::size_t row = 0; row < sum.size(); ++row) {
+    for (const auto c : indices) sum[row] += records[row * columns.size() + c];
+  }
+  return sum;
+}
+
+void describe(ContractPeer& peer, double timeout_s, ContractRun& run) {
+  run.hello = peer.meet();
+  auto welcome = request(Kind::welcome);
+  welcome.participant = run.hello.participant;
+  welcome.timeout_s = timeout_s;
+  peer.tell(welcome);
+  auto describe = request(Kind::describe);
+  run.description = peer.ask(describe);
+  check_description(run.hello, run.description);
+}
+
+void advance(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
+  start(peer, drive, run);
+  for (int window = 1; window <= drive.windows; ++window) one_window(peer, drive, window, run);
+}
+
+void run_contract(const ContractCommand& command, const ContractDrive& drive, ContractRun& run) {
+  ContractPeer peer(command);
+  describe(peer, command.timeout_s, run);
+  advance(peer, drive, run);
+  auto finish = request(Kind::finish, drive.windows);
+  append(peer.ask(finish).records.data, run.records);
+  const auto end = peer.wait_end();
+  if (!end) throw ParticipantError(fmt::format("after 'finish' it still ran {} s later", command.timeout_s));
+  if (end->signal != 0 || end->exit_status != 0) {
+    throw ParticipantError(fmt::format("after 'finish' it {}{}", end->text(), peer.log_tail()));
+  }
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "coupler/interface/interface_map.hpp"
+#include "coupler/interface/peer.hpp"
+
+namespace ricochet::coupler {
+
+/// What one step of a protocol covers.
+struct Step {
+  std::int64_t accepted_window = 0;  ///< the last one; the step computes from the next on
+  std::int64_t windows = 1;          ///< how many; more than one only without a coupling (baselines)
+  bool absolute = false;             ///< exchange absolute values besides the increments
+  bool records = false;              ///< bring the history rows collected so far
+  std::int64_t substep = 0;          ///< the one step within the window that is meant; 0: the whole window
+  bool ends_window = true;           ///< false: more substeps of this window follow
+};
+
+enum class Acceptance { trial, at_once };
+
+/// State of the contact after the last accepted window, as its owner reports it.
+struct ContactReport {
+  std::int64_t pairs_closed = 0;
+  double gap_min_m = 0.0;
+  double gap_rate_min_m_s = 0.0;
+  bool separated = false;
+  double separation_time_s = -1.0;  ///< < 0: none so far
+  bool finished_early = false;
+};
+
+/// One participant as a protocol sees it: absolute interface values in the shared numbering. On the wire travel
+/// increments since the participant's last accepted window (Eq. 6); this class keeps, for either direction, the
+/// absolute values that the receiving end has accumulated, so that an increment never carries the rounding of the one
+/// before:
+///   sent:      d = x - x_received,   x_received += d      (both ends do the same sum)
+///   received:  y = y_accepted + d
+/// A resynchronisation replaces both by the absolute values and keeps the largest relative difference.
+class Link {
+ public:
+  /// `description`: the participant's own, with `participant` and `role` filled in.
+  Link(Peer peer, const wire::Message& description, const InterfaceRows& rows);
+
+  [[nodiscard]] const std::string& name() const { return peer_.name; }
+  [[nodiscard]] bool implicit() const { return description_.role == "implicit"; }
+  /// Its link input is a force, and it answers its motion.
+  [[nodiscard]] bool driven_by_force() const { return driven_by_force_; }
+  [[nodiscard]] const wire::Message& description() const { return description_; }
+  [[nodiscard]] const InterfaceRows& rows() const { return rows_; }
+
+  /// `request`: a message of kind `initialize` without its masses. `own_masses` per own interface node [kg].
+  void post_initialize(wire::Message request, const std::vector<double>& own_masses);
+  void wait_initialized();
+  /// `integration`: "implicit_newmark" | "explicit_central"; `input` (here and below) in own rows.
+  void post_synchronise(const std::string& integration, const std::vector<double>& input);
+  void wait_synchronised();
+  /// `frozen_contact`: "open" | "sticking". A synchronisation must follow.
+  void post_load_state(const std::vector<double>& state, const std::string& frozen_contact);
+  void wait_state_loaded();
+  /// The answer has the fields `state` and `state_scale`; it is valid until the next message.
+  void post_read_state();
+  const wire::Message& wait_state();
+  /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
+  void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
+  void wait_advanced();
+  /// Makes the last trial final.
+  void post_accept(const Step& step);
+  void wait_accepted();
+  void post_finish();
+  const wire::Message& wait_finished();
+
+  /// Link input that the participant has accepted last, own rows.
+  [[nodiscard]] const std::vector<double>& input() const { return received_input_; }
+  /// The last answer, own rows: displacement [m] of who is driven by force, else force [N].
+  [[nodiscard]] const std::vector<double>& output() const { return output_; }
+  /// Lumped mass of its own elements, per row of the interface and component [kg].
+  [[nodiscard]] std::vector<double> own_mass_kg() const;
+  [[nodiscard]] const std::vector<double>& velocity_m_s() const { return velocity_; }
+  [[nodiscard]] const std::vector<double>& acceleration_m_s2() const { return acceleration_; }
+  [[nodiscard]] const ContactReport& contact() const { return contact_; }
+  /// Largest difference between accumulated and absolute values so far, relative to the largest absolute value.
+  [[nodiscard]] double largest_drift() const { return largest_drift_; }
+  [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
+  [[nodiscard]] double setup_s() const { return setup_s_; }
+  /// What has left the model as the participant last said, rows of wire::departure_columns numbers.
+  [[nodiscard]] const wire::Array& departures() const { return departures_; }
+  /// Where nodes of outlines were when history rows last came; see the field `outline`.
+  [[nodiscard]] const wire::Array& outline() const { return outline_; }
+  /// History rows received since the last call (row-major, as many columns as the description names).
+  [[nodiscard]] std::vector<double> take_records();
+
+ private:
+  const wire::Message& wait(wire::Kind expected);
+  void take_acceptance(const wire::Message& answer);
+  void take_absolute(const wire::Message& answer);
+  void take_rates(const wire::Message& answer);
+  void take_records_of(const wire::Message& answer);
+  void take_departures(const wire::Message& answer);
+  void require_body(double body, const char* field) const;
+  [[nodiscard]] std::int64_t window_of(const wire::Message& answer) const;
+  void require_rows(const wire::Array& array, const char* field) const;
+
+  Peer peer_;
+  wire::Message description_, request_;
+  InterfaceRows rows_;
+  std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_, records_;
+  Acceptance acceptance_ = Acceptance::at_once;
+  bool driven_by_force_ = false, ends_window_ = true;
+  ContactReport contact_;
+  wire::Array departures_, outline_;
+  double largest_drift_ = 0.0;
+  double setup_s_ = 0.0;
+  std::int64_t window_ = 0;
+  std::int64_t history_every_ = 1, next_row_ = 0;  ///< windows of history rows
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,132 @@
+// The part of Peers that meets participants: who is let in, who is turned away and with what words.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/base/names.hpp"
+#include "coupler/processes/peers.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using wire::Clock;
+
+}  // namespace
+
+void Peers::handshake() {
+  const auto begin = Clock::now();
+  const auto deadline =
+      begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run_.timeout_s));
+  const auto missing = [this] {
+    return std::find_if(peers_.begin(), peers_.end(), [](const Remote& peer) { return peer.identity.empty(); });
+  };
+  while (missing() != peers_.end()) {
+    if (receive_one(deadline, "")) continue;
+    const auto& peer = *missing();
+    throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s{}{}", peer.expected.name,
+                                       run_.timeout_s, refusal_text(peer), log_tail(peer)));
+  }
+  listener_.close_door();
+}
+
+/// A message from someone who is not (yet) a peer.
+void Peers::admit() {
+  const int config = static_cast<int>(ExitCode::config);
+  const int protocol = static_cast<int>(ExitCode::protocol);
+  if (scratch_.kind == wire::Kind::failure) return;
+  if (scratch_.kind != wire::Kind::hello) {
+    refuse(fmt::format("the first message must be 'hello', not '{}'", wire::name(scratch_.kind)), protocol);
+    return;
+  }
+  std::vector<std::string> names;
+  for (const auto& peer : peers_) names.push_back(peer.expected.name);
+  const auto found = std::find(names.begin(), names.end(), scratch_.participant);
+  if (found == names.end()) {
+    refuse(fmt::format("this run has no participant '{}', allowed are {}{}", scratch_.participant,
+                       fmt::join(names, ", "), did_you_mean(scratch_.participant, names)),
+           config);
+    return;
+  }
+  auto& peer = peers_[static_cast<std::size_t>(found - names.begin())];
+  std::string objection = objection_to_hello(peer);
+  auto memory = objection.empty() ? open_shared_memory(objection) : nullptr;
+  if (!objection.empty()) {
+    const bool launched_here =
+        peer.identity.empty() && launcher_.launched(*found) && scratch_.process_id == launcher_.process_id(*found);
+    refuse(objection, config);
+    if (peer.identity.empty()) peer.refusal = objection;
+    if (launched_here) throw ConfigError(objection);  // no second one will come
+    return;
+  }
+  peer.lifecycle.step(wire::Side::participant, scratch_, peer.expected.name);
+  peer.identity = scratch_identity_;
+  peer.process_id = scratch_.process_id;
+  peer.last_heard = Clock::now();
+  wire::Message welcome;
+  welcome.kind = wire::Kind::welcome;
+  welcome.participant = peer.expected.name;
+  // The coupler may wait for one peer after another while this one has nothing to do.
+  welcome.timeout_s = 2.0 * run_.timeout_s;
+  welcome.shared_memory = memory != nullptr;
+  peer.transport = memory ? "shm" : run_.transport == "tcp" ? "tcp" : "zmq";
+  post(peer, welcome);
+  peer.busy = false;
+  listener_.limit(peer.identity, run_.largest_message);
+  if (memory) listener_.share(peer.identity, std::move(memory));
+}
+
+/// Why who said hello as `peer` must not take part; empty if nothing speaks against it.
+std::string Peers::objection_to_hello(const Remote& peer) const {
+  const auto& name = peer.expected.name;
+  if (!listener_.sender().empty() && listener_.sender() != name) {
+    return fmt::format("participant '{}' says it is '{}': it has the key of the one, not of the other",
+                       listener_.sender(), name);
+  }
+  if (!peer.identity.empty()) {
+    return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
+  }
+  if (scratch_.role != peer.expected.role) {
+    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, scratch_.role, peer.expected.role);
+  }
+  if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
+    return fmt::format(
+        "participant '{}' read another scene (SHA-256 {:.12}..., this run has {:.12}...); give both the "
+        "same file",
+        name, scratch_.scene_sha256, run_.scene_sha256);
+  }
+  return "";
+}
+
+/// The memory that the hello offers, if the scene lets it be used. With transport "auto" ZeroMQ takes its place where
+/// it cannot be had; with "shm" that is an objection.
+std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(std::string& objection) const {
+  const bool required = run_.transport == "shm";
+  if (!required && run_.transport != "auto") return nullptr;
+  std::string why = "it offers no shared memory";
+  if (!scratch_.shared_memory_path.empty()) {
+    try {
+      return wire::SharedMemory::open(scratch_.shared_memory_path, scratch_.shared_memory_key);
+    } catch (const ConfigError& error) {
+      why = error.what();
+    }
+  }
+  if (required) {
+    objection = fmt::format("{}: found \"shm\", which participant '{}' cannot have: {}; \"auto\" allows ZeroMQ for it",
+                            run_.transport_where, scratch_.participant, why);
+  }
+  return nullptr;
+}
+
+void Peers::refuse(const std::string& text, int code) {
+  last_refusal_ = text;
+  wire::Message message;
+  message.kind = wire::Kind::failure;
+  message.run_id = run_.run_id;
+  message.error_code = code;
+  message.error_text = text;
+  message.error_culprit = scratch_.kind == wire::Kind::hello ? scratch_.participant : "";
+  listener_.send(scratch_identity_, message);
+}
+
+}  // namespace ricochet::coupler

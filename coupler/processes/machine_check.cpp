@@ -1,0 +1,91 @@
+#include "coupler/processes/machine_check.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <variant>
+
+#include "common/base/error.hpp"
+#include "common/base/process.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+/// Bytes per node, from the peak resident memory of runs with 2e5 nodes in two dimensions and 2e6 in one. What a factor
+/// of many implicit unknowns takes comes on top: it depends on the mesh in ways that only the factorisation finds out.
+struct PerNode {
+  double mesh;    ///< in every process, the coupler among them
+  double solver;  ///< in the participants together
+};
+constexpr PerNode in_one_dimension{160, 100}, in_two_dimensions{1300, 700};
+constexpr double bytes_per_node_of_gmsh_file = 40;  // of the file, which is text or binary
+
+double nodes_of(const scene::Body& body) {
+  if (const auto* gmsh = std::get_if<scene::GmshMesh>(&body.mesh)) {
+    std::error_code ignored;
+    return static_cast<double>(std::filesystem::file_size(gmsh->path, ignored)) / bytes_per_node_of_gmsh_file;
+  }
+  const auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
+  return (mesh.elements_across + 1.0) * (mesh.elements_along + 1.0);
+}
+
+std::string size_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", std::ceil(1e-6 * bytes)) : fmt::format("{:.1f} GB", 1e-9 * bytes);
+}
+
+}  // namespace
+
+double memory_need_bytes(const scene::Scene& scene) {
+  double nodes = 0.0;
+  for (const auto& body : scene.bodies) nodes += nodes_of(body);
+  const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
+                                      [](const auto& p) { return p.start == scene::Start::launch; });
+  const auto& per_node = scene.model == scene::Model::bar ? in_one_dimension : in_two_dimensions;
+  return nodes * (per_node.mesh * static_cast<double>(launched + 1) + (launched > 0 ? per_node.solver : 0.0));
+}
+
+double memory_available_bytes() {
+  double available = std::numeric_limits<double>::infinity();
+  std::ifstream file("/proc/meminfo");
+  for (std::string word, value; file >> word >> value;) {
+    if (word == "MemAvailable:") available = 1024.0 * std::stod(value);
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    available = std::min(available, static_cast<double>(limit.rlim_cur));
+  }
+  return available;
+}
+
+std::string memory_text(const scene::Scene& scene) {
+  return fmt::format("memory: about {} needed, {} available", size_text(memory_need_bytes(scene)),
+                     size_text(memory_available_bytes()));
+}
+
+scene::Problem load_problem(const std::string& path) {
+  auto scene = scene::load_scene(path);
+  constexpr unsigned long own_descriptors = 256, per_participant = 8;  // 128 of them for connections of strangers
+  require_descriptors(own_descriptors + per_participant * scene.participants.size());
+  if (memory_need_bytes(scene) > memory_available_bytes()) {
+    throw MachineError(fmt::format("{}: {}; fewer elements need less", scene.path, memory_text(scene)));
+  }
+  return scene::build_problem(std::move(scene));
+}
+
+std::string address_warning(const scene::Scene& scene) {
+  const auto& address = scene.coupling.address;
+  const bool tcp = scene.coupling.transport == "tcp";
+  if (!tcp || address == "127.0.0.1" || address == "localhost" || address == "::1" || address == "[::1]") return "";
+  return fmt::format(
+      "coupling.address: found \"{}\", which other machines can reach; only who has a key of the run gets through, and "
+      "what is sent is encrypted (docs/security.md); \"127.0.0.1\" stays on this machine",
+      address);
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,269 @@
+#include "coupler/processes/peers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "coupler/processes/interrupted.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using wire::Clock;
+
+Clock::duration seconds(double value) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
+}
+
+double since_epoch_s(Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
+
+constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
+constexpr std::size_t log_lines = 8;
+constexpr std::uintmax_t largest_log = 100'000'000;
+constexpr std::chrono::milliseconds between_looks_at_logs{100};
+
+}  // namespace
+
+Peers::Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run)
+    : listener_(listener), launcher_(launcher), run_(std::move(run)), descriptors_{launcher.file_descriptor()} {
+  peers_.resize(expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    peers_[i].expected = std::move(expected[i]);
+    peers_[i].last_heard = Clock::now();
+    peers_[i].idle_while_s.assign(peers_.size(), 0.0);
+  }
+}
+
+Peer Peers::peer(std::size_t index) {
+  return {peers_[index].expected.name, [this, index](wire::Message& message) { post(peers_[index], message); },
+          [this, index]() -> const wire::Message& { return wait(index); }};
+}
+
+void Peers::post(Remote& peer, wire::Message& message) {
+  message.version = wire::protocol_version;
+  message.run_id = run_.run_id;
+  message.sequence = peer.sequence++;
+  peer.lifecycle.step(wire::Side::coupler, message, peer.expected.name);
+  peer.asked = wire::name(message.kind);
+  peer.window = message.window;
+  peer.busy = true;
+  try {
+    listener_.send(peer.identity, message);
+  } catch (const ProtocolError& error) {
+    throw_broken(peer, error);
+  }
+}
+
+const wire::Message& Peers::wait(std::size_t index) {
+  auto& peer = peers_[index];
+  const auto begin = Clock::now();
+  const auto deadline = begin + seconds(run_.timeout_s);
+  while (!peer.has_message) {
+    if (!receive_one(deadline, peer.identity)) throw_silent(peer);
+  }
+  peer.has_message = false;
+  note_wait(index, begin);
+  return peer.inbox;
+}
+
+void Peers::note_wait(std::size_t index, Clock::time_point begin) {
+  auto& peer = peers_[index];
+  const auto end = Clock::now();
+  const double waited = std::chrono::duration<double>(end - begin).count();
+  peer.waited_s += waited;
+  for (auto& other : peers_) {
+    if (!other.busy) other.idle_while_s[index] += waited;
+  }
+  peer.busy = false;
+  if (peer.spans.size() < max_spans) peer.spans.push_back({peer.window, since_epoch_s(begin), since_epoch_s(end)});
+}
+
+/// One message or one event of the processes; false at the deadline. `awaited`: whose message is wanted, if anybody's.
+bool Peers::receive_one(wire::Deadline deadline, const std::string& awaited) {
+  launcher_.poll();
+  if (Clock::now() >= next_look_at_logs_) check_logs();
+  if (attend()) return true;  // which may have brought what the caller waits for
+  if (receive_into_scratch(std::min(deadline, next_look_at_logs_), awaited, true)) {
+    deliver();
+    return true;
+  }
+  return Clock::now() < deadline || launcher_.events() != seen_events_ || listener_.closings() != seen_closings_;
+}
+
+/// What a program prints goes to the disk of the user, and some never stop.
+void Peers::check_logs() {
+  next_look_at_logs_ = Clock::now() + between_looks_at_logs;
+  for (const auto& peer : peers_) {
+    const auto path = launcher_.log_path(peer.expected.name);
+    std::error_code error;
+    const auto size = path.empty() ? 0 : std::filesystem::file_size(path, error);
+    if (error || size <= largest_log) continue;
+    throw ParticipantError(fmt::format("participant '{}' has printed {} bytes to its log {}, allowed are {}",
+                                       peer.expected.name, size, path, largest_log));
+  }
+}
+
+bool Peers::receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes) {
+  const auto ready = [this](std::size_t) {
+    launcher_.poll();
+    return launcher_.events() == seen_events_;
+  };
+  static const std::vector<int> nothing;
+  for (;;) {
+    scratch_identity_ = awaited;
+    try {
+      return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
+    } catch (const ProtocolError& error) {
+      const auto* peer = find(scratch_identity_);
+      if (peer) throw_broken(*peer, error);
+      if (scratch_identity_.empty()) throw;
+      refuse(error.what(), static_cast<int>(ExitCode::protocol));  // a stranger's nonsense is not the run's trouble
+    }
+  }
+}
+
+void Peers::deliver() {
+  auto* peer = find(scratch_identity_);
+  if (!peer) {
+    admit();
+    return;
+  }
+  peer->lifecycle.step(wire::Side::participant, scratch_, peer->expected.name);
+  if (scratch_.kind != wire::Kind::failure && scratch_.run_id != run_.run_id) {
+    throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'",
+                                    peer->expected.name, scratch_.run_id, run_.run_id));
+  }
+  std::swap(peer->inbox, scratch_);
+  peer->last_heard = Clock::now();
+  if (peer->inbox.kind == wire::Kind::failure) throw_failure(*peer);
+  peer->has_message = true;
+}
+
+Peers::Remote* Peers::find(const std::string& identity) {
+  if (identity.empty()) return nullptr;
+  for (auto& peer : peers_) {
+    if (peer.identity == identity) return &peer;
+  }
+  return nullptr;
+}
+
+/// Processes that ended, connections that were closed and signals that came since the last call; false if there were
+/// none.
+bool Peers::attend() {
+  if (listener_.closings() != seen_closings_) {
+    check_connections();
+    return true;
+  }
+  if (launcher_.events() == seen_events_) return false;
+  seen_events_ = launcher_.events();
+  if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
+  for (auto& peer : peers_) check_end(peer);
+  return true;
+}
+
+void Peers::check_end(Remote& peer) {
+  const auto end = launcher_.end_of(peer.expected.name);
+  if (!end || peer.end_handled) return;
+  peer.end_handled = true;
+  hear_last_words(peer);
+  if (peer.lifecycle.done()) return;
+  throw ParticipantError(fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer),
+                                     refusal_text(peer), log_tail(peer)));
+}
+
+/// Until they have been heard or nothing can come any more, whoever else talks or goes meanwhile.
+void Peers::hear_last_words(Remote& peer) {
+  const auto deadline = Clock::now() + seconds(drain_s);
+  while (!peer.lifecycle.done() && Clock::now() < deadline) {
+    if (receive_into_scratch(deadline, peer.identity, false)) deliver();
+  }
+}
+
+/// Of a process that was launched here more can be told when it has ended; of others the connection is all there is.
+void Peers::check_connections() {
+  seen_closings_ = listener_.closings();
+  for (auto& peer : peers_) {
+    if (peer.identity.empty() || peer.lifecycle.done() || launcher_.launched(peer.expected.name)) continue;
+    if (!listener_.gone(peer.identity)) continue;
+    hear_last_words(peer);
+    if (peer.lifecycle.done()) continue;
+    throw ParticipantError(
+        fmt::format("participant '{}' is gone {}: its connection was closed, the process (started by hand, "
+                    "{} on its machine) ended or was killed",
+                    peer.expected.name, place(peer), peer.process_id));
+  }
+}
+
+void Peers::limit(std::size_t index, const wire::Message& description) {
+  constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
+  constexpr std::size_t most_rows = 4200;  // of history in one answer: as many windows as a baseline takes at once
+  const auto numbers = 8 * description.interface_position_m.data.size() + most_rows * description.record_columns.size();
+  const auto& has = description.capabilities;
+  const bool tells_state = std::find(has.begin(), has.end(), "load_state") != has.end();
+  const std::size_t bytes = least + sizeof(double) * numbers;
+  listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
+}
+
+void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
+  for (auto& peer : peers_) {
+    if (peer.identity.empty() || peer.lifecycle.done()) continue;
+    wire::Message message;
+    message.kind = wire::Kind::failure;
+    message.error_code = code;
+    message.error_text = text;
+    message.error_culprit = culprit;
+    message.window = peer.window;
+    try {
+      post(peer, message);
+    } catch (const std::exception&) {
+      // It may be the peer that is gone; the run already fails for a better reason.
+    }
+  }
+}
+
+void Peers::throw_broken(const Remote& peer, const ProtocolError& error) const {
+  throw ProtocolError(fmt::format("participant '{}' {}: {}", peer.expected.name, place(peer), error.what()));
+}
+
+void Peers::throw_failure(const Remote& peer) const {
+  const auto& message = peer.inbox;
+  const bool known = message.error_code == static_cast<int>(ExitCode::config) ||
+                     message.error_code == static_cast<int>(ExitCode::unstable) ||
+                     message.error_code == static_cast<int>(ExitCode::protocol) ||
+                     message.error_code == static_cast<int>(ExitCode::machine);
+  const auto code = known ? static_cast<ExitCode>(message.error_code) : ExitCode::participant;
+  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), message.error_text));
+}
+
+void Peers::throw_silent(const Remote& peer) const {
+  const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
+  throw ParticipantError(fmt::format(
+      "participant '{}' has been silent for {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
+      "is stopped, or "
+      "needs a longer timeout{}",
+      peer.expected.name, silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));
+}
+
+std::string Peers::place(const Remote& peer) const {
+  if (peer.identity.empty()) return "before it said hello";
+  if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
+  return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);
+}
+
+/// Who was turned away may have been meant to be this peer.
+std::string Peers::refusal_text(const Remote& peer) const {
+  if (!peer.refusal.empty()) return "; a peer of that name was turned away: " + peer.refusal;
+  return peer.identity.empty() && !last_refusal_.empty() ? "; a peer was turned away: " + last_refusal_ : "";
+}
+
+std::string Peers::log_tail(const Remote& peer) const {
+  const std::string path = launcher_.log_path(peer.expected.name);
+  if (path.empty()) return "";
+  const std::string lines = last_lines(path, log_lines);
+  return lines.empty() ? fmt::format("\n  its log {} is empty", path)
+                       : fmt::format("\n  end of its log {}:\n{}", path, lines);
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/wire/channel.hpp"
+#include "common/wire/lifecycle.hpp"
+#include "common/wire/shared_memory.hpp"
+#include "coupler/interface/peer.hpp"
+#include "coupler/processes/launcher.hpp"
+#include "coupler/results/trace.hpp"
+
+namespace ricochet::coupler {
+
+/// A participant that the scene names.
+struct ExpectedPeer {
+  std::string name;
+  std::string role;  ///< "explicit" | "implicit"
+};
+
+/// What all peers of a run have in common.
+struct RunIdentity {
+  std::string run_id;
+  std::string scene_sha256;
+  double timeout_s = 60.0;                             ///< longest wait for any peer
+  double window_size_s = 0.0;                          ///< for the times in error texts
+  std::string transport = "auto";                      ///< "auto" | "shm" | "zmq" | "tcp", as in the scene
+  std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
+  std::size_t largest_message =
+      wire::default_largest_message;  ///< of a participant that has not described itself [bytes]
+};
+
+/// The participants of a run as remote processes: who is connected, whose turn it is, who is late, who died.
+///
+/// Every wait has a deadline. A launched process that ends before it has said `finished`, a silent peer, an illegal or
+/// malformed message and a failure message end the run with one error that names the participant and the window.
+/// Strangers (unknown names, second participants of a name, other scenes) are told why and turned away; the run goes
+/// on.
+class Peers {
+ public:
+  Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run);
+
+  /// Waits until every expected participant has said hello and welcomes it.
+  void handshake();
+  /// Takes no message from the participant that is larger than what it has described of itself needs.
+  void limit(std::size_t index, const wire::Message& description);
+  /// The participant in the form the protocols use; refers to this object.
+  [[nodiscard]] Peer peer(std::size_t index);
+  /// Tells every peer that still listens that the run is over, and why.
+  void announce_failure(int code, const std::string& text, const std::string& culprit);
+
+  [[nodiscard]] std::size_t size() const { return peers_.size(); }
+  [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
+  [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
+  /// What carries the messages to and from this peer: "shm" | "zmq" | "tcp"; empty until its hello.
+  [[nodiscard]] const std::string& transport(std::size_t index) const { return peers_[index].transport; }
+  /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
+  [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }
+  [[nodiscard]] const std::vector<WaitSpan>& wait_spans(std::size_t index) const { return peers_[index].spans; }
+  /// Time that participant `idle` had nothing to do while the coupler waited for `busy` [s].
+  [[nodiscard]] double idle_while_s(std::size_t idle, std::size_t busy) const {
+    return peers_[idle].idle_while_s[busy];
+  }
+
+  static constexpr std::size_t max_spans = 100'000;
+
+ private:
+  struct Remote {
+    ExpectedPeer expected;
+    std::string identity;  ///< routing identity; empty until its hello
+    wire::Lifecycle lifecycle;
+    wire::Message inbox;
+    std::string asked;  ///< what it was asked last, for error texts
+    std::string transport;
+    std::string refusal;  ///< why a peer of this name was turned away
+    std::int64_t process_id = 0;
+    std::int64_t sequence = 0, window = 0;
+    wire::Clock::time_point last_heard;
+    bool has_message = false, busy = false, end_handled = false;
+    double waited_s = 0.0;
+    std::vector<double> idle_while_s;
+    std::vector<WaitSpan> spans;
+  };
+
+  void post(Remote& peer, wire::Message& message);
+  const wire::Message& wait(std::size_t index);
+  void note_wait(std::size_t index, wire::Clock::time_point begin);
+  bool receive_one(wire::Deadline deadline, const std::string& awaited);
+  bool receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes);
+  void deliver();
+  void admit();
+  [[nodiscard]] std::string objection_to_hello(const Remote& peer) const;
+  std::unique_ptr<wire::SharedMemory> open_shared_memory(std::string& objection) const;
+  void refuse(const std::string& text, int code);
+  bool attend();
+  void check_end(Remote& peer);
+  void check_connections();
+  void check_logs();
+  void hear_last_words(Remote& peer);
+  Remote* find(const std::string& identity);
+  [[noreturn]] void throw_broken(const Remote& peer, const ProtocolError& error) const;
+  [[noreturn]] void throw_failure(const Remote& peer) const;
+  [[noreturn]] void throw_silent(const Remote& peer) const;
+  [[nodiscard]] std::string place(const Remote& peer) const;
+  [[nodiscard]] std::string refusal_text(const Remote& peer) const;
+  [[nodiscard]] std::string log_tail(const Remote& peer) const;
+
+  wire::Listener& listener_;
+  Launcher& launcher_;
+  RunIdentity run_;
+  std::vector<Remote> peers_;
+  std::vector<int> descriptors_;
+  wire::Message scratch_;
+  std::uint64_t seen_closings_ = 0;
+  wire::Clock::time_point next_look_at_logs_;
+  std::string scratch_identity_;
+  std::string last_refusal_;  ///< what a stranger was told last
+  int seen_events_ = 0;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,177 @@
+#include "coupler/report/run_page/summary_page.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "coupler/report/parts/history_table.hpp"
+#include "coupler/report/parts/quantity.hpp"
+#include "coupler/report/parts/text.hpp"
+
+namespace ricochet::report {
+namespace {
+
+std::string cell(const std::string& text) { return "<td>" + escape_html(text) + "</td>"; }
+
+std::string row(const std::string& name, const std::string& value) {
+  return "<tr><th scope=\"row\">" + escape_html(name) + "</th><td colspan=\"3\">" + escape_html(value) + "</td></tr>\n";
+}
+
+std::string row(const std::string& name, const std::string& value, const std::string& theory,
+                const std::string& difference) {
+  return "<tr><th scope=\"row\">" + escape_html(name) + "</th>" + cell(value) + cell(theory) + cell(difference) +
+         "</tr>\n";
+}
+
+std::string difference(double value, double theory) {
+  return theory == 0 ? "" : fmt::format("{:+.2f} %", 100 * (value / theory - 1));
+}
+
+std::string shown(const std::optional<double>& value, const std::string& unit) {
+  return value ? quantity(*value, unit) : "–";
+}
+
+std::string seconds(const Json& process, const std::string& key) {
+  const auto value = number(process, key);
+  return value ? fmt::format("{:.3f}", *value) : "–";
+}
+
+/// Beside the forces it is about: a reader of the page has not seen what the run said.
+std::string unconverged_row(const Json& summary) {
+  const Json contact = summary.value("contact", Json::object());
+  const auto windows = contact.value("windows_unconverged", 0LL);
+  if (windows == 0) return "";
+  return row("windows whose contact forces were not found",
+             fmt::format("{}; worst residual {:.2g} of the largest force, 1e-6 is wanted", windows,
+                         number(contact, "residual_max").value_or(0.0)));
+}
+
+std::string contact_rows(const Json& summary) {
+  const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
+  if (!first) return "";
+  std::string text = row("first contact", quantity(*first, "s"));
+  const Json theory = summary.value("theory", Json());
+  if (theory.is_null()) {
+    text += row("separation", separation ? quantity(*separation, "s") : "not within this run");
+  } else {
+    const double duration = number(theory, "contact_duration_s").value_or(0.0);
+    text += row("separation", separation ? quantity(*separation, "s") : "not within this run",
+                fmt::format("{} (first contact + 2L/c of {})", quantity(*first + duration, "s"),
+                            theory.value("contact_duration_body", "")),
+                separation ? difference(*separation - *first, duration) : "");
+    const auto plateau = number(summary, "plateau_stress_pa"), stress = number(theory, "contact_stress_pa");
+    text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
+                plateau && stress ? difference(*plateau, *stress) : "");
+  }
+  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+         row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) + unconverged_row(summary);
+}
+
+std::string balance_rows(const Json& summary) {
+  const auto last = number(summary, "energy_error_last"), lowest = number(summary, "energy_error_lowest"),
+             highest = number(summary, "energy_error_highest"), momentum = number(summary, "momentum_error_max");
+  std::string text;
+  if (last && lowest && highest) {
+    text +=
+        row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", *last, *lowest, *highest));
+  }
+  if (momentum) text += row("momentum error", fmt::format("{:.3e}", *momentum));
+  const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
+  if (angular && *angular > 0) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
+  if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
+  return text;
+}
+
+std::string course_rows(const Json& summary) {
+  std::string text = row(
+      "windows", fmt::format("{} of {} each, up to {}", summary.value("steps", 0LL),
+                             shown(number(summary, "window_size_s"), "s"), shown(number(summary, "end_time_s"), "s")));
+  std::string switches;
+  for (const auto& event : summary.value("switches", Json::array())) {
+    switches += fmt::format("{}to {} at {}", switches.empty() ? "" : ", ", event.value("to", ""),
+                            shown(number(event, "time_s"), "s"));
+  }
+  if (!switches.empty()) text += row("integration switched", switches);
+  for (const auto& note : summary.value("notes", Json::array())) text += row("note", note);
+  for (const auto& departed : summary.value("outside_model", Json::array())) {
+    text += row("outside the model", departed.value("text", ""));
+  }
+  if (const auto until = number(summary, "valid_until_s")) text += row("valid until", quantity(*until, "s"));
+  const Json phases = summary.value("phases", Json::object());
+  // A phase that the run did not come to the end of has no time.
+  const auto wall = [](const std::optional<double>& value) {
+    return value && *value > 0 ? quantity(*value, "s", 3) : "–";
+  };
+  return text +
+         row("wall time", fmt::format("{} (start {}, set-up {}, stepping {}, end {})", wall(number(summary, "wall_s")),
+                                      wall(number(phases, "start_s")), wall(number(phases, "setup_s")),
+                                      wall(number(phases, "stepping_s")), wall(number(phases, "finish_s"))));
+}
+
+std::string process_rows(const Json& summary) {
+  std::string text;
+  for (const auto& process : summary.value("processes", Json::array())) {
+    std::string waited;
+    const Json waited_for = process.value("waited_for_s", Json::object());
+    for (const auto& [whom, time_s] : waited_for.items()) {
+      if (!waited.empty()) waited += ", ";
+      waited += fmt::format("{} {:.3f}", whom, time_s.is_number() ? time_s.get<double>() : 0.0);
+    }
+    text += "<tr><th scope=\"row\">" + escape_html(process.value("name", "")) + "</th>" +
+            cell(process.value("role", "")) + cell(process.value("transport", "")) + cell(seconds(process, "wall_s")) +
+            cell(seconds(process, "compute_s")) + cell(seconds(process, "wait_s")) + cell(waited) + "</tr>\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Json read_summary(const std::string& path) {
+  try {
+    auto summary = Json::parse(read_text(path));
+    if (summary.is_object() && summary.contains("status")) return summary;
+  } catch (const Json::parse_error& error) {
+    throw ConfigError(fmt::format("{} is not the summary of a run: {}", path, error.what()));
+  }
+  throw ConfigError(fmt::format("{} is not the summary of a run: no \"status\"", path));
+}
+
+std::optional<double> number(const Json& summary, const std::string& key) {
+  const auto found = summary.find(key);
+  return found != summary.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
+
+std::string scene_name(const Json& summary) {
+  return std::filesystem::path(summary.value("scene", "")).stem().string();
+}
+
+std::string header_html(const Json& summary) {
+  const std::string status = summary.value("status", ""), error = summary.value("error", "");
+  std::string words = status;
+  if (status == "running") words = "running, or its coupler was killed";
+  std::string text =
+      fmt::format("<h1>{}</h1>\n<p class=\"status {}\"><strong>{}</strong></p>\n", escape_html(scene_name(summary)),
+                  status == "done" ? "done" : "failed", escape_html(words));
+  if (!error.empty()) text += fmt::format("<pre class=\"error\">{}</pre>\n", escape_html(error));
+  text += fmt::format(
+      "<dl><dt>scene</dt><dd>{} <small>(SHA-256 {}…)</small></dd>\n<dt>protocol</dt><dd>{} over {}</dd>\n"
+      "<dt>run</dt><dd>{}</dd>\n<dt>version</dt><dd>ricochet {}</dd></dl>\n",
+      escape_html(summary.value("scene", "")), escape_html(summary.value("scene_sha256", "").substr(0, 12)),
+      escape_html(summary.value("protocol", "")), escape_html(summary.value("transport", "")),
+      escape_html(summary.value("run_id", "")), escape_html(summary.value("version", "")));
+  return text;
+}
+
+std::string tables_html(const Json& summary) {
+  std::string text =
+      "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n"
+      "<tbody>\n";
+  text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n";
+  text +=
+      "<table class=\"processes\">\n<thead><tr><th>process</th><th>role</th><th>transport</th><th>wall [s]</th>"
+      "<th>compute [s]</th><th>wait [s]</th><th>waited for [s]</th></tr></thead>\n<tbody>\n";
+  return text + process_rows(summary) + "</tbody>\n</table>\n";
+}
+
+}  // namespace ricochet::report

@@ -1,0 +1,118 @@
+#include "coupler/report/study_page/study_along.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "coupler/report/assets/assets.hpp"
+#include "coupler/report/parts/text.hpp"
+#include "coupler/report/study_page/study_histories.hpp"
+#include "coupler/report/study_page/study_parts.hpp"
+
+namespace ricochet::report {
+namespace {
+
+/// From this ratio of the largest to the smallest value on, an axis is logarithmic.
+constexpr double many = 30.0;
+
+/// A column of results.csv to be drawn.
+struct Drawn {
+  std::string column, heading, note, title, quantity;
+};
+
+std::vector<Drawn> columns_of(const Json& study) {
+  std::vector<Drawn> all;
+  const auto& histories = study.at("histories");
+  if (!histories.is_null()) {
+    const auto title = "RMS / " + histories.at("over_name").get<std::string>();
+    const auto compared = histories.at("compare_to").get<std::string>(), history = history_title(study);
+    all.push_back({"rms_compared", "Difference from " + compared,
+                   fmt::format("RMS of the difference of the {} from {} at the same settings, over its contact period.",
+                               history, compared),
+                   title, ""});
+    all.push_back({"rms_reference", "Difference from the reference",
+                   fmt::format("RMS of the difference of the {} from the reference, over its contact period.", history),
+                   title, ""});
+  }
+  for (const auto& quantity : texts(study, "quantities")) {
+    const bool drift = quantity == "energy_drift";
+    all.push_back({"error_" + quantity, drift ? "Energy drift" : "Error of the " + words(quantity),
+                   drift ? "Of the run itself, over the initial energy." : "Against the reference.",
+                   drift ? "energy drift" : "relative error", quantity});
+  }
+  all.push_back({"stepping_s", "Time of stepping", "Median of the repeats.", "stepping [s]", ""});
+  all.push_back({"wall_s", "Wall time", "Of the whole run, median of the repeats.", "wall time [s]", ""});
+  return all;
+}
+
+bool logarithmic(const Json& points) {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const auto& point : points) {
+    least = std::min(least, point[1].get<double>());
+    most = std::max(most, point[1].get<double>());
+  }
+  return most > many * least;
+}
+
+Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column, std::size_t number_of_panel) {
+  const auto along = study.at("along").get<std::string>();
+  const auto methods = texts(study, "methods");
+  const auto looks = looks_of(methods);
+  Chart chart;
+  chart.id = fmt::format("along_{}_{}", drawn_column.column, number_of_panel);
+  chart.title = panel.title;
+  chart.columns = {"at", "value", "method"};
+  for (const auto* row : panel.rows) {
+    const auto value = number(*row, drawn_column.column);
+    if (value && *value > 0.0) chart.rows.push_back({row->at(along), drawn(*value), row->at("method")});
+  }
+  const bool log = logarithmic(chart.rows);
+  const Json scale = log ? Json({{"type", "log"}, {"nice", false}, {"padding", 12}}) : Json({{"zero", true}});
+  const auto rule = drawn_column.quantity.empty() ? Json::array() : reference_rule(study, drawn_column.quantity);
+  chart.spec = without_empty_layers(fill_json(
+      asset("along.json"), {{"description", Json(drawn_column.heading + " along " + along + ": " + panel.title).dump()},
+                            {"width", Json(panel_width).dump()},
+                            {"at_title", Json(along).dump()},
+                            {"value_title", Json(drawn_column.title).dump()},
+                            {"scale", scale.dump()},
+                            {"format", log ? "\".1~e\"" : "\".6~g\""},
+                            {"reference", rule.dump()},
+                            {"methods", Json(methods).dump()},
+                            {"colors", looks.colors.dump()},
+                            {"shapes", looks.shapes.dump()},
+                            {"dashes", looks.dashes.dump()}}));
+  return chart;
+}
+
+}  // namespace
+
+std::string along_html(const Json& study, const std::vector<CsvRow>& rows, std::vector<std::string>& json) {
+  const auto along = study.at("along").get<std::string>();
+  if (along.empty()) return "";
+  const auto together = texts(study, "along_together");  // keys that take their values with it
+  std::vector<std::string> others;
+  for (const auto& axis : texts(study, "axes")) {
+    if (std::find(together.begin(), together.end(), axis) == together.end()) others.push_back(axis);
+  }
+  const auto panels = panels_of(rows, others);
+  std::string text;
+  std::vector<Chart> alone;  // the only chart of its column
+  for (const auto& column : columns_of(study)) {
+    std::vector<Chart> charts;
+    for (const auto& panel : panels) {
+      auto chart = chart_of(study, panel, column, charts.size() + 1);
+      if (!chart.rows.empty()) charts.push_back(std::move(chart));
+    }
+    if (panels.size() > 1) {
+      text += panels_html(fmt::format("{} along {}", column.heading, along), column.note, charts, json);
+    } else if (!charts.empty()) {
+      charts.front().title = column.heading;
+      charts.front().note = column.note;
+      alone.push_back(std::move(charts.front()));
+    }
+  }
+  return text + panels_html("Along " + along, "", alone, json);
+}
+
+}  // namespace ricochet::report

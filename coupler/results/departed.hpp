@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace ricochet::coupler {
+
+/// One way in which a run has left the model: small strain, small displacement, linear elastic, contact nodes that stay
+/// opposite.
+struct Departed {
+  std::string
+      kind;  ///< "strain" | "rotation" | "slip" | "inverted_element" | "off_partner" | "penetration" | "overlap"
+  std::string body;
+  double size = 0.0;                   ///< largest; what it is in `text`
+  double first_s = 0.0, time_s = 0.0;  ///< of the first look that found it; of the largest
+  double within_s = 0.0;               ///< of the last look that did not find it
+  double x_m = 0.0, y_m = 0.0;         ///< place of the largest, in the reference configuration
+  std::int64_t looks = 0;              ///< that found it
+  bool wrong = false;                  ///< results are wrong from then on; else they have an error, which `text` says
+  std::string text;
+};
+
+}  // namespace ricochet::coupler

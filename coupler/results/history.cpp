@@ -1,0 +1,217 @@
+#include "coupler/results/history.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+constexpr std::array<std::pair<const char*, double BodyRow::*>, 11> body_columns = {{
+    {"mass_kg", &BodyRow::mass_kg},
+    {"energy_kinetic_j", &BodyRow::energy_kinetic_j},
+    {"energy_strain_j", &BodyRow::energy_strain_j},
+    {"energy_external_j", &BodyRow::energy_external_j},
+    {"momentum_n_kg_m_s", &BodyRow::momentum_n_kg_m_s},
+    {"momentum_t_kg_m_s", &BodyRow::momentum_t_kg_m_s},
+    {"impulse_n_kg_m_s", &BodyRow::impulse_n_kg_m_s},
+    {"impulse_t_kg_m_s", &BodyRow::impulse_t_kg_m_s},
+    {"energy_interface_j", &BodyRow::energy_interface_j},
+    {"angular_momentum_kg_m2_s", &BodyRow::angular_momentum_kg_m2_s},
+    {"angular_impulse_kg_m2_s", &BodyRow::angular_impulse_kg_m2_s},
+}};
+
+constexpr std::array<std::pair<const char*, double ContactRow::*>, 15> contact_columns = {{
+    {"gap_min_m", &ContactRow::gap_min_m},
+    {"contact_force_n", &ContactRow::contact_force_n},
+    {"contact_pressure_mean_pa", &ContactRow::contact_pressure_mean_pa},
+    {"principal_stress_mean_pa", &ContactRow::principal_stress_mean_pa},
+    {"friction_force_n", &ContactRow::friction_force_n},
+    {"pairs_stick", &ContactRow::pairs_stick},
+    {"pairs_slip", &ContactRow::pairs_slip},
+    {"pairs_open", &ContactRow::pairs_open},
+    {"energy_contact_j", &ContactRow::energy_contact_j},
+    {"energy_friction_j", &ContactRow::energy_friction_j},
+    {"contact_impulse_n_s", &ContactRow::contact_impulse_n_s},
+    {"friction_impulse_n_s", &ContactRow::friction_impulse_n_s},
+    {"contact_iterations", &ContactRow::contact_iterations},
+    {"contact_residual", &ContactRow::contact_residual},
+    {"contact_unconverged", &ContactRow::contact_unconverged},
+}};
+
+template <class Table>
+auto member_of(const Table& table, const std::string& name) -> decltype(table[0].second) {
+  for (const auto& [known, member] : table) {
+    if (name == known) return member;
+  }
+  return nullptr;
+}
+
+void add_to(BodyRow& sum, const BodyRow& row) {
+  for (const auto& [name, member] : body_columns) sum.*member += row.*member;
+}
+
+/// Everyone says the angular momentum of each body that it says the momentum of.
+bool tell_angular_momentum(const std::vector<History::Source>& sources) {
+  return std::all_of(sources.begin(), sources.end(), [](const History::Source& source) {
+    const auto count = [&](std::string_view quantity) {
+      return std::count_if(source.columns.begin(), source.columns.end(),
+                           [&](const std::string& column) { return column.rfind(quantity, 0) == 0; });
+    };
+    return count("angular_momentum_kg_m2_s/") == count("momentum_n_kg_m_s/");
+  });
+}
+
+}  // namespace
+
+double EnergyBalance::created_j(const HistoryRow& row) {
+  const double energy = row.sum.energy_kinetic_j + row.sum.energy_strain_j;
+  if (!first_j_) first_j_ = energy;
+  largest_work_j_ = std::max(largest_work_j_, std::abs(row.sum.energy_external_j));
+  return energy + row.contact.energy_friction_j - row.sum.energy_external_j - *first_j_;
+}
+
+void Errors::add(HistoryRow& row) {
+  const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
+  const double created = energy_.created_j(row);
+  row.energy_error = ratio(created, energy_.reference_j());
+
+  const auto along = [](const Conserved::Direction& d, double n, double t) { return d.n * n + d.t * t; };
+  double momentum = 0;
+  for (const auto& body : row.bodies) {
+    double square = 0;
+    for (const auto& d : conserved_.directions)
+      square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s), 2);
+    momentum += std::sqrt(square);
+  }
+  largest_momentum_ = std::max(largest_momentum_, momentum);
+  std::vector<double> balance;
+  for (const auto& d : conserved_.directions) {
+    balance.push_back(along(d, row.sum.momentum_n_kg_m_s - row.sum.impulse_n_kg_m_s,
+                            row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s));
+  }
+  const double angular = row.sum.angular_momentum_kg_m2_s - row.sum.angular_impulse_kg_m2_s;
+  if (first_.empty()) {
+    first_ = balance;
+    first_angular_ = angular;
+  }
+  double lost = 0;
+  for (std::size_t i = 0; i < balance.size(); ++i) lost = std::max(lost, std::abs(balance[i] - first_[i]));
+  row.momentum_error = ratio(lost, largest_momentum_);
+  if (conserved_.arm_m > 0) {
+    row.angular_momentum_error = ratio(std::abs(angular - first_angular_), conserved_.arm_m * largest_momentum_);
+  }
+}
+
+History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
+                 Conserved conserved)
+    : bodies_(bodies), window_size_s_(window_size_s) {
+  if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
+  errors_ = Errors(std::move(conserved));
+  for (const auto& source : sources) {
+    auto& stream = streams_.emplace_back();
+    stream.participant = source.participant;
+    if (source.columns.empty() || source.columns[0] != "window") {
+      throw ProtocolError(
+          fmt::format("participant '{}': the first history column must be \"window\"", source.participant));
+    }
+    stream.columns.emplace_back();
+    for (std::size_t c = 1; c < source.columns.size(); ++c) {
+      if (std::find(source.columns.begin(), source.columns.begin() + static_cast<std::ptrdiff_t>(c),
+                    source.columns[c]) != source.columns.begin() + static_cast<std::ptrdiff_t>(c)) {
+        throw ProtocolError(fmt::format("participant '{}' announces the history column \"{}\" twice",
+                                        source.participant, source.columns[c]));
+      }
+      stream.columns.push_back(parse(source.columns[c], source.participant));
+    }
+  }
+}
+
+History::Column History::parse(const std::string& column, const std::string& participant) const {
+  Column parsed;
+  const auto slash = column.find('/');
+  if (slash != std::string::npos) {
+    const auto body = std::find(bodies_.begin(), bodies_.end(), column.substr(slash + 1));
+    parsed.of_body = member_of(body_columns, column.substr(0, slash));
+    if (body != bodies_.end() && parsed.of_body) {
+      parsed.body = static_cast<int>(body - bodies_.begin());
+      return parsed;
+    }
+  } else if (column == "energy_interface_j") {
+    parsed.of_body = &BodyRow::energy_interface_j;
+    return parsed;
+  } else if ((parsed.of_contact = member_of(contact_columns, column))) {
+    return parsed;
+  }
+  throw ProtocolError(fmt::format("participant '{}' announces the unknown history column \"{}\" (bodies: {})",
+                                  participant, column, fmt::join(bodies_, ", ")));
+}
+
+void History::add(std::size_t participant, const std::vector<double>& values) {
+  auto& stream = streams_[participant];
+  const std::size_t width = stream.columns.size();
+  for (std::size_t begin = 0; begin + width <= values.size(); begin += width) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(begin);
+    if (!(*first > stream.last_window)) {
+      throw ProtocolError(fmt::format("participant '{}' sent the history row of window {} after that of window {}",
+                                      stream.participant, *first, stream.last_window));
+    }
+    stream.last_window = *first;
+    stream.rows.emplace_back(first, first + static_cast<std::ptrdiff_t>(width));
+  }
+}
+
+void History::check_windows() const {
+  for (const auto& stream : streams_) {
+    const auto& reference = streams_.front();
+    if (stream.rows.front()[0] == reference.rows.front()[0]) continue;
+    throw ProtocolError(
+        fmt::format("history rows disagree: participant '{}' reports window {}, participant '{}' window {}",
+                    reference.participant, reference.rows.front()[0], stream.participant, stream.rows.front()[0]));
+  }
+}
+
+std::optional<HistoryRow> History::next() {
+  for (const auto& stream : streams_) {
+    if (stream.rows.empty()) return std::nullopt;
+  }
+  check_windows();
+  HistoryRow row;
+  row.window = static_cast<std::int64_t>(streams_.front().rows.front()[0]);
+  row.time_s = static_cast<double>(row.window) * window_size_s_;
+  row.bodies.resize(bodies_.size());
+  for (auto& stream : streams_) merge(stream, row);
+  for (const auto& body : row.bodies) add_to(row.sum, body);
+  errors_.add(row);
+  return row;
+}
+
+void History::merge(Stream& stream, HistoryRow& row) const {
+  const auto values = std::move(stream.rows.front());
+  stream.rows.pop_front();
+  BodyRow own;  // of this participant
+  double friction = 0;
+  for (std::size_t c = 1; c < values.size(); ++c) {
+    const auto& column = stream.columns[c];
+    if (column.of_contact) {
+      row.contact.*column.of_contact = values[c];
+      if (column.of_contact == &ContactRow::energy_friction_j) friction = values[c];
+      continue;
+    }
+    own.*column.of_body += values[c];
+    auto& target = column.body >= 0 ? row.bodies[static_cast<std::size_t>(column.body)] : row.sum;
+    target.*column.of_body += values[c];
+  }
+  const double created =
+      own.energy_kinetic_j + own.energy_strain_j + friction - own.energy_external_j - own.energy_interface_j;
+  if (!stream.first_created_j) stream.first_created_j = created;
+  row.created_j.push_back(created - *stream.first_created_j);
+}
+
+}  // namespace ricochet::coupler

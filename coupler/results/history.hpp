@@ -1,0 +1,135 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ricochet::coupler {
+
+/// Totals of one body over all participants at the end of a window.
+struct BodyRow {
+  double mass_kg = 0, energy_kinetic_j = 0, energy_strain_j = 0, energy_external_j = 0;
+  double momentum_n_kg_m_s = 0, momentum_t_kg_m_s = 0, impulse_n_kg_m_s = 0, impulse_t_kg_m_s = 0;
+  double energy_interface_j = 0;
+  double angular_momentum_kg_m2_s = 0, angular_impulse_kg_m2_s = 0;
+};
+
+/// What the owner of the contact reports.
+struct ContactRow {
+  double gap_min_m = 0, contact_force_n = 0, contact_pressure_mean_pa = 0, principal_stress_mean_pa = 0,
+         friction_force_n = 0;
+  double pairs_stick = 0, pairs_slip = 0, pairs_open = 0;
+  double energy_contact_j = 0, energy_friction_j = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
+  double contact_iterations = 0, contact_residual = 0, contact_unconverged = 0;
+};
+
+/// One window of the whole structure.
+struct HistoryRow {
+  std::int64_t window = 0;
+  double time_s = 0;
+  std::vector<BodyRow> bodies;  ///< in the scene's order
+  BodyRow sum;                  ///< over the bodies; momentum and impulse too
+  ContactRow contact;
+  /// Energy that a participant holds beyond what it was given through loads and its link, since the first row [J]:
+  /// E - E_0 + friction - external - interface. Zero for an exact method; says where energy is made when a run blows
+  /// up.
+  std::vector<double> created_j;
+  double energy_error = 0;  ///< see Errors
+  double momentum_error = 0;
+  double angular_momentum_error = 0;
+};
+
+/// Energy that nobody gave: kinetic + strain + friction - external - E_0, with E_0 the kinetic + strain of the first
+/// row.
+class EnergyBalance {
+ public:
+  /// Of this row [J].
+  double created_j(const HistoryRow& row);
+  /// max(E_0, largest |external| so far) [J]
+  [[nodiscard]] double reference_j() const { return std::max(first_j_.value_or(0.0), largest_work_j_); }
+  /// The first row held more than what came from outside since.
+  [[nodiscard]] bool mostly_initial() const { return first_j_.value_or(0.0) > largest_work_j_; }
+
+ private:
+  std::optional<double> first_j_;
+  double largest_work_j_ = 0;
+};
+
+/// Which momenta a scene conserves.
+struct Conserved {
+  struct Direction {
+    double n = 0, t = 0;  ///< components along the contact normal and the tangent
+  };
+  std::vector<Direction> directions = {{1, 0}, {0, 1}};
+  /// Half the scene's extent, by which momentum becomes the scale of angular momentum; 0: angular momentum is not
+  /// balanced [m].
+  double arm_m = 0;
+};
+
+/// Relative errors of the balances, from row to row.
+///   energy_error   = EnergyBalance::created_j / reference_j
+///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, largest over the conserved
+///   directions angular_momentum_error = |L - angular impulse - L_0| / (arm_m times the same sum)
+/// Zero where the reference is zero.
+class Errors {
+ public:
+  explicit Errors(Conserved conserved = {}) : conserved_(std::move(conserved)) {}
+  void add(HistoryRow& row);
+
+ private:
+  Conserved conserved_;
+  EnergyBalance energy_;
+  std::vector<double> first_;  ///< per direction
+  double first_angular_ = 0, largest_momentum_ = 0;
+};
+
+/// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
+/// body over the participants in the scene's order, so that they do not depend on how bodies are spread over processes.
+///
+/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyRow as quantities;
+/// "energy_interface_j", the work its link did on it, if it is not given per body; of the contact's owner the members
+/// of ContactRow.
+class History {
+ public:
+  struct Source {
+    std::string participant;
+    std::vector<std::string> columns;
+  };
+  /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing. Without
+  /// "angular_momentum_kg_m2_s" of everyone that balance is none.
+  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
+          Conserved conserved = {});
+
+  /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
+  void add(std::size_t participant, const std::vector<double>& values);
+  /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
+  std::optional<HistoryRow> next();
+
+ private:
+  struct Column {
+    int body = -1;  ///< -1: of the participant
+    double BodyRow::*of_body = nullptr;
+    double ContactRow::*of_contact = nullptr;
+  };
+  struct Stream {
+    std::string participant;
+    std::vector<Column> columns;
+    std::deque<std::vector<double>> rows;
+    double last_window = -1;
+    std::optional<double> first_created_j;
+  };
+  [[nodiscard]] Column parse(const std::string& column, const std::string& participant) const;
+  void check_windows() const;
+  void merge(Stream& stream, HistoryRow& row) const;
+
+  std::vector<std::string> bodies_;
+  std::vector<Stream> streams_;
+  double window_size_s_;
+  Errors errors_;
+};
+
+}  // namespace ricochet::coupler

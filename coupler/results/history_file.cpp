@@ -1,0 +1,116 @@
+#include "coupler/results/history_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+constexpr std::chrono::milliseconds flush_interval{200};
+
+}  // namespace
+
+std::vector<std::string> history_columns(const std::vector<std::string>& bodies) {
+  std::vector<std::string> columns = {"time_s",
+                                      "gap_min_m",
+                                      "contact_force_n",
+                                      "contact_pressure_mean_pa",
+                                      "principal_stress_mean_pa",
+                                      "friction_force_n",
+                                      "pairs_stick",
+                                      "pairs_slip",
+                                      "pairs_open",
+                                      "energy_kinetic_j",
+                                      "energy_strain_j",
+                                      "energy_external_j",
+                                      "energy_contact_j",
+                                      "energy_friction_j",
+                                      "energy_interface_j",
+                                      "energy_error",
+                                      "momentum_n_kg_m_s",
+                                      "momentum_t_kg_m_s",
+                                      "angular_momentum_kg_m2_s",
+                                      "contact_impulse_n_s",
+                                      "friction_impulse_n_s",
+                                      "contact_iterations",
+                                      "contact_residual",
+                                      "contact_unconverged"};
+  for (const auto& body : bodies) columns.push_back(fmt::format("velocity_mean_{}_m_s", body));
+  return columns;
+}
+
+HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact)
+    : path_(std::move(path)),
+      has_contact_(has_contact),
+      descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
+      flushed_(std::chrono::steady_clock::now()) {
+  if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
+  pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies), ","));
+  flush();  // a run that dies at once leaves a table without rows, not an empty file
+}
+
+HistoryFile::~HistoryFile() {
+  try {
+    flush();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ricochet: %s\n", error.what());
+  }
+  close(descriptor_);
+}
+
+void HistoryFile::add(const HistoryRow& row) {
+  const auto& c = row.contact;
+  const auto& s = row.sum;
+  const double gap = has_contact_ ? c.gap_min_m : std::numeric_limits<double>::quiet_NaN();
+  auto out = std::back_inserter(pending_);
+  const auto put = [&out](double value) { out = fmt::format_to(out, ",{:.17g}", value); };
+  out = fmt::format_to(out, "{:.17g}", row.time_s);
+  for (const double value : {gap,
+                             c.contact_force_n,
+                             c.contact_pressure_mean_pa,
+                             c.principal_stress_mean_pa,
+                             c.friction_force_n,
+                             c.pairs_stick,
+                             c.pairs_slip,
+                             c.pairs_open,
+                             s.energy_kinetic_j,
+                             s.energy_strain_j,
+                             s.energy_external_j,
+                             c.energy_contact_j,
+                             c.energy_friction_j,
+                             s.energy_interface_j,
+                             row.energy_error,
+                             s.momentum_n_kg_m_s,
+                             s.momentum_t_kg_m_s,
+                             s.angular_momentum_kg_m2_s,
+                             c.contact_impulse_n_s,
+                             c.friction_impulse_n_s,
+                             c.contact_iterations,
+                             c.contact_residual,
+                             c.contact_unconverged}) {
+    put(value);
+  }
+  for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
+  pending_ += '\n';
+  if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();
+}
+
+void HistoryFile::flush() {
+  flushed_ = std::chrono::steady_clock::now();
+  const std::string rows = std::exchange(pending_, {});
+  const auto before = lseek(descriptor_, 0, SEEK_END);
+  const int error = write_all(descriptor_, rows);
+  if (error == 0) return;
+  if (before >= 0 && ftruncate(descriptor_, before) != 0)
+    std::fprintf(stderr, "ricochet: %s ends with half a row\n", path_.c_str());
+  throw_errno(error, "cannot write " + path_);
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/results/departed.hpp"
+#include "coupler/results/tally.hpp"
+
+namespace ricochet::coupler {
+
+/// One process of a run and where its time went [s].
+struct ProcessTimes {
+  std::string name;
+  std::string role;  ///< "coupler" | "explicit" | "implicit"
+  std::int64_t process_id = 0;
+  std::string transport;  ///< what carried its messages: "shm" | "zmq" | "tcp"; empty: the coupler, or no hello came
+  double wall_s = 0;
+  std::optional<double> compute_s, wait_s;  ///< empty: it did not live to report them
+  struct Waited {
+    std::string whom;
+    double time_s = 0;
+  };
+  std::vector<Waited> waited_for;
+};
+
+struct Phases {
+  double start_s = 0, setup_s = 0, stepping_s = 0, finish_s = 0;
+};
+
+struct SwitchEvent {
+  double time_s = 0;
+  std::string to;  ///< "explicit" | "implicit"
+};
+
+/// Everything that summary.json and the table at the end of a run say.
+struct Summary {
+  std::string status = "running";  ///< then "done" | "interrupted" | "unstable" | "participant_failed" |
+                                   ///< "protocol_broken" | "left_model" | "scene_wrong"
+  std::string error;
+  int exit_code = 0;
+  std::string scene_path, scene_sha256, protocol, run_id, transport;
+  std::int64_t steps = 0;    ///< windows computed
+  std::int64_t windows = 0;  ///< windows up to the latest end
+  double window_size_s = 0, wall_s = 0;
+  double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
+  Phases phases;
+  std::optional<double> separation_time_s;
+  double largest_drift = 0;
+  double interface_drift_m = 0;  ///< dual protocols: largest difference of the displacements of one shared node
+  std::vector<Departed> outside_model;
+  std::optional<double> valid_until_s;  ///< what was written after it is wrong
+  std::vector<SwitchEvent> switches;
+  std::vector<std::string> notes;  ///< decisions of the run worth knowing
+  std::vector<ProcessTimes> processes;
+};
+
+/// The text of summary.json.
+[[nodiscard]] std::string to_json(const Summary& summary, const Tally& tally);
+/// What the user is told of contact forces that were not found; empty if all were.
+[[nodiscard]] std::string contact_warning(const Tally& tally);
+/// The table at the end of a run.
+[[nodiscard]] std::string to_table(const Summary& summary, const Tally& tally);
+
+}  // namespace ricochet::coupler

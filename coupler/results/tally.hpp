@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "coupler/results/history.hpp"
+#include "coupler/results/theory.hpp"
+
+namespace ricochet::coupler {
+
+/// How the contact problems of a run were solved. All zero where they have a closed form.
+struct ContactTally {
+  double iterations_mean = 0;  ///< per window
+  double iterations_max = 0;   ///< per window; of a row that stands for several windows, their mean
+  double residual_max = 0;     ///< relative to the largest normal force of the window
+  std::int64_t windows_unconverged = 0;
+
+  void add(const HistoryRow& row) {
+    residual_max = std::max(residual_max, row.contact.contact_residual);
+    windows_unconverged = static_cast<std::int64_t>(row.contact.contact_unconverged);
+    if (row.window <= last_window_) return;
+    const auto windows = static_cast<double>(row.window - last_window_);
+    iterations_max = std::max(iterations_max, row.contact.contact_iterations / windows);
+    iterations_mean +=
+        (row.contact.contact_iterations / windows - iterations_mean) * windows / static_cast<double>(row.window);
+    last_window_ = row.window;
+  }
+
+ private:
+  std::int64_t last_window_ = 0;
+};
+
+/// What is kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
+/// from 15 % to 65 % of 2L/c after the first contact, and not beyond the first step of the stress.
+class Tally {
+ public:
+  explicit Tally(std::optional<ImpactTheory> theory) : theory_(std::move(theory)) {}
+
+  void add(const HistoryRow& row) {
+    ++rows;
+    contact.add(row);
+    contact_impulse_n_s = row.contact.contact_impulse_n_s;
+    friction_impulse_n_s = row.contact.friction_impulse_n_s;
+    energy_error_last = row.energy_error;
+    energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
+    energy_error_highest = std::max(energy_error_highest, row.energy_error);
+    momentum_error_max = std::max(momentum_error_max, row.momentum_error);
+    angular_momentum_error_max = std::max(angular_momentum_error_max, row.angular_momentum_error);
+    peak_contact_force_n = std::max(peak_contact_force_n, row.contact.contact_force_n);
+    if (!first_contact_s && row.contact.contact_force_n > 0) first_contact_s = row.time_s;
+    if (!theory_ || !first_contact_s) return;
+    // With a body whose wave returns before the contact's end, the plateau is the first step of a staircase.
+    const double end_s = std::min(0.65 * theory_->contact_duration_s, 0.9 * theory_->first_step_s),
+                 begin_s = 0.15 / 0.65 * end_s;
+    const double since_s = row.time_s - *first_contact_s;
+    if (since_s < begin_s || since_s > end_s) return;
+    plateau_sum_pa_ += row.contact.contact_pressure_mean_pa;
+    ++plateau_rows_;
+  }
+
+  [[nodiscard]] double energy_error_max() const { return std::max(energy_error_highest, -energy_error_lowest); }
+  /// Empty if no row lies on the plateau.
+  [[nodiscard]] std::optional<double> plateau_stress_pa() const {
+    if (plateau_rows_ == 0) return std::nullopt;
+    return plateau_sum_pa_ / static_cast<double>(plateau_rows_);
+  }
+  [[nodiscard]] const std::optional<ImpactTheory>& theory() const { return theory_; }
+
+  std::int64_t rows = 0;
+  double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;
+  double peak_contact_force_n = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
+  ContactTally contact;
+  double angular_momentum_error_max = 0;
+  std::optional<double> first_contact_s;
+
+ private:
+  std::optional<ImpactTheory> theory_;
+  double plateau_sum_pa_ = 0;
+  std::int64_t plateau_rows_ = 0;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,54 @@
+#include "coupler/run/compute_scene.hpp"
+
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "coupler/processes/interrupted.hpp"
+#include "coupler/run/coupled_run.hpp"
+
+namespace ricochet::coupler {
+
+int exit_code_of(const std::exception& error) {
+  if (const auto* interrupted = dynamic_cast<const Interrupted*>(&error)) return interrupted->exit_code();
+  return exit_code_of_exception(error);
+}
+
+std::string status_of(const std::exception& error) {
+  if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
+  switch (static_cast<ExitCode>(exit_code_of_exception(error))) {
+    case ExitCode::config: return "scene_wrong";
+    case ExitCode::unstable: return "unstable";
+    case ExitCode::protocol: return "protocol_broken";
+    case ExitCode::model: return "left_model";
+    case ExitCode::machine: return "machine_failed";
+    default: return "participant_failed";
+  }
+}
+
+std::vector<std::string> files_of_run(const scene::Scene& scene) {
+  const std::string stem = std::filesystem::path(scene.path).stem().string();
+  std::vector<std::string> names = {"history.csv", "axial_stress.csv", "summary.json",
+                                    "trace.json",  "report.html",      "fields/" + stem + ".pvd"};
+  for (const auto& participant : scene.participants) {
+    names.push_back("logs/" + participant.name + ".log");
+    names.push_back("keys/" + participant.name + ".key");
+    names.push_back("fields/" + participant.name + "_#.vtu");
+    names.push_back("fields/" + participant.name + ".axial_stress");
+  }
+  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml"});
+  return names;
+}
+
+std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
+                          const std::vector<std::string>& executables, const ResultsDirectory& results) {
+  CoupledRun run(problem, plan, results);
+  try {
+    run.run(executables);
+  } catch (const std::exception& error) {
+    run.fail(status_of(error), exit_code_of(error), text_of(error));
+    throw;
+  }
+  return run.table();
+}
+
+}  // namespace ricochet::coupler

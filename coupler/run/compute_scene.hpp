@@ -1,0 +1,27 @@
+#pragma once
+
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "common/check/check.hpp"
+#include "coupler/results/results_directory.hpp"
+
+namespace ricochet::coupler {
+
+/// What `run_scene` does once the scene is accepted, without report.html and without a word but the progress: one run
+/// into `results`. Returns the table of its end.
+std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
+                          const std::vector<std::string>& executables, const ResultsDirectory& results);
+
+/// What a run of the scene may write into its results folder, for ResultsDirectory.
+[[nodiscard]] std::vector<std::string> files_of_run(const scene::Scene& scene);
+
+/// Status of a run that an error ended, as in summary.json: "interrupted" | "scene_wrong" | "unstable" |
+/// "participant_failed" | "protocol_broken" | "machine_failed".
+[[nodiscard]] std::string status_of(const std::exception& error);
+
+/// Exit code of an error that ended a command: see base/error.hpp; 128 + signal if interrupted, 1 for anything else.
+[[nodiscard]] int exit_code_of(const std::exception& error);
+
+}  // namespace ricochet::coupler

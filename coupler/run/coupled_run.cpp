@@ -1,0 +1,206 @@
+#include "coupler/run/coupled_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/scene/protocols.hpp"
+#include "coupler/processes/participants.hpp"
+#include "coupler/processes/run_id.hpp"
+#include "coupler/watch/conserved.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+std::vector<std::string> body_names(const scene::Scene& scene) {
+  std::vector<std::string> names;
+  for (const auto& body : scene.bodies) names.push_back(body.name);
+  return names;
+}
+
+Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
+  Summary summary;
+  summary.scene_path = scene.path;
+  summary.scene_sha256 = scene.sha256;
+  summary.protocol = scene.coupling.protocol.name;
+  summary.transport = scene.coupling.transport;
+  summary.run_id = make_run_id();
+  summary.windows = plan.windows;
+  summary.window_size_s = plan.window_size_s;
+  return summary;
+}
+
+}  // namespace
+
+CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results)
+    : problem_(problem),
+      scene_(problem.scene),
+      plan_(plan),
+      results_(results),
+      summary_(first_summary(scene_, plan)),
+      tally_(impact_theory(problem)),
+      history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
+      progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
+      listener_(listen_endpoint(scene_.coupling), participant_names(scene_), largest_message(problem)),
+      keys_(results),
+      peers_(listener_, launcher_, expected_peers(scene_),
+             {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s, scene_.coupling.transport,
+              scene_.where("coupling.transport"), largest_message(problem)}),
+      outside_(problem, plan.window_size_s) {
+  reserve_summary();
+}
+
+void CoupledRun::run(const std::vector<std::string>& executables) {
+  try {
+    phases(executables);
+  } catch (const Error& error) {
+    // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
+    const std::string text = error.what();
+    if (error.code() != ExitCode::unstable || text.find("likely cause") != std::string::npos) throw;
+    throw SolverError(text + "; " + likely_cause(suspicion_, 0.0, 0.0));
+  }
+}
+
+void CoupledRun::phases(const std::vector<std::string>& executables) {
+  auto mark = Clock::now();
+  const auto lap = [&mark](double& phase_s) {
+    const auto now = Clock::now();
+    phase_s = std::chrono::duration<double>(now - mark).count();
+    mark = now;
+  };
+  start(executables);
+  lap(summary_.phases.start_s);
+  setup();
+  lap(summary_.phases.setup_s);
+  step();
+  lap(summary_.phases.stepping_s);
+  finish();
+  lap(summary_.phases.finish_s);
+  summary_.status = "done";
+  write_files();
+}
+
+void CoupledRun::start(const std::vector<std::string>& executables) {
+  launch_participants(scene_, executables, results_, listener_, launcher_, keys_);
+  peers_.handshake();
+  keys_.remove();
+}
+
+void CoupledRun::setup() {
+  const auto descriptions = describe_participants(scene_, peers_);
+  check_capabilities(scene_.coupling.protocol, descriptions);
+  std::vector<Peer> peers;
+  std::vector<History::Source> sources;
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    peers.push_back(peers_.peer(p));
+    sources.push_back({peers_.name(p), descriptions[p].record_columns});
+  }
+  prepare_watch(descriptions);
+  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s, conserved_by(problem_));
+  coupling_ = std::make_unique<Coupling>(std::move(peers), descriptions, plan_.window_size_s);
+  protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
+  protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
+}
+
+void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
+  suspicion_.protocol = scene_.coupling.protocol.name;
+  suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
+  suspicion_.step_s = plan_.window_size_s / scene_.coupling.substeps;
+  suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
+  std::vector<std::string> names;
+  for (const auto& description : descriptions) {
+    names.push_back(description.participant);
+    if (description.role == "explicit")
+      suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
+  }
+  watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
+                                         names, body_names(scene_), EnergyWatch::every_of(plan_.windows));
+}
+
+/// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.
+bool CoupledRun::may_switch() {
+  const auto* implicit = coupling_->implicit_link();
+  const bool wanted = scene_.coupling.after_separation == scene::AfterSeparation::switch_to_explicit;
+  if (!scene_.coupling.protocol.coupled() || !wanted || !implicit || !implicit->description().contact_owner)
+    return false;
+  const auto& capabilities = implicit->description().capabilities;
+  const double critical = implicit->description().critical_time_step_s;
+  std::string obstacle;
+  if (!scene_.coupling.protocol.may_switch) {
+    obstacle = fmt::format("protocol {} couples it implicitly only", scene_.coupling.protocol.name);
+  } else if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
+    obstacle = "it lacks the capability \"switch_integration\"";
+  } else if (!plan_.switch_obstacle.empty()) {
+    obstacle = plan_.switch_obstacle;
+  } else if (critical > 0 && critical < plan_.window_size_s) {  // of a solver that has elements we know nothing of
+    obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
+  }
+  if (obstacle.empty()) return true;
+  summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));
+  return false;
+}
+
+void CoupledRun::step() {
+  const LoopSettings settings{plan_.windows,
+                              plan_.window_size_s,
+                              scene_.coupling.resynchronise_every,
+                              scene_.coupling.protocol.coupled(),
+                              may_switch(),
+                              outside_.watches_overlaps()};
+  loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
+                                     [this](std::int64_t window) { take_records(window); });
+  loop_->run();
+  if (const std::string note = protocol_->note(); !note.empty()) summary_.notes.push_back(note);
+}
+
+void CoupledRun::take_records(std::int64_t window) {
+  for (std::size_t p = 0; p < peers_.size(); ++p) history_->add(p, coupling_->links()[p].take_records());
+  note_departures(window);
+  const auto valid_until_s = outside_.valid_until_s();
+  while (auto row = history_->next()) {
+    count_contact(*row);
+    since_last_row_.contact_iterations += row->contact.contact_iterations;
+    since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
+    const bool valid = !valid_until_s || row->time_s <= *valid_until_s;
+    if (valid && row->window % scene_.output.history_every == 0) {
+      row->contact.contact_iterations = std::exchange(since_last_row_.contact_iterations, 0.0);
+      row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
+      history_file_.add(*row);
+      tally_.add(*row);
+      progress_.show(window, *row);
+    }
+    watch_->check(*row);
+  }
+  outside_.stop_if_wrong();
+}
+
+void CoupledRun::note_departures(std::int64_t window) {
+  for (const auto& text : outside_.update(coupling_->links(), window)) {
+    progress_.close();
+    fmt::print(stderr, "warning: {}\n", text);
+  }
+  summary_.outside_model = outside_.found();
+  summary_.valid_until_s = outside_.valid_until_s();
+}
+
+/// A counter holds until its next event, so only changes are kept.
+void CoupledRun::count_contact(const HistoryRow& row) {
+  const ContactCounter now{row.window, row.contact.contact_iterations, row.contact.contact_residual};
+  const ContactCounter last = contact_counters_.empty() ? ContactCounter{} : contact_counters_.back();
+  if (now.iterations == last.iterations && now.residual == last.residual) return;
+  if (contact_counters_.size() < Peers::max_spans) contact_counters_.push_back(now);
+}
+
+void CoupledRun::finish() {
+  for (auto& link : coupling_->links()) link.post_finish();
+  std::vector<wire::Message> last_words;
+  for (auto& link : coupling_->links()) last_words.push_back(link.wait_finished());
+  take_records(loop_->window());
+  check_exit_codes(scene_, peers_, launcher_);
+  take_times(last_words);
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/check/check.hpp"
+#include "coupler/processes/launcher.hpp"
+#include "coupler/processes/participants.hpp"
+#include "coupler/processes/peers.hpp"
+#include "coupler/results/history_file.hpp"
+#include "coupler/results/results_directory.hpp"
+#include "coupler/results/summary.hpp"
+#include "coupler/results/trace.hpp"
+#include "coupler/run/progress.hpp"
+#include "coupler/run/time_loop.hpp"
+#include "coupler/watch/energy_watch.hpp"
+#include "coupler/watch/outside_model.hpp"
+
+namespace ricochet::coupler {
+
+/// One run of a scene from the first process to the last file. The phases, in order: start the participants, set the
+/// coupling up, step, finish. Stateless about mechanics.
+class CoupledRun {
+ public:
+  /// The arguments must outlive the run.
+  CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results);
+
+  /// To the end. Throws what ended it early; then call `fail`.
+  void run(const std::vector<std::string>& executables);
+  /// Ends all participants and writes what there is.
+  void fail(const std::string& status, int exit_code, const std::string& error);
+  [[nodiscard]] std::string table() const { return to_table(summary_, tally_); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Processor time of this process and of its children that have ended [s].
+  [[nodiscard]] static double cpu_time_s();
+
+  void phases(const std::vector<std::string>& executables);
+  void start(const std::vector<std::string>& executables);
+  void setup();
+  void prepare_watch(const std::vector<wire::Message>& descriptions);
+  [[nodiscard]] bool may_switch();
+  void step();
+  void take_records(std::int64_t window);
+  void count_contact(const HistoryRow& row);
+  void note_departures(std::int64_t window);
+  void finish();
+  void take_times(const std::vector<wire::Message>& last_words);
+  void write_files();
+  void write_fields_and_trace();
+  void write_summary();
+  void reserve_summary() const;
+
+  const scene::Problem& problem_;
+  const scene::Scene& scene_;
+  const scene::Plan& plan_;
+  const ResultsDirectory& results_;
+  const Clock::time_point begin_ = Clock::now();
+  const double begin_cpu_s_ = cpu_time_s();
+  Summary summary_;
+  Tally tally_;
+  HistoryFile history_file_;
+  Progress progress_;
+  Suspicion suspicion_;
+  std::vector<TraceTrack> tracks_;
+  std::vector<ContactCounter> contact_counters_;
+  Launcher launcher_;
+  wire::Listener listener_;
+  KeyFiles keys_;
+  Peers peers_;
+  std::unique_ptr<Protocol> protocol_;
+  std::unique_ptr<Coupling> coupling_;
+  std::unique_ptr<History> history_;
+  std::unique_ptr<EnergyWatch> watch_;
+  OutsideModel outside_;
+  ContactRow since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
+  std::unique_ptr<TimeLoop> loop_;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,42 @@
+#include "coupler/run/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace ricochet::coupler {
+
+Progress::Progress(std::int64_t last_window, double window_size_s, bool has_contact)
+    : last_window_(last_window),
+      window_size_s_(window_size_s),
+      has_contact_(has_contact),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      begin_(Clock::now()),
+      shown_(begin_) {}
+
+void Progress::show(std::int64_t window, const HistoryRow& row) {
+  const auto now = Clock::now();
+  if (now - shown_ < (terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(2000))) return;
+  shown_ = now;
+  const double elapsed = std::chrono::duration<double>(now - begin_).count();
+  const double left =
+      window > 0 ? elapsed * static_cast<double>(last_window_ - window) / static_cast<double>(window) : 0.0;
+  std::string line = fmt::format("step {}/{}  t {:.4g} s  dt {:.4g} s", window, last_window_,
+                                 static_cast<double>(window) * window_size_s_, window_size_s_);
+  if (has_contact_) {
+    line += fmt::format("  stick/slip/open {:.0f}/{:.0f}/{:.0f}", row.contact.pairs_stick, row.contact.pairs_slip,
+                        row.contact.pairs_open);
+  }
+  line += fmt::format("  energy {:+.2e}  at most {:.0f} s left", row.energy_error, left);
+  open_ = terminal_;
+  std::fputs(terminal_ ? ("\r\033[K" + line).c_str() : (line + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void Progress::close() {
+  if (open_) std::fputs("\r\033[K", stderr);
+  open_ = false;
+}
+
+}  // namespace ricochet::coupler

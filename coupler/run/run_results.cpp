@@ -1,0 +1,145 @@
+// The part of CoupledRun that writes down what a run was: times, summary, trace, index of the fields.
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "common/base/process.hpp"
+#include "coupler/results/axial_stress.hpp"
+#include "coupler/run/coupled_run.hpp"
+
+namespace ricochet::coupler {
+
+double CoupledRun::cpu_time_s() {
+  double sum = 0.0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const auto& time : {usage.ru_utime, usage.ru_stime}) {
+      sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+  }
+  return sum;
+}
+
+void CoupledRun::fail(const std::string& status, int exit_code, const std::string& error) {
+  progress_.close();
+  peers_.announce_failure(exit_code, error, "coupler");
+  launcher_.stop(std::chrono::milliseconds(2000));
+  summary_.status = status;
+  summary_.exit_code = exit_code;
+  summary_.error = error;
+  if (summary_.processes.empty()) take_times({});
+  try {
+    write_files();
+  } catch (const std::exception& second) {
+    fmt::print(stderr, "ricochet: {}\n", printable(text_of(second)));  // the first error is the one to report
+  }
+}
+
+/// `last_words`: the participants' `finished` messages; empty if the run did not come that far.
+void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
+  const double wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+  ProcessTimes coupler{"coupler", "coupler", static_cast<std::int64_t>(getpid()), "", wall_s, 0.0, 0.0, {}};
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    coupler.waited_for.push_back({peers_.name(p), peers_.waited_for_s(p)});
+    *coupler.wait_s += peers_.waited_for_s(p);
+    tracks_.push_back({"coupler", "waits for " + peers_.name(p), peers_.wait_spans(p), {}});
+    if (coupling_ && coupling_->links()[p].description().contact_owner) tracks_.back().counters = contact_counters_;
+  }
+  coupler.compute_s = wall_s - *coupler.wait_s;
+  summary_.processes.push_back(coupler);
+  for (std::size_t p = 0; p < peers_.size(); ++p) {
+    ProcessTimes process{peers_.name(p),
+                         scene_.participants[p].role == scene::Role::implicit_solver ? "implicit" : "explicit",
+                         peers_.process_id(p),
+                         peers_.transport(p),
+                         wall_s,
+                         {},
+                         {},
+                         {}};
+    for (std::size_t q = 0; q < peers_.size(); ++q) {
+      if (q != p) process.waited_for.push_back({peers_.name(q), peers_.idle_while_s(p, q)});
+    }
+    if (!last_words.empty()) {
+      const auto& words = last_words[p];
+      process.compute_s = words.compute_s;
+      process.wait_s = words.wait_s;
+      double for_others = 0.0;
+      for (const auto& entry : process.waited_for) for_others += entry.time_s;
+      process.waited_for.push_back({"coupler", std::max(0.0, words.wait_s - for_others)});
+      auto& track = tracks_.emplace_back(TraceTrack{peers_.name(p), "computes", {}, {}});
+      for (int i = 0; i < words.spans_s.rows && words.spans_s.columns == 3; ++i) {
+        const double* span = &words.spans_s.data[3 * static_cast<std::size_t>(i)];
+        if (!(span[0] >= 0.0 && span[0] <= static_cast<double>(plan_.windows))) continue;  // no window of this run
+        track.spans.push_back({static_cast<std::int64_t>(span[0]), span[1], span[2]});
+      }
+    }
+    summary_.processes.push_back(process);
+  }
+}
+
+/// Each file, whatever happens to the others; then throws what went wrong first.
+void CoupledRun::write_files() {
+  progress_.close();
+  summary_.wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+  summary_.cpu_s = cpu_time_s() - begin_cpu_s_;
+  if (loop_) {
+    summary_.steps = loop_->window();
+    summary_.switches = loop_->switches();
+  }
+  if (coupling_) {
+    summary_.largest_drift = coupling_->largest_drift();
+    summary_.interface_drift_m = coupling_->interface_drift_m();
+    const double separation = coupling_->contact().separation_time_s;
+    if (separation >= 0) summary_.separation_time_s = separation;
+  }
+  std::exception_ptr first;
+  const auto attempt = [&first](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception&) {
+      if (!first) first = std::current_exception();
+    }
+  };
+  attempt([this] { history_file_.flush(); });
+  attempt([this] { write_fields_and_trace(); });
+  attempt([this] { write_summary(); });
+  if (first) std::rethrow_exception(first);
+}
+
+void CoupledRun::write_fields_and_trace() {
+  std::vector<std::string> bodies;
+  for (const auto& body : scene_.bodies) bodies.push_back(body.name);
+  const auto names = participant_names(scene_);
+  write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, plan_.window_size_s);
+  const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
+  write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
+  add_up_axial_stress(results_, names, bodies);
+  if (const auto warning = contact_warning(tally_); !warning.empty())
+    fmt::print(stderr, "warning: {}: {}\n", scene_.path, warning);
+}
+
+/// How the run ended is written down on a full disk, too: in the place that `reserve_summary` took.
+void CoupledRun::write_summary() {
+  const auto path = results_.file("summary.json");
+  try {
+    write_atomically(path, to_json(summary_, tally_));
+  } catch (const MachineError&) {
+    if (!write_within(path, to_json(summary_, tally_))) throw;
+  }
+}
+
+void CoupledRun::reserve_summary() const {
+  constexpr std::size_t room = 1 << 15;
+  std::string text = to_json(summary_, tally_);
+  text.resize(std::max(room, text.size()), ' ');
+  write_atomically(results_.file("summary.json"), text);
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,72 @@
+#include "coupler/run/time_loop.hpp"
+
+#include <algorithm>
+
+namespace ricochet::coupler {
+namespace {
+
+/// History rows come at least this often: early enough for the energy watch to see an instability long before a number
+/// overflows, seldom enough to cost nothing.
+constexpr std::int64_t windows_between_records = 32;
+constexpr std::chrono::milliseconds time_between_records{100};
+/// A baseline is asked for as many windows as take about this long, so that it is neither slowed down nor out of hand.
+constexpr double chunk_s = 0.05;
+constexpr std::int64_t largest_chunk = 4096;
+
+}  // namespace
+
+TimeLoop::TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
+                   std::function<void(std::int64_t)> on_records)
+    : coupling_(coupling),
+      protocol_(protocol),
+      settings_(settings),
+      on_records_(std::move(on_records)),
+      separation_(settings.window_size_s) {}
+
+void TimeLoop::run() {
+  on_records_(window_);
+  while (window_ < settings_.last_window && !coupling_.contact().finished_early) {
+    const Step step = next_step();
+    const auto begin = Clock::now();
+    protocol_.step(coupling_, step);
+    window_ = coupling_.window();
+    coupling_.note_interface_drift();
+    if (settings_.coupled) {
+      if (settings_.may_switch) switch_integration();
+    } else {
+      adapt_chunk(std::chrono::duration<double>(Clock::now() - begin).count());
+    }
+    if (step.records) on_records_(window_);
+  }
+}
+
+Step TimeLoop::next_step() {
+  Step step;
+  step.accepted_window = window_;
+  step.windows = settings_.coupled ? 1 : std::min(chunk_, settings_.last_window - window_);
+  if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
+  const std::int64_t end = window_ + step.windows;
+  step.absolute = settings_.coupled && settings_.resynchronise_every > 0 && end % settings_.resynchronise_every == 0;
+  const auto now = Clock::now();
+  step.records = !settings_.coupled || end == settings_.last_window ||
+                 end - records_window_ >= windows_between_records || now - records_time_ >= time_between_records;
+  if (step.records) {
+    records_window_ = end;
+    records_time_ = now;
+  }
+  return step;
+}
+
+void TimeLoop::adapt_chunk(double elapsed_s) {
+  if (elapsed_s < 0.5 * chunk_s) chunk_ = std::min(2 * chunk_, largest_chunk);
+  if (elapsed_s > 2.0 * chunk_s) chunk_ = std::max<std::int64_t>(chunk_ / 2, 1);
+}
+
+void TimeLoop::switch_integration() {
+  const bool to_explicit = separation_.update(coupling_.contact());
+  if (to_explicit == coupling_.all_explicit()) return;
+  coupling_.synchronise(to_explicit ? "explicit_central" : "implicit_newmark");
+  switches_.push_back({static_cast<double>(window_) * settings_.window_size_s, to_explicit ? "explicit" : "implicit"});
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "coupler/protocols/protocol.hpp"
+#include "coupler/results/summary.hpp"
+#include "coupler/run/separation_switch.hpp"
+
+namespace ricochet::coupler {
+
+struct LoopSettings {
+  std::int64_t last_window = 0;
+  double window_size_s = 0.0;
+  int resynchronise_every = 0;    ///< windows; 0: never
+  bool coupled = true;            ///< false: baseline, many windows at a request
+  bool may_switch = false;        ///< the implicit participant may integrate explicitly after separation
+  bool frequent_records = false;  ///< a baseline, too, is asked for few windows at a time
+};
+
+/// Drives a protocol from the first window to the last, or until the owner of the contact says that it is over.
+class TimeLoop {
+ public:
+  /// `on_records(window)` is called whenever the links have brought history rows.
+  TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
+           std::function<void(std::int64_t)> on_records);
+
+  void run();
+  [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
+  [[nodiscard]] const std::vector<SwitchEvent>& switches() const { return switches_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] Step next_step();
+  void adapt_chunk(double elapsed_s);
+  void switch_integration();
+
+  Coupling& coupling_;
+  Protocol& protocol_;
+  LoopSettings settings_;
+  std::function<void(std::int64_t)> on_records_;
+  SeparationSwitch separation_;
+  std::vector<SwitchEvent> switches_;
+  std::int64_t window_ = 0, chunk_ = 16, records_window_ = 0;
+  Clock::time_point records_time_ = Clock::now();
+};
+
+}  // namespace ricochet::coupler

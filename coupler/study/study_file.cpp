@@ -1,0 +1,264 @@
+#include "coupler/study/study_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+#include "common/base/names.hpp"
+#include "common/scene/check_text.hpp"
+#include "common/scene/protocols.hpp"
+#include "common/scene/reader.hpp"
+#include "coupler/report/parts/history_table.hpp"
+#include "coupler/study/study_keys.hpp"
+#include "coupler/study/study_measures.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+namespace fs = std::filesystem;
+using scene::Override;
+using scene::TableReader;
+
+constexpr int most_repeats = 1000;
+
+const scene::Schema& study_schema() {
+  static const scene::Schema tables{
+      {"study",
+       {"scene", "methods", "method", "vary", "quantities", "repeats", "reference", "along", "histories", "published"}},
+      {"method", {"name", "protocol", "changes"}},
+      {"reference", {"exact", "protocol", "changes", "refine", "follow"}},
+      {"histories", {"quantity", "over_pa", "over_name", "compare_to"}},
+      {"published", {"methods", "over", "at", "time_ratio", "source"}},
+  };
+  return tables;
+}
+
+Variation load_variation(const TableReader& reader, const toml::value& table, const std::string& at) {
+  Variation variation;
+  for (const auto& leaf : leaves_of(reader, table, at)) {
+    const std::string full = at + "." + leaf.key;
+    if (!leaf.value->is_array() || leaf.value->as_array().empty()) {
+      reader.fail(*leaf.value, full, scene::value_text(*leaf.value), "a list of the values that the key takes");
+    }
+    const auto& values = leaf.value->as_array();
+    if (variation.settings.empty()) variation.settings.resize(values.size());
+    if (values.size() != variation.settings.size()) {
+      reader.fail(*leaf.value, full, fmt::format("{} values", values.size()),
+                  fmt::format("{}, as many as {} has: keys of one table take their values together",
+                              variation.settings.size(), variation.keys.front()));
+    }
+    if (leaf.key == "coupling.protocol") reader.fail(*leaf.value, full, "the protocol", "methods = [...] for that");
+    variation.keys.push_back(leaf.key);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      variation.settings[i].push_back(override_of(reader, at, leaf.key, values[i]));
+    }
+  }
+  return variation;
+}
+
+std::vector<Variation> load_variations(TableReader& root) {
+  std::vector<Variation> variations;
+  const toml::value* value = root.open("vary");
+  if (value == nullptr) return variations;
+  if (!value->is_array()) root.refuse("vary", scene::value_text(*value), "[[vary]] tables");
+  std::set<std::string> seen;
+  for (const auto& table : value->as_array()) {
+    const std::string at = fmt::format("vary[{}]", variations.size());
+    variations.push_back(load_variation(root, table, at));
+    for (const auto& key : variations.back().keys) {
+      if (!seen.insert(key).second) root.fail(table, at, key + " a second time", "each key in one table");
+    }
+  }
+  return variations;
+}
+
+void load_methods(TableReader& root, StudyFile& study) {
+  for (const auto& protocol : root.words("methods", scene::protocol_names()))
+    study.methods.push_back({protocol, protocol, {}});
+  for (auto& reader : root.tables("method", "method")) {
+    const Method method{reader.text("name"), reader.word("protocol", scene::protocol_names()),
+                        load_changes(reader, "changes")};
+    const auto known = method_names(study);
+    if (std::find(known.begin(), known.end(), method.name) != known.end())
+      reader.refuse("name", fmt::format("\"{}\" a second time", method.name), "each method once");
+    study.methods.push_back(method);
+    reader.finish();
+  }
+}
+
+/// Keys that differ from reference to reference cannot be changed by it as well.
+void load_follow(TableReader& reader, const StudyFile& study, ReferenceSpec& reference) {
+  if (!reader.has("follow")) return;
+  reference.follow = reader.words("follow", varied_keys(study));
+  for (const auto* changes : {&reference.changes, &reference.refine}) {
+    for (const auto& change : *changes) {
+      if (std::count(reference.follow.begin(), reference.follow.end(), change.key) > 0)
+        reader.refuse("follow", fmt::format("\"{}\", which the reference changes", change.key), "another varied key");
+    }
+  }
+}
+
+void load_computed(TableReader& reader, const StudyFile& study, ReferenceSpec& reference) {
+  reference.changes = load_changes(reader, "changes");
+  reference.refine = load_changes(reader, "refine");
+  if (reference.refine.empty())
+    reader.missing("refine", "what one more refinement changes, for the reference's own error");
+  load_follow(reader, study, reference);
+  reference.changes.push_back({"coupling.protocol", reader.word("protocol", scene::protocol_names())});
+}
+
+ReferenceSpec load_reference(TableReader reader, const StudyFile& study) {
+  ReferenceSpec reference;
+  reference.exact = reader.has("exact");
+  if (reference.exact) (void)reader.word("exact", {"impedance_theory"});
+  for (const char* key : {"protocol", "changes", "refine", "follow"})
+    reader.only_if(!reference.exact, key, "a computed reference");
+  if (!reference.exact) load_computed(reader, study, reference);
+  reader.finish();
+  return reference;
+}
+
+HistoriesSpec load_histories(TableReader& root, const StudyFile& study) {
+  HistoriesSpec histories;
+  if (!root.has("histories")) return histories;
+  auto reader = root.table("histories", "histories");
+  histories.quantity = reader.word("quantity", history_names());
+  histories.over_pa = reader.number("over_pa", scene::above(0.0));
+  histories.over_name = reader.text("over_name");
+  histories.compare_to = reader.word("compare_to", method_names(study));
+  reader.finish();
+  return histories;
+}
+
+/// A key that is varied, with one of its values.
+void check_setting(const TableReader& reader, const StudyFile& study, const Override& setting) {
+  std::vector<std::string> values;
+  for (const auto& variation : study.variations) {
+    for (const auto& settings : variation.settings) {
+      for (const auto& known : settings) {
+        if (known.key == setting.key) values.push_back(text_of(known));
+      }
+    }
+  }
+  const auto keys = varied_keys(study);
+  if (values.empty())
+    reader.refuse("at", fmt::format("\"{}\"{}", setting.key, did_you_mean(setting.key, keys)), scene::one_of(keys));
+  if (std::find(values.begin(), values.end(), text_of(setting)) == values.end()) {
+    reader.refuse("at", fmt::format("{} = {}", setting.key, text_of(setting)),
+                  fmt::format("a value that the study varies: {}", fmt::join(values, ", ")));
+  }
+}
+
+std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& study) {
+  std::vector<PublishedRatio> all;
+  for (auto& reader : root.tables("published", "published")) {
+    auto& entry = all.emplace_back();
+    entry.methods = reader.words("methods", method_names(study));
+    entry.over = reader.word("over", method_names(study));
+    entry.at = load_changes(reader, "at");
+    for (const auto& setting : entry.at) check_setting(reader, study, setting);
+    entry.time_ratio = reader.number("time_ratio", scene::above(0.0));
+    entry.source = reader.text("source");
+    reader.finish();
+  }
+  return all;
+}
+
+toml::value parse(const std::string& path, const std::string& text) {
+  scene::check_text(path, text);
+  toml::value file;
+  try {
+    std::istringstream stream(text);
+    file = toml::parse(stream, path);
+  } catch (const std::exception& error) {
+    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", path, error.what()));
+  }
+  if (file.as_table().empty()) {
+    throw ConfigError(path + ":1: the study file is empty; allowed: scene, methods, reference and more");
+  }
+  return file;
+}
+
+}  // namespace
+
+StudyFile load_study(const std::string& path) {
+  if (!fs::is_regular_file(path)) throw ConfigError(path + ": no such study file");
+  StudyFile study;
+  study.path = fs::absolute(path).lexically_normal().string();
+  study.text = report::read_text(study.path);
+  const toml::value file = parse(study.path, study.text);
+  std::map<std::string, int> lines;
+  TableReader root(file, "study", "", {study.path, lines, &study_schema()});
+  study.scene = (fs::path(study.path).parent_path() / root.text("scene")).lexically_normal().string();
+  if (!fs::is_regular_file(study.scene))
+    root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
+  load_methods(root, study);
+  study.variations = load_variations(root);
+  study.quantities = quantity_names();
+  if (root.has("quantities")) study.quantities = root.words("quantities", quantity_names());
+  study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
+  study.reference = load_reference(root.table("reference", "reference"), study);
+  if (root.has("along")) study.along = root.word("along", varied_keys(study));
+  study.histories = load_histories(root, study);
+  study.published = load_published(root, study);
+  root.finish();
+  return study;
+}
+
+std::vector<std::string> method_names(const StudyFile& file) {
+  std::vector<std::string> names;
+  for (const auto& method : file.methods) names.push_back(method.name);
+  return names;
+}
+
+std::vector<std::string> varied_keys(const StudyFile& file) {
+  std::vector<std::string> all;
+  for (const auto& variation : file.variations) all.insert(all.end(), variation.keys.begin(), variation.keys.end());
+  return all;
+}
+
+std::vector<std::string> telling_keys(const Variation& variation) {
+  for (std::size_t k = 0; k < variation.keys.size(); ++k) {
+    std::set<std::string> values;
+    for (const auto& setting : variation.settings) values.insert(text_of(setting[k]));
+    if (values.size() == variation.settings.size()) return {variation.keys[k]};
+  }
+  return variation.keys;
+}
+
+std::vector<std::vector<Override>> combinations(const std::vector<Variation>& variations) {
+  std::vector<std::vector<Override>> all{{}};
+  for (const auto& variation : variations) {
+    std::vector<std::vector<Override>> more;
+    for (const auto& begun : all) {
+      for (const auto& setting : variation.settings) {
+        more.push_back(begun);
+        more.back().insert(more.back().end(), setting.begin(), setting.end());
+      }
+    }
+    all = std::move(more);
+  }
+  return all;
+}
+
+std::vector<Override> merged(std::vector<Override> settings, const std::vector<Override>& changes) {
+  settings.insert(settings.end(), changes.begin(), changes.end());
+  std::vector<Override> result;
+  for (auto change = settings.begin(); change != settings.end(); ++change) {
+    const auto again = [&](const Override& later) { return later.key == change->key; };
+    const bool last = std::none_of(change + 1, settings.end(), again);
+    if (last && !text_of(*change).empty()) result.push_back(*change);
+  }
+  return result;
+}
+
+std::string text_of(const Override& change) {
+  if (const auto* text = std::get_if<std::string>(&change.value)) return *text;
+  if (const auto* number = std::get_if<double>(&change.value)) return fmt::format("{}", *number);
+  return fmt::format("{}", fmt::join(std::get<std::vector<double>>(change.value), " "));
+}
+
+}  // namespace ricochet::coupler

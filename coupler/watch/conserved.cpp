@@ -1,0 +1,27 @@
+#include "coupler/watch/conserved.hpp"
+
+#include <algorithm>
+
+namespace ricochet::coupler {
+
+Conserved conserved_by(const scene::Problem& problem) {
+  Conserved conserved;
+  const bool contact = !problem.contact.pairs.empty();
+  const Eigen::Vector2d normal = contact ? problem.contact.normal : Eigen::Vector2d(0.0, 1.0);
+  if (problem.scene.model == scene::Model::axisymmetric)
+    conserved.directions = {{normal[1], normal[0]}};  // t = (-n_y, n_x)
+  const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(),
+                                    [](const scene::BodyProblem& body) { return body.mesh.period_m > 0.0; });
+  if (problem.scene.model != scene::Model::plane_strain || periodic) return conserved;
+  Eigen::Vector2d low = problem.bodies.front().mesh.position.front(), high = low;
+  for (const auto& body : problem.bodies) {
+    for (const auto& x : body.mesh.position) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+  }
+  conserved.arm_m = 0.5 * (high - low).norm();
+  return conserved;
+}
+
+}  // namespace ricochet::coupler

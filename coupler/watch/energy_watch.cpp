@@ -1,0 +1,124 @@
+#include "coupler/watch/energy_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+#include "common/problem/critical_step.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+constexpr double smallest_strain = 1e-12;
+
+double energy(const BodyRow& body) { return body.energy_kinetic_j + body.energy_strain_j; }
+
+bool finite(const HistoryRow& row) {
+  const auto& c = row.contact;
+  double sum = energy(row.sum) + row.sum.energy_external_j + row.sum.energy_interface_j + row.sum.momentum_n_kg_m_s +
+               row.sum.momentum_t_kg_m_s + c.gap_min_m + c.contact_force_n + c.energy_contact_j + c.energy_friction_j;
+  for (const auto& body : row.bodies) sum += energy(body);
+  return std::isfinite(sum) && std::isfinite(row.energy_error) && std::isfinite(row.momentum_error);
+}
+
+}  // namespace
+
+std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j) {
+  std::vector<std::string> causes;
+  for (const auto& step : suspicion.steps) {
+    if (!(step.critical_time_step_s > 0)) continue;
+    const double ratio = suspicion.step_s / step.critical_time_step_s;
+    if (ratio > 0.999) {
+      causes.push_back(
+          fmt::format("the time step is {:.4g} times the critical step {:.4g} s of participant '{}'; lower time.step_s",
+                      ratio, step.critical_time_step_s, step.participant));
+    }
+  }
+  if (suspicion.penalty_step_ratio > 1.0) {
+    causes.push_back(
+        fmt::format("the contact penalty is too stiff for the step: sqrt(2 alpha/m) dt = {:.3g}, safe up to about 1; "
+                    "lower contact.penalty_pa_m or use enforcement = \"multiplier\"",
+                    suspicion.penalty_step_ratio));
+  }
+  if (!suspicion.protocol_trouble.empty()) {
+    causes.push_back(fmt::format("protocol {} {}", suspicion.protocol, suspicion.protocol_trouble));
+  } else if (growth_j > 0 && interface_j > 0.5 * growth_j) {
+    causes.push_back(fmt::format("protocol {}: its interface made most of that energy", suspicion.protocol));
+  }
+  if (causes.empty()) {
+    causes.emplace_back(
+        "not obvious from the scene (step, penalty and protocol look sound); try a lower time.safety_factor");
+  }
+  return fmt::format("likely cause: {}", fmt::join(causes, "; or "));
+}
+
+double energy_floor_j(const scene::Problem& problem) {
+  double sum = 0.0;
+  for (const auto& body : problem.bodies) {
+    sum += scene::body_lumped_mass(body).sum() * body.material.youngs_modulus_pa / body.material.density_kg_m3;
+  }
+  return smallest_strain * smallest_strain * sum;
+}
+
+EnergyWatch::EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
+                         std::vector<std::string> bodies, std::int64_t look_every)
+    : limit_(limit),
+      floor_j_(floor_j),
+      every_(look_every),
+      suspicion_(std::move(suspicion)),
+      participants_(std::move(participants)),
+      bodies_(std::move(bodies)) {}
+
+void EnergyWatch::check(const HistoryRow& row) {
+  if (!finite(row)) stop(row, "a result is not finite", 0.0);
+  if (row.window % every_ != 0) return;
+  const double growth_j = balance_.created_j(row), reference_j = std::max(balance_.reference_j(), floor_j_);
+  if (growth_j <= limit_ * reference_j) {
+    growing_since_.reset();
+  } else {
+    if (!growing_since_) growing_since_ = row.window;
+    if (balance_.mostly_initial() || row.window - *growing_since_ >= patience) {
+      stop(row,
+           fmt::format("the energy balance has grown by {:.3g} % (coupling.energy_growth_limit = {:.3g} %)",
+                       100 * growth_j / reference_j, 100 * limit_),
+           growth_j);
+    }
+  }
+  last_energy_j_.clear();
+  for (const auto& body : row.bodies) last_energy_j_.push_back(energy(body));
+}
+
+void EnergyWatch::stop(const HistoryRow& row, const std::string& what, double growth_j) const {
+  throw SolverError(fmt::format("unstable in window {} (t = {:.6g} s): {}; {}; {}", row.window, row.time_s, what,
+                                culprit(row, growth_j),
+                                likely_cause(suspicion_, row.sum.energy_interface_j, growth_j)));
+}
+
+/// Where the energy was made: a participant's own balance tells, since loads and link are accounted for; the body only
+/// tells where it shows.
+std::string EnergyWatch::culprit(const HistoryRow& row, double growth_j) const {
+  std::size_t body = 0;
+  double largest = -1;
+  for (std::size_t b = 0; b < row.bodies.size(); ++b) {
+    const double before = b < last_energy_j_.size() ? last_energy_j_[b] : 0.0;
+    const double grown = energy(row.bodies[b]) - before;
+    if (!std::isfinite(grown) || grown > largest) {
+      largest = std::isfinite(grown) ? grown : HUGE_VAL;
+      body = b;
+    }
+  }
+  std::string text = row.bodies.empty() ? "" : fmt::format("it grows most in body '{}'", bodies_[body]);
+  const auto made = std::max_element(row.created_j.begin(), row.created_j.end(), [](double a, double b) {
+    return (std::isnan(a) ? HUGE_VAL : a) < (std::isnan(b) ? HUGE_VAL : b);
+  });
+  if (made == row.created_j.end()) return text;
+  const auto& participant = participants_[static_cast<std::size_t>(made - row.created_j.begin())];
+  if (!std::isfinite(*made) || *made > row.sum.energy_interface_j) {
+    return text + fmt::format(" and is made by participant '{}'", participant);
+  }
+  return text + (growth_j > 0 ? " and is made at the interface between the participants" : "");
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/check/check.hpp"
+#include "coupler/results/history.hpp"
+
+namespace ricochet::coupler {
+
+/// What is known before the run about why it might blow up.
+struct Suspicion {
+  std::string protocol;
+  std::string protocol_trouble;     ///< empty: none known
+  double step_s = 0.0;              ///< of the explicit participants
+  double penalty_step_ratio = 0.0;  ///< sqrt(2 alpha_n/m) dt, 0 without penalty
+  struct Step {
+    std::string participant;
+    double critical_time_step_s = 0.0;  ///< of an explicit participant; <= 0: not stated
+  };
+  std::vector<Step> steps;
+};
+
+/// "likely cause: ..." for a run that became unstable. `interface_j`: energy the coupling made so far.
+[[nodiscard]] std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j);
+
+/// Stops a run whose numbers mean nothing any more.
+///
+/// It looks every so many windows, whatever rows the history file keeps, so that `output.history_every` changes no
+/// verdict. Where most of the energy comes from outside (loads, prescribed motion), growth counts only once it has
+/// lasted: a jump of a prescribed velocity is resolved by the step to half a window's work, which is much of the work
+/// done so far at first and little later.
+class EnergyWatch {
+ public:
+  static constexpr std::int64_t every = 8;  ///< windows from look to look
+  /// The same of a run of so many windows: a short one is looked at after each.
+  [[nodiscard]] static std::int64_t every_of(std::int64_t windows) { return windows < 1000 ? 1 : every; }
+  static constexpr std::int64_t patience =
+      32;  ///< windows that growth must last where most of the energy comes from outside
+
+  /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`.
+  /// `participants`, `bodies`: names for the texts.
+  EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
+              std::vector<std::string> bodies, std::int64_t look_every = every);
+
+  /// Throws SolverError naming window, time, where energy was made and the likely cause, if the energy balance has
+  /// grown by more than the limit or anything in the row is not finite.
+  void check(const HistoryRow& row);
+
+ private:
+  [[noreturn]] void stop(const HistoryRow& row, const std::string& what, double growth_j) const;
+  [[nodiscard]] std::string culprit(const HistoryRow& row, double growth_j) const;
+
+  double limit_, floor_j_;
+  std::int64_t every_;
+  Suspicion suspicion_;
+  std::vector<std::string> participants_, bodies_;
+  EnergyBalance balance_;
+  std::vector<double> last_energy_j_;          ///< per body
+  std::optional<std::int64_t> growing_since_;  ///< window
+};
+
+/// Energy below which round-off decides: that of strains of 1e-12, 1e-24 m c^2 of all bodies [J].
+[[nodiscard]] double energy_floor_j(const scene::Problem& problem);
+
+}  // namespace ricochet::coupler

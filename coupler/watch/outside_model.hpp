@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/interface/link.hpp"
+#include "coupler/results/departed.hpp"
+#include "coupler/watch/overlap_watch.hpp"
+
+namespace ricochet::coupler {
+
+/// Collects what the participants tell of what has left the model, and sees for itself whether bodies overlap.
+class OutsideModel {
+ public:
+  OutsideModel(const scene::Problem& problem, double window_size_s)
+      : window_size_s_(window_size_s), overlaps_(problem, window_size_s) {}
+
+  /// Call when the links have brought history rows; `window`: the last that all have accepted. Returns the texts of
+  /// what was not known before.
+  std::vector<std::string> update(const std::vector<Link>& links, std::int64_t window);
+  /// History rows are to come often, whatever the protocol, since with them comes where bodies are that could meet.
+  [[nodiscard]] bool watches_overlaps() const { return overlaps_.watches(); }
+  [[nodiscard]] const std::vector<Departed>& found() const { return found_; }
+  /// Up to when what was written is valid, if it is not to the end.
+  [[nodiscard]] std::optional<double> valid_until_s() const;
+  /// Throws ModelError if results are wrong.
+  void stop_if_wrong() const;
+
+ private:
+  void take(const Link& link, std::vector<std::string>& news);
+  void add(Departed departed, std::vector<std::string>& news);
+
+  double window_size_s_;
+  OverlapWatch overlaps_;
+  std::vector<Departed> found_;
+};
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "common/base/error.hpp"
+#include "common/check/check.hpp"
+#include "common/problem/critical_step.hpp"
+#include "tests/common/scene/scene_text.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+using testing::HasSubstr;
+
+const double bar_speed = std::sqrt(206.8e9 / 7844.066);
+const double bar_element = 0.254 / 20.0;
+
+Plan plan_of(const std::string& text) { return plan(build_problem(load_text(text))); }
+
+std::string with_penalty(double penalty_pa_m) {
+  const std::string keys = fmt::format("enforcement = \"penalty\"\npenalty_pa_m = {:.17g}\n", penalty_pa_m);
+  return replaced(bars, "surfaces", keys + "surfaces");
+}
+
+std::string penalty_bars(double alpha_over_k, double step_s, const std::string& protocol) {
+  // alpha_n = alpha A and k = E A / h, so alpha = (alpha_n/k) E / h.
+  const std::string text = with_penalty(alpha_over_k * 206.8e9 / bar_element);
+  return replaced(text, "2.226e-6", fmt::format("{:.17g}", step_s)) + "[coupling]\nprotocol = \"" + protocol + "\"\n";
+}
+
+/// Acceptance B3: (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha/k)^2))), s = 2 for two deformable bodies.
+double penalty_limit(double alpha_over_k, double sides) {
+  return bar_element / bar_speed * std::sqrt(2.0 / (1.0 + std::sqrt(1.0 + std::pow(sides * alpha_over_k, 2))));
+}
+
+TEST(Plan, CountsWhatEachParticipantOwns) {
+  const Plan result = plan_of(cylinders);
+  ASSERT_EQ(result.participants.size(), 2U);
+  const ParticipantPlan &e = result.participants[0], &i = result.participants[1];
+  EXPECT_EQ(e.role, "explicit");
+  EXPECT_EQ(e.elements, 64 - 20);
+  EXPECT_EQ(e.nodes, 7 * 5 + 6 * 5);
+  EXPECT_EQ(e.interface_nodes, 10);
+  EXPECT_EQ(e.unknowns, 2 * 55 - 11);  // without the shared nodes and u_r on the axis
+  EXPECT_EQ(i.elements, 20);
+  EXPECT_EQ(i.nodes, 3 * 5 + 4 * 5);
+  EXPECT_EQ(i.unknowns, 2 * 35 - 7);
+  EXPECT_TRUE(std::isinf(i.critical_time_step_s));
+  EXPECT_EQ(result.contact_pairs, 5);
+  EXPECT_EQ(result.windows, 100);
+  EXPECT_EQ(result.window_size_s, 1e-7);
+  EXPECT_TRUE(result.warnings.empty());
+}
+
+TEST(CriticalStep, OfABarIsElementSizeOverWaveSpeed) {
+  const Plan result = plan_of(bars + "[coupling]\nprotocol = \"all_explicit\"\n");
+  EXPECT_NEAR(result.participants.at(0).critical_time_step_s, bar_element / bar_speed, 1e-8 * bar_element / bar_speed);
+}
+
+TEST(CriticalStep, WithSharedMassesIsNoSmaller) {
+  // The shared node carries both halves of its mass, which only lowers the highest frequency of the explicit part.
+  const double step = plan_of(bars).participants.at(0).critical_time_step_s;
+  EXPECT_GT(step, bar_element / bar_speed);
+  EXPECT_LT(step, 1.01 * bar_element / bar_speed);
+}
+
+TEST(CriticalStep, DoesNotDependOnTheImplicitPart) {
+  // Contact zone of the right bar meshed 100 times finer: implicit, so the step stays that of the coarse bar.
+  const std::string graded = replaced(bars, "start_m = 0.508e-3, length_m = 0.254, elements = 20",
+                                      "start_m = 0.508e-3, length_m = 0.254, elements = 60, grading = 100.0");
+  const std::string automatic =
+      replaced(graded, "implicit_length_m = { left = 0.0635, right = 0.0635 }", "rule = \"auto\"");
+  EXPECT_GT(plan_of(automatic).participants.at(0).critical_time_step_s, 2.226e-6);
+}
+
+TEST(SafetyFactor, IsAShareOfTheCriticalStep) {
+  const std::string text = replaced(bars, "step_s = 2.226e-6", "safety_factor = 0.5");
+  const Plan hybrid = plan_of(text);
+  EXPECT_DOUBLE_EQ(hybrid.window_size_s, 0.5 * hybrid.participants[0].critical_time_step_s);
+  const double limit = bar_element / bar_speed;
+  EXPECT_NEAR(plan_of(text + "[coupling]\nprotocol = \"all_explicit\"\n").window_size_s, 0.5 * limit, 1e-8 * limit);
+  EXPECT_NEAR(plan_of(text + "[coupling]\nprotocol = \"all_implicit\"\n").window_size_s, 0.5 * limit, 1e-8 * limit);
+}
+
+TEST(CriticalStep, IsTheEdgeOfWhatIsAccepted) {
+  const double limit = plan_of(bars).participants[0].critical_time_step_s;
+  const auto with_step = [](double step) { return replaced(bars, "2.226e-6", fmt::format("{:.17g}", step)); };
+  EXPECT_TRUE(plan_of(with_step(0.949 * limit)).warnings.empty());
+  EXPECT_THAT(plan_of(with_step(0.951 * limit)).warnings, testing::ElementsAre(HasSubstr("from impact to impact")));
+  EXPECT_THROW((void)plan_of(with_step(1.001 * limit)), ConfigError);
+}
+
+TEST(CriticalStep, RefusalSaysBothTheRatioAndWhatToType) {
+  try {
+    (void)plan_of(replaced(bars, "2.226e-6", "4.95322e-6"));
+    FAIL();
+  } catch (const ConfigError& error) {
+    for (const char* part : {"time.step_s: found a step of 4.95322e-06 s", "2 times the critical time step 2.4766",
+                             "step_s = 2.23e-06 or less"})
+      EXPECT_THAT(error.what(), HasSubstr(part));
+  }
+}
+
+TEST(CriticalStep, DoesNotBindTheImplicitBaseline) {
+  const std::string text = replaced(bars, "2.226e-6", "1e-5") + "[coupling]\nprotocol = \"all_implicit\"\n";
+  EXPECT_NO_THROW((void)plan_of(text));
+}
+
+/// Two elements in each bar, one of them implicit: the shared node's mass counts both, the explicit critical step but
+/// one.
+std::string two_elements(const std::string& text) {
+  std::string coarse = replaced(replaced(text, "elements = 20", "elements = 2"), "elements = 20", "elements = 2");
+  coarse = replaced(coarse, "{ left = 0.0635, right = 0.0635 }", "{ left = 0.127, right = 0.127 }");
+  return replaced(coarse, "step_s = 2.226e-6", "safety_factor = 0.9");
+}
+
+TEST(SwitchToExplicit, NeedsTheCriticalStepOfTheWholeBody) {
+  const Plan coarse = plan_of(two_elements(bars));
+  // Explicit: omega^2 = k (1/(m/2) + 1/m) = 3 k/m, the shared node with the mass of both elements. The whole bar: 4
+  // k/m.
+  EXPECT_NEAR(coarse.window_size_s, 0.9 * 2.0 / std::sqrt(3.0) * 0.127 / bar_speed, 1e-6 * coarse.window_size_s);
+  EXPECT_THAT(coarse.switch_obstacle, testing::AllOf(HasSubstr("body \"left\" together"), HasSubstr("2.473")));
+  EXPECT_THAT(coarse.notes,
+              testing::Contains(HasSubstr("stays implicit after separation: explicit and implicit elements")));
+  EXPECT_EQ(plan_of(bars).switch_obstacle, "");
+}
+
+TEST(SwitchToExplicit, IsNotSpokenOfWhereNobodyAsksForIt) {
+  const std::string text = two_elements(bars) + "[coupling]\n";
+  EXPECT_EQ(plan_of(text + "after_separation = \"implicit\"\n").switch_obstacle, "");
+  EXPECT_EQ(plan_of(text + "protocol = \"belytschko_mullen\"\n").switch_obstacle, "");
+  EXPECT_EQ(plan_of(text + "protocol = \"all_implicit\"\n").switch_obstacle, "");
+}
+
+TEST(ExplicitPenalty, CriticalStepIsTheFormulaForTwoBars) {
+  for (const double ratio : {0.1, 1.0, 2.0, 10.0}) {
+    const Problem problem = build_problem(load_text(penalty_bars(ratio, 1e-8, "all_explicit")));
+    // The formula is of bars without far ends: with a soft penalty the mode still reaches them.
+    EXPECT_NEAR(penalty_critical_time_step(problem) / penalty_limit(ratio, 2.0), 1.0, 1e-5) << ratio;
+  }
+}
+
+TEST(ExplicitPenalty, CriticalStepIsTheFormulaAgainstAPlane) {
+  const std::string text = replaced(penalty_bars(2.0, 1e-8, "all_explicit"), "\"right.start\"", "\"rigid_plane\"");
+  const Problem problem = build_problem(load_text(replaced(text, ", right = 0.0635", "")));
+  EXPECT_NEAR(penalty_critical_time_step(problem) / penalty_limit(2.0, 1.0), 1.0, 1e-6);
+}
+
+TEST(ExplicitPenalty, IsRefusedAboveAndWarnedAboveHalfOfIt) {
+  const double limit = penalty_limit(2.0, 2.0);
+  EXPECT_THROW((void)plan_of(penalty_bars(2.0, 1.001 * limit, "all_explicit")), ConfigError);
+  const Plan close = plan_of(penalty_bars(2.0, 0.99 * limit, "all_explicit"));
+  EXPECT_THAT(close.warnings, testing::ElementsAre(HasSubstr("opens and closes")));
+  EXPECT_NEAR(close.penalty_critical_s, limit, 1e-6 * limit);
+  EXPECT_TRUE(plan_of(penalty_bars(2.0, 0.49 * limit, "all_explicit")).warnings.empty());
+}
+
+TEST(ImplicitPenalty, WarnsWhereTheTrapezoidalRuleGainsEnergy) {
+  // End node m = rho A h/2, alpha = q k: sqrt(2 alpha/m) dt = 2 sqrt(q) c dt / h.
+  const double q = 10.0, step = 0.9 * bar_element / bar_speed;
+  const Plan stiff = plan_of(penalty_bars(q, step, "hughes_liu"));
+  EXPECT_NEAR(stiff.penalty_step_ratio, 2.0 * std::sqrt(q) * 0.9, 1e-9);
+  EXPECT_NEAR(stiff.penalty_stiffness_ratio, q, 1e-9);
+  EXPECT_THAT(stiff.warnings, testing::ElementsAre(HasSubstr("creates energy at every impact")));
+  const std::string updated = "impact_update = \"mass\"\nsurfaces";
+  EXPECT_TRUE(plan_of(replaced(penalty_bars(q, step, "hughes_liu"), "surfaces", updated)).warnings.empty());
+  EXPECT_TRUE(plan_of(penalty_bars(0.2, step, "hughes_liu")).warnings.empty());
+}
+
+TEST(Penalty, ReportsTheDelayOfTheRelease) {
+  // The published set: alpha = 1.31339e9 N/m makes the release 16.8 % of the contact time late.
+  const Plan result = plan_of(with_penalty(1.31339e9 / 6.4516e-4));
+  EXPECT_NEAR(result.penalty_delay_s / (2.0 * 0.254 / bar_speed), 0.168, 5e-4);
+  EXPECT_THAT(to_text(result), HasSubstr("too long (1.678 tau)"));
+}
+
+TEST(Warnings, UnstableProtocolNearlyIncompressibleAndRegularisedFriction) {
+  EXPECT_THAT(plan_of(replaced(cylinders, "hughes_liu", "kim_predicted")).warnings,
+              testing::ElementsAre(HasSubstr("unstable at almost any step")));
+  const std::string soft = replaced(cylinders, "poisson_ratio = 0.3", "poisson_ratio = 0.495");
+  const Plan locking = plan_of(replaced(soft, "1e-7", "1e-8"));
+  EXPECT_THAT(locking.warnings, testing::ElementsAre(HasSubstr("nearly incompressible")));
+  const std::string regularised =
+      replaced(cylinders, "friction_coefficient = 0.1", "friction_coefficient = 0.1\nfriction_law = \"regularised\"");
+  // mu N dt/(2 m) = mu p dt/(rho h) with p = 963 MPa at 30 m/s: 0.49 m/s, against 10/xi = 10 m/s.
+  EXPECT_THAT(plan_of(regularised).warnings, testing::ElementsAre(HasSubstr("creeps")));
+  const std::string fast = replaced(regularised, "30.0", "1000.0");
+  EXPECT_THAT(plan_of(fast).warnings, testing::ElementsAre(HasSubstr("creeps"), HasSubstr("strains body \"steel\""),
+                                                           HasSubstr("strains body \"carbide\"")));
+  const std::string penalty =
+      replaced(fast, "friction_law", "enforcement = \"penalty\"\npenalty_pa_m = 1e12\nfriction_law");
+  EXPECT_THAT(plan_of(penalty).warnings, testing::Contains(HasSubstr("mu N dt/(2 m) = 16.3")));
+}
+
+TEST(PlanText, HoldsEveryNumber) {
+  const std::string text = to_text(plan_of(cylinders));
+  for (const char* part : {"explicit", "implicit", "critical step [s]", "step 1e-07 s", "100 steps", "5 contact pairs"})
+    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(to_text(plan_of(replaced(cylinders, "hughes_liu", "kim_predicted"))), HasSubstr("warning: protocol"));
+}
+
+}  // namespace
+}  // namespace ricochet::scene

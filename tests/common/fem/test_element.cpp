@@ -1,0 +1,194 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "common/fem/quadrilateral.hpp"
+#include "tests/common/fem/sample_elements.hpp"
+
+namespace ricochet::fem {
+namespace {
+
+using sample::steel;
+
+class EveryModel : public testing::TestWithParam<Model> {
+ protected:
+  const Model model_ = GetParam();
+  const Section section_ = sample::section(model_);
+  const Part part_ = sample::distorted_part(model_);
+};
+
+INSTANTIATE_TEST_SUITE_P(Models, EveryModel, testing::ValuesIn(sample::every_model),
+                         [](const auto& tested) { return sample::name(tested.param); });
+
+/// Linear displacement that each model can hold exactly (axisymmetric: no u_r at r = 0, no shear that varies).
+Eigen::Vector2d linear_displacement(Model model, const Eigen::Vector2d& x) {
+  if (model == Model::axisymmetric) return {1e-3 * x[0], -4e-4 * x[1] + 2e-5};
+  return {1e-3 * x[0] + 3e-4 * x[1] + 1e-5, -2e-4 * x[0] - 4e-4 * x[1] + 2e-5};
+}
+
+StressVector exact_stress(Model model) {
+  if (model == Model::bar) return StressVector::Constant(1, steel.youngs_modulus_pa * 1e-3);
+  const Eigen::Vector4d strain =
+      model == Model::axisymmetric ? Eigen::Vector4d(1e-3, -4e-4, 1e-3, 0.0) : Eigen::Vector4d(1e-3, -4e-4, 0.0, 1e-4);
+  return elasticity(model, steel) * strain;
+}
+
+TEST_P(EveryModel, PatchTestGivesTheExactStressEverywhere) {
+  const Eigen::VectorXd u = sample::nodal(part_.mesh, [&](const auto& x) { return linear_displacement(model_, x); });
+  const StressVector expected = exact_stress(model_);
+  for (int e = 0; e < static_cast<int>(part_.mesh.elements.size()); ++e) {
+    for (const double xi : {-1.0, -0.3, 0.0, 1.0}) {
+      for (const double eta : {-1.0, 0.0, 0.7, 1.0}) {
+        const StressVector stress = element_stress(section_, steel, element_coordinates(part_.mesh, e),
+                                                   element_displacement(part_.mesh, e, u), xi, eta);
+        EXPECT_LT(sample::relative_error(stress, expected), 1e-11) << "element " << e << " at " << xi << ", " << eta;
+      }
+    }
+  }
+}
+
+TEST_P(EveryModel, PatchTestLeavesInnerNodesInEquilibrium) {
+  const Eigen::VectorXd u = sample::nodal(part_.mesh, [&](const auto& x) { return linear_displacement(model_, x); });
+  const Eigen::VectorXd force = part_.stiffness * u;
+  const int dofs_per_node = components(model_);
+  const double low = model_ == Model::bar ? 0.0 : 0.01;
+  int inner = 0;
+  for (int i = 0; i < part_.dofs(); ++i) {
+    const Eigen::Vector2d& x = part_.mesh.position[static_cast<std::size_t>(i / dofs_per_node)];
+    const double along = axis_coordinate(model_, x);
+    if (along < low + 1e-6 || along > 0.05 - 1e-6) continue;
+    if (model_ != Model::bar && (x[0] < 1e-6 || x[0] > 0.03 - 1e-6)) continue;
+    ++inner;
+    EXPECT_LT(std::abs(force[i]), 1e-11 * force.norm()) << "dof " << i;
+  }
+  EXPECT_GE(inner, 3);
+}
+
+TEST_P(EveryModel, RigidMotionGivesNoForce) {
+  const double scale = part_.stiffness.coeffs().abs().maxCoeff();
+  std::vector<std::function<Eigen::Vector2d(const Eigen::Vector2d&)>> motions;
+  if (model_ != Model::axisymmetric) motions.push_back([](const auto&) { return Eigen::Vector2d(1.0, 0.0); });
+  if (model_ != Model::bar) motions.push_back([](const auto&) { return Eigen::Vector2d(0.0, 1.0); });
+  if (model_ == Model::plane_strain) motions.push_back([](const auto& x) { return Eigen::Vector2d(-x[1], x[0]); });
+  for (const auto& motion : motions) {
+    const Eigen::VectorXd u = sample::nodal(part_.mesh, motion);
+    EXPECT_LT((part_.stiffness * u).norm(), 1e-13 * scale * u.norm());
+  }
+}
+
+TEST_P(EveryModel, StiffnessHasTheRankOfItsStrainsAndNoNegativeEigenvalue) {
+  const ElementMatrix stiffness = element_stiffness(section_, steel, element_coordinates(part_.mesh, 1));
+  EXPECT_EQ(stiffness, stiffness.transpose());
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<ElementMatrix>(stiffness).eigenvalues();
+  const int rigid_motions = model_ == Model::plane_strain ? 3 : 1;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (i < rigid_motions) {
+      EXPECT_LT(std::abs(values[i]), 1e-12 * values[values.size() - 1]);
+    } else {
+      EXPECT_GT(values[i], 1e-4 * values[values.size() - 1]);
+    }
+  }
+}
+
+/// W(u) of one element from stresses alone, without the stiffness.
+double strain_energy(const Section& section, const ElementCoordinates& x, const ElementVector& u) {
+  if (section.model == Model::bar) {
+    const double stress = element_stress(section, steel, x, u, 0.0, 0.0)[0];
+    return 0.5 * stress * stress / steel.youngs_modulus_pa * section.measure * (x(1, 0) - x(0, 0));
+  }
+  const Eigen::Matrix4d compliance = elasticity(section.model, steel).inverse();
+  const double point = 1.0 / std::sqrt(3.0);  // the rule the element is defined with
+  double energy = 0.0;
+  for (const double xi : {-point, point}) {
+    for (const double eta : {-point, point}) {
+      const Eigen::Vector4d stress = element_stress(section, steel, x, u, xi, eta);
+      double radius = 0.0;
+      for (int i = 0; i < 4; ++i) radius += 0.25 * (1.0 + node_xi[i] * xi) * (1.0 + node_eta[i] * eta) * x(i, 0);
+      const double factor = section.model == Model::axisymmetric ? radius : 1.0;
+      energy += 0.5 * stress.dot(compliance * stress) * section.measure * factor * jacobian_determinant(x, xi, eta);
+    }
+  }
+  return energy;
+}
+
+TEST_P(EveryModel, ForcesAreTheDerivativesOfTheStrainEnergy) {
+  for (int e = 0; e < static_cast<int>(part_.mesh.elements.size()); ++e) {
+    const ElementCoordinates x = element_coordinates(part_.mesh, e);
+    const int size = nodes_per_element(model_) * components(model_);
+    ElementVector u(size);
+    for (int i = 0; i < size; ++i) u[i] = 1e-5 * std::sin(2.0 * i + e + 0.4);
+    const ElementVector force = element_stiffness(section_, steel, x) * u;
+    for (int i = 0; i < size; ++i) {
+      const ElementVector step = 1e-6 * ElementVector::Unit(size, i);
+      const double slope = (strain_energy(section_, x, u + step) - strain_energy(section_, x, u - step)) / 2e-6;
+      EXPECT_NEAR(force[i], slope, 1e-8 * force.norm()) << "element " << e << ", dof " << i;
+    }
+    EXPECT_NEAR(0.5 * u.dot(force), strain_energy(section_, x, u), 1e-12 * std::abs(u.dot(force)));
+  }
+}
+
+// The integrands N_i r det J are cubic in each natural coordinate, so 2x2 Gauss points take them exactly: the mass of
+// the body of revolution of straight-sided quadrilaterals is exact, however distorted they are inside.
+TEST_P(EveryModel, LumpedMassIsPositiveAndSumsToDensityTimesVolume) {
+  const double length = model_ == Model::bar ? 0.05 : 0.04;
+  double area = section_.measure;
+  if (model_ == Model::plane_strain) area *= 0.03;
+  if (model_ == Model::axisymmetric) area = std::numbers::pi * 0.03 * 0.03;
+  EXPECT_NEAR(part_.lumped_mass.sum(), 7850.0 * area * length, 1e-12 * 7850.0 * area * length);
+  EXPECT_GT(part_.lumped_mass.minCoeff(), 0.0);
+}
+
+TEST(LumpedMass, OfAConicalFrustumIsExact) {
+  ElementCoordinates x(4, 2);
+  x << 0.0, 0.0, 0.04, 0.0, 0.01, 0.03, 0.0, 0.03;
+  const double volume = std::numbers::pi * 0.03 / 3.0 * (0.04 * 0.04 + 0.04 * 0.01 + 0.01 * 0.01);
+  EXPECT_NEAR(element_volume(sample::section(Model::axisymmetric), x).sum(), volume, 1e-13 * volume);
+}
+
+TEST(HoopStrain, TakesItsLimitOnTheAxis) {
+  ElementCoordinates x(4, 2);
+  x << 0.0, 0.0, 0.02, 0.001, 0.021, 0.02, 0.0, 0.018;
+  ElementVector u(8);
+  u << 0.0, 1e-5, 3e-5, 0.0, 2e-5, 1e-5, 0.0, -1e-5;
+  const Section axisymmetric = sample::section(Model::axisymmetric);
+  const StressVector on_axis = element_stress(axisymmetric, steel, x, u, -1.0, 0.2);
+  const StressVector beside = element_stress(axisymmetric, steel, x, u, -1.0 + 1e-6, 0.2);
+  EXPECT_NEAR(on_axis[0], on_axis[2], 1e-9 * std::abs(on_axis[0])) << "e_rr = e_tt on the axis";
+  EXPECT_LT(sample::relative_error(beside, on_axis), 1e-5);
+}
+
+TEST(ElementFrequency, OfABarIsTwiceTheWaveSpeedOverItsLength) {
+  ElementCoordinates x(2, 2);
+  x << 0.3, 0.0, 0.325, 0.0;
+  const double c = longitudinal_wave_speed(Model::bar, steel);
+  const double frequency = std::sqrt(element_max_frequency_squared(sample::section(Model::bar), steel, x));
+  EXPECT_NEAR(frequency, 2.0 * c / 0.025, 1e-12 * frequency);
+}
+
+TEST(ElementFrequency, IsAboveALimitExactlyIfTheEigenvalueIs) {
+  ElementCoordinates x(4, 2);
+  x << 0.01, 0.0, 0.013, 0.001, 0.0125, 0.002, 0.0095, 0.0015;
+  for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
+    const Section section = sample::section(model);
+    const double frequency_squared = element_max_frequency_squared(section, steel, x);
+    for (const double share : {1e-3, 0.5, 0.999, 1.001, 2.0, 1e3}) {
+      EXPECT_EQ(element_frequency_squared_above(section, steel, x, share * frequency_squared), share < 1.0) << share;
+    }
+  }
+}
+
+TEST(EdgeArea, IsExactInEveryModel) {
+  EXPECT_EQ(edge_area(sample::section(Model::bar), {0.1, 0.0}, {0.1, 0.0}), Eigen::Vector2d(2.5e-4, 0.0));
+  const Eigen::Vector2d a(0.01, 0.02), b(0.04, 0.06);
+  const Eigen::Vector2d plane = edge_area(sample::section(Model::plane_strain), a, b);
+  EXPECT_NEAR(plane[0], 0.5 * 0.03 * 0.05, 1e-15);
+  EXPECT_NEAR(plane[1], plane[0], 1e-18);
+  // Mantle of a frustum; the share of each node against Simpson's rule, which is exact for r N.
+  const Eigen::Vector2d cone = edge_area(sample::section(Model::axisymmetric), a, b);
+  EXPECT_NEAR(cone.sum(), std::numbers::pi * (0.01 + 0.04) * 0.05, 1e-15);
+  EXPECT_NEAR(cone[0], 2.0 * std::numbers::pi * 0.05 / 6.0 * (0.01 + 4.0 * 0.5 * 0.025), 1e-15);
+}
+
+}  // namespace
+}  // namespace ricochet::fem

@@ -1,0 +1,202 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "common/fem/vtk_output.hpp"
+#include "tests/common/fem/sample_elements.hpp"
+#include "tests/common/fem/test_help.hpp"
+
+namespace ricochet::fem {
+namespace {
+
+using testing::HasSubstr;
+
+/// Three distorted bodies of one model with a displacement and a velocity each, written to one file.
+struct Written {
+  explicit Written(Model model)
+      : model_(model), parts{sample::distorted_part(model), part_of(model, {1, 3}), part_of(model, {0})} {
+    for (const Part& part : parts) {
+      displacement.push_back(sample::nodal(part.mesh, [](const auto& x) {
+        return Eigen::Vector2d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0]);
+      }));
+      velocity.push_back(sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector2d(7.0 + x[0], -30.0); }));
+    }
+    write_vtu(path(), {&parts[0], &parts[1], &parts[2]}, {&displacement[0], &displacement[1], &displacement[2]},
+              {&velocity[0], &velocity[1], &velocity[2]});
+  }
+  ~Written() { std::filesystem::remove(path()); }
+  Written(const Written&) = delete;
+  Written& operator=(const Written&) = delete;
+
+  [[nodiscard]] std::string path() const { return sample::temporary_path(sample::name(model_) + ".vtu"); }
+  static Part part_of(Model model, const std::vector<int>& elements) {
+    return extract_part(sample::distorted_mesh(model), "other", sample::section(model), sample::steel, elements);
+  }
+
+  Model model_;
+  std::vector<Part> parts;
+  std::vector<Eigen::VectorXd> displacement, velocity;
+};
+
+/// Values per cell of a function of a part's element and its displacement, over all bodies.
+std::vector<double> per_cell(const Written& written, const std::function<double(const StressVector&)>& value) {
+  std::vector<double> values;
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
+    const Part& part = written.parts[p];
+    for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+      const ElementVector u = element_displacement(part.mesh, e, written.displacement[p]);
+      const ElementCoordinates x = element_coordinates(part.mesh, e);
+      values.push_back(value(element_stress(part.section, part.material, x, u, 0.0, 0.0)));
+    }
+  }
+  return values;
+}
+
+std::vector<double> per_node(const Written& written, const std::vector<Eigen::VectorXd>& fields) {
+  std::vector<double> values;
+  const int width = components(written.model_);
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
+    for (int node = 0; node < written.parts[p].nodes(); ++node) {
+      for (int c = 0; c < 3; ++c) values.push_back(c < width ? fields[p][node * width + c] : 0.0);
+    }
+  }
+  return values;
+}
+
+std::map<std::string, std::vector<double>> expected_fields(const Written& written) {
+  const Model model = written.model_;
+  std::map<std::string, std::vector<double>> fields;
+  fields["displacement"] = per_node(written, written.displacement);
+  fields["velocity"] = per_node(written, written.velocity);
+  std::vector<std::string> names = {"stress_axial"};
+  if (model == Model::plane_strain) names = {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
+  if (model == Model::axisymmetric) names = {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    fields[names[c]] = per_cell(written, [c](const StressVector& s) { return s[static_cast<Eigen::Index>(c)]; });
+  }
+  const std::array<std::string, 3> principal = {"max", "mid", "min"};
+  for (int c = 0; c < 3; ++c) {
+    fields["stress_principal_" + principal[static_cast<std::size_t>(c)]] =
+        per_cell(written, [c, model](const StressVector& s) { return principal_stresses(model, s)[c]; });
+  }
+  for (std::size_t p = 0; p < written.parts.size(); ++p) {
+    for (const int element : written.parts[p].body_element) {
+      fields["body"].push_back(static_cast<double>(p));
+      fields["element"].push_back(element);
+    }
+  }
+  return fields;
+}
+
+/// What print_vtu.py prints, by name of the array.
+std::map<std::string, std::vector<double>> read_with_meshio(const std::string& path) {
+  const std::string command = "/usr/bin/python3 " RICOCHET_SOURCE "/tests/common/fem/print_vtu.py '" + path + "' 2>&1";
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
+    text.append(buffer.data(), count);
+  std::map<std::string, std::vector<double>> arrays;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, name, shape, colon;
+    if (!(words >> kind >> name >> shape >> colon) || colon != ":") ADD_FAILURE() << "meshio: " << text;
+    for (std::string value; words >> value;) arrays[name].push_back(std::stod(value));
+  }
+  return arrays;
+}
+
+TEST(WriteVtu, IsReadByAnIndependentReader) {
+  for (const Model model : sample::every_model) {
+    const Written written(model);
+    const auto arrays = read_with_meshio(written.path());
+    for (const auto& [name, values] : expected_fields(written)) {
+      ASSERT_TRUE(arrays.contains(name)) << name;
+      EXPECT_EQ(arrays.at(name), values) << sample::name(model) << " " << name;
+    }
+    std::vector<double> points, cells;
+    int first_node = 0;
+    for (const Part& part : written.parts) {
+      for (const Eigen::Vector2d& x : part.mesh.position) points.insert(points.end(), {x[0], x[1], 0.0});
+      for (const auto& element : part.mesh.elements) {
+        for (int i = 0; i < nodes_per_element(model); ++i)
+          cells.push_back(first_node + element[static_cast<std::size_t>(i)]);
+      }
+      first_node += part.nodes();
+    }
+    EXPECT_EQ(arrays.at("points"), points);
+    EXPECT_EQ(arrays.at(model == Model::bar ? "line" : "quad"), cells);
+  }
+}
+
+std::string decode_base64(const std::string& text) {
+  static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned group = 0;
+  int bits = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    group = group << 6 | static_cast<unsigned>(digits.find(c));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes += static_cast<char>(group >> bits & 0xffU);
+  }
+  return bytes;
+}
+
+TEST(WriteVtu, HoldsLengthAndValuesInOneBase64String) {
+  for (const Model model : sample::every_model) {
+    const Written written(model);
+    const std::string text = sample::file_text(written.path());
+    EXPECT_THAT(text, HasSubstr("byte_order=\"LittleEndian\" header_type=\"UInt64\""));
+    const std::size_t tag = text.find("Name=\"velocity\" NumberOfComponents=\"3\" format=\"binary\">");
+    ASSERT_NE(tag, std::string::npos);
+    const std::size_t begin = text.find('>', tag) + 1;
+    const std::string bytes = decode_base64(text.substr(begin, text.find('<', begin) - begin));
+    const std::vector<double> expected = per_node(written, written.velocity);
+    std::uint64_t length = 0;
+    ASSERT_EQ(bytes.size(), sizeof length + expected.size() * sizeof(double));
+    std::memcpy(&length, bytes.data(), sizeof length);
+    EXPECT_EQ(length, expected.size() * sizeof(double));
+    std::vector<double> values(expected.size());
+    std::memcpy(values.data(), bytes.data() + sizeof length, length);
+    EXPECT_EQ(values, expected);
+  }
+}
+
+TEST(WriteVtu, ReplacesAnOldFileAndLeavesNoTemporaryOne) {
+  const Written first(Model::bar);
+  const Written second(Model::bar);
+  EXPECT_TRUE(std::filesystem::exists(second.path()));
+  EXPECT_FALSE(std::filesystem::exists(second.path() + ".part"));
+}
+
+TEST(WriteVtu, SaysWhereItCannotWrite) {
+  const Part part = sample::distorted_part(Model::bar);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(part.dofs());
+  EXPECT_THAT(sample::message_of([&] { write_vtu("/nonexistent/folder/a.vtu", {&part}, {&zero}, {&zero}); }),
+              HasSubstr("cannot write /nonexistent/folder/a.vtu.part"));
+}
+
+TEST(WriteVtu, RefusesVectorsThatDoNotFit) {
+  const Part part = sample::distorted_part(Model::bar);
+  const Part other = sample::distorted_part(Model::plane_strain);
+  const Eigen::VectorXd fits = Eigen::VectorXd::Zero(part.dofs()), short_one = fits.head(2);
+  const Eigen::VectorXd other_zero = Eigen::VectorXd::Zero(other.dofs());
+  const std::string path = sample::temporary_path("refused.vtu");
+  EXPECT_THROW(write_vtu(path, {&part}, {&fits}, {&short_one}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {&part}, {&fits}, {}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {&part, &other}, {&fits, &other_zero}, {&fits, &other_zero}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ricochet::fem

@@ -1,0 +1,268 @@
+#include <gmock/gmock.h>
+
+#include "common/base/error.hpp"
+#include "common/base/sha256.hpp"
+#include "tests/common/scene/scene_text.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Every key that goes together in one axisymmetric scene.
+const std::string full = R"(model = "axisymmetric"
+[[body]]
+name = "steel"
+material = { youngs_modulus_pa = 207e9, poisson_ratio = 0.3, density_kg_m3 = 7860 }
+mesh = { start_m = -0.02, length_m = 0.02, radius_m = 0.004, elements = [4, 8], grading = [0.5, 2.0] }
+initial_velocity_m_s = [0.0, 30]
+initial_displacement_m = { start = [0.0, 1e-6], end = [0.0, 2e-6] }
+gravity_m_s2 = [0.0, -9.81]
+support = [{ surface = "outer", fixed = ["r"] }, { surface = "start", fixed = ["r", "z"] }]
+traction = [{ surface = "start", traction_pa = [0.0, 1e6], amplitude = { time_s = [0.0, 1e-5], factor = [0.0, 1.0] } }]
+[[body.prescribed]]
+surface = "end"
+component = "z"
+displacement_m = 1e-4
+amplitude = { time_s = [0.0], factor = [0.5] }
+[[body]]
+name = "carbide"
+material = { youngs_modulus_pa = 626.8e9, poisson_ratio = 0.207, density_kg_m3 = 14900.0 }
+mesh = { length_m = 0.02, radius_m = 0.004, elements = [4, 8] }
+[contact]
+surfaces = ["steel.end", "carbide.start"]
+initial_gap_m = 1e-6
+nose_radius_m = 0.01
+enforcement = "penalty"
+penalty_pa_m = 1e16
+impact_update = "impedance"
+friction_coefficient = 0.2
+friction_law = "regularised"
+friction_regularisation_s_m = 0.5
+[partition]
+implicit_length_m = { steel = 0.010, carbide = 0 }
+[time]
+step_s = 5.4e-8
+end_s = 60e-6
+until_separated_plus_s = 10e-6
+[coupling]
+protocol = "kim"
+resynchronise_every = 0
+after_separation = "implicit"
+separation_windows = 7
+timeout_s = 5
+transport = "tcp"
+address = "0.0.0.0"
+port = 5555
+energy_growth_limit = 0.01
+[[participant]]
+name = "front"
+role = "explicit"
+bodies = ["steel"]
+executable = "bin/my_solver"
+start = "by_hand"
+[[participant]]
+name = "back"
+role = "explicit"
+bodies = ["carbide"]
+executable = "my_solver"
+[[participant]]
+name = "contact"
+role = "implicit"
+[output]
+history_every = 2
+fields_every = 50
+axial_stress_every = 5
+)";
+
+TEST(LoadScene, BodyFieldByField) {
+  const Scene scene = load_text(full);
+  ASSERT_EQ(scene.bodies.size(), 2U);
+  EXPECT_EQ(scene.model, Model::axisymmetric);
+  EXPECT_EQ(scene.components(), 2);
+  const Body& steel = scene.body("steel");
+  EXPECT_EQ(steel.material.youngs_modulus_pa, 207e9);
+  EXPECT_EQ(steel.material.poisson_ratio, 0.3);
+  EXPECT_EQ(steel.material.density_kg_m3, 7860.0);
+  const auto& mesh = std::get<StructuredMesh>(steel.mesh);
+  EXPECT_EQ(mesh.start_m, -0.02);
+  EXPECT_EQ(mesh.length_m, 0.02);
+  EXPECT_EQ(mesh.across_m, 0.004);
+  EXPECT_EQ(mesh.elements_across, 4);
+  EXPECT_EQ(mesh.elements_along, 8);
+  EXPECT_EQ(mesh.grading_across, 0.5);
+  EXPECT_EQ(mesh.grading_along, 2.0);
+  EXPECT_FALSE(mesh.periodic_across);
+  EXPECT_THAT(steel.initial_velocity_m_s, ElementsAre(0.0, 30.0));
+  EXPECT_THAT(steel.initial_displacement_start_m, ElementsAre(0.0, 1e-6));
+  EXPECT_THAT(steel.initial_displacement_end_m, ElementsAre(0.0, 2e-6));
+  EXPECT_THAT(steel.gravity_m_s2, ElementsAre(0.0, -9.81));
+}
+
+TEST(LoadScene, SupportsAndLoadsFieldByField) {
+  const Scene scene = load_text(full);
+  const Body& steel = scene.body("steel");
+  ASSERT_EQ(steel.supports.size(), 2U);
+  EXPECT_EQ(steel.supports[0].surface, "outer");
+  EXPECT_THAT(steel.supports[0].components, ElementsAre(0));
+  EXPECT_THAT(steel.supports[1].components, ElementsAre(0, 1));
+  ASSERT_EQ(steel.tractions.size(), 1U);
+  EXPECT_EQ(steel.tractions[0].surface, "start");
+  EXPECT_THAT(steel.tractions[0].traction_pa, ElementsAre(0.0, 1e6));
+  EXPECT_THAT(steel.tractions[0].amplitude.time_s, ElementsAre(0.0, 1e-5));
+  EXPECT_THAT(steel.tractions[0].amplitude.factor, ElementsAre(0.0, 1.0));
+  ASSERT_EQ(steel.prescribed.size(), 1U);
+  EXPECT_EQ(steel.prescribed[0].surface, "end");
+  EXPECT_EQ(steel.prescribed[0].component, 1);
+  EXPECT_EQ(steel.prescribed[0].displacement_m, 1e-4);
+  EXPECT_THAT(steel.prescribed[0].amplitude.factor, ElementsAre(0.5));
+}
+
+TEST(LoadScene, ContactFieldByField) {
+  const Contact contact = load_text(full).contact.value();
+  EXPECT_EQ(contact.first.body, "steel");
+  EXPECT_EQ(contact.first.surface, "end");
+  EXPECT_EQ(contact.second->body, "carbide");
+  EXPECT_EQ(contact.second->surface, "start");
+  EXPECT_EQ(contact.initial_gap_m, 1e-6);
+  EXPECT_EQ(contact.nose_radius_m, 0.01);
+  EXPECT_EQ(contact.enforcement, Enforcement::penalty);
+  EXPECT_EQ(contact.penalty_pa_m, 1e16);
+  EXPECT_EQ(contact.impact_update, ImpactUpdate::impedance);
+  EXPECT_EQ(contact.friction_coefficient, 0.2);
+  EXPECT_EQ(contact.friction_law, FrictionLaw::regularised);
+  EXPECT_EQ(contact.friction_regularisation_s_m, 0.5);
+}
+
+TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
+  const Scene scene = load_text(full);
+  EXPECT_EQ(scene.partition.rule, PartitionRule::implicit_length);
+  EXPECT_EQ(scene.partition.implicit_length_m.at("steel"), 0.010);
+  EXPECT_EQ(scene.partition.implicit_length_m.at("carbide"), 0.0);
+  EXPECT_EQ(scene.time.step_s, 5.4e-8);
+  EXPECT_EQ(scene.time.end_s, 60e-6);
+  EXPECT_EQ(scene.time.until_separated_plus_s, 10e-6);
+  EXPECT_EQ(scene.coupling.protocol.name, "kim");
+  EXPECT_EQ(scene.coupling.resynchronise_every, 0);
+  EXPECT_EQ(scene.coupling.after_separation, AfterSeparation::stay_implicit);
+  EXPECT_EQ(scene.coupling.separation_windows, 7);
+  EXPECT_EQ(scene.coupling.timeout_s, 5.0);
+  EXPECT_EQ(scene.coupling.transport, "tcp");
+  EXPECT_EQ(scene.coupling.address, "0.0.0.0");
+  EXPECT_EQ(scene.coupling.port, 5555);
+  EXPECT_EQ(scene.coupling.energy_growth_limit, 0.01);
+  EXPECT_EQ(scene.output.history_every, 2);
+  EXPECT_EQ(scene.output.fields_every, 50);
+  EXPECT_EQ(scene.output.axial_stress_every, 5);
+}
+
+TEST(LoadScene, ParticipantsFieldByField) {
+  const SceneFolder folder;
+  const std::string path = folder.write(full);
+  const Scene scene = load_scene(path);
+  ASSERT_EQ(scene.participants.size(), 3U);
+  const ParticipantSpec& front = scene.participant("front");
+  EXPECT_EQ(front.role, Role::explicit_solver);
+  EXPECT_THAT(front.bodies, ElementsAre("steel"));
+  EXPECT_EQ(front.executable, path.substr(0, path.rfind('/')) + "/bin/my_solver");
+  EXPECT_EQ(front.start, Start::by_hand);
+  EXPECT_EQ(scene.participant("back").executable, "my_solver");
+  EXPECT_EQ(scene.participant("back").start, Start::launch);
+  EXPECT_EQ(scene.participant("contact").role, Role::implicit_solver);
+  EXPECT_THROW((void)scene.participant("contacts"), ConfigError);
+}
+
+TEST(LoadScene, DefaultsStandInTheStructs) {
+  const Scene scene = load_text(cylinders.substr(0, cylinders.find("[coupling]")));
+  const Coupling defaults;
+  EXPECT_EQ(scene.coupling.protocol.name, "hughes_liu");
+  EXPECT_EQ(scene.coupling.resynchronise_every, defaults.resynchronise_every);
+  EXPECT_EQ(scene.coupling.transport, "auto");
+  EXPECT_EQ(scene.output.history_every, 1);
+  EXPECT_EQ(scene.output.axial_stress_every, 0);
+  EXPECT_EQ(scene.contact->enforcement, Enforcement::multiplier);
+  EXPECT_EQ(scene.contact->multiplier_update, Contact{}.multiplier_update);
+  EXPECT_THAT(scene.body("carbide").initial_velocity_m_s, ElementsAre(0.0, 0.0));
+  EXPECT_FALSE(scene.time.until_separated_plus_s.has_value());
+}
+
+TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {
+  const Scene scene = load_text(replaced(bars, "elements = 20", "elements = 20, grading = 3.0"));
+  EXPECT_EQ(scene.components(), 1);
+  EXPECT_EQ(scene.body("left").material.poisson_ratio, 0.0);
+  EXPECT_EQ(scene.body("left").area_m2, 6.4516e-4);
+  EXPECT_EQ(std::get<StructuredMesh>(scene.body("left").mesh).grading_along, 3.0);
+  EXPECT_THAT(scene.body("left").initial_velocity_m_s, ElementsAre(5.13588));
+}
+
+TEST(LoadScene, RigidPlaneIsAContactWithoutSecondSurface) {
+  const Scene scene = load_text(replaced(replaced(bars, "\"right.start\"", "\"rigid_plane\""), ", right = 0.0635", ""));
+  EXPECT_EQ(scene.contact->first.surface, "end");
+  EXPECT_FALSE(scene.contact->second.has_value());
+}
+
+TEST(LoadScene, HashIsOfTheText) {
+  EXPECT_EQ(load_text(bars).sha256, sha256_hex(bars));
+  EXPECT_NE(load_text(bars).sha256, load_text(bars + "\n").sha256);
+}
+
+TEST(LoadScene, KnowsTheLineOfEachKey) {
+  const Scene scene = load_text(cylinders);
+  EXPECT_EQ(scene.lines.at("body.steel.mesh.length_m"), 5);
+  EXPECT_EQ(scene.lines.at("contact.surfaces"), 12);
+  EXPECT_THAT(scene.where("contact.surfaces[1]"), HasSubstr("scene.toml:12: contact.surfaces[1]"));
+  EXPECT_THAT(scene.where("participant.explicit"), HasSubstr("participant.explicit"));
+}
+
+TEST(LoadScene, RefusesAMissingAndAnEmptyFile) {
+  const SceneFolder folder;
+  const std::string comment = folder.write("# nothing\n"), empty = folder.write("", "empty.toml");
+  for (const std::string& path : {std::string("/nowhere/scene.toml"), comment, empty}) {
+    try {
+      (void)load_scene(path);
+      FAIL() << path;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path));
+      EXPECT_EQ(error.code(), ExitCode::config);
+    }
+  }
+}
+
+std::vector<std::string> names(const Scene& scene) {
+  std::vector<std::string> result;
+  for (const ParticipantSpec& participant : scene.participants) result.push_back(participant.name);
+  return result;
+}
+
+TEST(DefaultParticipants, FollowTheProtocol) {
+  EXPECT_THAT(names(load_text(cylinders)), ElementsAre("explicit", "implicit"));
+  EXPECT_THAT(load_text(cylinders).participant("explicit").bodies, ElementsAre("steel", "carbide"));
+  EXPECT_THAT(names(load_text(replaced(cylinders, "hughes_liu", "all_implicit"))), ElementsAre("implicit"));
+  const Scene all_explicit = load_text(replaced(cylinders, "hughes_liu", "all_explicit"));
+  EXPECT_THAT(names(all_explicit), ElementsAre("explicit"));
+  EXPECT_THAT(all_explicit.participants[0].bodies, ElementsAre("steel", "carbide"));
+}
+
+TEST(GivenParticipants, ABaselineTakesTheOneOfItsRole) {
+  const std::string no_update = replaced(full, "impact_update = \"impedance\"\n", "");
+  const Scene all_explicit = load_text(replaced(no_update, "\"kim\"", "\"all_explicit\""));
+  EXPECT_THAT(names(all_explicit), ElementsAre("explicit"));
+  EXPECT_THAT(all_explicit.participants[0].bodies, ElementsAre("steel", "carbide"));
+  EXPECT_THAT(all_explicit.participants[0].executable, HasSubstr("bin/my_solver"));
+  EXPECT_THAT(names(load_text(replaced(full, "\"kim\"", "\"all_implicit\""))), ElementsAre("contact"));
+}
+
+TEST(Amplitude, IsLinearBetweenAndConstantOutside) {
+  const Amplitude ramp{{1.0, 2.0, 4.0}, {0.0, 1.0, -1.0}};
+  EXPECT_EQ(ramp.at(0.0), 0.0);
+  EXPECT_EQ(ramp.at(1.0), 0.0);
+  EXPECT_DOUBLE_EQ(ramp.at(1.25), 0.25);
+  EXPECT_DOUBLE_EQ(ramp.at(3.0), 0.0);
+  EXPECT_EQ(ramp.at(4.0), -1.0);
+  EXPECT_EQ(ramp.at(9.0), -1.0);
+  EXPECT_EQ(Amplitude{}.at(3.0), 1.0);
+}
+
+}  // namespace
+}  // namespace ricochet::scene

@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "tests/common/wire/samples.hpp"
+
+namespace ricochet::wire {
+namespace {
+
+using testing::HasSubstr;
+
+class EveryKind : public testing::TestWithParam<Kind> {};
+
+TEST_P(EveryKind, ComesBackAsItWasSent) {
+  const Message sent = sample(GetParam());
+  Message received = sample(Kind::advanced);  // what it held before must not shine through
+  received.error_text = "old";
+  decode(encoded(sent), "x", received);
+  expect_same(sent, received);
+}
+
+TEST_P(EveryKind, ComesBackWithEmptyFields) {
+  Message sent, received = sample(GetParam());
+  sent.kind = GetParam();
+  decode(encoded(sent), "x", received);
+  expect_same(sent, received);
+}
+
+TEST_P(EveryKind, DoesNotTravelWithANumberThatIsNotFinite) {
+  const double wrong[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                          -std::numeric_limits<double>::infinity()};
+  for (const auto& field : fields_of(GetParam())) {
+    for (const double value : wrong) {
+      Message message = sample(GetParam());
+      if (const auto* number = std::get_if<double Message::*>(&field.member)) {
+        message.** number = value;
+      } else if (const auto* array = std::get_if<Array Message::*>(&field.member)) {
+        (message.**array).resize(4, 3);
+        (message.**array).data[7] = value;
+      } else {
+        continue;
+      }
+      try {
+        (void)encoded(message);
+        FAIL() << field.name;
+      } catch (const SolverError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("'" + std::string(field.name) + "'"));
+        EXPECT_THAT(error.what(), HasSubstr(std::isnan(value) ? "nan" : "inf"));
+        if (std::holds_alternative<Array Message::*>(field.member)) {
+          EXPECT_THAT(error.what(), HasSubstr("at row 2, column 1"));
+        }
+      }
+    }
+  }
+}
+
+TEST_P(EveryKind, IsRefusedWhereverItBreaksOff) {
+  const std::string bytes = encoded(sample(GetParam()));
+  Message message;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_THROW(decode({bytes.data(), size}, "x", message), ProtocolError) << size;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Codec, EveryKind, testing::ValuesIn(all_kinds()),
+                         [](const auto& param_info) { return std::string(name(param_info.param)); });
+
+TEST(Decode, TakesFieldsInAnyOrder) {
+  const Message sent = sample(Kind::advanced);
+  const std::string bytes = encoded(sent);
+  const auto handle = msgpack::unpack(bytes.data(), bytes.size());
+  const auto& map = handle.get().via.map;
+  msgpack::sbuffer buffer;
+  msgpack::packer packer(buffer);
+  packer.pack_map(map.size);
+  for (std::uint32_t i = map.size; i > 0; --i) packer.pack(map.ptr[i - 1].key).pack(map.ptr[i - 1].val);
+  Message received;
+  decode({buffer.data(), buffer.size()}, "x", received);
+  expect_same(sent, received);
+}
+
+TEST(Decode, UsesTheMemoryOfTheMessageAgain) {
+  Message sent, received;
+  sent.kind = Kind::advanced;
+  sent.increment.resize(200, 2);
+  decode(encoded(sent), "x", received);
+  const auto* before = received.increment.data.data();
+  decode(encoded(sent), "x", received);
+  EXPECT_EQ(received.increment.data.data(), before);
+}
+
+TEST(Decode, TakesWholeNumbersThatTravelAsIntegers) {
+  for (const double value : {0.0, 1.0, -3.0, 1e15, -1e15, 1e19, 0.5}) {
+    Message sent, received;
+    sent.kind = Kind::welcome;
+    sent.timeout_s = value;
+    decode(encoded(sent), "x", received);
+    EXPECT_EQ(received.timeout_s, value);
+  }
+}
+
+TEST(Encode, IsTheSameForTheSameMessage) {
+  EXPECT_EQ(encoded(sample(Kind::description)), encoded(sample(Kind::description)));
+}
+
+}  // namespace
+}  // namespace ricochet::wire

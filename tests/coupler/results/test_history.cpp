@@ -1,0 +1,322 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/base/error.hpp"
+#include "coupler/results/history.hpp"
+#include "coupler/results/history_file.hpp"
+#include "coupler/watch/energy_watch.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string text_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+const std::vector<std::string> bodies = {"striker", "target"};
+
+History two_participants() {
+  return History({{"explicit", {"window", "energy_kinetic_j/target", "energy_kinetic_j/striker", "energy_interface_j"}},
+                  {"implicit",
+                   {"window", "energy_kinetic_j/striker", "momentum_n_kg_m_s/striker", "gap_min_m", "energy_friction_j",
+                    "energy_interface_j"}}},
+                 bodies, 0.5);
+}
+
+TEST(History, MergesByWindowAndSumsOverBodiesAndParticipants) {
+  History history = two_participants();
+  history.add(0, {0, 10, 1, 0.0, 2, 11, 2, 0.5});
+  EXPECT_FALSE(history.next());
+  history.add(1, {0, 4, 7, 1e-3, 0, 0.0});
+  const auto row = history.next();
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row->window, 0);
+  EXPECT_DOUBLE_EQ(row->bodies[0].energy_kinetic_j, 5.0);
+  EXPECT_DOUBLE_EQ(row->bodies[1].energy_kinetic_j, 10.0);
+  EXPECT_DOUBLE_EQ(row->sum.energy_kinetic_j, 15.0);
+  EXPECT_DOUBLE_EQ(row->sum.momentum_n_kg_m_s, 7.0);
+  EXPECT_DOUBLE_EQ(row->contact.gap_min_m, 1e-3);
+  EXPECT_FALSE(history.next());
+  history.add(1, {2, 4, 7, 0.0, 0, -0.25});
+  const auto second = history.next();
+  ASSERT_TRUE(second);
+  EXPECT_DOUBLE_EQ(second->time_s, 1.0);
+  EXPECT_DOUBLE_EQ(second->sum.energy_interface_j, 0.25);
+}
+
+TEST(History, CreatedEnergyIsPerParticipant) {
+  History history = two_participants();
+  history.add(0, {0, 10, 1, 0.0, 1, 10, 4, 2.0});
+  history.add(1, {0, 4, 7, 0, 0, 0.0, 1, 2, 7, 0, 1.5, -2.0});
+  (void)history.next();
+  const auto row = history.next();
+  ASSERT_TRUE(row);
+  EXPECT_DOUBLE_EQ(row->created_j[0], 1.0);  // gained 3, was given 2
+  EXPECT_DOUBLE_EQ(row->created_j[1], 1.5);  // lost 2, gave 2 away, yet dissipated 1.5
+}
+
+TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
+  const std::vector<double> e = {0.1, 0.7, 1.0 / 3.0, 1e-9};  // striker explicit, target explicit, implicit parts
+  History one({{"explicit",
+                {"window", "energy_strain_j/striker", "energy_strain_j/target", "energy_interface_j/striker",
+                 "energy_interface_j/target"}},
+               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}},
+              bodies, 1.0);
+  History two({{"b", {"window", "energy_strain_j/target", "energy_interface_j/target"}},
+               {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}},
+               {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}},
+              bodies, 1.0);
+  one.add(0, {0, e[0], e[1], 0.3, 1e-17});
+  one.add(1, {0, e[2], e[3]});
+  two.add(0, {0, e[1], 1e-17});
+  two.add(1, {0, e[2], e[3]});
+  two.add(2, {0, e[0], 0.3});
+  const auto row_1 = one.next(), row_2 = two.next();
+  EXPECT_EQ(row_1->sum.energy_strain_j, row_2->sum.energy_strain_j);
+  EXPECT_EQ(row_1->sum.energy_interface_j, row_2->sum.energy_interface_j);
+}
+
+TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
+  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies, 1.0); };
+  EXPECT_THAT(text_of([&] {
+                make({"window", "energy_kinetic_j/other"});
+              }),
+              AllOf(HasSubstr("'implicit'"), HasSubstr("energy_kinetic_j/other"), HasSubstr("striker, target")));
+  EXPECT_THAT(text_of([&] { make({"window", "temperature_k"}); }), HasSubstr("temperature_k"));
+  EXPECT_THAT(text_of([&] { make({"window", "gap_min_m", "gap_min_m"}); }), HasSubstr("twice"));
+  EXPECT_THAT(text_of([&] { make({"gap_min_m"}); }), HasSubstr("\"window\""));
+  History history = two_participants();
+  history.add(0, {3, 0, 0, 0});
+  EXPECT_THAT(text_of([&] { history.add(0, {3, 0, 0, 0}); }), HasSubstr("after that of window 3"));
+  history.add(1, {4, 0, 0, 0, 0, 0});
+  EXPECT_THAT(text_of([&] { (void)history.next(); }), AllOf(HasSubstr("window 3"), HasSubstr("window 4")));
+}
+
+HistoryRow row_of(double kinetic, double external, double friction, double momentum, double impulse) {
+  HistoryRow row;
+  row.bodies.resize(1);
+  row.bodies[0].energy_kinetic_j = kinetic;
+  row.bodies[0].momentum_n_kg_m_s = momentum;
+  row.sum = row.bodies[0];
+  row.sum.energy_external_j = external;
+  row.sum.impulse_n_kg_m_s = impulse;
+  row.contact.energy_friction_j = friction;
+  return row;
+}
+
+TEST(Errors, EnergyAndMomentumAgainstTheirReferences) {
+  Errors errors;
+  auto row = row_of(10, 0, 0, 2, 0);
+  errors.add(row);
+  EXPECT_EQ(row.energy_error, 0.0);
+  row = row_of(8, 1, 2.5, 4, 1);  // 8 + 2.5 - 1 - 10 = -0.5 of 10; 4 - 1 - 2 = 1 of 4
+  errors.add(row);
+  EXPECT_DOUBLE_EQ(row.energy_error, -0.05);
+  EXPECT_DOUBLE_EQ(row.momentum_error, 0.25);
+  row = row_of(31, -20, 0, 2, 0);  // the work is now the larger reference: 31 + 20 - 10 = 41 of 20
+  errors.add(row);
+  EXPECT_DOUBLE_EQ(row.energy_error, 41.0 / 20.0);
+  EXPECT_DOUBLE_EQ(row.momentum_error, 0.0);
+}
+
+TEST(Errors, TangentialMomentumCountsOnlyWhereItIsOne) {
+  Errors plane, axisymmetric(Conserved{{{1, 0}}, 0});
+  for (auto* errors : {&plane, &axisymmetric}) {
+    auto row = row_of(1, 0, 0, 3, 0);
+    errors->add(row);
+    row.sum.momentum_t_kg_m_s = row.bodies[0].momentum_t_kg_m_s = 4;
+    errors->add(row);
+    EXPECT_DOUBLE_EQ(row.momentum_error, errors == &plane ? 0.8 : 0.0);
+  }
+}
+
+TEST(Errors, AnInclinedDirectionIsConservedAlone) {
+  Errors axial(Conserved{{{0.6, 0.8}}, 0});  // a cone's normal and tangent; the radial sum changes by 5
+  auto row = row_of(1, 0, 0, 10, 0);
+  axial.add(row);
+  row.sum.momentum_n_kg_m_s = row.bodies[0].momentum_n_kg_m_s = 10 - 0.8 * 5;
+  row.sum.momentum_t_kg_m_s = row.bodies[0].momentum_t_kg_m_s = 0.6 * 5;
+  axial.add(row);
+  EXPECT_NEAR(row.momentum_error, 0.0, 1e-15);
+}
+
+TEST(Errors, AngularMomentumAgainstMomentumTimesTheArm) {
+  Errors errors(Conserved{{{1, 0}, {0, 1}}, 0.5}), unbalanced;
+  for (auto* e : {&errors, &unbalanced}) {
+    auto row = row_of(1, 0, 0, 4, 0);
+    row.sum.angular_momentum_kg_m2_s = 7;
+    e->add(row);
+    row.sum.angular_momentum_kg_m2_s = 9;
+    row.sum.angular_impulse_kg_m2_s = 1.5;
+    e->add(row);
+    EXPECT_DOUBLE_EQ(row.angular_momentum_error, e == &errors ? 0.25 : 0.0);
+  }
+}
+
+TEST(Errors, StartAtRestHasNoReferenceAtFirst) {
+  Errors errors;
+  auto row = row_of(0, 0, 0, 0, 0);
+  errors.add(row);
+  EXPECT_EQ(row.energy_error, 0.0);
+  EXPECT_EQ(row.momentum_error, 0.0);
+  row = row_of(1, 1, 0, 0, 0);
+  errors.add(row);
+  EXPECT_EQ(row.energy_error, 0.0);
+}
+
+TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
+  const std::string path = testing::TempDir() + "history.csv";
+  HistoryRow row = row_of(1.0 / 3.0, 0, 0, 3, 0);
+  row.bodies[0].mass_kg = 2;
+  {
+    HistoryFile file(path, {"rod"}, false);
+    file.add(row);
+  }
+  std::istringstream lines(read(path));
+  std::string header, line;
+  std::getline(lines, header);
+  std::getline(lines, line);
+  EXPECT_EQ(header,
+            "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
+            "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
+            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,angular_momentum_kg_"
+            "m2_s,contact_impulse_n_s,"
+            "friction_impulse_n_s,contact_iterations,contact_residual,contact_unconverged,velocity_mean_rod_m_s");
+  EXPECT_THAT(line,
+              AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
+}
+
+/// A column without a body is one of the contact's owner, or the work of a link.
+TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
+  const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
+  int documented = 0;
+  for (const auto& column : history_columns({})) {
+    const bool known = text_of([&] { History({{"p", {"window", column}}}, {}, 1.0); }).empty();
+    if (!known) continue;
+    EXPECT_THAT(page, HasSubstr("`" + column + "`"));
+    ++documented;
+  }
+  EXPECT_EQ(documented, 16);
+}
+
+TEST(HistoryFile, UnwritableFolderIsNamed) {
+  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}, true); }),
+              HasSubstr("/nonexistent/history.csv"));
+  EXPECT_THAT(text_of([] { write_atomically("/nonexistent/x", ""); }), HasSubstr("/nonexistent/x"));
+}
+
+/// An energy watch that is shown a row each `every` windows.
+struct Watched {
+  EnergyWatch watch;
+  std::int64_t window = 0;
+  explicit Watched(Suspicion suspicion = {}, double floor_j = 0)
+      : watch(0.05, floor_j, std::move(suspicion), {"explicit", "implicit"}, {"rod"}) {}
+  void row(double kinetic, double external, std::vector<double> created = {0, 0}, double interface = 0) {
+    auto r = row_of(kinetic, external, 0, 0, 0);
+    r.window = window;
+    r.time_s = static_cast<double>(window) * 1e-6;
+    r.created_j = std::move(created);
+    r.sum.energy_interface_j = interface;
+    window += EnergyWatch::every;
+    watch.check(r);
+  }
+};
+
+TEST(EnergyWatch, LossesAndSmallGrowthPass) {
+  Watched watched;
+  watched.row(1, 0);
+  EXPECT_NO_THROW(watched.row(0.2, 0));
+  EXPECT_NO_THROW(watched.row(1.049, 0));
+}
+
+TEST(EnergyWatch, GrowthStopsAndNamesWindowTimeParticipantAndStepRatio) {
+  Suspicion suspicion;
+  suspicion.step_s = 1.2e-6;
+  suspicion.steps = {{"explicit", 1e-6}};
+  Watched watched(suspicion);
+  watched.row(1, 0);
+  const std::string text = text_of([&] { watched.row(1.2, 0, {0.19, 0.01}); });
+  EXPECT_THAT(text, AllOf(HasSubstr("window 8"), HasSubstr("8e-06 s"), HasSubstr("20 %"), HasSubstr("body 'rod'"),
+                          HasSubstr("participant 'explicit'"), HasSubstr("1.2 times the critical step")));
+}
+
+TEST(EnergyWatch, InterfacePenaltyAndProtocolAreNamed) {
+  Suspicion suspicion;
+  suspicion.protocol = "kim_predicted";
+  suspicion.protocol_trouble = "is unstable at almost any time step";
+  suspicion.penalty_step_ratio = 3.0;
+  Watched watched(suspicion);
+  watched.row(1, 0);
+  EXPECT_THAT(text_of([&] {
+                watched.row(1.2, 0, {0, 0}, 0.2);
+              }),
+              AllOf(HasSubstr("made at the interface"), HasSubstr("kim_predicted is unstable"), HasSubstr("penalty")));
+}
+
+TEST(EnergyWatch, NothingObviousSaysSo) { EXPECT_THAT(likely_cause({}, 0, 1), HasSubstr("not obvious")); }
+
+TEST(EnergyWatch, NonFiniteStops) {
+  Watched watched;
+  watched.row(1, 0);
+  EXPECT_THAT(text_of([&] {
+                watched.row(NAN, 0, {NAN, 0});
+              }),
+              AllOf(HasSubstr("not finite"), HasSubstr("participant 'explicit'")));
+}
+
+TEST(EnergyWatch, GrowthOfWhatComesFromOutsideMustLast) {
+  Watched watched;  // at rest, then prescribed motion: half the first window's work is an error of the step
+  watched.row(0, 0);
+  watched.row(0, 0);
+  watched.row(1, 0);
+  for (int n = 1; n < 4; ++n) EXPECT_NO_THROW(watched.row(1 + 15 * n, 15 * n)) << n;
+  EXPECT_NO_THROW(watched.row(61, 60));
+  for (int n = 0; n < 4; ++n) EXPECT_NO_THROW(watched.row(80, 60)) << n;
+  EXPECT_THROW(watched.row(80, 60), SolverError) << "after 32 windows";
+}
+
+TEST(EnergyWatch, OneLookWithinTheLimitForgivesWhatWasBefore) {
+  Watched watched;
+  watched.row(0, 0);
+  for (int n = 0; n < 20; ++n) EXPECT_NO_THROW(watched.row(n % 4 == 3 ? 60 : 80, 60)) << n;
+}
+
+TEST(EnergyWatch, HasAFloorBelowWhichRoundOffDecides) {
+  Watched floored({}, 1e-20), bare;
+  for (auto* watched : {&floored, &bare}) watched->row(1e-25, 0);
+  EXPECT_NO_THROW(floored.row(4e-22, 0));
+  EXPECT_THROW(bare.row(4e-22, 0), SolverError);
+  EXPECT_THROW(floored.row(1e-20, 0), SolverError);
+}
+
+TEST(EnergyWatch, LooksAtTheSameWindowsWhateverRowsThereAre) {
+  EnergyWatch watch(0.05, 0.0, {}, {"implicit"}, {"rod"});
+  auto row = row_of(1, 0, 0, 0, 0);
+  watch.check(row);
+  row = row_of(5, 0, 0, 0, 0);
+  for (row.window = 1; row.window < EnergyWatch::every; ++row.window) EXPECT_NO_THROW(watch.check(row));
+  EXPECT_THROW(watch.check(row), SolverError);
+}
+
+}  // namespace
+}  // namespace ricochet::coupler

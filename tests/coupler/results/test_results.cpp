@@ -1,0 +1,402 @@
+// Files of a run: results folder, field index, summary, trace, starter scene; and the command line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/error.hpp"
+#include "coupler/command/command_line.hpp"
+#include "coupler/command/starter_scene.hpp"
+#include "coupler/processes/interrupted.hpp"
+#include "coupler/processes/run_id.hpp"
+#include "coupler/report/parts/csv_table.hpp"
+#include "coupler/results/csv_cell.hpp"
+#include "coupler/results/results_directory.hpp"
+#include "coupler/results/summary.hpp"
+#include "coupler/results/trace.hpp"
+#include "coupler/run/compute_scene.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class ResultsTest : public testing::Test {
+ protected:
+  std::string folder_ = testing::TempDir() + "results_" + std::to_string(getpid());
+  void SetUp() override { fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  void touch(const std::string& name) const {
+    fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
+    std::ofstream(folder_ + "/" + name) << "old";
+  }
+};
+
+const std::vector<std::string> run_names = {"history.csv", "summary.json", "fields/implicit_#.vtu", "logs/a.log"};
+
+TEST_F(ResultsTest, FormerResultsGoOtherFilesStay) {
+  const std::vector<std::string> others = {"notes.txt", "results.csv", "fields/mine.png", "fields/other_1.vtu",
+                                           "charts/mine.svg"};
+  for (const auto& name : others) touch(name);
+  {
+    const ResultsDirectory results(folder_, run_names);
+    for (const auto* name : {"history.csv", "fields/implicit_00000001.vtu", "fields/implicit_2.vtu.part", "logs/a.log"})
+      touch(name);
+  }
+  const ResultsDirectory results(folder_ + "/", run_names);
+  EXPECT_EQ(results.path(), folder_);
+  EXPECT_FALSE(fs::exists(results.file("history.csv")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_2.vtu.part")));
+  EXPECT_FALSE(fs::exists(results.log("a")));
+  for (const auto& name : others) EXPECT_EQ(read(results.file(name)), "old") << name;
+}
+
+TEST_F(ResultsTest, AFileThatIsNotOursIsRefusedAndNothingIsTouched) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  for (const std::string foreign :
+       {"summary.json", "fields/implicit_00000001.vtu", "logs/a.log", "summary.json.part"}) {
+    touch(foreign);
+    try {
+      const ResultsDirectory results(folder_, run_names);
+      FAIL() << foreign;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr(folder_ + "/" + foreign), HasSubstr("move it away")));
+    }
+    EXPECT_EQ(read(folder_ + "/" + foreign), "old");
+    EXPECT_TRUE(fs::exists(folder_ + "/history.csv"));
+    fs::remove(folder_ + "/" + foreign);
+  }
+}
+
+TEST_F(ResultsTest, WhatTheUserChangedAfterwardsIsTheUsers) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("history.csv");
+  }
+  std::ofstream(folder_ + "/history.csv") << "my own notes";
+  EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  const ResultsDirectory other(folder_, {"summary.json"});
+  EXPECT_EQ(read(folder_ + "/history.csv"), "my own notes");
+}
+
+TEST_F(ResultsTest, WhatAKilledRunLeftIsOurs) {
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  std::ofstream(folder_ + "/" + OwnFiles::list_name, std::ios::app)
+      << "history.csv\t-1\t-1\nfields/implicit_#.vtu\t-1\t-1\n";
+  touch("history.csv");
+  touch("fields/implicit_00000001.vtu");
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_FALSE(fs::exists(results.file("history.csv")));
+  EXPECT_FALSE(fs::exists(results.file("fields/implicit_00000001.vtu")));
+}
+
+TEST_F(ResultsTest, AListThatLeadsOutOfTheFolderRemovesNothing) {
+  const std::string outside = folder_ + "_outside";
+  fs::create_directories(outside);
+  std::ofstream(outside + "/thesis.tex") << "old";
+  {
+    const ResultsDirectory results(folder_, run_names);
+    touch("summary.json");
+  }
+  const std::string list = read(folder_ + "/" + OwnFiles::list_name);
+  for (const std::string& name :
+       {"../" + fs::path(outside).filename().string() + "/thesis.tex", outside + "/thesis.tex"}) {
+    std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << name << "\t-1\t-1\n";
+    EXPECT_THROW(ResultsDirectory(folder_, run_names), ConfigError);
+  }
+  fs::create_symlink(outside, folder_ + "/link");
+  std::ofstream(folder_ + "/" + OwnFiles::list_name) << list << "link/thesis.tex\t-1\t-1\n";
+  const ResultsDirectory results(folder_, run_names);
+  EXPECT_EQ(read(outside + "/thesis.tex"), "old");
+  fs::remove_all(outside);
+}
+
+TEST_F(ResultsTest, TwoRunsInOneFolderAreRefusedButOneAfterTheOtherIsFine) {
+  {
+    const ResultsDirectory first(folder_, {});
+    EXPECT_THROW(ResultsDirectory second(folder_, {}), ConfigError);
+  }
+  EXPECT_NO_THROW(ResultsDirectory again(folder_, {}));
+}
+
+TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
+  EXPECT_THROW(ResultsDirectory results("/proc/nonexistent", {}), ConfigError);
+}
+
+TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
+  const ResultsDirectory results(folder_, {});
+  for (const auto* name :
+       {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
+    touch(std::string("fields/") + name);
+  }
+  write_pvd(results, "scene", {"explicit", "implicit"}, 0.5);
+  const std::string text = read(results.file("fields/scene.pvd"));
+  const auto first = text.find(R"(timestep="1" part="0" file="explicit_00000002.vtu")");
+  const auto second = text.find(R"(timestep="5" part="0" file="explicit_00000010.vtu")");
+  const auto third = text.find(R"(timestep="5" part="1" file="implicit_00000010.vtu")");
+  EXPECT_LT(first, second);
+  EXPECT_LT(second, third);
+  EXPECT_NE(third, std::string::npos);
+  EXPECT_EQ(text.find("explicit_x"), std::string::npos);
+}
+
+TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
+  {
+    const ResultsDirectory results(folder_, {});
+    write_pvd(results, "scene", {"explicit"}, 0.5);
+  }
+  EXPECT_FALSE(fs::exists(folder_ + "/fields"));
+}
+
+Summary finished() {
+  Summary summary;
+  summary.status = "done";
+  summary.protocol = "hughes_liu";
+  summary.steps = 42;
+  summary.window_size_s = 1e-6;
+  summary.separation_time_s = 31e-6;
+  summary.scene_sha256 = "abc";
+  summary.switches = {{32e-6, "explicit"}};
+  summary.processes = {{"coupler", "coupler", 1, "", 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
+                       {"implicit", "implicit", 2, "shm", 1.0, std::nullopt, std::nullopt, {}}};
+  return summary;
+}
+
+Tally tally_on_plateau() {
+  Tally tally(ImpactTheory{31.2e-6, "striker", 850e6, 30.0, true, 31.2e-6});
+  HistoryRow row;
+  for (int i = 0; i <= 30; ++i) {
+    row.time_s = i * 1e-6;
+    row.energy_error = i == 10 ? -2e-3 : 1e-4;
+    row.contact.contact_force_n = i > 0 ? 100.0 + i : 0.0;
+    row.contact.contact_pressure_mean_pa = i < 5 || i > 22 ? 0.0 : 840e6;
+    tally.add(row);
+  }
+  return tally;
+}
+
+TEST(Summary, HasTheKeysOfTheIssue) {
+  const auto json = nlohmann::json::parse(to_json(finished(), tally_on_plateau()));
+  for (const auto* key : {"status", "protocol", "steps", "wall_s", "separation_time_s", "energy_error_max",
+                          "momentum_error_max", "peak_contact_force_n", "processes", "scene_sha256", "version",
+                          "phases", "largest_drift", "switches", "windows", "window_size_s", "error"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["steps"], 42);
+  EXPECT_EQ(json["processes"][1]["transport"], "shm");
+  EXPECT_DOUBLE_EQ(json["energy_error_max"], 2e-3);
+  EXPECT_DOUBLE_EQ(json["peak_contact_force_n"], 130.0);
+  EXPECT_DOUBLE_EQ(json["processes"][0]["wait_s"], 0.8);
+  EXPECT_TRUE(json["processes"][1]["compute_s"].is_null());
+  EXPECT_EQ(json["switches"][0]["to"], "explicit");
+  EXPECT_NEAR(json["plateau_stress_pa"].get<double>(), 840e6, 1.0);
+}
+
+TEST(Summary, TableSetsResultsBesideTheory) {
+  const std::string table = to_table(finished(), tally_on_plateau());
+  EXPECT_THAT(table, AllOf(HasSubstr("31.0000 us"), HasSubstr("2L/c of 'striker': 32.2000 us"), HasSubstr("840.00 MPa"),
+                           HasSubstr("impedance theory: 850.00 MPa"), HasSubstr("implicit 0.800")));
+}
+
+TEST(Summary, TimesInTheirUnitAndManySwitchesInShort) {
+  auto summary = finished();
+  summary.separation_time_s = 11.25;
+  summary.switches.assign(7, {2.5e-3, "implicit"});
+  const std::string table = to_table(summary, tally_on_plateau());
+  EXPECT_THAT(table, AllOf(HasSubstr("11.2500 s"), HasSubstr("2.5000 ms"), HasSubstr("and 3 times more")));
+}
+
+TEST(Summary, WithoutContactNoContactRows) {
+  const std::string table = to_table(finished(), Tally(std::nullopt));
+  EXPECT_EQ(table.find("separation"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(to_json(Summary{}, Tally(std::nullopt)))["separation_time_s"].is_null());
+}
+
+TEST(Summary, TellsOfContactImpulsesAndOfForcesThatWereNotFound) {
+  Tally tally(std::nullopt);
+  HistoryRow row;
+  const auto add = [&](std::int64_t window, double iterations, double residual, double unconverged) {
+    row.window = window;
+    row.contact.contact_iterations = iterations;
+    row.contact.contact_residual = residual;
+    row.contact.contact_unconverged = unconverged;
+    row.contact.contact_impulse_n_s += 0.5;
+    row.contact.friction_impulse_n_s -= 0.125;
+    tally.add(row);
+  };
+  add(0, 0, 0, 0);
+  add(1, 3, 1e-9, 0);
+  EXPECT_EQ(contact_warning(tally), "");
+  add(3, 10, 2e-5, 2);  // a row of two windows
+  add(4, 3, 0, 2);
+  const auto json = nlohmann::json::parse(to_json(finished(), tally));
+  EXPECT_DOUBLE_EQ(json["contact_impulse_n_s"], 2.0) << "of the last row, which counts from the start";
+  EXPECT_DOUBLE_EQ(json["friction_impulse_n_s"], -0.5);
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_mean"], 4.0) << "16 in 4 windows";
+  EXPECT_DOUBLE_EQ(json["contact"]["iterations_max"], 5.0);
+  EXPECT_DOUBLE_EQ(json["contact"]["residual_max"], 2e-5);
+  EXPECT_EQ(json["contact"]["windows_unconverged"], 2);
+  EXPECT_THAT(
+      to_table(finished(), tally),
+      HasSubstr("2 windows whose contact forces were not found to 1e-6 of the largest one; worst residual 2e-05"));
+}
+
+TEST(Trace, CountersStandAtTheEndOfTheirWindow) {
+  const TraceTrack track{
+      "coupler", "waits for a", {{0, 1.0, 2.0}, {3, 3.0, 4.0}, {4, 5.0, 6.0}}, {{2, 7, 1e-9}, {4, 0, 0}, {5, 1, 0}}};
+  std::vector<nlohmann::json> counters;
+  const auto json = nlohmann::json::parse(to_trace({track}, 0.0));
+  for (const auto& event : json["traceEvents"]) {
+    if (event["ph"] == "C") counters.push_back(event);
+  }
+  ASSERT_EQ(counters.size(), 4U) << "iterations and residual of two rows; nobody waited for a window 5";
+  EXPECT_DOUBLE_EQ(counters[0]["ts"], 4e6) << "the windows up to 3 were asked for at once";
+  EXPECT_DOUBLE_EQ(counters[0]["args"]["iterations"], 7);
+  EXPECT_DOUBLE_EQ(counters[1]["args"]["residual"], 1e-9);
+  EXPECT_DOUBLE_EQ(counters[2]["ts"], 6e6);
+}
+
+TEST(Trace, IsChromeTraceJson) {
+  const auto json = nlohmann::json::parse(to_trace(
+      {{"coupler", "waits for a", {{1, 10.0, 10.5}}, {}}, {"a", "computes", {{1, 10.1, 10.4}, {2, 11.0, 11.1}}, {}}},
+      10.0));
+  const auto& events = json["traceEvents"];
+  ASSERT_EQ(events.size(), 7U);
+  EXPECT_EQ(events[2]["ph"], "X");
+  EXPECT_DOUBLE_EQ(events[2]["dur"], 5e5);
+  EXPECT_EQ(events[5]["args"]["window"], 1);
+  EXPECT_TRUE(nlohmann::json::parse(to_trace({}, 0.0))["traceEvents"].empty());
+}
+
+TEST(RunId, EndpointsPerTransport) {
+  EXPECT_NE(make_run_id(), make_run_id());
+  scene::Coupling coupling;
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
+  coupling.transport = "zmq";
+  EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
+  coupling.transport = "tcp";
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://127.0.0.1:*");
+  coupling.port = 5555;
+  coupling.address = "::1";
+  EXPECT_EQ(listen_endpoint(coupling), "tcp://[::1]:5555");
+  EXPECT_EQ(local_endpoint("tcp://0.0.0.0:5555"), "tcp://127.0.0.1:5555");
+  EXPECT_EQ(local_endpoint("tcp://10.0.0.7:5555"), "tcp://10.0.0.7:5555");
+  EXPECT_EQ(local_endpoint("ipc://@x"), "ipc://@x");
+  EXPECT_THAT(remote_endpoint("tcp://0.0.0.0:5555"), testing::Not(HasSubstr("0.0.0.0")));
+}
+
+std::string command_line_error(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "ricochet");
+  try {
+    run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CommandLine, UnknownCommandsAndOptionsSuggestTheNearest) {
+  EXPECT_THAT(command_line_error({"rum", "x.toml"}), AllOf(HasSubstr("\"rum\""), HasSubstr("did you mean \"run\"")));
+  EXPECT_THAT(command_line_error({"run", "x.toml", "--oout", "d"}),
+              AllOf(HasSubstr("--oout"), HasSubstr("did you mean \"--out\"")));
+  EXPECT_THAT(command_line_error({"--versoin"}), HasSubstr("did you mean \"--version\""));
+  EXPECT_THAT(command_line_error({"check", "x.toml", "y.toml"}), HasSubstr("y.toml"));
+  EXPECT_THAT(command_line_error({"run", "--ot"}), HasSubstr("did you mean \"--out\""));
+  EXPECT_THAT(command_line_error({"run"}), HasSubstr("SCENE"));
+  EXPECT_THAT(command_line_error({"run", "x.toml", "--out"}), HasSubstr("--out"));
+}
+
+TEST(CommandLine, MissingSceneIsAConfigError) {
+  EXPECT_THAT(command_line_error({"run", "/nonexistent/scene.toml"}), HasSubstr("/nonexistent/scene.toml"));
+  EXPECT_THAT(command_line_error({"check", "/nonexistent/scene.toml"}), HasSubstr("/nonexistent/scene.toml"));
+}
+
+TEST(CommandLine, VersionAndHelp) {
+  const char* version[] = {"ricochet", "--version"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run_command_line(2, version), 0);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("ricochet " RICOCHET_VERSION));
+  const char* nothing[] = {"ricochet"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run_command_line(1, nothing), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), AllOf(HasSubstr("Exit codes"), HasSubstr("init")));
+}
+
+TEST(CommandLine, ExitCodes) {
+  EXPECT_EQ(exit_code_of(ConfigError("")), 2);
+  EXPECT_EQ(exit_code_of(SolverError("")), 3);
+  EXPECT_EQ(exit_code_of(ParticipantError("")), 4);
+  EXPECT_EQ(exit_code_of(ProtocolError("")), 5);
+  EXPECT_EQ(exit_code_of(Interrupted(SIGINT)), 130);
+  EXPECT_EQ(exit_code_of(Interrupted(SIGTERM)), 143);
+  EXPECT_EQ(exit_code_of(std::runtime_error("")), 1);
+}
+
+TEST_F(ResultsTest, StarterSceneIsAcceptedByCheckAndNeverOverwrites) {
+  fs::create_directories(folder_);
+  const std::string path = write_starter_scene(folder_ + "/impact");
+  EXPECT_EQ(path, folder_ + "/impact.toml");
+  EXPECT_EQ(command_line_error({"check", path.c_str()}), "");
+  EXPECT_THROW(write_starter_scene(path), ConfigError);
+}
+
+TEST(CsvCell, IsReadAsItWasWritten) {
+  const std::string text = "found \"x\", allowed: 1, 2";
+  EXPECT_EQ(csv_cell(text), "\"found \"\"x\"\", allowed: 1, 2\"");
+  EXPECT_EQ(csv_cell("plain"), "plain");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two lines\"");
+  const std::string path = testing::TempDir() + "cells_" + std::to_string(getpid()) + ".csv";
+  std::ofstream(path) << "error,step\n" << csv_cell(text) << ",1\n";
+  EXPECT_EQ(report::read_csv(path).at(0).at("error"), text);
+  std::filesystem::remove(path);
+}
+
+TEST(Summary, SaysWhatLeftTheModel) {
+  Summary summary = finished();
+  summary.valid_until_s = 2e-6;
+  summary.outside_model.push_back({.kind = "off_partner",
+                                   .body = "striker",
+                                   .size = 1.5,
+                                   .first_s = 3e-6,
+                                   .time_s = 4e-6,
+                                   .within_s = 2e-6,
+                                   .x_m = 0.1,
+                                   .y_m = 0.2,
+                                   .looks = 3,
+                                   .wrong = true,
+                                   .text = "it slid off"});
+  const auto json = nlohmann::json::parse(to_json(summary, tally_on_plateau()));
+  EXPECT_EQ(json["valid_until_s"], 2e-6);
+  const auto& entry = json["outside_model"].at(0);
+  EXPECT_EQ(entry["kind"], "off_partner");
+  EXPECT_EQ(entry["body"], "striker");
+  EXPECT_EQ(entry["size"], 1.5);
+  EXPECT_EQ(entry["place_m"], nlohmann::json({0.1, 0.2}));
+  EXPECT_EQ(entry["looks"], 3);
+  EXPECT_TRUE(entry["results_wrong"]);
+  EXPECT_THAT(to_table(summary, tally_on_plateau()), HasSubstr("it slid off"));
+}
+
+}  // namespace
+}  // namespace ricochet::coupler
