@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-// The table of rooms and who may include whom (README, "Map of rooms"), checked against the #include lines.
+// The table of rooms and who may include whom (docs/contributing.md, "Rooms"), checked against the #include lines.
 
 namespace {
 
@@ -103,8 +103,8 @@ TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
   EXPECT_EQ(text.find("common/fem"), std::string::npos);
 }
 
-TEST(Architecture, TheReadmesMapOfRoomsIsThisTable) {
-  std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
+TEST(Architecture, TheTableOfRoomsForContributorsIsThisTable) {
+  std::ifstream file(std::string(RICOCHET_SOURCE) + "/docs/contributing.md");
   const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\| ([^|]*) \\|$");
   int rows = 0;
   for (std::string line; std::getline(file, line);) {
@@ -121,9 +121,23 @@ TEST(Architecture, TheReadmesMapOfRoomsIsThisTable) {
     }
     if (expected.empty()) expected.insert("\u2013 ");
     for (const auto& room : expected) EXPECT_TRUE(named.count(room) || room == "\u2013 ") << match[1] << " may include " << room;
-    for (const auto& room : named) EXPECT_TRUE(expected.count(room) || room == "\u2013") << match[1] << ": README says " << room;
+    for (const auto& room : named) EXPECT_TRUE(expected.count(room) || room == "\u2013") << match[1] << ": docs/contributing.md says " << room;
   }
   EXPECT_EQ(rows, 9);
+}
+
+TEST(Architecture, TheReadmeMapsEveryFloor) {
+  std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
+  const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\|$");
+  std::set<std::string> mapped;
+  for (std::string line; std::getline(file, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, row) && fs::is_directory(fs::path(RICOCHET_SOURCE) / match[1].str())) mapped.insert(match[1]);
+  }
+  for (const auto& [room, unused] : allowed()) {
+    const std::string floor = room.rfind("common/", 0) == 0 ? room : room.substr(0, room.find('/'));
+    EXPECT_TRUE(mapped.count(floor)) << room;
+  }
 }
 
 TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {

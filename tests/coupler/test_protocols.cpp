@@ -210,7 +210,7 @@ TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   EXPECT_GT(middle_1.u.norm(), 0.1);
 }
 
-// What the README says it takes: a file named like it, a line here, a row in the scene's table.
+// What docs/contributing.md says it takes: a file named like it, a line here, a row in the scene's table.
 TEST(Registry, AProtocolIsAFileALineAndARowOfTheSceneTable) {
   std::vector<std::string> here;
   for (const auto& entry : protocols()) here.push_back(entry.name);
