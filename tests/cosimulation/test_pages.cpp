@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -97,6 +98,29 @@ TEST(Pages, EverySourceFileTheyNameExists) {
     }
   }
   EXPECT_GT(files, 40);
+}
+
+/// `Suite.Name`, and every alternative of `./ricochet test -R "..."`.
+TEST(Pages, EveryTestTheyNameExists) {
+  const std::set<std::string> tests = all_tests();
+  const auto is_one = [&tests](const std::string& pattern) {
+    return std::any_of(tests.begin(), tests.end(), [&](const std::string& test) { return test.find(pattern) != std::string::npos; });
+  };
+  int named = 0;
+  for (const auto& page : pages()) {
+    if (page == "CHANGELOG.md") continue;
+    const std::string text = page_text(page);
+    for (const auto& test : all(text, "`([A-Z]\\w+\\.[A-Z]\\w+)`")) {
+      EXPECT_EQ(tests.count(test), 1U) << page << " names " << test;
+      ++named;
+    }
+    for (const auto& patterns : all(text, "test -R \"?([A-Z][A-Za-z.|]+)")) {
+      if (patterns == "NAME") continue;
+      std::istringstream alternatives(patterns);
+      for (std::string pattern; std::getline(alternatives, pattern, '|'); ++named) EXPECT_TRUE(is_one(pattern)) << page << " runs " << pattern;
+    }
+  }
+  EXPECT_GT(named, 80);
 }
 
 /// docs/how_it_works.md: `file.cpp` | `Class::function`, in a row of a table or as `file.cpp`: `function`.

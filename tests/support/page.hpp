@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -20,6 +22,18 @@ inline std::vector<std::string> pages() {
 }
 
 inline std::string page_text(const std::string& name) { return file_text(std::filesystem::path(RICOCHET_SOURCE) / name); }
+
+/// "Suite.Name" of every test under tests/.
+inline std::set<std::string> all_tests() {
+  std::set<std::string> names;
+  const std::regex test("TEST(?:_P|_F)?\\((\\w+), (\\w+)\\)");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    const std::string text = file_text(entry.path().string());
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it) names.insert((*it)[1].str() + "." + (*it)[2].str());
+  }
+  return names;
+}
 
 /// A fenced block; `language` is what stands behind its opening fence.
 struct Block {
