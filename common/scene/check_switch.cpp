@@ -13,8 +13,7 @@ std::string switch_obstacle(const Problem& problem) {
   if (!asked || !protocol_traits(scene.coupling.protocol).may_switch) return "";
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> all(body.mesh.elements.size(), true);
-    if (element_bound_time_step(body, all) >= problem.window_size_s) continue;  // never above the exact limit, and cheaper
-    const double critical = critical_time_step(body, all);
+    const double critical = critical_time_step_beyond(body, all, problem.window_size_s);
     if (problem.window_size_s > critical)
       return fmt::format(
           "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "

@@ -65,6 +65,21 @@ void add_springs(const Problem& problem, Whole& whole) {
   }
 }
 
+/// `tolerance`: of the largest frequency squared, relative.
+double critical_time_step_to(double tolerance, const BodyProblem& body, const fem::Part& part, bool own_mass) {
+  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
+  const int components = fem::components(body.section.model);
+  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
+  Eigen::VectorXd mass(part.nodes());
+  std::vector<bool> fixed_dof;
+  for (int i = 0; i < part.nodes(); ++i) {
+    const int node = part.body_node[at(i)];
+    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
+    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
+  }
+  return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, tolerance));
+}
+
 }  // namespace
 
 /// In the order in which fem::extract_part sums, so that it gives the same bits.
@@ -83,17 +98,15 @@ double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_e
 }
 
 double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass) {
-  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
-  const int components = fem::components(body.section.model);
-  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
-  Eigen::VectorXd mass(part.nodes());
-  std::vector<bool> fixed_dof;
-  for (int i = 0; i < part.nodes(); ++i) {
-    const int node = part.body_node[at(i)];
-    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
-    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
-  }
-  return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance));
+  return critical_time_step_to(frequency_tolerance, body, part, own_mass);
+}
+
+double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool>& of_element, double step_s) {
+  constexpr double rough = 1e-3;
+  const fem::Part part = part_of(body, of_element);
+  const double critical_s = critical_time_step_to(rough, body, part, false);
+  const bool close = std::abs(critical_s - step_s) <= 2.0 * rough * step_s;
+  return close ? critical_time_step(body, part) : critical_s;
 }
 
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body, const ParticipantSpec& participant) {
