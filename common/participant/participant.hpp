@@ -76,7 +76,7 @@ struct ContactStatus {
   int pairs_closed = 0;
   double gap_min_m = 0;           ///< smallest gap of all pairs
   double gap_rate_min_m_s = 0;    ///< smallest rate of change of a gap
-  bool separated = false;         ///< separated now (mechanics 5)
+  bool separated = false;         ///< separated now: all pairs open, gaps growing for `separation_windows`
   double separation_time_s = -1;  ///< of the last separation; < 0: none so far
   bool finished = false;          ///< `until_separated_plus_s` has passed
 };

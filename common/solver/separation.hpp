@@ -6,7 +6,7 @@
 namespace ricochet::solver {
 
 /// Separated: after a contact, every pair open and the smallest gap growing for a stated number of windows
-/// (mechanics: "for a stated number of steps"). The separation time is the end of the first window of that streak.
+/// (`coupling.separation_windows` of the scene). The separation time is the end of the first window of that streak.
 class SeparationWatch {
  public:
   SeparationWatch() = default;

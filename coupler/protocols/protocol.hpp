@@ -9,7 +9,7 @@
 
 namespace ricochet::coupler {
 
-/// The numerics of coupling: what is exchanged when, and who waits. Notation as in the paper and docs/words.md:
+/// The numerics of coupling: what is exchanged when, and who waits. Symbols as in docs/words.md:
 /// Gamma shared nodes (integrated by the implicit participant with the summed mass), P internal force of the explicit
 /// elements, dt the window.
 class Protocol {

@@ -145,6 +145,20 @@ TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
   EXPECT_EQ(text.find("common/fem"), std::string::npos);
 }
 
+TEST(Architecture, TheReadmeMapsEveryFloor) {
+  std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
+  const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\|$");
+  std::set<std::string> mapped;
+  for (std::string line; std::getline(file, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, row)) mapped.insert(match[1]);
+  }
+  for (const auto& [room, unused] : table()) {
+    const std::string floor = room.rfind("common/", 0) == 0 ? room : room.substr(0, room.find('/'));
+    EXPECT_TRUE(mapped.count(floor)) << room;
+  }
+}
+
 TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {
   const std::set<std::string> expected = {"CMakeLists.txt",  "README.md", "LICENSE", "CHANGELOG.md",
                                           "ricochet",        "docs",      "common",  "explicit_solver",

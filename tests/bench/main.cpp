@@ -1,5 +1,6 @@
 // bench_scenes [--out DIR] [--repeats N] [--steps N] [--refinements N,...] [--only GROUP,...]: measures the benchmarks
-// of the README in interleaved repeats, prints one table of ratios and writes DIR/bench.csv, DIR/calculix.csv and .svg.
+// of docs/speed.md in interleaved repeats, prints one table of ratios and writes DIR/bench.csv, DIR/calculix.csv and
+// .svg.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,26 +1,13 @@
-#include <filesystem>
 #include <regex>
 #include <set>
 
+#include "tests/support/page.hpp"
 #include "tests/support/run.hpp"
 
 // docs/limits.md: every row stands on tests that exist.
 
 namespace ricochet::test {
 namespace {
-
-/// "Suite.Name" of every TEST and TEST_P under tests/.
-std::set<std::string> all_tests() {
-  std::set<std::string> names;
-  const std::regex test("TEST(?:_P|_F)?\\((\\w+), (\\w+)\\)");
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
-    if (entry.path().extension() != ".cpp") continue;
-    const std::string text = file_text(entry.path().string());
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
-      names.insert((*it)[1].str() + "." + (*it)[2].str());
-  }
-  return names;
-}
 
 TEST(LimitsPage, NamesTestsThatExistInEveryRow) {
   const std::set<std::string> tests = all_tests();

@@ -1,4 +1,4 @@
-// `ricochet stability` with real processes, against exact limits (acceptance B, rows 6 and 7).
+// `ricochet stability` with real processes, against exact limits (docs/limits.md, rows 6 and 7).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -175,7 +175,7 @@ TEST(AbsorbingEdge, IsThatOfTheBodyWithoutAbsorbingSurfaces) {
   }
 }
 
-// Row 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
+// docs/limits.md, row 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
 TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) {
   TemporaryFolder folder;
   for (const int m : {1, 2}) {

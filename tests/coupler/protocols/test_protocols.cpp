@@ -210,7 +210,7 @@ TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   EXPECT_GT(middle_1.u.norm(), 0.1);
 }
 
-// What the documents say it takes: a file named like it, a line in protocols.cpp, a row in the scene's table.
+// What docs/contributing.md says it takes: a file named like it, a line in protocols.cpp, a row in the scene's table.
 TEST(Registry, AProtocolIsAFileALineAndARowOfTheSceneTable) {
   EXPECT_THAT(implemented_protocols(), testing::UnorderedElementsAreArray(scene::protocol_names()));
   for (const auto& protocol : scene::protocols()) {
