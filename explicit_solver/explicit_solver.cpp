@@ -36,7 +36,7 @@ participant::Description ExplicitSolver::describe() {
   return description;
 }
 
-void ExplicitSolver::initialize(const participant::Setup& setup, Link& output) {
+void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   setup_ = setup;
   separation_ = solver::SeparationWatch(setup.separation_windows, setup.window_size_s);
   if (driven_by_force()) {
@@ -115,7 +115,7 @@ void ExplicitSolver::take_link(const solver::BodyState& state, const std::vector
   for (const int dof : state.shared_dofs) u[dof] = link_input[next++];
 }
 
-void ExplicitSolver::interface_force(Link& output) const {
+void ExplicitSolver::interface_force(LinkOutput& output) const {
   output.value.clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     for (const int dof : states_[b].shared_dofs)
@@ -133,7 +133,7 @@ void ExplicitSolver::account_interface(std::size_t b, const Eigen::VectorXd& u_o
   }
 }
 
-void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, Link& output) {
+void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, LinkOutput& output) {
   if (driven_by_force()) {
     synchronise_subcycling(link_input, output);
     return;
@@ -159,7 +159,7 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
   update_status();
 }
 
-void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, Link& output) {
+void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
   const double dt = setup_.window_size_s;
   if (driven_by_force()) {
     substep_ = 0;
@@ -388,7 +388,7 @@ void ExplicitSolver::initialize_subcycling() {
   }
 }
 
-void ExplicitSolver::shared_motion(Link& output) const {
+void ExplicitSolver::shared_motion(LinkOutput& output) const {
   for (auto* values : {&output.value, &output.velocity_m_s, &output.acceleration_m_s2}) values->clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     for (std::size_t i = 0; i < states_[b].shared_dofs.size(); ++i) {
@@ -408,7 +408,7 @@ Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const
   return {begin, static_cast<Eigen::Index>(state.shared_dofs.size())};
 }
 
-void ExplicitSolver::synchronise_subcycling(const std::vector<double>& force, Link& output) {
+void ExplicitSolver::synchronise_subcycling(const std::vector<double>& force, LinkOutput& output) {
   std::size_t next = 0;
   const double time_s = static_cast<double>(window_) * setup_.window_size_s;
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -417,7 +417,8 @@ void ExplicitSolver::synchronise_subcycling(const std::vector<double>& force, Li
   shared_motion(output);
 }
 
-void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::vector<double>& force, Link& output) {
+void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::vector<double>& force,
+                                        LinkOutput& output) {
   std::size_t next = 0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     part_force_ = part_of(force, states_[b], next);
@@ -427,7 +428,7 @@ void ExplicitSolver::advance_subcycling(double begin_s, int steps, const std::ve
 }
 
 void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
-                                     Link& output) {
+                                     LinkOutput& output) {
   substep_ = substep;
   advance_subcycling(static_cast<double>(window - 1) * setup_.window_size_s + (substep - 1) * step_s(), 1, link_input,
                      output);

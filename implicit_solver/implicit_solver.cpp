@@ -75,7 +75,7 @@ participant::Description ImplicitSolver::describe() {
   return description;
 }
 
-void ImplicitSolver::initialize(const participant::Setup& setup, Link& output) {
+void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   setup_ = setup;
   separation_ = solver::SeparationWatch(setup.separation_windows, setup.window_size_s);
   solver::take_interface_mass(setup.interface_mass_kg, states_);
@@ -202,7 +202,7 @@ void ImplicitSolver::add_stiffness_force(bool of_increment, Eigen::VectorXd& lin
 }
 
 /// Motion of the shared nodes at the end of a window.
-void ImplicitSolver::put_output(const Window& window, Link& output) const {
+void ImplicitSolver::put_output(const Window& window, LinkOutput& output) const {
   output.value.clear();
   output.velocity_m_s.clear();
   output.acceleration_m_s2.clear();
@@ -215,7 +215,7 @@ void ImplicitSolver::put_output(const Window& window, Link& output) const {
   }
 }
 
-void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, Link& output) {
+void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) {
   const double time_s = static_cast<double>(window_) * setup_.window_size_s;
   integration_ = integration;
   prepared_ = -1;
@@ -254,7 +254,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   update_status();
 }
 
-void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, Link& output) {
+void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
   const double time_s = static_cast<double>(window) * setup_.window_size_s;
   take_link(link_input, trial_.link);
   if (integration_ == Integration::implicit_newmark) {

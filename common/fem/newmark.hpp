@@ -6,7 +6,8 @@
 ///   u_{n+1} = u_n + dt v_n + dt^2 (1/2 - beta) a_n + dt^2 beta a_{n+1}
 ///   v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
 /// beta = 0 is the central difference method (the predictor is already the displacement), beta = 1/4 the trapezoidal
-/// rule. Source: section 4 of the paper (docs/words.md says which); Hughes and Liu 1978. Vectors per degree of freedom, SI units.
+/// rule. Source: section 4 of the paper (docs/words.md says which); Hughes and Liu 1978. Vectors per degree of freedom,
+/// SI units.
 namespace ricochet::fem {
 
 inline constexpr double beta_explicit = 0.0;

@@ -70,7 +70,7 @@ std::string room_of(const std::string& file) { return fs::path(file).parent_path
 
 std::set<std::string> rooms_of_the_tree() {
   std::set<std::string> rooms;
-  for (const auto& [file, target] : project_includes()) rooms.insert(room_of(file));
+  for (const auto& [file, target] : project_includes()) rooms.insert({room_of(file), room_of(target)});
   return rooms;
 }
 

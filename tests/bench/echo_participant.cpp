@@ -36,14 +36,14 @@ class Echo : public Participant {
     }
     return d;
   }
-  void initialize(const Setup&, Link& output) override { rest(output); }
-  void synchronise(Integration, const std::vector<double>&, Link& output) override { rest(output); }
-  void advance(std::int64_t, const std::vector<double>&, Link& output) override { rest(output); }
+  void initialize(const Setup&, LinkOutput& output) override { rest(output); }
+  void synchronise(Integration, const std::vector<double>&, LinkOutput& output) override { rest(output); }
+  void advance(std::int64_t, const std::vector<double>&, LinkOutput& output) override { rest(output); }
   void accept() override {}
   void record(std::vector<double>& row) override { row.insert(row.end(), {1.0, 0.0, 0.0, 0.0, 0.0}); }
 
  private:
-  void rest(Link& output) const {
+  void rest(LinkOutput& output) const {
     const auto size = static_cast<std::size_t>(2 * nodes_);
     output.value.resize(size);
     if (role_ == "explicit") return;

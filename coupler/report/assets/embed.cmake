@@ -12,7 +12,7 @@ function(embed name file)
   file(APPEND ${OUTPUT}.part ")${delimiter}\"},\n")
 endfunction()
 
-file(WRITE ${OUTPUT}.part "#include \"coupler/report/assets.hpp\"\n
+file(WRITE ${OUTPUT}.part "#include \"coupler/report/assets/assets.hpp\"\n
 #include <stdexcept>
 #include <string>
 #include <utility>\n

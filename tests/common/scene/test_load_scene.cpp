@@ -175,7 +175,7 @@ TEST(LoadScene, ParticipantsFieldByField) {
 
 TEST(LoadScene, DefaultsStandInTheStructs) {
   const Scene scene = load_text(cylinders.substr(0, cylinders.find("[coupling]")));
-  const Coupling defaults;
+  const CouplingSettings defaults;
   EXPECT_EQ(scene.coupling.protocol.name, "hughes_liu");
   EXPECT_EQ(scene.coupling.resynchronise_every, defaults.resynchronise_every);
   EXPECT_EQ(scene.coupling.transport, "auto");

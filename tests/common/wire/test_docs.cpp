@@ -68,7 +68,7 @@ TEST(WirePage, HasTheLegalOrder) {
     const char* acceptance[] = {"", ", `accept_at_once` true", ", `accept_at_once` false"};
     text += fmt::format("| {} | {} | {} | `{}`{} | {} |\n", name(row.state), phrase(row.state),
                         row.sender == Side::coupler ? "coupler" : "participant", name(row.kind),
-                        acceptance[static_cast<int>(row.acceptance)], name(row.next));
+                        acceptance[static_cast<int>(row.form)], name(row.next));
   }
   expect_section("order", text);
 }

@@ -193,6 +193,22 @@ TEST(FixedPoint, AcceleratesAsItSays) {
   EXPECT_LE(iqn_ils, 400) << "one unknown: a secant";
 }
 
+// The tolerance is one of a window's increment: how far the bodies have flown since the start must not loosen it.
+TEST(FixedPoint, IteratesNoLessAfterALongFlight) {
+  ProtocolSettings settings;
+  settings.acceleration = "constant";
+  settings.max_iterations = 500;
+  Coupled run("fixed_point", 0.9 * critical_step(), 1, settings);
+  const auto asked_in = [&run](int windows) {
+    run.explicit_side.asked.clear();
+    for (int n = 0; n < windows; ++n) run.step();
+    return static_cast<int>(std::count(run.explicit_side.asked.begin(), run.explicit_side.asked.end(), "advance"));
+  };
+  const int early = asked_in(200);
+  (void)asked_in(5000);
+  EXPECT_GT(asked_in(200), 0.95 * early);
+}
+
 TEST(FixedPoint, SaysThatItDoesNotConverge) {
   ProtocolSettings settings;
   settings.max_iterations = 2;

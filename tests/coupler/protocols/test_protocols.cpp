@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/scene/protocols.hpp"
+#include "coupler/processes/participants.hpp"
 #include "coupler/protocols/protocol.hpp"
 #include "tests/coupler/protocols/spring_chain.hpp"
 

@@ -291,7 +291,7 @@ TEST(Trace, IsChromeTraceJson) {
 
 TEST(RunId, EndpointsPerTransport) {
   EXPECT_NE(make_run_id(), make_run_id());
-  scene::Coupling coupling;
+  scene::CouplingSettings coupling;
   EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
   coupling.transport = "zmq";
   EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
