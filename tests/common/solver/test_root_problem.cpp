@@ -84,6 +84,9 @@ TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {
   EXPECT_EQ(solution.states[0], ContactState::stick);
   EXPECT_DOUBLE_EQ(solution.force[0], 2.0);
   EXPECT_DOUBLE_EQ(solution.force[1], -0.95);
+  solution = root.solve(gap, Eigen::VectorXd::Constant(1, 2.01), still, root.open());
+  EXPECT_EQ(solution.states[0], ContactState::slip) << "by half a percent";
+  EXPECT_LE(solution.iterations, 3);
   solution = root.solve(gap, Eigen::VectorXd::Constant(1, 2.1), still, solution);
   EXPECT_EQ(solution.states[0], ContactState::slip);
   EXPECT_DOUBLE_EQ(solution.force[1], -1.0);
@@ -144,6 +147,7 @@ TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
     EXPECT_GT(solution.force[i], 0.0);
     EXPECT_NEAR(solution.force[2 + i], -0.25 * solution.force[i] * std::tanh(0.8 * velocity), 1e-9);
   }
+  EXPECT_LE(solution.iterations, 10) << "Newton's method found it";
 }
 
 TEST(RootProblem, HoldsEveryPairTogetherWhateverTheSignOfItsForce) {
@@ -246,7 +250,7 @@ TEST(RootProblem, SaysWhatItCouldNotSolveAndStopsAboveAThousandth) {
 
 TEST(Lemke, FindsTheSolutionOfASmallProblem) {
   // w = z1 + 2 z2 - 5, 2 z1 + 5 z2 - 6: the first row alone is active. Worked out by hand: z = (5, 0), w = (0, 4).
-  Eigen::Matrix2d m;
+  Eigen::MatrixXd m(2, 2);
   m << 1, 2, 2, 5;
   Eigen::VectorXd z;
   EXPECT_GT(solve_lemke(m, Eigen::Vector2d(-5, -6), z), 0);
@@ -259,7 +263,7 @@ TEST(Lemke, FindsTheSolutionOfASmallProblem) {
 
 TEST(Lemke, SaysThatAProblemHasNoSolution) {
   Eigen::VectorXd z;
-  EXPECT_GT(solve_lemke(-Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, -2), z), 0);
+  EXPECT_GT(solve_lemke(-Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(-1, -2), z), 0);
   EXPECT_EQ(z.size(), 0);
 }
 

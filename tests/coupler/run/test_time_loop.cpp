@@ -32,6 +32,27 @@ TEST(TimeLoop, RunsToTheLastWindowAndBringsRecords) {
   EXPECT_GE(brought.size(), 4U);
 }
 
+/// hughes_liu, with the windows at whose ends absolute values are asked for.
+class Recorder final : public Protocol {
+ public:
+  void step(Coupling& coupling, const Step& step) override {
+    if (step.absolute) absolute_at.push_back(step.accepted_window + step.windows);
+    inner_->step(coupling, step);
+  }
+  std::vector<std::int64_t> absolute_at;
+
+ private:
+  std::unique_ptr<Protocol> inner_ = make_protocol("hughes_liu", {});
+};
+
+TEST(TimeLoop, ExchangesAbsoluteValuesEverySoManyWindows) {
+  Setting s;
+  Recorder recorder;
+  TimeLoop loop(*s.coupling, recorder, {25, 0.1, 10, true, false}, [](std::int64_t) {});
+  loop.run();
+  EXPECT_THAT(recorder.absolute_at, ElementsAre(10, 20));
+}
+
 TEST(TimeLoop, EndsEarlyWhenTheContactIsOver) {
   Setting s;
   s.implicit_side.finish_at = 17;
