@@ -15,35 +15,46 @@ namespace {
 
 constexpr std::chrono::milliseconds flush_interval{200};
 
+/// A column of the whole scene; those of the bodies follow.
+struct Column {
+  const char* name;
+  double (*value)(const HistoryRow& row);
+};
+
+constexpr Column columns[] = {
+    {"time_s", [](const HistoryRow& row) -> double { return row.time_s; }},
+    {"gap_min_m", [](const HistoryRow& row) -> double { return row.contact.gap_min_m; }},
+    {"contact_force_n", [](const HistoryRow& row) -> double { return row.contact.contact_force_n; }},
+    {"contact_pressure_mean_pa", [](const HistoryRow& row) -> double { return row.contact.contact_pressure_mean_pa; }},
+    {"principal_stress_mean_pa", [](const HistoryRow& row) -> double { return row.contact.principal_stress_mean_pa; }},
+    {"friction_force_n", [](const HistoryRow& row) -> double { return row.contact.friction_force_n; }},
+    {"pairs_stick", [](const HistoryRow& row) -> double { return row.contact.pairs_stick; }},
+    {"pairs_slip", [](const HistoryRow& row) -> double { return row.contact.pairs_slip; }},
+    {"pairs_open", [](const HistoryRow& row) -> double { return row.contact.pairs_open; }},
+    {"energy_kinetic_j", [](const HistoryRow& row) -> double { return row.sum.energy_kinetic_j; }},
+    {"energy_strain_j", [](const HistoryRow& row) -> double { return row.sum.energy_strain_j; }},
+    {"energy_external_j", [](const HistoryRow& row) -> double { return row.sum.energy_external_j; }},
+    {"energy_contact_j", [](const HistoryRow& row) -> double { return row.contact.energy_contact_j; }},
+    {"energy_friction_j", [](const HistoryRow& row) -> double { return row.contact.energy_friction_j; }},
+    {"energy_interface_j", [](const HistoryRow& row) -> double { return row.sum.energy_interface_j; }},
+    {"energy_error", [](const HistoryRow& row) -> double { return row.energy_error; }},
+    {"momentum_n_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_n_kg_m_s; }},
+    {"momentum_t_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_t_kg_m_s; }},
+    {"angular_momentum_kg_m2_s", [](const HistoryRow& row) -> double { return row.sum.angular_momentum_kg_m2_s; }},
+    {"contact_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.contact_impulse_n_s; }},
+    {"friction_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.friction_impulse_n_s; }},
+    {"contact_iterations", [](const HistoryRow& row) -> double { return row.contact.contact_iterations; }},
+    {"contact_residual", [](const HistoryRow& row) -> double { return row.contact.contact_residual; }},
+    {"contact_unconverged", [](const HistoryRow& row) -> double { return row.contact.contact_unconverged; }},
+};
+
 }  // namespace
 
 std::vector<std::string> history_columns(const std::vector<std::string>& bodies) {
-  std::vector<std::string> columns = {"time_s",
-                                      "gap_min_m",
-                                      "contact_force_n",
-                                      "contact_pressure_mean_pa",
-                                      "principal_stress_mean_pa",
-                                      "friction_force_n",
-                                      "pairs_stick",
-                                      "pairs_slip",
-                                      "pairs_open",
-                                      "energy_kinetic_j",
-                                      "energy_strain_j",
-                                      "energy_external_j",
-                                      "energy_contact_j",
-                                      "energy_friction_j",
-                                      "energy_interface_j",
-                                      "energy_error",
-                                      "momentum_n_kg_m_s",
-                                      "momentum_t_kg_m_s",
-                                      "angular_momentum_kg_m2_s",
-                                      "contact_impulse_n_s",
-                                      "friction_impulse_n_s",
-                                      "contact_iterations",
-                                      "contact_residual",
-                                      "contact_unconverged"};
-  for (const auto& body : bodies) columns.push_back(fmt::format("velocity_mean_{}_m_s", body));
-  return columns;
+  std::vector<std::string> names;
+  for (const auto& column : columns) names.emplace_back(column.name);
+  for (const auto& body : bodies) names.push_back(fmt::format("velocity_mean_{}_m_s", body));
+  return names;
 }
 
 HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact)
@@ -65,38 +76,15 @@ HistoryFile::~HistoryFile() {
   close(descriptor_);
 }
 
-void HistoryFile::add(const HistoryRow& row) {
-  const auto& c = row.contact;
-  const auto& s = row.sum;
-  const double gap = has_contact_ ? c.gap_min_m : std::numeric_limits<double>::quiet_NaN();
+void HistoryFile::add(HistoryRow row) {
+  if (!has_contact_) row.contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
   auto out = std::back_inserter(pending_);
-  const auto put = [&out](double value) { out = fmt::format_to(out, ",{:.17g}", value); };
-  out = fmt::format_to(out, "{:.17g}", row.time_s);
-  for (const double value : {gap,
-                             c.contact_force_n,
-                             c.contact_pressure_mean_pa,
-                             c.principal_stress_mean_pa,
-                             c.friction_force_n,
-                             c.pairs_stick,
-                             c.pairs_slip,
-                             c.pairs_open,
-                             s.energy_kinetic_j,
-                             s.energy_strain_j,
-                             s.energy_external_j,
-                             c.energy_contact_j,
-                             c.energy_friction_j,
-                             s.energy_interface_j,
-                             row.energy_error,
-                             s.momentum_n_kg_m_s,
-                             s.momentum_t_kg_m_s,
-                             s.angular_momentum_kg_m2_s,
-                             c.contact_impulse_n_s,
-                             c.friction_impulse_n_s,
-                             c.contact_iterations,
-                             c.contact_residual,
-                             c.contact_unconverged}) {
-    put(value);
-  }
+  const char* separator = "";
+  const auto put = [&](double value) {
+    out = fmt::format_to(out, "{}{:.17g}", separator, value);
+    separator = ",";
+  };
+  for (const auto& column : columns) put(column.value(row));
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
   pending_ += '\n';
   if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();

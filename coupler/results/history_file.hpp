@@ -22,7 +22,7 @@ class HistoryFile {
   HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
 
-  void add(const HistoryRow& row);
+  void add(HistoryRow row);
   void flush();
 
  private:
