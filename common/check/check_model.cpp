@@ -36,12 +36,12 @@ Eigen::Vector2d velocity(const Body& body) {
   return v;
 }
 
-struct Interval {
+struct TimeSpan {
   double begin_s = 0.0, end_s = 0.0;
 };
 
 /// When the box of `a`, moving with this velocity against that of `b`, overlaps it.
-Interval boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v, Interval time) {
+TimeSpan boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v, TimeSpan time) {
   for (int axis = 0; axis < 2; ++axis) {
     const double gap_low = b.low()[axis] - a.high()[axis], gap_high = b.high()[axis] - a.low()[axis];
     if (!a.counts(axis) || !b.counts(axis)) continue;
@@ -58,7 +58,7 @@ Interval boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v,
 /// Time of the first overlap on a straight flight [s]; infinity without one.
 double meeting_time(Shape a, const Shape& b, const std::vector<Eigen::Vector2d>& start, const Eigen::Vector2d& v,
                     double until_s) {
-  const Interval time = boxes_overlap(a, b, v, {0.0, until_s});
+  const TimeSpan time = boxes_overlap(a, b, v, {0.0, until_s});
   for (int i = 1; time.end_s > time.begin_s && i <= samples; ++i) {
     const double t = time.begin_s + (time.end_s - time.begin_s) * i / samples;
     std::vector<Eigen::Vector2d> moved = start;

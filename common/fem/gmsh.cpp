@@ -16,8 +16,6 @@ namespace {
 
 using Edge = std::array<int, 2>;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 [[noreturn]] void fail(const GmshFile& file, const GmshElement& element, const std::string& what) {
   throw ConfigError(fmt::format("{}:{}: element {} {}", file.path, element.line, element.tag, what));
 }

@@ -11,6 +11,9 @@
 
 namespace ricochet::fem {
 
+/// A node or element number as an index.
+[[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
 /// Nodes, elements and named groups of one body.
 /// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z). Quadrilaterals are numbered counter-clockwise.
 struct Mesh {

@@ -10,8 +10,6 @@
 namespace ricochet::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Local nodes in ascending body-node order, the elements renumbered.
 void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part& part) {
   const auto count = static_cast<std::size_t>(nodes_per_element(whole.model));

@@ -5,26 +5,16 @@
 #include "common/participant/session.hpp"
 
 namespace ricochet::participant {
-namespace {
-
 using wire::Message;
 
-void set(wire::Array& array, const std::vector<double>& values, int rows, int columns) {
-  array.rows = rows;
-  array.columns = columns;
-  array.data.assign(values.begin(), values.end());
-}
-
-}  // namespace
-
 void Session::put_absolute(wire::Array& absolute) const {
-  set(absolute, output_.value, nodes_, description_.components);
+  absolute.set(output_.value, nodes_, description_.components);
 }
 
 void Session::put_rates(Message& reply) const {
   const int rows = moves_ ? nodes_ : 0;
-  set(reply.velocity_m_s, output_.velocity_m_s, rows, description_.components);
-  set(reply.acceleration_m_s2, output_.acceleration_m_s2, rows, description_.components);
+  reply.velocity_m_s.set(output_.velocity_m_s, rows, description_.components);
+  reply.acceleration_m_s2.set(output_.acceleration_m_s2, rows, description_.components);
 }
 
 void Session::put_contact(Message& reply) const {

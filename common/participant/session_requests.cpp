@@ -12,12 +12,6 @@ namespace {
 
 using wire::Message;
 
-void set(wire::Array& array, const std::vector<double>& values, int rows, int columns) {
-  array.rows = rows;
-  array.columns = columns;
-  array.data.assign(values.begin(), values.end());
-}
-
 /// The text is made only if it is needed: the stepping loop comes by here.
 template <class... Values>
 void require(bool holds, fmt::format_string<Values...> text, Values&&... values) {
@@ -75,8 +69,8 @@ void Session::describe(Message& reply) const {
   reply.bodies = d.bodies;
   reply.interface_body.resize(nodes_, 1);
   std::copy(d.interface_body.begin(), d.interface_body.end(), reply.interface_body.data.begin());
-  set(reply.interface_position_m, d.interface_position_m, nodes_, d.components);
-  set(reply.interface_mass_kg, d.interface_mass_kg, nodes_, 1);
+  reply.interface_position_m.set(d.interface_position_m, nodes_, d.components);
+  reply.interface_mass_kg.set(d.interface_mass_kg, nodes_, 1);
   reply.critical_time_step_s = d.critical_time_step_s;
   reply.capabilities = d.capabilities;
   reply.record_columns = d.record_columns;
@@ -258,8 +252,8 @@ void Session::read_state(Message& reply) {
                     "each > 0",
                     description_.name, state.size(), scale.size()));
   }
-  set(reply.state, state, static_cast<int>(state.size()), 1);
-  set(reply.state_scale, scale, static_cast<int>(scale.size()), 1);
+  reply.state.set(state, static_cast<int>(state.size()), 1);
+  reply.state_scale.set(scale, static_cast<int>(scale.size()), 1);
 }
 
 void Session::finish(Message& reply) {

@@ -9,7 +9,7 @@
 namespace ricochet::scene {
 namespace {
 
-std::string place(const BodyProblem& body, int node) {
+std::string node_text(const BodyProblem& body, int node) {
   const Eigen::Vector2d& x = body.mesh.position[at(node)];
   return fmt::format("node {} of \"{}\" at ({:.6g}, {:.6g}) m", node, body.name, x[0], x[1]);
 }
@@ -54,7 +54,7 @@ void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders&
         throw ConfigError(
             fmt::format("{}: found {} held by {} already; allowed: one support or prescribed "
                         "displacement for each component of a node",
-                        scene.where(key), place(body, node), holders[at(dof)]));
+                        scene.where(key), node_text(body, node), holders[at(dof)]));
       body.fixed_dof[at(dof)] = true;
       body.prescribed_displacement_m[dof] = prescribed.displacement_m;
       body.prescribed_index[at(dof)] = static_cast<int>(i);
@@ -97,7 +97,7 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     if (body.fixed_dof[at(dof)] && prescribed < 0 && std::abs(initial) > round_off)
       throw ConfigError(fmt::format("{}: found {} m at {}, which is held; allowed: 0 on supports and on the axis r = 0",
                                     scene.where("body." + spec.name + ".initial_displacement_m"), initial,
-                                    place(body, node)));
+                                    node_text(body, node)));
     body.initial_displacement_m[dof] = initial;
     if (body.fixed_dof[at(dof)]) body.initial_displacement_m[dof] = 0.0;
     if (prescribed >= 0)

@@ -1,35 +1,14 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <toml.hpp>
 
 #include "common/base/sha256.hpp"
-#include "common/scene/check_text.hpp"
 #include "common/scene/loaders.hpp"
 #include "common/scene/protocols.hpp"
+#include "common/scene/toml_file.hpp"
 
 namespace ricochet::scene {
 namespace {
-
-std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw ConfigError(path + ": cannot be read");
-  return text.str();
-}
-
-toml::value parse(const std::string& path, const std::string& text) {
-  check_text(path, text);
-  std::istringstream stream(text);
-  try {
-    return toml::parse(stream, path);
-  } catch (const std::exception& error) {  // toml11 throws several kinds, each with the underlined source
-    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", path, error.what()));
-  }
-}
 
 Model load_model(TableReader& root) {
   const std::string model = root.word("model", {"bar", "plane_strain", "axisymmetric"});
@@ -114,7 +93,7 @@ Scene load_scene(const std::string& path) {
   Scene scene;
   scene.path = std::filesystem::absolute(path).lexically_normal().string();
   const std::string text = read_text(path);
-  const toml::value file = parse(scene.path, text);
+  const toml::value file = parse_toml(scene.path, text);
   if (file.as_table().empty())
     throw ConfigError(scene.path + ":1: the scene file is empty; allowed: model, [[body]], [time] and more");
   TableReader root(file, "scene", "", {scene.path, scene.lines});

@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <toml.hpp>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/base/write_file.hpp"
-#include "common/scene/check_text.hpp"
+#include "common/scene/toml_file.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -103,15 +100,7 @@ void keep_paths(toml::value& root, const fs::path& folder) {
 
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {
   if (!fs::is_regular_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
-  toml::value root;
-  std::ostringstream text;
-  text << std::ifstream(scene_path, std::ios::binary).rdbuf();
-  check_text(scene_path, text.str());
-  try {
-    root = toml::parse(scene_path);
-  } catch (const std::exception& error) {
-    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", scene_path, error.what()));
-  }
+  toml::value root = parse_toml(scene_path, read_text(scene_path));
   for (const auto& change : overrides) set(root, change);
   keep_paths(root, fs::absolute(scene_path).parent_path());
   write_atomically(out_path, toml::format(root, 120, 17));

@@ -191,6 +191,12 @@ void Array::resize(int new_rows, int new_columns) {
   data.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
 }
 
+void Array::set(const std::vector<double>& values, int new_rows, int new_columns) {
+  rows = new_rows;
+  columns = new_columns;
+  data.assign(values.begin(), values.end());
+}
+
 std::string_view name(Kind kind) { return entry(kind).name; }
 
 const std::vector<Field>& header_fields() {

@@ -20,6 +20,8 @@ struct Array {
 
   /// Sets the shape and `data` to rows x columns numbers (keeps the capacity); new ones are 0.
   void resize(int new_rows, int new_columns);
+  /// Sets the shape and copies the numbers, rows x columns of them.
+  void set(const std::vector<double>& values, int new_rows, int new_columns);
 };
 
 /// max |accumulated - absolute| / max |absolute|, by which incremental transfer has drifted; the difference itself

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
-#include <sstream>
 
 #include "common/base/names.hpp"
-#include "common/scene/check_text.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
-#include "coupler/report/parts/history_table.hpp"
+#include "common/scene/toml_file.hpp"
 #include "coupler/study/study_keys.hpp"
 #include "coupler/study/study_measures.hpp"
 
@@ -168,14 +166,7 @@ std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& s
 }
 
 toml::value parse(const std::string& path, const std::string& text) {
-  scene::check_text(path, text);
-  toml::value file;
-  try {
-    std::istringstream stream(text);
-    file = toml::parse(stream, path);
-  } catch (const std::exception& error) {
-    throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", path, error.what()));
-  }
+  toml::value file = scene::parse_toml(path, text);
   if (file.as_table().empty()) {
     throw ConfigError(path + ":1: the study file is empty; allowed: scene, methods, reference and more");
   }
@@ -188,7 +179,7 @@ StudyFile load_study(const std::string& path) {
   if (!fs::is_regular_file(path)) throw ConfigError(path + ": no such study file");
   StudyFile study;
   study.path = fs::absolute(path).lexically_normal().string();
-  study.text = report::read_text(study.path);
+  study.text = scene::read_text(study.path);
   const toml::value file = parse(study.path, study.text);
   std::map<std::string, int> lines;
   TableReader root(file, "study", "", {study.path, lines, &study_schema()});

@@ -56,7 +56,7 @@ struct Body {
   [[nodiscard]] double high_m() const { return layers.back().high_m; }
 };
 
-double number(const std::string& text, const std::string& column) {
+double number_in(const std::string& text, const std::string& column) {
   double value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && stop == text.data() + text.size()) return value;
@@ -69,11 +69,11 @@ std::vector<Body> bodies_of(const HistoryTable& table) {
   for (std::size_t c = 1; c < table.names.size(); ++c) {
     const std::string& column = table.names[c];
     const auto first = column.find('/'), last = column.rfind('/');
-    if (first == std::string::npos || first == last) (void)number("", column);
+    if (first == std::string::npos || first == last) (void)number_in("", column);
     const std::string name = column.substr(0, first);
     if (bodies.empty() || bodies.back().name != name) bodies.push_back({name, {}});
-    bodies.back().layers.push_back({number(column.substr(first + 1, last - first - 1), column),
-                                    number(column.substr(last + 1), column),
+    bodies.back().layers.push_back({number_in(column.substr(first + 1, last - first - 1), column),
+                                    number_in(column.substr(last + 1), column),
                                     {&table.columns[c]}});
   }
   return bodies;
