@@ -101,6 +101,13 @@ OwnFiles::Owner OwnFiles::owner_of(const std::string& name) const {
   return Owner::somebody_else;
 }
 
+bool OwnFiles::is_kept(const std::string& name) const {
+  return std::any_of(kept_.begin(), kept_.end(), [&](const auto& path) {
+    std::error_code ignored;
+    return fs::equivalent(fs::path(folder_) / name, path, ignored);
+  });
+}
+
 /// What lies there and bears a name that the pattern means.
 std::vector<std::string> OwnFiles::present(const std::string& pattern) const {
   struct stat status {};
@@ -122,6 +129,12 @@ void OwnFiles::claim(const std::vector<std::string>& names) {
   for (const auto& name : names) all.push_back(name + ".part");
   for (const auto& pattern : all) {
     for (const auto& name : present(pattern)) {
+      if (is_kept(name)) {
+        throw ConfigError(
+            fmt::format("{}/{} is read by this command, which would write a file of that name; give another folder "
+                        "with --out DIR",
+                        folder_, name));
+      }
       if (owner_of(name) != Owner::somebody_else) continue;
       throw ConfigError(
           fmt::format("{}/{} is there already, and ricochet did not write it, or it was changed since; move it away, "
@@ -139,7 +152,7 @@ void OwnFiles::remove_all() {
   std::vector<std::string> names;
   for (const auto& [pattern, stamp] : listed_) {
     for (const auto& name : present(pattern)) {
-      if (owner_of(name) == Owner::us) names.push_back(name);
+      if (owner_of(name) == Owner::us && !is_kept(name)) names.push_back(name);
     }
   }
   for (const auto& name : names) {

@@ -20,9 +20,11 @@ class OwnFiles {
   /// Notes how each claimed file looks now, by which a later change of it is known, and removes halves of files.
   ~OwnFiles();
 
+  /// What this command reads, wherever it lies: from now on it is neither removed nor claimed, though it may be ours.
+  void keep(const std::vector<std::string>& paths) { kept_ = paths; }
   /// Makes names below the folder ours, on disk before it returns; '#' stands for one or more digits. With each name
   /// goes that of its half, ".part" appended. Throws ConfigError that names the first file which is there already and
-  /// is not ours; then nothing is claimed.
+  /// is not ours, or is kept; then nothing is claimed.
   void claim(const std::vector<std::string>& names);
   /// Removes what is ours, and folders that become empty by that.
   void remove_all();
@@ -36,6 +38,7 @@ class OwnFiles {
 
   [[nodiscard]] Owner owner_of(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> present(const std::string& pattern) const;
+  [[nodiscard]] bool is_kept(const std::string& name) const;
   [[nodiscard]] Stamp stamp_of(const std::string& name) const;
   void read();
   void write() const;
@@ -44,6 +47,7 @@ class OwnFiles {
   std::string folder_;
   std::map<std::string, Stamp> listed_;  ///< names and patterns
   std::vector<std::string> claimed_;     ///< by this object
+  std::vector<std::string> kept_;        ///< paths
 };
 
 }  // namespace ricochet

@@ -6,7 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 
 #include "common/base/error.hpp"
 
@@ -28,6 +30,12 @@ void require_descriptors(unsigned long needed) {
   if (wanted.rlim_cur == needed && setrlimit(RLIMIT_NOFILE, &wanted) == 0) return;
   throw MachineError(fmt::format("this process may have {} files open, it needs {}: raise the limit (ulimit -n)",
                                  limit.rlim_cur, needed));
+}
+
+void require_proc() {
+  if (access("/proc/self/fd", R_OK | X_OK) == 0) return;
+  throw MachineError(
+      fmt::format("cannot read /proc/self/fd: {} (errno {}); ricochet needs /proc", std::strerror(errno), errno));
 }
 
 std::string printable(std::string_view text) {

@@ -14,6 +14,9 @@ void prepare_process();
 /// Raises the limit of open files to `needed` if that may be; else throws MachineError with both numbers.
 void require_descriptors(unsigned long needed);
 
+/// Throws MachineError if /proc cannot be read: descriptors, programs and shared memory are found there.
+void require_proc();
+
 /// For a terminal: control characters, with which a text could take it over, become '?'; lines stay lines.
 [[nodiscard]] std::string printable(std::string_view text);
 

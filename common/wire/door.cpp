@@ -1,5 +1,6 @@
 #include "common/wire/door.hpp"
 
+#include <linux/filter.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -19,6 +20,9 @@ constexpr std::chrono::milliseconds longest_handshake{5000};
 /// Connections that have said nothing yet; the oldest one beyond is closed. So many that a participant has said hello
 /// on a busy machine before others have come in such numbers.
 constexpr std::size_t most_silent = 128;
+/// Connections that are taken in `pause`, to be closed at once, when the door is closed; after them none are.
+constexpr int most_newcomers = 16;
+constexpr std::chrono::milliseconds pause{1000};
 
 /// Shuts a connection of a listening socket. Its number may be that of something else by now, such as the pipe to a
 /// child: that has no address.
@@ -35,7 +39,8 @@ void shut(int connection) {
 Door::Door(zmq::context_t& context, zmq::socket_t& socket, const std::vector<std::string>& participants)
     : requests_(context, zmq::socket_type::rep), events_(context, zmq::socket_type::pair) {
   socket.set(zmq::sockopt::handshake_ivl, static_cast<int>(longest_handshake.count()));
-  zmq_socket_monitor(socket.handle(), connection_events, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED);
+  zmq_socket_monitor(socket.handle(), connection_events,
+                     ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED);
   events_.set(zmq::sockopt::linger, 0);
   events_.connect(connection_events);
   requests_.set(zmq::sockopt::linger, 0);
@@ -83,6 +88,7 @@ void Door::answer_key_request() {
     while (frame.more() && receive_frame(requests_, frame)) words.push_back(frame.to_string());
     const auto found = words.size() == 7 && words[5] == "CURVE" ? names_.find(words[6]) : names_.end();
     const bool known = found != names_.end() && !closed_;
+    if (known) ++let_in_[found->second];
     const std::array<std::string, 6> answer = {"1.0",
                                                words.size() > 1 ? words[1] : "",
                                                known ? "200" : "400",
@@ -105,13 +111,45 @@ void Door::note_event() {
     std::memcpy(&connection, frame.data<char>() + sizeof event, sizeof connection);
     while (frame.more() && receive_frame(events_, frame)) {
     }
-    if (event == ZMQ_EVENT_ACCEPTED) {
-      silent_[connection] = open_[connection] = ++accepted_;
+    if (event == ZMQ_EVENT_LISTENING) {
+      listening_ = connection;
+    } else if (event == ZMQ_EVENT_ACCEPTED) {
+      note_accepted(connection);
     } else {
       const bool was_silent = silent_.erase(connection) > 0;
       if (open_.erase(connection) > 0 && !was_silent) ++closings_;
     }
   }
+}
+
+void Door::note_accepted(int connection) {
+  silent_[connection] = open_[connection] = ++accepted_;
+  if (!closed_ || pause_until_) return;
+  const auto now = Clock::now();
+  if (now - counted_from_ > pause) {
+    counted_from_ = now;
+    newcomers_ = 0;
+  }
+  if (++newcomers_ > most_newcomers) begin_pause();
+}
+
+/// A filter that lets no packet through: who connects is not answered, tries again by itself after a second, and is
+/// told then that the door is closed. Connections that exist have sockets of their own and are as before. Where the
+/// socket takes no filter, it goes on taking connections.
+void Door::begin_pause() {
+  sock_filter drop = BPF_STMT(BPF_RET | BPF_K, 0);
+  const sock_fprog filter{1, &drop};
+  if (setsockopt(listening_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0) {
+    pause_until_ = Clock::now() + pause;
+  }
+}
+
+void Door::end_pause() {
+  if (!pause_until_ || Clock::now() < *pause_until_) return;
+  const int ignored = 0;
+  setsockopt(listening_, SOL_SOCKET, SO_DETACH_FILTER, &ignored, sizeof ignored);
+  pause_until_.reset();
+  newcomers_ = 0;
 }
 
 void Door::close_silent_ones() {

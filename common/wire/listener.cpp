@@ -215,7 +215,8 @@ bool Listener::Impl::receive_socket(std::string& sender, Message& message) {
   return true;
 }
 
-/// False if another connection has come to the name of who spoke first under it.
+/// False if another connection has come to the name of who spoke first under it. Last words of who is gone may be read
+/// when its descriptor belongs to the next one that came: they are its own if its key opened no other connection.
 bool Listener::Impl::is_of_its_sender(const std::string& who) {
   const int descriptor = frame.get(ZMQ_SRCFD);
   auto [found, is_new] = senders.try_emplace(who);
@@ -226,11 +227,14 @@ bool Listener::Impl::is_of_its_sender(const std::string& who) {
     if (door.has_keys()) known.name = frame.gets("User-Id");
     return true;
   }
+  if (descriptor != known.descriptor) return false;
   const auto now = door.connection(descriptor);
-  return descriptor == known.descriptor && (now == known.connection || now == 0);
+  if (now == known.connection || now == 0) return true;
+  return door.has_keys() && frame.gets("User-Id") == known.name && door.let_in_once(known.name);
 }
 
 Listener::Impl::Look Listener::Impl::look(Deadline until, const std::function<bool(std::size_t)>& ready) {
+  door.end_pause();
   if (!poll(items, until)) return Look::nothing;
   const auto closings = door.closings();
   if (std::any_of(items.begin(), items.begin() + door_items, [](const auto& item) { return item.revents != 0; }))

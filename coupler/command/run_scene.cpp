@@ -37,7 +37,7 @@ void run_scene(const std::string& scene_path, const std::string& out) {
   auto plan = scene::plan(problem);
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
-  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files_of_run(problem.scene));
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files_of_run(problem.scene), {problem.scene.path});
   if (problem.scene.time.largest_step_s) {
     problem = load_problem(choose_step(problem, results));
     plan = scene::plan(problem);

@@ -248,6 +248,7 @@ void Peers::throw_silent(const Remote& peer) const {
 
 std::string Peers::place(const Remote& peer) const {
   if (peer.identity.empty()) return "before it said hello";
+  if (peer.window <= 0 && peer.lifecycle.done()) return "during start-up";
   if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
   return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);
 }

@@ -30,7 +30,8 @@ long long window_of(const std::string& file, const std::string& participant) {
 
 }  // namespace
 
-ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<std::string>& names)
+ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<std::string>& names,
+                                   const std::vector<std::string>& inputs)
     : path_(fs::absolute(path).lexically_normal().string()) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
   make_folder("");
@@ -42,6 +43,7 @@ ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<st
           fmt::format("another run is writing to {}; give this one its own folder with --out DIR", path_));
     }
     own_ = std::make_unique<OwnFiles>(path_);
+    own_->keep(inputs);
     own_->claim(names);
     own_->remove_all();
     remove_charts();

@@ -12,10 +12,11 @@ namespace ricochet::coupler {
 /// stale), and removes what former runs wrote there. Files of others stay: OwnFiles.
 class ResultsDirectory {
  public:
-  /// Creates the directory. `names`: what is going to be written there, in the form of OwnFiles::claim. Throws
-  /// ConfigError if that fails, another run is writing there, or a file of one of these names is somebody else's;
-  /// then nothing there is changed.
-  ResultsDirectory(const std::string& path, const std::vector<std::string>& names);
+  /// Creates the directory. `names`: what is going to be written there, in the form of OwnFiles::claim. `inputs`: paths
+  /// of what is read, which stays if it lies there. Throws ConfigError if that fails, another run is writing there, or
+  /// a file of one of these names is somebody else's or an input; then nothing there is changed.
+  ResultsDirectory(const std::string& path, const std::vector<std::string>& names,
+                   const std::vector<std::string>& inputs = {});
   ResultsDirectory(const ResultsDirectory&) = delete;
   ResultsDirectory& operator=(const ResultsDirectory&) = delete;
   ~ResultsDirectory();

@@ -255,7 +255,8 @@ void study_stability(const StabilityRequest& request) {
     names.push_back("logs/" + participant.name + ".log");
     names.push_back("keys/" + participant.name + ".key");
   }
-  const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_stability" : request.out, names);
+  const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_stability" : request.out, names,
+                                 {problem.scene.path});
   StabilityStudy study(request, problem, results);
   try {
     study.run();

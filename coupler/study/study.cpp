@@ -218,7 +218,8 @@ void run_study(const std::string& study_path, const std::string& out) {
   auto file = load_study(study_path);
   const std::string stem = std::filesystem::path(file.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out,
-                                 {"results.csv", "study.json", "histories.csv", "report.html"});
+                                 {"results.csv", "study.json", "histories.csv", "report.html"},
+                                 {file.path, file.scene});
   const bool histories = file.histories.wanted();
   Study(std::move(file), results).run();
   report::write_report(results.path());

@@ -13,6 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
 #include "tests/bench/calculix.hpp"
+#include "tests/bench/flood_rows.hpp"
 #include "tests/bench/kernel_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
@@ -25,7 +26,7 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "striker", "exchange", "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes", "striker", "exchange", "flood", "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -64,12 +65,14 @@ class Measurements {
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
+    if (options.wants("flood")) floods_.emplace(folder_, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
     if (scenes_) scenes_->repeat();
     if (striker_) striker_->repeat();
     if (exchanges_) exchanges_->repeat();
+    if (floods_) floods_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -78,6 +81,7 @@ class Measurements {
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
     if (striker_) add(striker_->rows());
     if (exchanges_) add(exchanges_->rows());
+    if (floods_) add(floods_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -99,6 +103,7 @@ class Measurements {
   std::optional<SceneRuns> scenes_;
   std::optional<RoundedStriker> striker_;
   std::optional<Exchanges> exchanges_;
+  std::optional<Floods> floods_;
   std::optional<CalculixRuns> calculix_;
 };
 

@@ -100,6 +100,38 @@ TEST_P(BadManners, ends_the_run_and_names_the_participant) {
 INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits_over_each_transport()),
                          [](const auto& test) { return test.param.second + "_" + test.param.first.name; });
 
+using NameOverTransport = std::pair<std::string, std::string>;
+
+class NeverReads : public testing::TestWithParam<NameOverTransport> {};
+
+/// What it is sent waits for it, one message, and it is named when the time for an answer is over.
+TEST_P(NeverReads, it_is_named_at_the_deadline_and_nobody_else_is_kept) {
+  const auto& [name, transport] = GetParam();
+  const TemporaryFolder folder;
+  const std::string executable = "executable = \"" + program("fake_participant") + "\"";
+  const std::string scene = with_key(bars(few_windows, 2.0), "coupling", "transport", "\"" + transport + "\"");
+  FaultRun run(folder, with_participants(scene, name, executable));
+  double peak = 0.0;
+  wait_until([&] { return peak = std::max(peak, peak_memory(run.coupler().pid())), !run.coupler().running(); }, 20.0);
+  EXPECT_GT(peak, 0.0);
+  EXPECT_LT(peak, 500e6) << "the coupler took memory for what is not read";
+  const std::string place = name == "never_reads" ? "during start-up" : "in window 41";
+  expect_failure(run, 4, "participant_failed",
+                 {"participant '" + name + "' has been silent for ", place, "coupling.timeout_s = 2 s"});
+  expect_recovery(run, folder);
+}
+
+std::vector<NameOverTransport> never_reading() {
+  std::vector<NameOverTransport> all;
+  for (const std::string name : {"never_reads", "stops_reading"}) {
+    for (const std::string transport : {"shm", "zmq", "tcp"}) all.emplace_back(name, transport);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, NeverReads, testing::ValuesIn(never_reading()),
+                         [](const auto& test) { return test.param.second + "_" + test.param.first; });
+
 TEST(StrangersAmongTheRun, nonsense_of_a_stranger_does_not_end_it) {
   const TemporaryFolder folder;
   const std::string executable = "executable = \"" + program("fake_participant") + "\"";

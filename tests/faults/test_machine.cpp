@@ -88,5 +88,43 @@ TEST_F(Machine, a_scene_that_needs_more_memory_than_there_is) {
   EXPECT_THAT(outcome.error, HasSubstr("memory: about 9.2 GB needed, 1.0 GB available"));
 }
 
+/// The estimate by the number of nodes lets the scene pass; what it does not know of, the factor of many unknowns, then
+/// takes more than a process may have.
+TEST_F(Machine, a_participant_whose_memory_runs_out_is_named) {
+  std::string text = config_text("kim_impact");
+  for (int body = 0; body < 2; ++body) text = replaced(text, "elements = [10, 160]", "elements = [40, 640]");
+  text = with_key(with_protocol(text, "all_implicit"), "time", "end_s", "5.4e-7");
+  const auto refused = run("ulimit -v 100000; ", text);
+  EXPECT_EQ(refused.code, 7) << refused.error;
+  EXPECT_THAT(refused.error, HasSubstr("memory: about 174 MB needed, 103 MB available"));
+  const auto outcome = run("ulimit -v 300000; ", text);
+  EXPECT_EQ(outcome.code, 7) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("participant 'implicit' failed during start-up: out of memory"));
+  EXPECT_EQ(summary().at("status"), "machine_failed");
+  EXPECT_EQ(summary().at("exit_code"), 7);
+  expect_no_halves();
+}
+
+/// An empty folder in place of /proc, for this command alone.
+TEST_F(Machine, without_proc_the_run_says_what_it_needs) {
+  const std::string hide = "mount -t tmpfs none /proc";
+  if (run_command({"/usr/bin/unshare", "-m", "sh", "-c", hide}, folder_.path().string()).code != 0) {
+    GTEST_SKIP() << "this user may not mount anything in a namespace of its own";
+  }
+  std::string own =
+      with_participants(bars(few_windows), "explicit", "executable = \"" + program("explicit_solver") + "\"",
+                        "executable = \"" + program("implicit_solver") + "\"");
+  for (const auto& text : {bars(few_windows), own}) {
+    const auto scene = folder_.write(text);
+    for (const auto& command : {"check '" + scene + "'", "run '" + scene + "' --out '" + out() + "'"}) {
+      const std::string line = hide + " && exec '" + ricochet_binary() + "' " + command;
+      const auto outcome = run_command({"/usr/bin/unshare", "-m", "sh", "-c", line}, folder_.path().string(), 30.0);
+      EXPECT_EQ(outcome.code, 7) << command << outcome.error;
+      EXPECT_THAT(outcome.error, HasSubstr("No such file or directory (errno 2); ricochet needs /proc"));
+      EXPECT_FALSE(std::filesystem::exists(out())) << "nothing was begun";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ricochet::test

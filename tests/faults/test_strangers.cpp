@@ -30,13 +30,6 @@ std::vector<std::string> offered(FaultRun& run) {
   return {std::istream_iterator<std::string>(line), {}};
 }
 
-/// The most main memory that the process has had so far [bytes].
-double peak_memory(pid_t pid) {
-  const std::string text = proc_text("/proc/" + std::to_string(pid) + "/status");
-  const auto at = text.find("VmHWM:");
-  return at == std::string::npos ? 0.0 : 1024.0 * std::stod(text.substr(at + 6));
-}
-
 class Stranger : public testing::TestWithParam<const char*> {
  protected:
   /// The participant that everybody waits for comes, and all ends well.
@@ -149,26 +142,58 @@ TEST_P(StrangerOverTcp, with_an_endless_greeting_takes_no_memory) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, StrangerOverTcp, testing::Values("tcp"), [](const auto& test) { return test.param; });
 
-/// Connections by the hundred per second to a run that computes: it takes about as long, and a death is noticed at
-/// once.
-TEST(Flood, of_connections_neither_slows_a_run_nor_hides_a_death) {
-  const TemporaryFolder folder;
-  FaultRun run(folder, with_key(bars(all_windows), "coupling", "transport", "\"tcp\""));
-  ASSERT_NO_FATAL_FAILURE(run.reach(500));
-  const std::string command = proc_text("/proc/" + std::to_string(run.pid_of("explicit")) + "/cmdline");
-  const std::string option = "--connect";
-  std::string endpoint = command.substr(command.find(option) + option.size() + 1);
-  endpoint = endpoint.substr(0, endpoint.find('\0'));
-  std::atomic<bool> over = false;
-  std::thread flood([&] {
-    while (!over) Connection(endpoint).say("\xff\0\0\0\0\0\0\0\1\x7f");
-  });
+/// `check` and `run` say so where strangers of other machines can come; where only this machine can, they do not.
+TEST(Address, that_the_world_can_reach_is_warned_of) {
+  const std::string warning = "found \"0.0.0.0\", which other machines can reach";
+  for (const std::string address : {"0.0.0.0", "127.0.0.1"}) {
+    const TemporaryFolder folder;
+    const auto tcp = with_key(bars(few_windows), "coupling", "transport", "\"tcp\"");
+    const auto scene = folder.write(with_key(tcp, "coupling", "address", "\"" + address + "\""));
+    const auto check = run_command({ricochet_binary(), "check", scene}, folder.path().string(), 60.0);
+    const auto run = run_file(scene, folder);
+    EXPECT_EQ(check.code, 0) << check.error;
+    EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
+    const bool told = address != "127.0.0.1";
+    EXPECT_EQ(check.out.find(warning) != std::string::npos, told) << check.out;
+    EXPECT_EQ(run.outcome.error.find(warning) != std::string::npos, told) << run.outcome.error;
+  }
+}
+
+/// Connections as fast as they can be opened, from a thread of their own, to the port of a run that computes.
+class Flood : public testing::Test {
+ protected:
+  Flood() {
+    run_.reach(500);
+    const std::string command = proc_text("/proc/" + std::to_string(run_.pid_of("explicit")) + "/cmdline");
+    const std::string option = "--connect";
+    const std::string endpoint = command.substr(command.find(option) + option.size() + 1);
+    flood_ = std::thread([this, endpoint = endpoint.substr(0, endpoint.find('\0'))] {
+      while (!over_) Connection(endpoint).say("\xff\0\0\0\0\0\0\0\1\x7f");
+    });
+  }
+  ~Flood() override {
+    over_ = true;
+    flood_.join();
+  }
+
+  const TemporaryFolder folder_;
+  FaultRun run_{folder_, with_key(bars(all_windows), "coupling", "transport", "\"tcp\"")};
+  std::atomic<bool> over_ = false;
+  std::thread flood_;
+};
+
+/// A death is noticed at once, the timeout of 60 s plays no part.
+TEST_F(Flood, hides_no_death) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  kill(run.pid_of("explicit"), SIGKILL);
-  expect_failure(run, 4, "participant_failed", {"participant 'explicit' was killed by signal 9 (SIGKILL) in window "},
-                 3.0);
-  over = true;
-  flood.join();
+  kill(run_.pid_of("explicit"), SIGKILL);
+  expect_failure(run_, 4, "participant_failed", {"participant 'explicit' was killed by signal 9 (SIGKILL) in window "},
+                 30.0);
+}
+
+/// What a participant says last is heard, though strangers get the number of its connection when it ends.
+TEST_F(Flood, swallows_no_last_words) {
+  EXPECT_EQ(run_.coupler().wait(60.0), 0) << run_.error_text();
+  EXPECT_EQ(run_.summary().at("status"), "done");
 }
 
 }  // namespace

@@ -89,6 +89,73 @@ TEST_P(UserFiles, under_a_name_that_is_needed_are_named_and_stay) {
 INSTANTIATE_TEST_SUITE_P(Faults, UserFiles, testing::ValuesIn(commands),
                          [](const auto& test) { return test.param.name; });
 
+/// Scenes that lie in the folder into which their results go, as ricochet itself writes them, too.
+class ScenesInResults : public testing::Test {
+ protected:
+  [[nodiscard]] Outcome ricochet(const std::vector<std::string>& words) const {
+    std::vector<std::string> command = {ricochet_binary()};
+    command.insert(command.end(), words.begin(), words.end());
+    return run_command(command, scratch_.path().string(), 120.0);
+  }
+  /// Two bars whose step `ricochet run` chooses; it writes the scene that it comes to.
+  [[nodiscard]] static std::string with_chosen_step() {
+    const std::string text = bars(few_windows);
+    const auto partition = text.find("[partition]"), time = text.find("[time]");
+    return replaced(text.substr(0, partition) + "[partition]\nrule = \"auto\"\n" + text.substr(time), "step_s",
+                    "largest_step_s");
+  }
+  const TemporaryFolder scratch_, folder_;
+  const std::string out_ = folder_.path().string();
+};
+
+TEST_F(ScenesInResults, written_by_ricochet_are_run_and_stay) {
+  const auto scene = scratch_.write(with_chosen_step());
+  ASSERT_EQ(ricochet({"run", scene, "--out", out_}).code, 0);
+  const auto written = out_ + "/scene.toml", text = file_text(written);
+  ASSERT_THAT(text, HasSubstr("step_s"));
+  fs::create_symlink(written, scratch_.path() / "link.toml");
+  for (const auto& path : {written, out_ + "/logs/../scene.toml", (scratch_.path() / "link.toml").string()}) {
+    const auto outcome = ricochet({"run", path, "--out", out_});
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_EQ(file_text(written), text) << path;
+  }
+  const auto study = scratch_.write("scene = \"" + written +
+                                        "\"\nmethods = [\"hughes_liu\"]\nrepeats = 1\n[reference]\nexact = "
+                                        "\"impedance_theory\"\n",
+                                    "study.toml");
+  const auto outcome = ricochet({"study", study, "--out", out_});
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(file_text(written), text);
+  EXPECT_EQ(ricochet({"run", scene, "--out", out_}).code, 0) << "it still is one of ours for other scenes";
+}
+
+TEST_F(ScenesInResults, of_the_user_are_not_written_over) {
+  const auto scene = folder_.write(with_chosen_step());  // under the name of the one that is to be written
+  const auto outcome = ricochet({"run", scene, "--out", out_});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error, HasSubstr(scene + " is read by this command, which would write a file of that name"));
+  EXPECT_EQ(file_text(scene), with_chosen_step());
+}
+
+TEST_F(ScenesInResults, that_a_new_file_would_replace_are_named_and_stay) {
+  const auto scene = scratch_.write(bars(few_windows));
+  const std::vector<std::string> sweep = {"--sweep", "courant=0.5", "--out", out_};
+  const auto stability = [&](const std::string& path) {
+    std::vector<std::string> words = {"stability", path};
+    words.insert(words.end(), sweep.begin(), sweep.end());
+    return ricochet(words);
+  };
+  ASSERT_EQ(stability(scene).code, 0);
+  const auto variant = out_ + "/variants/0001.toml", text = file_text(variant);
+  ASSERT_FALSE(text.empty());
+  const auto outcome = stability(variant);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error, HasSubstr(variant + " is read by this command"));
+  EXPECT_EQ(file_text(variant), text);
+  EXPECT_EQ(ricochet({"run", variant, "--out", out_}).code, 0);
+  EXPECT_EQ(file_text(variant), text);
+}
+
 /// A page of others in a results folder is neither run nor taken for ours.
 TEST(CodeFromData, report_runs_no_program_that_lies_in_the_folder) {
   const TemporaryFolder folder;

@@ -250,6 +250,12 @@ void say_small_integers(Line& line, const Message&) {
 
 void say_too_much(Line& line, const Message&) { line.say_bytes(std::string(100'000'000, '\x01')); }
 
+/// Lives on, connected, and takes nothing of what it is sent.
+void stop_reading(Line& line, const Message& message) {
+  line.say(message);
+  for (;;) pause();
+}
+
 /// Text for ever, in lines of any length, with what would take a terminal over.
 void print_for_ever(Line&, const Message&) {
   const std::string text = "\x1b]0;mine\x07\x1b[2J" + std::string(1 << 20, 'x');
@@ -300,6 +306,8 @@ const std::map<std::string, Habit> habits = {
     {"describes_transposed", {Kind::description, describe_transposed}},
     {"says_small_integers", {Kind::advanced, say_small_integers}},
     {"says_too_much", {Kind::advanced, say_too_much}},
+    {"never_reads", {Kind::hello, stop_reading}},
+    {"stops_reading", {Kind::advanced, stop_reading}},
     {"prints_for_ever", {Kind::advanced, print_for_ever}},
     {"prints_escapes", {Kind::advanced, print_escapes_and_end}},
     {"brings_a_flood", {Kind::hello, bring_a_flood}},

@@ -61,4 +61,11 @@ bool wait_until(Condition condition, double timeout_s) {
   return true;
 }
 
+/// The most main memory that a process has had so far [bytes]; 0 if it has ended.
+inline double peak_memory(pid_t pid) {
+  const std::string text = proc_text("/proc/" + std::to_string(pid) + "/status");
+  const auto at = text.find("VmHWM:");
+  return at == std::string::npos ? 0.0 : 1024.0 * std::stod(text.substr(at + 6));
+}
+
 }  // namespace ricochet::test

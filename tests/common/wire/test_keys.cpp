@@ -1,6 +1,13 @@
 // Keys, the door, and how large messages may be.
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -133,6 +140,69 @@ TEST(Door, ClosedConnectionsAreTold) {
   EXPECT_FALSE(listener.receive(nobody, message, deadline_in(5.0), {}, {}));
   EXPECT_EQ(listener.closings(), 1U);
   EXPECT_TRUE(listener.gone(identity));
+}
+
+/// A connection from outside, of somebody who says nothing.
+class SilentConnection {
+ public:
+  SilentConnection() = default;
+  SilentConnection(const SilentConnection&) = delete;
+  SilentConnection& operator=(const SilentConnection&) = delete;
+  ~SilentConnection() { close(socket_); }
+  /// False if nobody takes it at once.
+  bool connect_to(const Listener& listener) const {
+    const auto endpoint = listener.endpoint();
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+    connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    pollfd ready{socket_, POLLOUT, 0};
+    return poll(&ready, 1, 100) == 1 && (ready.revents & POLLERR) == 0;
+  }
+
+ private:
+  int socket_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
+};
+
+/// The kernel gives the number of a connection that was closed to the next one that comes.
+TEST(Door, LastWordsAreHeardThoughAStrangerCameInTheirSendersPlace) {
+  Listener listener("tcp://127.0.0.1:*", {"a", "b"});
+  std::deque<SilentConnection> strangers(40);
+  Channel b(listener.endpoint(), listener.key_of("b"));
+  {
+    Channel a(listener.endpoint(), listener.key_of("a"));
+    a.send(hello());
+    ASSERT_EQ(heard(listener), "a");
+    ASSERT_EQ(heard(listener, 0.3), "nobody");  // b is let in meanwhile
+    b.send(hello());                            // which makes the listener look who came and went
+    a.send(hello());
+    a.send(hello());
+  }
+  for (const auto& stranger : strangers) stranger.connect_to(listener);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // all of it waits to be read
+  std::vector<std::string> speakers;
+  for (int message = 0; message < 3; ++message) speakers.push_back(heard(listener, 1.0));
+  EXPECT_THAT(speakers, testing::UnorderedElementsAre("a", "a", "b"));
+}
+
+TEST(Door, ClosedItTakesFewConnectionsUntilAWhileIsOver) {
+  Listener listener("tcp://127.0.0.1:*", {"a"});
+  Channel channel(listener.endpoint(), listener.key_of("a"));
+  channel.send(hello());
+  ASSERT_EQ(heard(listener), "a");
+  listener.close_door();
+  std::deque<SilentConnection> strangers(200);
+  const auto refused = std::find_if(strangers.begin(), strangers.end(), [&](const auto& stranger) {
+    const bool taken = stranger.connect_to(listener);
+    heard(listener, 0.005);
+    return !taken;
+  });
+  EXPECT_NE(refused, strangers.end()) << "all were taken";
+  channel.send(hello());
+  EXPECT_EQ(heard(listener), "a") << "who is in stays in";
+  for (int look = 0; look < 12; ++look) EXPECT_EQ(heard(listener, 0.1), "nobody");
+  EXPECT_TRUE(SilentConnection().connect_to(listener)) << "and is told that the door is closed";
 }
 
 TEST(Limits, OfMessagesBeforeAndAfterTheFirstOne) {
