@@ -69,6 +69,13 @@ std::uint64_t Door::note_message(int descriptor) {
   return connection(descriptor);
 }
 
+/// A short queue before the door leaves less to take and close when a pause begins.
+void Door::close() {
+  closed_ = true;
+  constexpr int few = 4;
+  if (listening_ >= 0) listen(listening_, few);
+}
+
 std::uint64_t Door::connection(int descriptor) const {
   const auto found = open_.find(descriptor);
   return found == open_.end() ? 0 : found->second;

@@ -25,7 +25,7 @@ class Door {
   void add_items(std::vector<zmq::pollitem_t>& items);
   void attend();
   /// From now on every new connection is closed at once; of many none are taken for a while.
-  void close() { closed_ = true; }
+  void close();
   /// Lets connections come again after the while in which none are taken.
   void end_pause();
   /// A message has come over the connection with this file descriptor. Its number, counted from 1 as they come, because

@@ -68,6 +68,7 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
                            "\"rounded striker: prakash_hjelmstad, m = 16 / all_explicit, whole run\",18 um",
                            "\"rounded striker, all_implicit: error of the peak force\",18 um",
                            "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
+                           "\"hughes_liu over tcp: its port flooded / another port flooded, stepping\",0.25 mm",
                            "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
                            "\"K u: element by element / explicit kernel\",0.25 mm",
                            "\"condensed factor: solves per second / bound\",0.5 mm"}) {
