@@ -129,6 +129,7 @@ TEST(RootProblem, PenaltyForceIsPenaltyTimesAreaTimesPenetration) {
                                 Eigen::VectorXd::Zero(1), last);
   EXPECT_EQ(next.states[0], ContactState::stick);
   EXPECT_NEAR(next.force[1], held - 3.0 * area * (0.01 + 0.2 * next.force[1]), 1e-14);
+  EXPECT_LE(next.iterations, 1);
 }
 
 TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
