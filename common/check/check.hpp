@@ -20,8 +20,8 @@ struct Plan {
   long long windows = 0;
   int contact_pairs = 0;
   double penalty_step_ratio = 0;  ///< sqrt(2 alpha_n / m) dt, largest over the pairs; 0 without penalty
-  double penalty_stiffness_ratio =
-      0;                          ///< alpha_n / k, k = rho c_L^2 A / h (bar: E A / h) of the stiffer contact element
+  /// alpha_n / k, k = rho c_L^2 A / h (bar: E A / h) of the stiffer contact element
+  double penalty_stiffness_ratio = 0;
   double penalty_delay_s = 0;     ///< bars: by how much the penalty model releases late, 1.678347 tau; else 0
   double penalty_critical_s = 0;  ///< all_explicit with penalty: critical step while in contact; else 0
   std::string switch_obstacle;    ///< see check_switch.hpp

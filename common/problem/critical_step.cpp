@@ -106,8 +106,7 @@ double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool
   constexpr double rough = 1e-3;
   const fem::Part part = part_of(body, of_element);
   const double critical_s = critical_time_step_to(rough, body, part, false);
-  const bool close = std::abs(critical_s - step_s) <= 2.0 * rough * step_s;
-  return close ? critical_time_step(body, part) : critical_s;
+  return critical_s > (1.0 + 2.0 * rough) * step_s ? critical_s : critical_time_step(body, part);
 }
 
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
