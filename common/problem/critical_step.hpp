@@ -16,8 +16,8 @@ namespace ricochet::scene {
 /// The same for elements that are assembled already.
 [[nodiscard]] double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass = false);
 
-/// The same, to 1e-3 alone where it is more than 2e-3 above `step_s`: who asks only whether it is need not know more, most
-/// steps lie a few percent below the limit, and Lanczos needs a fraction of the products for the third digit.
+/// The same, to 1e-3 alone where it is more than 2e-3 above `step_s`: who asks only whether it is need not know more,
+/// most steps lie a few percent below the limit, and Lanczos needs a fraction of the products for the third digit.
 [[nodiscard]] double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool>& of_element,
                                                double step_s);
 
