@@ -65,7 +65,7 @@ double element_depth(const BodyProblem& body, int node, const Eigen::Vector2d& n
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
     const auto& nodes = body.mesh.elements[at(e)];
     if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) continue;
-    const Eigen::VectorXd along = fem::element_coordinates(body.mesh, e) * normal;
+    const Eigen::VectorXd along = fem::element_geometry(body.mesh, e).x * normal;
     depth = std::min(depth, along.maxCoeff() - along.minCoeff());
   }
   return depth;

@@ -66,10 +66,9 @@ Interval reached(const Problem& problem, int index) {
 std::string beyond(const BodyProblem& body, double place, bool above, double end_s) {
   Interval whole, unreached;
   int elements = 0;
-  const auto corners = at(fem::nodes_per_element(body.section.model));
   for (const auto& element : body.mesh.elements) {
     Interval extent;
-    for (std::size_t i = 0; i < corners; ++i) extent.add(axis_of(body, element[i]));
+    for (const int node : element) extent.add(axis_of(body, node));
     whole.add(extent.low);
     whole.add(extent.high);
     if (above ? extent.low < place : extent.high > place) continue;

@@ -10,11 +10,7 @@ namespace {
 
 Interval extent(const Mesh& mesh, int element) {
   Interval interval;
-  const auto& nodes = mesh.elements[static_cast<std::size_t>(element)];
-  for (int i = 0; i < nodes_per_element(mesh.model); ++i) {
-    const auto node = static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)]);
-    interval.add(axis_coordinate(mesh.model, mesh.position[node]));
-  }
+  for (const int node : mesh.elements[at(element)]) interval.add(axis_coordinate(mesh.model, mesh.position[at(node)]));
   return interval;
 }
 
@@ -37,7 +33,7 @@ void for_each_layer(const std::vector<double>& border, const Interval& element, 
 std::vector<double> volumes(const Mesh& mesh, const Section& section, const std::vector<double>& border) {
   std::vector<double> volume(border.size() - 1, 0.0);
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const double own = element_volume(section, element_coordinates(mesh, e)).sum();
+    const double own = element_volume(section, element_geometry(mesh, e)).sum();
     for_each_layer(border, extent(mesh, e),
                    [&](int layer, double share) { volume[static_cast<std::size_t>(layer)] += share * own; });
   }
@@ -80,8 +76,9 @@ SparseMatrix axial_stress_shares(const Part& part, const AxialLayers& layers) {
   const int width = components(mesh.model);
   std::vector<Eigen::Triplet<double>> entries;
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const ElementCoordinates x = element_coordinates(mesh, e);
-    const Eigen::VectorXd integral = element_stiffness(part.section, part.material, x) * axial_field(mesh, x);
+    const ElementGeometry element = element_geometry(mesh, e);
+    const Eigen::VectorXd integral =
+        element_stiffness(part.section, part.material, element) * axial_field(mesh, element.x);
     const auto& nodes = mesh.elements[static_cast<std::size_t>(e)];
     for_each_layer(layers.border, extent(mesh, e), [&](int layer, double share) {
       const double scale = share / layers.volume_m3[static_cast<std::size_t>(layer)];

@@ -18,8 +18,11 @@ Eigen::VectorXd bar_volume(const Section& section, const ElementCoordinates& x) 
   return Eigen::VectorXd::Constant(2, 0.5 * section.measure * length(x));
 }
 
-StressVector bar_stress(const Material& material, const ElementCoordinates& x, const ElementVector& u) {
+StressVector bar_stress(const Section&, const Material& material, const ElementCoordinates& x, const ElementVector& u,
+                        const NaturalPoint&) {
   return StressVector::Constant(1, material.youngs_modulus_pa * (u[1] - u[0]) / length(x));
 }
+
+double bar_jacobian(const ElementCoordinates& x, const NaturalPoint&) { return 0.5 * length(x); }
 
 }  // namespace ricochet::fem

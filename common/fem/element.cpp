@@ -1,31 +1,37 @@
 #include "common/fem/element.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-
-#include "common/fem/bar.hpp"
-#include "common/fem/quadrilateral.hpp"
+#include <limits>
 
 namespace ricochet::fem {
 
-ElementMatrix element_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
-  return section.model == Model::bar ? bar_stiffness(section, material, x)
-                                     : quadrilateral_stiffness(section, material, x);
+ElementMatrix element_stiffness(const Section& section, const Material& material, const ElementGeometry& element) {
+  return traits(element.kind).stiffness(section, material, element.x);
 }
 
-Eigen::VectorXd element_volume(const Section& section, const ElementCoordinates& x) {
-  return section.model == Model::bar ? bar_volume(section, x) : quadrilateral_volume(section, x);
+Eigen::VectorXd element_volume(const Section& section, const ElementGeometry& element) {
+  return traits(element.kind).volume(section, element.x);
 }
 
-Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material, const ElementCoordinates& x) {
+Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material, const ElementGeometry& element) {
   // The shape functions sum to one, so the row sum of rho * integral of N_i N_j dV is rho * integral of N_i dV.
-  return material.density_kg_m3 * element_volume(section, x);
+  return material.density_kg_m3 * element_volume(section, element);
 }
 
-StressVector element_stress(const Section& section, const Material& material, const ElementCoordinates& x,
-                            const ElementVector& u, double xi, double eta) {
-  return section.model == Model::bar ? bar_stress(material, x, u)
-                                     : quadrilateral_stress(section, material, x, u, xi, eta);
+StressVector element_stress(const Section& section, const Material& material, const ElementGeometry& element,
+                            const ElementVector& u, const NaturalPoint& at) {
+  return traits(element.kind).stress(section, material, element.x, u, at);
+}
+
+EdgeLengths edge_lengths(const ElementGeometry& element) {
+  EdgeLengths lengths{std::numeric_limits<double>::infinity(), 0.0};
+  for (const auto& [a, b] : traits(element.kind).edges) {
+    const double length = (element.x.row(b) - element.x.row(a)).norm();
+    lengths = {std::min(lengths.shortest, length), std::max(lengths.longest, length)};
+  }
+  return lengths;
 }
 
 Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -39,10 +45,10 @@ Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, cons
 namespace {
 
 /// M_e^-1/2 K_e M_e^-1/2, symmetric.
-ElementMatrix mass_scaled_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
+ElementMatrix mass_scaled_stiffness(const Section& section, const Material& material, const ElementGeometry& element) {
   const int dofs_per_node = components(section.model);
-  const Eigen::VectorXd mass = element_lumped_mass(section, material, x);
-  ElementMatrix scaled = element_stiffness(section, material, x);
+  const Eigen::VectorXd mass = element_lumped_mass(section, material, element);
+  ElementMatrix scaled = element_stiffness(section, material, element);
   for (Eigen::Index i = 0; i < scaled.rows(); ++i) {
     for (Eigen::Index j = 0; j < scaled.cols(); ++j) {
       scaled(i, j) /= std::sqrt(mass[i / dofs_per_node] * mass[j / dofs_per_node]);
@@ -58,13 +64,13 @@ double largest_eigenvalue(const ElementMatrix& symmetric) {
 
 }  // namespace
 
-double element_max_frequency_squared(const Section& section, const Material& material, const ElementCoordinates& x) {
-  return largest_eigenvalue(mass_scaled_stiffness(section, material, x));
+double element_max_frequency_squared(const Section& section, const Material& material, const ElementGeometry& element) {
+  return largest_eigenvalue(mass_scaled_stiffness(section, material, element));
 }
 
-bool element_frequency_squared_above(const Section& section, const Material& material, const ElementCoordinates& x,
+bool element_frequency_squared_above(const Section& section, const Material& material, const ElementGeometry& element,
                                      double limit) {
-  const ElementMatrix scaled = mass_scaled_stiffness(section, material, x);
+  const ElementMatrix scaled = mass_scaled_stiffness(section, material, element);
   if (scaled.diagonal().maxCoeff() > limit) return true;
   if (scaled.cwiseAbs().rowwise().sum().maxCoeff() < limit) return false;
   return largest_eigenvalue(scaled) > limit;

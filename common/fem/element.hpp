@@ -2,36 +2,45 @@
 
 #include <Eigen/Core>
 
+#include "common/fem/element_kind.hpp"
 #include "common/fem/model.hpp"
 
-/// Two-node bar and four-node quadrilateral (2x2 Gauss), small strain, linear elastic.
-/// Coordinates `x` are components(model)-independent: one row per node, two columns (bar: second column ignored).
+/// Finite elements of small strain, linear elastic, of any kind (element_kind.hpp).
+/// Coordinates `x`: one row per node, two columns (bar: second column ignored).
 /// Strain order: bar (xx); plane strain (xx, yy, zz, xy); axisymmetric (rr, zz, tt, rz); shear as 2 e_xy.
 namespace ricochet::fem {
 
-using ElementCoordinates = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 4, 2>;
-using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
-using ElementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
-using StressVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+/// One element: what it is and where its nodes are [m].
+struct ElementGeometry {
+  ElementKind kind = ElementKind::bar;
+  ElementCoordinates x;
+};
 
 /// Elasticity matrix D, stress = D strain [Pa]; 1x1 for a bar (E), else 4x4.
 [[nodiscard]] Eigen::MatrixXd elasticity(Model model, const Material& material);
 
 /// K_e = integral of B^T D B dV [N/m].
 [[nodiscard]] ElementMatrix element_stiffness(const Section& section, const Material& material,
-                                              const ElementCoordinates& x);
+                                              const ElementGeometry& element);
 
 /// Row-sum lumped mass per node: m_i = rho * integral of N_i dV [kg]; all positive, also on the axis r = 0.
 [[nodiscard]] Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material,
-                                                  const ElementCoordinates& x);
+                                                  const ElementGeometry& element);
 
 /// Integral of N_i dV per node [m^3] (times a body force per volume gives nodal forces). Exact in all three models.
-[[nodiscard]] Eigen::VectorXd element_volume(const Section& section, const ElementCoordinates& x);
+[[nodiscard]] Eigen::VectorXd element_volume(const Section& section, const ElementGeometry& element);
 
-/// Stress at natural coordinates (xi, eta) in [-1, 1]^2 (bar: xi only) from nodal displacements `u` (node-major) [Pa].
+/// Stress at a point of the element, in its kind's natural coordinates, from nodal displacements `u` (node-major) [Pa].
 /// On the axis r = 0 the hoop strain u_r/r is taken as its limit u_r,r.
-[[nodiscard]] StressVector element_stress(const Section& section, const Material& material, const ElementCoordinates& x,
-                                          const ElementVector& u, double xi, double eta);
+[[nodiscard]] StressVector element_stress(const Section& section, const Material& material,
+                                          const ElementGeometry& element, const ElementVector& u,
+                                          const NaturalPoint& at);
+
+/// Length of the shortest and of the longest edge of an element [m].
+struct EdgeLengths {
+  double shortest, longest;
+};
+[[nodiscard]] EdgeLengths edge_lengths(const ElementGeometry& element);
 
 /// Integral of N_i dA over an edge, for its two nodes [m^2] (bar: the cross section, all on the first).
 [[nodiscard]] Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
@@ -40,13 +49,13 @@ using StressVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
 /// The largest over the elements bounds that of their assembly from above, which gives a safe critical time step.
 /// Source: Hughes, The Finite Element Method, section 9.3 (Irons and Treharne).
 [[nodiscard]] double element_max_frequency_squared(const Section& section, const Material& material,
-                                                   const ElementCoordinates& x);
+                                                   const ElementGeometry& element);
 
 /// Whether that frequency squared is above `limit` [1/s^2]. The largest diagonal entry of M_e^-1/2 K_e M_e^-1/2 bounds
 /// it from below and the largest row sum of magnitudes from above, so that few elements of a graded mesh need the
 /// eigenvalue itself.
 [[nodiscard]] bool element_frequency_squared_above(const Section& section, const Material& material,
-                                                   const ElementCoordinates& x, double limit);
+                                                   const ElementGeometry& element, double limit);
 
 /// Principal stresses, algebraically largest first, of a stress in the order above [Pa].
 [[nodiscard]] Eigen::Vector3d principal_stresses(Model model, const StressVector& stress);

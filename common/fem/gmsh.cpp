@@ -77,7 +77,7 @@ Eigen::Vector2d plane_position(const GmshFile& file, GmshTag tag, Model model) {
 std::map<GmshTag, int> take_nodes(const GmshFile& file, const std::vector<const GmshElement*>& kept, Mesh& mesh) {
   std::map<GmshTag, int> local;
   for (const GmshElement* element : kept) {
-    for (int i = 0; i < nodes_per_element(mesh.model); ++i) local[element->nodes[at(i)]] = 0;
+    for (int i = 0; i < traits(*kind_of_gmsh_type(element->type)).nodes; ++i) local[element->nodes[at(i)]] = 0;
   }
   double largest = 0.0;
   for (auto& [tag, index] : local) {
@@ -93,24 +93,27 @@ std::map<GmshTag, int> take_nodes(const GmshFile& file, const std::vector<const 
   return local;
 }
 
+/// Of a polygon, positive if its corners run counter-clockwise.
 double signed_area(const ElementCoordinates& x) {
-  const Eigen::RowVector2d a = x.row(2) - x.row(0);
-  const Eigen::RowVector2d b = x.row(3) - x.row(1);
-  return 0.5 * (a[0] * b[1] - a[1] * b[0]);
+  double twice = 0.0;
+  for (Eigen::Index i = 2; i < x.rows(); ++i) {
+    const Eigen::RowVector2d a = x.row(i - 1) - x.row(0), b = x.row(i) - x.row(0);
+    twice += a[0] * b[1] - a[1] * b[0];
+  }
+  return 0.5 * twice;
 }
 
 /// Elements, turned to run counter-clockwise (bar: along x).
 void take_elements(const GmshFile& file, const std::vector<const GmshElement*>& kept,
                    const std::map<GmshTag, int>& local, Mesh& mesh) {
   for (const GmshElement* source : kept) {
-    std::array<int, 4> nodes = {-1, -1, -1, -1};
-    for (int i = 0; i < nodes_per_element(mesh.model); ++i) nodes[at(i)] = local.at(source->nodes[at(i)]);
-    mesh.elements.push_back(nodes);
-    auto& placed = mesh.elements.back();
+    auto& placed = mesh.elements.emplace_back();
+    placed.kind = *kind_of_gmsh_type(source->type);
+    for (std::size_t i = 0; i < placed.size(); ++i) placed.node[i] = local.at(source->nodes[i]);
     const int index = static_cast<int>(mesh.elements.size()) - 1;
-    const ElementCoordinates x = element_coordinates(mesh, index);
-    if (mesh.model == Model::bar && x(1, 0) < x(0, 0)) std::swap(placed[0], placed[1]);
-    if (mesh.model != Model::bar && signed_area(x) < 0.0) std::swap(placed[1], placed[3]);
+    const ElementCoordinates x = element_geometry(mesh, index).x;
+    if (mesh.model == Model::bar && x(1, 0) < x(0, 0)) std::reverse(placed.begin(), placed.end());
+    if (mesh.model != Model::bar && signed_area(x) < 0.0) std::reverse(placed.begin() + 1, placed.end());
     if (const auto defect = element_defect(mesh, index)) fail(file, *source, *defect);
     for (const std::string& name : group_names(file, *source)) mesh.element_groups[name].push_back(index);
   }
@@ -121,10 +124,9 @@ std::map<Edge, int> elements_left_of_edges(const GmshFile& file, const std::vect
                                            const Mesh& mesh) {
   std::map<Edge, int> left;
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const auto& nodes = mesh.elements[at(e)];
-    const int edges = mesh.model == Model::bar ? 1 : 4;
-    for (int i = 0; i < edges; ++i) {
-      const Edge edge = {nodes[at(i)], nodes[at(mesh.model == Model::bar ? 1 : (i + 1) % 4)]};
+    const Element& nodes = mesh.elements[at(e)];
+    for (const auto& [a, b] : traits(nodes.kind).edges) {
+      const Edge edge = {nodes[at(a)], nodes[at(b)]};
       const auto [other, fresh] = left.insert({edge, e});
       if (!fresh) fail(file, *kept[at(e)], fmt::format("overlaps element {}", kept[at(other->second)]->tag));
     }
@@ -136,7 +138,7 @@ std::map<Edge, int> elements_left_of_edges(const GmshFile& file, const std::vect
 std::vector<int> elements_at_nodes(const Mesh& mesh) {
   std::vector<int> count(mesh.position.size(), 0);
   for (const auto& nodes : mesh.elements) {
-    for (const int node : {nodes[0], nodes[1]}) ++count[at(node)];
+    for (const int node : nodes) ++count[at(node)];
   }
   return count;
 }

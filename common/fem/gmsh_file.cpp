@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "common/fem/element_kind.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -161,22 +162,19 @@ void read_nodes(Words& words, GmshFile& file) {
 }
 
 struct ElementType {
+  int number;
   int dimension;
   int nodes;
 };
 
 ElementType element_type(const Words& words, int type, const GmshEntity& entity) {
-  constexpr std::string_view allowed = "2-node lines and 4-node quadrilaterals (types 1 and 3) can be used";
+  constexpr int point = 15;
+  if (type == point) return {type, 0, 1};
+  if (const auto kind = kind_of_gmsh_type(type)) return {type, traits(*kind).dimension, traits(*kind).nodes};
+  constexpr std::string_view allowed =
+      "2-node lines, 3-node triangles and 4-node quadrilaterals (types 1, 2 and 3) can be used";
   const std::string where = fmt::format("in entity {} of dimension {}", entity.second, entity.first);
   switch (type) {
-    case 1: return {1, 2};
-    case 3: return {2, 4};
-    case 15: return {0, 1};
-    case 2:
-      words.fail(
-          fmt::format("triangles (type 2) {}; only {}: recombine with 'Recombine Surface {{{}}};' or "
-                      "Mesh.RecombineAll = 1",
-                      where, allowed, entity.second));
     case 8:
     case 9:
     case 10:
@@ -187,12 +185,13 @@ ElementType element_type(const Words& words, int type, const GmshEntity& entity)
   }
 }
 
-GmshElement read_element(Words& words, const GmshFile& file, const GmshEntity& entity, int nodes) {
+GmshElement read_element(Words& words, const GmshFile& file, const GmshEntity& entity, const ElementType& type) {
   GmshElement element;
+  element.type = type.number;
   element.tag = words.number<GmshTag>("an element tag");
   element.line = words.line();
   element.entity = entity;
-  for (int i = 0; i < nodes; ++i) {
+  for (int i = 0; i < type.nodes; ++i) {
     const auto tag = words.number<GmshTag>("a node of an element");
     if (!file.nodes.contains(tag)) {
       words.fail(fmt::format("element {} uses node {}, which is not defined", element.tag, tag));
@@ -216,7 +215,7 @@ void read_elements(Words& words, GmshFile& file) {
                              entity.second, dimension));
     }
     for (int left = words.count("the number of elements of a block"); left > 0; --left) {
-      file.elements.push_back(read_element(words, file, entity, type.nodes));
+      file.elements.push_back(read_element(words, file, entity, type));
       if (seen.insert(file.elements.back().tag).second) continue;
       words.fail(fmt::format("element {} is defined twice", file.elements.back().tag));
     }

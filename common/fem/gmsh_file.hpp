@@ -19,7 +19,8 @@ struct GmshElement {
   GmshTag tag = 0;
   int line = 0;  ///< of the file, for error texts
   GmshEntity entity;
-  std::array<GmshTag, 4> nodes{};  ///< one for a point, two for a line, four for a quadrilateral
+  int type = 0;                    ///< Gmsh's number of its kind
+  std::array<GmshTag, 4> nodes{};  ///< as many as its kind has; one for a point
 };
 
 struct GmshFile {
@@ -27,12 +28,12 @@ struct GmshFile {
   std::map<GmshEntity, std::string> group_name;          ///< (dimension, physical tag) -> name
   std::map<GmshEntity, std::vector<int>> entity_groups;  ///< geometric entity -> its physical tags
   std::map<GmshTag, Eigen::Vector3d> nodes;              ///< [m]
-  std::vector<GmshElement> elements;                     ///< points, lines and quadrilaterals (dimension 0, 1, 2)
+  std::vector<GmshElement> elements;                     ///< points, lines, triangles and quadrilaterals
 };
 
 /// Reads the sections MeshFormat, PhysicalNames, Entities, Nodes and Elements and skips the others. Throws ConfigError
-/// "file:line: ..." for another version, a binary file, an element type other than 1, 3 and 15, a tag given twice, an
-/// unknown node or entity, a number that cannot be read, and a file that ends early.
+/// "file:line: ..." for another version, a binary file, an element type other than 1, 2, 3 and 15, a tag given twice,
+/// an unknown node or entity, a number that cannot be read, and a file that ends early.
 [[nodiscard]] GmshFile read_gmsh_file(const std::string& path);
 
 }  // namespace ricochet::fem

@@ -35,7 +35,7 @@ Mesh bar_mesh(const std::vector<double>& along) {
   mesh.model = Model::bar;
   for (const double x : along) mesh.position.emplace_back(x, 0.0);
   const int last = static_cast<int>(along.size()) - 1;
-  for (int i = 0; i < last; ++i) mesh.elements.push_back({i, i + 1, -1, -1});
+  for (int i = 0; i < last; ++i) mesh.elements.push_back({ElementKind::bar, {i, i + 1}});
   mesh.surfaces["start"] = {{0, 0}};
   mesh.surfaces["end"] = {{last, last}};
   return mesh;
@@ -53,7 +53,8 @@ Mesh quadrilateral_mesh(Model model, const std::vector<double>& across, const st
   }
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      mesh.elements.push_back({node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)});
+      mesh.elements.push_back(
+          {ElementKind::quadrilateral, {node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)}});
     }
   }
   for (int i = 0; i < columns; ++i) {

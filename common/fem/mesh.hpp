@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/fem/element_kind.hpp"
 #include "common/fem/model.hpp"
 
 namespace ricochet::fem {
@@ -15,11 +16,11 @@ namespace ricochet::fem {
 [[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Nodes, elements and named groups of one body.
-/// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z). Quadrilaterals are numbered counter-clockwise.
+/// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z).
 struct Mesh {
   Model model = Model::bar;
-  std::vector<Eigen::Vector2d> position;     ///< [m]
-  std::vector<std::array<int, 4>> elements;  ///< bar: first two entries, the others -1
+  std::vector<Eigen::Vector2d> position;  ///< [m]
+  std::vector<Element> elements;
   std::map<std::string, std::vector<int>> element_groups;
   /// Edges (a, b) in the direction in which the body lies to the left, so the outward normal is (dy, -dx)/|..|;
   /// bar: (n, n), one node.
@@ -52,16 +53,16 @@ inline double axis_coordinate(Model model, const Eigen::Vector2d& x) { return mo
 
 /// Reads a Gmsh MSH 4.1 ASCII file [m]. Physical groups of dimension `d` (1 for bars, 2 else) become element groups,
 /// those of dimension d - 1 surfaces; groups that hold nothing of `body` are left out. Only the elements of group
-/// `body` are kept, in the file's order; nodes in ascending order of their tags. A clockwise quadrilateral is turned
+/// `body` are kept, in the file's order; nodes in ascending order of their tags. A clockwise element is turned
 /// round, as is an edge that runs clockwise; axisymmetric nodes within 1e-9 of the radius are put on the axis. Throws
-/// ConfigError naming file and line for: another version, binary, an unsupported element type (triangles: say how to
-/// recombine), an element without a group, a missing group `body`, inverted, degenerate or overlapping elements (named
-/// by tag), a surface inside the body, a file that ends early; naming file and tags for nodes off the plane (bar: off
-/// the x axis) and for two nodes of the body at one place.
+/// ConfigError naming file and line for: another version, binary, an unsupported element type, an element without a
+/// group, a missing group `body`, inverted, degenerate or overlapping elements (named by tag), a surface inside the
+/// body, a file that ends early; naming file and tags for nodes off the plane (bar: off the x axis) and for two nodes
+/// of the body at one place.
 [[nodiscard]] Mesh read_gmsh(const std::string& path, Model model, const std::string& body);
 
-/// Throws ConfigError naming the element and its position if the Jacobian is not positive everywhere in it (a
-/// quadrilateral that is inverted, not convex or without area; a bar without length), if r < 0 in axisymmetry, if a
+/// Throws ConfigError naming the element and its position if the Jacobian is not positive everywhere in it (an
+/// element that is inverted, not convex or without area; a bar without length), if r < 0 in axisymmetry, if a
 /// number is not finite or if there is no element at all.
 void check_mesh(const Mesh& mesh, const std::string& body);
 

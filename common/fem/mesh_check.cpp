@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/error.hpp"
 #include "common/fem/part.hpp"
-#include "common/fem/quadrilateral.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -25,16 +25,12 @@ std::string place(const Mesh& mesh, const ElementCoordinates& x) {
   return fmt::format("at {} = ({:.6g}, {:.6g}) m", axes, centre[0], centre[1]);
 }
 
-double smallest_determinant(const ElementCoordinates& x) {
-  double smallest = jacobian_determinant(x, node_xi[0], node_eta[0]);
-  for (int i = 1; i < 4; ++i) smallest = std::min(smallest, jacobian_determinant(x, node_xi[i], node_eta[i]));
+/// det J is linear in each natural coordinate, so its smallest value is at a corner.
+double smallest_determinant(const ElementGeometry& element) {
+  const ElementTraits& kind = traits(element.kind);
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const NaturalPoint& corner : kind.corner) smallest = std::min(smallest, kind.jacobian(element.x, corner));
   return smallest;
-}
-
-double longest_edge(const ElementCoordinates& x) {
-  double longest = 0.0;
-  for (int i = 0; i < 4; ++i) longest = std::max(longest, (x.row((i + 1) % 4) - x.row(i)).norm());
-  return longest;
 }
 
 /// So far from the origin that the coordinates have too few digits left for the size of the element.
@@ -46,19 +42,20 @@ std::optional<std::string> far_away(const Mesh& mesh, const ElementCoordinates& 
       distance, furthest, place(mesh, x));
 }
 
-bool has_repeated_node(const Mesh& mesh, int element) {
-  std::array<int, 4> nodes = mesh.elements[static_cast<std::size_t>(element)];
-  const auto end = nodes.begin() + nodes_per_element(mesh.model);
-  std::sort(nodes.begin(), end);
-  return std::adjacent_find(nodes.begin(), end) != end;
+bool has_repeated_node(const Element& nodes) {
+  for (const int* node = nodes.begin(); node != nodes.end(); ++node) {
+    if (std::find(nodes.begin(), node, *node) != node) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 std::optional<std::string> element_defect(const Mesh& mesh, int element) {
-  const ElementCoordinates x = element_coordinates(mesh, element);
+  const ElementGeometry geometry = element_geometry(mesh, element);
+  const ElementCoordinates& x = geometry.x;
   if (!x.allFinite()) return "has a coordinate that is not a finite number";
-  if (has_repeated_node(mesh, element)) return "uses a node twice " + place(mesh, x);
+  if (has_repeated_node(mesh.elements[at(element)])) return "uses a node twice " + place(mesh, x);
   if (mesh.model == Model::bar) {
     if (!(x(1, 0) > x(0, 0))) return "has no positive length " + place(mesh, x);
     return far_away(mesh, x, x(1, 0) - x(0, 0));
@@ -66,9 +63,9 @@ std::optional<std::string> element_defect(const Mesh& mesh, int element) {
   if (mesh.model == Model::axisymmetric && x.col(0).minCoeff() < 0.0) {
     return fmt::format("reaches across the axis (r = {:.6g} m) {}", x.col(0).minCoeff(), place(mesh, x));
   }
-  const double edge = longest_edge(x);
+  const double edge = edge_lengths(geometry).longest;
   if (auto defect = far_away(mesh, x, edge)) return defect;
-  if (!(smallest_determinant(x) > smallest_relative_determinant * edge * edge)) {
+  if (!(smallest_determinant(geometry) > smallest_relative_determinant * edge * edge)) {
     return "is inverted, not convex or has no area " + place(mesh, x);
   }
   return std::nullopt;

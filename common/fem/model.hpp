@@ -18,8 +18,8 @@ struct Section {
   double measure = 1.0;
 };
 
+/// Displacement components of a node, and the dimension of the elements.
 constexpr int components(Model model) { return model == Model::bar ? 1 : 2; }
-constexpr int nodes_per_element(Model model) { return model == Model::bar ? 2 : 4; }
 constexpr int stress_components(Model model) { return model == Model::bar ? 1 : 4; }
 
 }  // namespace ricochet::fem

@@ -12,10 +12,9 @@ namespace {
 
 /// Local nodes in ascending body-node order, the elements renumbered.
 void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part& part) {
-  const auto count = static_cast<std::size_t>(nodes_per_element(whole.model));
   std::set<int> nodes(extra_nodes.begin(), extra_nodes.end());
   for (const int e : part.body_element) {
-    nodes.insert(whole.elements[at(e)].begin(), whole.elements[at(e)].begin() + static_cast<std::ptrdiff_t>(count));
+    nodes.insert(whole.elements[at(e)].begin(), whole.elements[at(e)].end());
   }
   part.body_node.assign(nodes.begin(), nodes.end());
   std::vector<int> local(whole.position.size(), -1);
@@ -24,9 +23,8 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
     part.mesh.position.push_back(whole.position[at(part.body_node[i])]);
   }
   for (const int e : part.body_element) {
-    std::array<int, 4> element = {-1, -1, -1, -1};
-    for (std::size_t i = 0; i < count; ++i) element[i] = local[at(whole.elements[at(e)][i])];
-    part.mesh.elements.push_back(element);
+    Element& element = part.mesh.elements.emplace_back(whole.elements[at(e)]);
+    for (int& node : element) node = local[at(node)];
   }
 }
 
@@ -36,17 +34,15 @@ int local_index(const std::vector<int>& ascending, int whole_index) {
   return static_cast<int>(found - ascending.begin());
 }
 
-/// Directed edges of the elements (bar: their nodes, doubled). An edge inside the body belongs, in the direction in
-/// which the body lies to the left, to one element only, so a surface's loads are never taken by two parts.
-std::set<std::array<int, 2>> directed_edges(const Mesh& mesh) {
-  std::set<std::array<int, 2>> edges;
-  const auto count = static_cast<std::size_t>(nodes_per_element(mesh.model));
+/// Faces of the elements: directed edges, or the nodes of bars, doubled. An edge inside the body belongs, in the
+/// direction in which the body lies to the left, to one element only, so a surface's loads are never taken by two
+/// parts.
+std::set<std::array<int, 2>> faces(const Mesh& mesh) {
+  std::set<std::array<int, 2>> faces;
   for (const auto& element : mesh.elements) {
-    for (std::size_t i = 0; i < count; ++i) {
-      edges.insert({element[i], mesh.model == Model::bar ? element[i] : element[(i + 1) % count]});
-    }
+    for (const auto& [a, b] : traits(element.kind).faces) faces.insert({element[at(a)], element[at(b)]});
   }
-  return edges;
+  return faces;
 }
 
 void take_groups_and_surfaces(const Mesh& whole, Part& part) {
@@ -56,7 +52,7 @@ void take_groups_and_surfaces(const Mesh& whole, Part& part) {
       if (const int i = local_index(part.body_element, e); i >= 0) group.push_back(i);
     }
   }
-  const auto own = directed_edges(part.mesh);
+  const auto own = faces(part.mesh);
   for (const auto& [name, edges] : whole.surfaces) {
     auto& surface = part.mesh.surfaces[name];
     for (const auto& [a, b] : edges) {
@@ -75,9 +71,9 @@ void assemble(Part& part) {
   entries.reserve(part.mesh.elements.size() * 64);
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
     const auto& nodes = part.mesh.elements[at(e)];
-    const ElementCoordinates x = element_coordinates(part.mesh, e);
-    const ElementMatrix stiffness = element_stiffness(part.section, part.material, x);
-    const Eigen::VectorXd mass = element_lumped_mass(part.section, part.material, x);
+    const ElementGeometry geometry = element_geometry(part.mesh, e);
+    const ElementMatrix stiffness = element_stiffness(part.section, part.material, geometry);
+    const Eigen::VectorXd mass = element_lumped_mass(part.section, part.material, geometry);
     const auto dof = [&](int i) { return nodes[at(i / dofs_per_node)] * dofs_per_node + i % dofs_per_node; };
     for (int i = 0; i < mass.size(); ++i) part.lumped_mass[nodes[at(i)]] += mass[i];
     for (int i = 0; i < stiffness.rows(); ++i) {
@@ -107,23 +103,24 @@ Part extract_part(const Mesh& whole, const std::string& body, const Section& sec
   return part;
 }
 
-ElementCoordinates element_coordinates(const Mesh& mesh, int element) {
-  const int count = nodes_per_element(mesh.model);
-  ElementCoordinates x(count, 2);
-  const Eigen::Vector2d& first = mesh.position[at(mesh.elements[at(element)][0])];
-  for (int i = 0; i < count; ++i) {
-    x.row(i) = nearest_image(mesh, mesh.position[at(mesh.elements[at(element)][at(i)])], first).transpose();
+ElementGeometry element_geometry(const Mesh& mesh, int element) {
+  const Element& nodes = mesh.elements[at(element)];
+  ElementGeometry geometry{nodes.kind, ElementCoordinates(nodes.size(), 2)};
+  const Eigen::Vector2d& first = mesh.position[at(nodes[0])];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    geometry.x.row(static_cast<Eigen::Index>(i)) = nearest_image(mesh, mesh.position[at(nodes[i])], first).transpose();
   }
-  return x;
+  return geometry;
 }
 
 ElementVector element_displacement(const Mesh& mesh, int element, const Eigen::VectorXd& u) {
-  const int count = nodes_per_element(mesh.model);
+  const Element& nodes = mesh.elements[at(element)];
   const int dofs_per_node = components(mesh.model);
-  ElementVector values(count * dofs_per_node);
-  for (int i = 0; i < count; ++i) {
-    const int node = mesh.elements[at(element)][at(i)];
-    values.segment(i * dofs_per_node, dofs_per_node) = u.segment(node * dofs_per_node, dofs_per_node);
+  ElementVector values(static_cast<Eigen::Index>(nodes.size()) * dofs_per_node);
+  Eigen::Index next = 0;
+  for (const int node : nodes) {
+    values.segment(next, dofs_per_node) = u.segment(node * dofs_per_node, dofs_per_node);
+    next += dofs_per_node;
   }
   return values;
 }
@@ -131,8 +128,8 @@ ElementVector element_displacement(const Mesh& mesh, int element, const Eigen::V
 double element_critical_time_step(const Part& part) {
   double largest = 0.0;
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-    const ElementCoordinates x = element_coordinates(part.mesh, e);
-    largest = std::max(largest, element_max_frequency_squared(part.section, part.material, x));
+    const ElementGeometry geometry = element_geometry(part.mesh, e);
+    largest = std::max(largest, element_max_frequency_squared(part.section, part.material, geometry));
   }
   return largest > 0.0 ? 2.0 / std::sqrt(largest) : std::numeric_limits<double>::infinity();
 }

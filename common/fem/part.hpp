@@ -38,8 +38,8 @@ struct Part {
                                 const Material& material, const std::vector<int>& elements,
                                 const std::vector<int>& extra_nodes = {});
 
-/// Coordinates of one element of a mesh, for the functions of element.hpp.
-[[nodiscard]] ElementCoordinates element_coordinates(const Mesh& mesh, int element);
+/// One element of a mesh, for the functions of element.hpp.
+[[nodiscard]] ElementGeometry element_geometry(const Mesh& mesh, int element);
 /// Displacements of one element's nodes out of a node-major vector.
 [[nodiscard]] ElementVector element_displacement(const Mesh& mesh, int element, const Eigen::VectorXd& u);
 

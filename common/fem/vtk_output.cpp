@@ -50,16 +50,14 @@ std::string points(const Parts& parts) {
 }
 
 std::string cells(const Parts& parts) {
-  constexpr std::uint8_t vtk_line = 3, vtk_quad = 9;
   std::vector<std::int32_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
   std::int32_t first_node = 0;
   for (const Part* part : parts) {
-    const int count = nodes_per_element(part->mesh.model);
     for (const auto& element : part->mesh.elements) {
-      for (int i = 0; i < count; ++i) connectivity.push_back(first_node + element[static_cast<std::size_t>(i)]);
+      for (const int node : element) connectivity.push_back(first_node + node);
       offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
-      types.push_back(count == 2 ? vtk_line : vtk_quad);
+      types.push_back(traits(element.kind).vtk_type);
     }
     first_node += part->nodes();
   }
@@ -85,8 +83,10 @@ std::string stresses(Model model, const Parts& parts, const Fields& displacement
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Part& part = *parts[p];
     for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-      const StressVector stress = element_stress(part.section, part.material, element_coordinates(part.mesh, e),
-                                                 element_displacement(part.mesh, e, *displacement[p]), 0.0, 0.0);
+      const ElementGeometry element = element_geometry(part.mesh, e);
+      const StressVector stress =
+          element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *displacement[p]),
+                         traits(element.kind).centre);
       const Eigen::Vector3d principal = principal_stresses(model, stress);
       for (std::size_t c = 0; c < names.size(); ++c) stress_values[c].push_back(stress[static_cast<Eigen::Index>(c)]);
       for (std::size_t c = 0; c < 3; ++c) principal_values[c].push_back(principal[static_cast<Eigen::Index>(c)]);

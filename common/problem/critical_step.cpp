@@ -87,7 +87,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.mesh.position.size()));
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
     const Eigen::VectorXd own =
-        fem::element_lumped_mass(body.section, body.material, fem::element_coordinates(body.mesh, e));
+        fem::element_lumped_mass(body.section, body.material, fem::element_geometry(body.mesh, e));
     for (Eigen::Index i = 0; i < own.size(); ++i)
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }
@@ -143,7 +143,7 @@ std::vector<double> element_critical_steps(const Problem& problem) {
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       if (at_contact[at(e)]) continue;
       steps.push_back(step_of(
-          fem::element_max_frequency_squared(body.section, body.material, fem::element_coordinates(body.mesh, e))));
+          fem::element_max_frequency_squared(body.section, body.material, fem::element_geometry(body.mesh, e))));
     }
   }
   return steps;

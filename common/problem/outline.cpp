@@ -16,8 +16,8 @@ constexpr double tolerated_share = 0.01;
 std::vector<std::array<int, 2>> boundary_edges(const fem::Mesh& mesh) {
   std::map<std::array<int, 2>, std::pair<int, std::array<int, 2>>> count;
   for (const auto& element : mesh.elements) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::array<int, 2> edge{element[i], element[(i + 1) % 4]};
+    for (const auto& [a, b] : fem::traits(element.kind).faces) {
+      const std::array<int, 2> edge{element[at(a)], element[at(b)]};
       auto& entry = count[{std::min(edge[0], edge[1]), std::max(edge[0], edge[1])}];
       ++entry.first;
       entry.second = edge;
@@ -43,7 +43,7 @@ Outline outline_of(const fem::Mesh& mesh) {
   std::vector<int> elements_at(mesh.position.size(), 0);
   if (mesh.model == Model::bar) {
     for (const auto& element : mesh.elements)
-      for (std::size_t i = 0; i < 2; ++i) ++elements_at[at(element[i])];
+      for (const int node : element) ++elements_at[at(node)];
     for (int node = 0; node < static_cast<int>(elements_at.size()); ++node)
       if (elements_at[at(node)] == 1) outline.nodes.push_back(node);
     return outline;
@@ -75,11 +75,8 @@ Shape::Shape(const BodyProblem& body) : outline_(outline_of(body.mesh)) {
   if (body.mesh.period_m > 0.0) first_axis_ = 1;
   for (const int node : outline_.nodes) reference_.push_back(body.mesh.position[at(node)]);
   shortest_edge_m_ = std::numeric_limits<double>::infinity();
-  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
-    const fem::ElementCoordinates x = fem::element_coordinates(body.mesh, e);
-    for (Eigen::Index i = 0; i < x.rows(); ++i)
-      shortest_edge_m_ = std::min(shortest_edge_m_, (x.row((i + 1) % x.rows()) - x.row(i)).norm());
-  }
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e)
+    shortest_edge_m_ = std::min(shortest_edge_m_, fem::edge_lengths(fem::element_geometry(body.mesh, e)).shortest);
   move(std::vector<Eigen::Vector2d>(reference_.size(), Eigen::Vector2d::Zero()));
 }
 

@@ -18,12 +18,11 @@ namespace {
 std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector2d& outward, int contact_node,
                                 double length) {
   const Eigen::Vector2d surface = body.mesh.position[at(contact_node)];
-  const auto corners = at(fem::nodes_per_element(body.section.model));
   std::vector<bool> inside;
   for (const auto& element : body.mesh.elements) {
     bool whole = true;
-    for (std::size_t i = 0; i < corners; ++i) {
-      const double depth = (surface - body.mesh.position[at(element[i])]).dot(outward);
+    for (const int node : element) {
+      const double depth = (surface - body.mesh.position[at(node)]).dot(outward);
       whole = whole && depth <= length * (1.0 + 1e-9);
     }
     inside.push_back(whole);
@@ -61,7 +60,7 @@ std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& con
   for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
     if (inside[at(e)]) continue;
     inside[at(e)] = fem::element_frequency_squared_above(body.section, body.material,
-                                                         fem::element_coordinates(body.mesh, e), frequency_squared);
+                                                         fem::element_geometry(body.mesh, e), frequency_squared);
   }
   return inside;
 }
@@ -145,12 +144,10 @@ std::vector<int> explicit_owners(const Scene& scene, const BodyProblem& body) {
 /// Only the implicit participant integrates what participants share: where two explicit ones meet, it must be there,
 /// too.
 void require_implicit_between(const Scene& scene, const BodyProblem& body, const std::vector<int>& owner) {
-  const auto corners = at(fem::nodes_per_element(body.section.model));
   std::vector<int> of_node(body.mesh.position.size(), -1);
   for (std::size_t e = 0; e < owner.size(); ++e) {
     if (owner[e] < 0) continue;
-    for (std::size_t i = 0; i < corners; ++i) {
-      const int node = body.mesh.elements[e][i];
+    for (const int node : body.mesh.elements[e]) {
       int& first = of_node[at(node)];
       if (first < 0) first = owner[e];
       if (first != owner[e] && !body.implicit_node[at(node)])
@@ -197,21 +194,19 @@ std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, co
 }
 
 std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes) {
-  const auto corners = static_cast<std::ptrdiff_t>(fem::nodes_per_element(mesh.model));
   std::vector<bool> at_them;
   for (const auto& element : mesh.elements) {
-    at_them.push_back(std::any_of(element.begin(), element.begin() + corners,
+    at_them.push_back(std::any_of(element.begin(), element.end(),
                                   [&](int n) { return std::binary_search(nodes.begin(), nodes.end(), n); }));
   }
   return at_them;
 }
 
 std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element) {
-  const auto corners = at(fem::nodes_per_element(body.section.model));
   std::vector<bool> touched(body.mesh.position.size(), false);
   for (std::size_t e = 0; e < of_element.size(); ++e) {
     if (!of_element[e]) continue;
-    for (std::size_t i = 0; i < corners; ++i) touched[at(body.mesh.elements[e][i])] = true;
+    for (const int node : body.mesh.elements[e]) touched[at(node)] = true;
   }
   return touched;
 }

@@ -14,22 +14,19 @@ namespace {
 
 /// Nodes that share an edge of an element with a contact node and are none themselves, per contact node of `contact`.
 std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const std::vector<int>& contact) {
-  const auto corners = static_cast<std::size_t>(fem::nodes_per_element(state.part.mesh.model));
   std::vector<int> place(static_cast<std::size_t>(state.part.nodes()), -1);
   for (std::size_t i = 0; i < contact.size(); ++i) place[static_cast<std::size_t>(contact[i])] = static_cast<int>(i);
   std::vector<std::vector<int>> inward(contact.size());
+  const auto note = [&](int node, int other) {
+    const int at = place[static_cast<std::size_t>(node)];
+    if (at < 0 || place[static_cast<std::size_t>(other)] >= 0) return;
+    auto& found = inward[static_cast<std::size_t>(at)];
+    if (std::find(found.begin(), found.end(), other) == found.end()) found.push_back(other);
+  };
   for (const auto& element : state.part.mesh.elements) {
-    for (std::size_t i = 0; i < corners; ++i) {
-      const int at = place[static_cast<std::size_t>(element[i])];
-      if (at < 0) continue;
-      auto& found = inward[static_cast<std::size_t>(at)];
-      for (const std::size_t next : {(i + 1) % corners, (i + corners - 1) % corners}) {
-        const int other = element[next];
-        if (place[static_cast<std::size_t>(other)] >= 0 || std::find(found.begin(), found.end(), other) != found.end())
-          continue;
-        found.push_back(other);
-      }
-    }
+    const auto edges = fem::traits(element.kind).edges;
+    for (const auto& [a, b] : edges) note(element[fem::at(a)], element[fem::at(b)]);
+    for (const auto& [a, b] : edges) note(element[fem::at(b)], element[fem::at(a)]);
   }
   return inward;
 }

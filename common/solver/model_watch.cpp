@@ -15,20 +15,16 @@ constexpr double closed_share = 1e-6;
 /// Nodes that move against each other by less than this share of the shortest edge cannot invert an element.
 constexpr double safe_share = 0.2;
 
-/// Smallest Jacobian at a corner of a moved quadrilateral over that of the reference.
-double smallest_jacobian_ratio(const fem::ElementCoordinates& x, const std::array<Eigen::Vector2d, 4>& u) {
+using Displacements = std::array<Eigen::Vector2d, fem::Element::most_nodes>;  // of an element's nodes
+
+/// Smallest Jacobian at a corner of a moved element over that of the reference.
+double smallest_jacobian_ratio(const fem::ElementGeometry& element, const Displacements& u) {
+  const auto& kind = fem::traits(element.kind);
+  fem::ElementCoordinates moved = element.x;
+  for (Eigen::Index i = 0; i < moved.rows(); ++i) moved.row(i) += u[static_cast<std::size_t>(i)].transpose();
   double smallest = std::numeric_limits<double>::infinity();
-  const auto jacobian = [&](int corner, bool moved) {
-    const auto at = [&](int i) -> Eigen::Vector2d {
-      const int node = i % 4;
-      return moved ? Eigen::Vector2d(x.row(node).transpose() + u[static_cast<std::size_t>(node)])
-                   : x.row(node).transpose();
-    };
-    const Eigen::Vector2d next = at(corner + 1) - at(corner), before = at(corner + 3) - at(corner);
-    return next[0] * before[1] - next[1] * before[0];
-  };
-  for (int corner = 0; corner < 4; ++corner)
-    smallest = std::min(smallest, jacobian(corner, true) / jacobian(corner, false));
+  for (const auto& corner : kind.corner)
+    smallest = std::min(smallest, kind.jacobian(moved, corner) / kind.jacobian(element.x, corner));
   return smallest;
 }
 
@@ -39,9 +35,9 @@ double principal_strain(const Eigen::Matrix2d& gradient) {
 }
 
 /// u_r / r at an element's middle.
-double hoop_strain(const fem::Mesh& mesh, const std::array<int, 4>& nodes, const std::array<Eigen::Vector2d, 4>& u) {
+double hoop_strain(const fem::Mesh& mesh, const fem::Element& nodes, const Displacements& u) {
   double u_r = 0.0, r = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     u_r += u[i][0];
     r += mesh.position[static_cast<std::size_t>(nodes[i])][0];
   }
@@ -52,10 +48,9 @@ double hoop_strain(const fem::Mesh& mesh, const std::array<int, 4>& nodes, const
 std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector2d& normal) {
   std::vector<double> depth_m(mesh.position.size(), std::numeric_limits<double>::infinity());
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const Eigen::VectorXd along = fem::element_coordinates(mesh, e) * normal;
+    const Eigen::VectorXd along = fem::element_geometry(mesh, e).x * normal;
     const double own_m = along.maxCoeff() - along.minCoeff();
-    for (int i = 0; i < fem::nodes_per_element(mesh.model); ++i) {
-      const int node = mesh.elements[static_cast<std::size_t>(e)][static_cast<std::size_t>(i)];
+    for (const int node : mesh.elements[fem::at(e)]) {
       depth_m[static_cast<std::size_t>(node)] = std::min(depth_m[static_cast<std::size_t>(node)], own_m);
     }
   }
@@ -76,19 +71,13 @@ void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
     auto& elements = elements_.emplace_back();
     const auto& mesh = state.part.mesh;
     for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-      const fem::ElementCoordinates x = fem::element_coordinates(mesh, e);
-      const int corners = fem::nodes_per_element(mesh.model);
+      const fem::ElementGeometry geometry = fem::element_geometry(mesh, e);
       Element element;
-      element.shortest_edge_m = std::numeric_limits<double>::infinity();
-      for (int i = 0; i < corners; ++i) {
-        element.shortest_edge_m = std::min(element.shortest_edge_m, (x.row((i + 1) % corners) - x.row(i)).norm());
-      }
+      element.shortest_edge_m = fem::edge_lengths(geometry).shortest;
       Eigen::Matrix2d diagonals = Eigen::Matrix2d::Identity();
-      if (corners == 2) {
-        diagonals(0, 0) = x(1, 0) - x(0, 0);
-      } else {
-        diagonals << (x.row(2) - x.row(0)).transpose(), (x.row(3) - x.row(1)).transpose();
-      }
+      Eigen::Index column = 0;
+      for (const auto& [a, b] : fem::traits(geometry.kind).diagonals)
+        diagonals.col(column++) = (geometry.x.row(b) - geometry.x.row(a)).transpose();
       element.inverse_diagonals = diagonals.inverse();
       elements.push_back(element);
     }
@@ -157,10 +146,12 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
         if (stretch <= -1.0) inverted.take(-stretch, place);
         continue;
       }
-      std::array<Eigen::Vector2d, 4> u;
-      for (std::size_t i = 0; i < 4; ++i) u[i] = state.u.segment<2>(2 * nodes[i]);
+      Displacements u;
+      for (std::size_t i = 0; i < nodes.size(); ++i) u[i] = state.u.segment<2>(2 * nodes[i]);
+      const auto diagonals = fem::traits(nodes.kind).diagonals;
       Eigen::Matrix2d differences;
-      differences << u[2] - u[0], u[3] - u[1];
+      for (int c = 0; c < 2; ++c)
+        differences.col(c) = u[fem::at(diagonals[fem::at(c)][1])] - u[fem::at(diagonals[fem::at(c)][0])];
       const Eigen::Matrix2d gradient = differences * element.inverse_diagonals;
       // No principal strain and no rotation is larger than the gradient: nearly every element is done with here.
       if (gradient.squaredNorm() > strain_limit * strain_limit) {
@@ -168,10 +159,10 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
         rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
       }
       if (mesh.model == fem::Model::axisymmetric) strain.take(std::abs(hoop_strain(mesh, nodes, u)), place);
-      const double moved =
-          std::max({(u[1] - u[0]).squaredNorm(), (u[2] - u[0]).squaredNorm(), (u[3] - u[0]).squaredNorm()});
+      double moved = 0.0;
+      for (std::size_t i = 1; i < nodes.size(); ++i) moved = std::max(moved, (u[i] - u[0]).squaredNorm());
       if (moved <= safe_share * safe_share * element.shortest_edge_m * element.shortest_edge_m) continue;
-      const double ratio = smallest_jacobian_ratio(fem::element_coordinates(mesh, static_cast<int>(e)), u);
+      const double ratio = smallest_jacobian_ratio(fem::element_geometry(mesh, static_cast<int>(e)), u);
       if (ratio <= 0.0) inverted.take(1.0 - ratio, place);
     }
     const int part = static_cast<int>(p);

@@ -1,25 +1,19 @@
 #include "common/solver/surface_stress.hpp"
 
-#include <array>
+#include <optional>
 
 namespace ricochet::solver {
 namespace {
 
-/// Natural coordinates of the midpoint of the element edge (a, b); nullptr-like {2, 2} if the element lacks the edge.
-std::array<double, 2> edge_midpoint(const fem::Mesh& mesh, int element, int a, int b) {
-  const auto& nodes = mesh.elements[static_cast<std::size_t>(element)];
-  if (mesh.model == fem::Model::bar) {
-    if (nodes[0] == a) return {-1.0, 0.0};
-    if (nodes[1] == a) return {1.0, 0.0};
-    return {2.0, 2.0};
+/// Natural coordinates of the midpoint of the element's face (a, b); none if the element lacks it.
+std::optional<fem::NaturalPoint> face_midpoint(const fem::Element& nodes, int a, int b) {
+  const auto& kind = fem::traits(nodes.kind);
+  for (const auto& [i, j] : kind.faces) {
+    const int first = nodes[fem::at(i)], second = nodes[fem::at(j)];
+    if ((first == a && second == b) || (first == b && second == a))
+      return fem::NaturalPoint(0.5 * (kind.corner[fem::at(i)] + kind.corner[fem::at(j)]));
   }
-  constexpr std::array<std::array<double, 2>, 4> midpoint = {{{0, -1}, {1, 0}, {0, 1}, {-1, 0}}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const int first = nodes[i];
-    const int second = nodes[(i + 1) % 4];
-    if ((first == a && second == b) || (first == b && second == a)) return midpoint[i];
-  }
-  return {2.0, 2.0};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -43,22 +37,21 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<sce
     const int components = fem::components(model_);
     for (const auto& [a, b] : found->second) {
       for (int element = 0; element < static_cast<int>(part.mesh.elements.size()); ++element) {
-        const auto [xi, eta] = edge_midpoint(part.mesh, element, a, b);
-        if (xi > 1.5) continue;
+        const fem::Element& nodes = part.mesh.elements[fem::at(element)];
+        const auto midpoint = face_midpoint(nodes, a, b);
+        if (!midpoint) continue;
         Edge edge;
         const auto& first_end = part.mesh.position[static_cast<std::size_t>(a)];
         const auto second_end =
             fem::nearest_image(part.mesh, part.mesh.position[static_cast<std::size_t>(b)], first_end);
         edge.area_m2 = fem::edge_area(part.section, first_end, second_end).sum();
-        const auto x = fem::element_coordinates(part.mesh, element);
-        const int size = fem::nodes_per_element(model_) * components;
+        const auto geometry = fem::element_geometry(part.mesh, element);
+        const int size = static_cast<int>(nodes.size()) * components;
         edge.stress_of_displacement.resize(fem::stress_components(model_), size);
         for (int i = 0; i < size; ++i) {
-          const auto node =
-              part.mesh.elements[static_cast<std::size_t>(element)][static_cast<std::size_t>(i / components)];
-          edge.dofs.push_back(node * components + i % components);
+          edge.dofs.push_back(nodes[fem::at(i / components)] * components + i % components);
           edge.stress_of_displacement.col(i) =
-              fem::element_stress(part.section, part.material, x, fem::ElementVector::Unit(size, i), xi, eta);
+              fem::element_stress(part.section, part.material, geometry, fem::ElementVector::Unit(size, i), *midpoint);
         }
         area_m2_ += edge.area_m2;
         edges_.push_back(std::move(edge));

@@ -32,7 +32,9 @@ struct DeckBody {
   [[nodiscard]] int elements() const { return static_cast<int>(body.mesh.elements.size()); }
   /// The element's nodes, counter-clockwise; at the axis from the axis outwards: the first and the last lie on it.
   [[nodiscard]] std::array<int, 4> turned(int element) const {
-    auto nodes = body.mesh.elements[at(element)];
+    if (body.mesh.elements[at(element)].kind != fem::ElementKind::quadrilateral)
+      throw ConfigError(fmt::format("body '{}', element {}: not a quadrilateral", body.name, element));
+    auto nodes = body.mesh.elements[at(element)].node;
     if (!touches_axis(nodes)) return nodes;
     for (int turn = 0; turn < 4; ++turn) {
       if (on_axis(nodes[0]) && on_axis(nodes[3]) && !on_axis(nodes[1]) && !on_axis(nodes[2])) return nodes;

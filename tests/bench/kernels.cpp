@@ -59,7 +59,7 @@ std::vector<Body> make_bodies(int refinement) {
     const auto& part = body.part;
     for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
       body.element_stiffness.emplace_back(
-          fem::element_stiffness(part.section, part.material, fem::element_coordinates(part.mesh, e)));
+          fem::element_stiffness(part.section, part.material, fem::element_geometry(part.mesh, e)));
     }
     body.product = fem::StiffnessProduct(part.stiffness, 2);
     body.u.setRandom(part.dofs());

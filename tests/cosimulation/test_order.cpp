@@ -1,6 +1,7 @@
 #include <iomanip>
 
 #include "tests/support/run.hpp"
+#include "tests/support/triangle_mesh.hpp"
 
 // Order of accuracy in time: a mesh is a smooth system of ordinary differential equations, so on a fixed mesh the error
 // of a second-order integrator falls to a quarter when dt is halved. Loads start gently (a ramp), no contact.
@@ -23,6 +24,16 @@ const char* const plate = R"(model = "plane_strain"
 name = "rod"
 material = { youngs_modulus_pa = 1.0, poisson_ratio = 0.3, density_kg_m3 = 1.0 }
 mesh = { length_m = 1.0, height_m = 0.5, elements = [3, 8] }
+support = [{ surface = "start", fixed = ["x", "y"] }]
+traction = [{ surface = "end", traction_pa = [0.1, 0.3], amplitude = { time_s = [0.0, 0.5], factor = [0.0, 1.0] } }]
+gravity_m_s2 = [0.1, 0.2]
+)";
+
+const char* const triangles = R"(model = "plane_strain"
+[[body]]
+name = "rod"
+material = { youngs_modulus_pa = 1.0, poisson_ratio = 0.3, density_kg_m3 = 1.0 }
+mesh = { gmsh = "rod.msh" }
 support = [{ surface = "start", fixed = ["x", "y"] }]
 traction = [{ surface = "end", traction_pa = [0.1, 0.3], amplitude = { time_s = [0.0, 0.5], factor = [0.0, 1.0] } }]
 gravity_m_s2 = [0.1, 0.2]
@@ -71,6 +82,7 @@ class OrderInTime : public testing::TestWithParam<std::tuple<Model, const char*>
 TEST_P(OrderInTime, IsTwo) {
   const auto& [model, protocol] = GetParam();
   const TemporaryFolder folder;
+  (void)folder.write(rectangle_msh("rod", {.width_m = 0.5, .length_m = 1.0, .across = 3, .along = 8}), "rod.msh");
   const std::string scene = model.scene;
   const auto coarse = momentum(scene, protocol, 256, folder), middle = momentum(scene, protocol, 512, folder),
              fine = momentum(scene, protocol, 1024, folder);
@@ -81,7 +93,8 @@ TEST_P(OrderInTime, IsTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     ModelsAndIntegrators, OrderInTime,
-    testing::Combine(testing::Values(Model{"bar", bar}, Model{"plane_strain", plate}, Model{"axisymmetric", cylinder}),
+    testing::Combine(testing::Values(Model{"bar", bar}, Model{"plane_strain", plate}, Model{"triangles", triangles},
+                                     Model{"axisymmetric", cylinder}),
                      testing::Values("all_explicit", "all_implicit")),
     [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
 

@@ -22,11 +22,17 @@ inline std::vector<coupler::HistoryRow> rows_of(const std::string& scene_path) {
   OneProcess run(scene_path);
   coupler::History history = history_of(run);
   std::vector<coupler::HistoryRow> rows;
-  run.run([&](std::int64_t) {
-    auto& links = run.coupling().links();
+  auto& links = run.coupling().links();
+  const auto take_rows = [&](std::int64_t) {
     for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
     while (auto row = history.next()) rows.push_back(*std::move(row));
-  });
+  };
+  run.run(take_rows);
+  for (auto& link : links) {  // a run that ends early has rows left
+    link.post_finish();
+    link.wait_finished();
+  }
+  take_rows(0);
   return rows;
 }
 

@@ -41,6 +41,23 @@ inline Mesh distorted_mesh(Model model) {
   return mesh;
 }
 
+/// The same mesh with every quadrilateral (`all`), or every second one, cut in two along a diagonal.
+inline Mesh triangulated(const Mesh& whole, bool all = true) {
+  Mesh mesh = whole;
+  mesh.elements.clear();
+  mesh.element_groups.clear();
+  for (std::size_t e = 0; e < whole.elements.size(); ++e) {
+    const Element& q = whole.elements[e];
+    if (q.kind != ElementKind::quadrilateral || (!all && e % 2 == 0)) {
+      mesh.elements.push_back(q);
+      continue;
+    }
+    mesh.elements.push_back({ElementKind::triangle, {q[0], q[1], q[2]}});
+    mesh.elements.push_back({ElementKind::triangle, {q[0], q[2], q[3]}});
+  }
+  return mesh;
+}
+
 inline std::vector<int> all_elements(const Mesh& mesh) {
   std::vector<int> elements(mesh.elements.size());
   std::iota(elements.begin(), elements.end(), 0);

@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "common/fem/quadrilateral.hpp"
 #include "tests/common/fem/sample_elements.hpp"
 
 namespace ricochet::fem {
@@ -11,15 +10,43 @@ namespace {
 
 using sample::steel;
 
-class EveryModel : public testing::TestWithParam<Model> {
- protected:
-  const Model model_ = GetParam();
-  const Section section_ = sample::section(model_);
-  const Part part_ = sample::distorted_part(model_);
+/// A model and the kinds of element that mesh it.
+struct Meshed {
+  Model model;
+  std::string kinds;
 };
 
-INSTANTIATE_TEST_SUITE_P(Models, EveryModel, testing::ValuesIn(sample::every_model),
-                         [](const auto& tested) { return sample::name(tested.param); });
+Mesh mesh_of(const Meshed& meshed) {
+  const Mesh mesh = sample::distorted_mesh(meshed.model);
+  if (meshed.kinds == "triangles") return sample::triangulated(mesh);
+  return meshed.kinds == "both" ? sample::triangulated(mesh, false) : mesh;
+}
+
+class EveryModel : public testing::TestWithParam<Meshed> {
+ protected:
+  const Model model_ = GetParam().model;
+  const Section section_ = sample::section(model_);
+  const Part part_ = sample::whole_part(mesh_of(GetParam()), section_);
+};
+
+INSTANTIATE_TEST_SUITE_P(Models, EveryModel,
+                         testing::Values(Meshed{Model::bar, "bars"}, Meshed{Model::plane_strain, "quadrilaterals"},
+                                         Meshed{Model::axisymmetric, "quadrilaterals"},
+                                         Meshed{Model::plane_strain, "triangles"},
+                                         Meshed{Model::axisymmetric, "triangles"}, Meshed{Model::plane_strain, "both"},
+                                         Meshed{Model::axisymmetric, "both"}),
+                         [](const auto& tested) {
+                           return sample::name(tested.param.model) + "_" + tested.param.kinds;
+                         });
+
+/// Points of an element, its corners among them.
+std::vector<NaturalPoint> points_of(ElementKind kind) {
+  const ElementTraits& traits_of_kind = traits(kind);
+  std::vector<NaturalPoint> points(traits_of_kind.corner.begin(), traits_of_kind.corner.end());
+  points.push_back(traits_of_kind.centre);
+  points.push_back(0.3 * points[0] + 0.7 * traits_of_kind.centre);
+  return points;
+}
 
 /// Linear displacement that each model can hold exactly (axisymmetric: no u_r at r = 0, no shear that varies).
 Eigen::Vector2d linear_displacement(Model model, const Eigen::Vector2d& x) {
@@ -38,12 +65,10 @@ TEST_P(EveryModel, PatchTestGivesTheExactStressEverywhere) {
   const Eigen::VectorXd u = sample::nodal(part_.mesh, [&](const auto& x) { return linear_displacement(model_, x); });
   const StressVector expected = exact_stress(model_);
   for (int e = 0; e < static_cast<int>(part_.mesh.elements.size()); ++e) {
-    for (const double xi : {-1.0, -0.3, 0.0, 1.0}) {
-      for (const double eta : {-1.0, 0.0, 0.7, 1.0}) {
-        const StressVector stress = element_stress(section_, steel, element_coordinates(part_.mesh, e),
-                                                   element_displacement(part_.mesh, e, u), xi, eta);
-        EXPECT_LT(sample::relative_error(stress, expected), 1e-11) << "element " << e << " at " << xi << ", " << eta;
-      }
+    const ElementGeometry element = element_geometry(part_.mesh, e);
+    for (const NaturalPoint& at : points_of(element.kind)) {
+      const StressVector stress = element_stress(section_, steel, element, element_displacement(part_.mesh, e, u), at);
+      EXPECT_LT(sample::relative_error(stress, expected), 1e-11) << "element " << e << " at " << at.transpose();
     }
   }
 }
@@ -78,7 +103,7 @@ TEST_P(EveryModel, RigidMotionGivesNoForce) {
 }
 
 TEST_P(EveryModel, StiffnessHasTheRankOfItsStrainsAndNoNegativeEigenvalue) {
-  const ElementMatrix stiffness = element_stiffness(section_, steel, element_coordinates(part_.mesh, 1));
+  const ElementMatrix stiffness = element_stiffness(section_, steel, element_geometry(part_.mesh, 1));
   EXPECT_EQ(stiffness, stiffness.transpose());
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<ElementMatrix>(stiffness).eigenvalues();
   const int rigid_motions = model_ == Model::plane_strain ? 3 : 1;
@@ -92,44 +117,55 @@ TEST_P(EveryModel, StiffnessHasTheRankOfItsStrainsAndNoNegativeEigenvalue) {
 }
 
 /// W(u) of one element from stresses alone, without the stiffness.
-double strain_energy(const Section& section, const ElementCoordinates& x, const ElementVector& u) {
-  if (section.model == Model::bar) {
-    const double stress = element_stress(section, steel, x, u, 0.0, 0.0)[0];
+double strain_energy(const Section& section, const ElementGeometry& element, const ElementVector& u) {
+  const ElementCoordinates& x = element.x;
+  if (element.kind == ElementKind::bar) {
+    const double stress = element_stress(section, steel, element, u, {0.0, 0.0})[0];
     return 0.5 * stress * stress / steel.youngs_modulus_pa * section.measure * (x(1, 0) - x(0, 0));
   }
   const Eigen::Matrix4d compliance = elasticity(section.model, steel).inverse();
-  const double point = 1.0 / std::sqrt(3.0);  // the rule the element is defined with
+  const bool triangle = element.kind == ElementKind::triangle;
+  const double gauss = 1.0 / std::sqrt(3.0), third = 1.0 / 6.0;  // the rules the elements are defined with
+  const std::vector<NaturalPoint> points =
+      triangle ? std::vector<NaturalPoint>{{third, third}, {4.0 * third, third}, {third, 4.0 * third}}
+               : std::vector<NaturalPoint>{{-gauss, -gauss}, {gauss, -gauss}, {gauss, gauss}, {-gauss, gauss}};
   double energy = 0.0;
-  for (const double xi : {-point, point}) {
-    for (const double eta : {-point, point}) {
-      const Eigen::Vector4d stress = element_stress(section, steel, x, u, xi, eta);
-      double radius = 0.0;
-      for (int i = 0; i < 4; ++i) radius += 0.25 * (1.0 + node_xi[i] * xi) * (1.0 + node_eta[i] * eta) * x(i, 0);
-      const double factor = section.model == Model::axisymmetric ? radius : 1.0;
-      energy += 0.5 * stress.dot(compliance * stress) * section.measure * factor * jacobian_determinant(x, xi, eta);
+  for (const NaturalPoint& at : points) {
+    const Eigen::Vector4d stress = element_stress(section, steel, element, u, at);
+    double radius = 0.0;
+    for (int i = 0; i < x.rows(); ++i) {
+      const NaturalPoint& corner = traits(element.kind).corner[static_cast<std::size_t>(i)];
+      const double bilinear = 0.25 * (1.0 + corner[0] * at[0]) * (1.0 + corner[1] * at[1]);
+      const double linear = i == 0 ? 1.0 - at[0] - at[1] : at[i - 1 > 0 ? 1 : 0];
+      radius += (triangle ? linear : bilinear) * x(i, 0);
     }
+    const double factor = section.model == Model::axisymmetric ? radius : 1.0, weight = triangle ? third : 1.0;
+    energy += 0.5 * stress.dot(compliance * stress) * section.measure * factor * weight *
+              traits(element.kind).jacobian(x, at);
   }
   return energy;
 }
 
 TEST_P(EveryModel, ForcesAreTheDerivativesOfTheStrainEnergy) {
   for (int e = 0; e < static_cast<int>(part_.mesh.elements.size()); ++e) {
-    const ElementCoordinates x = element_coordinates(part_.mesh, e);
-    const int size = nodes_per_element(model_) * components(model_);
+    const ElementGeometry element = element_geometry(part_.mesh, e);
+    const int size = static_cast<int>(element.x.rows()) * components(model_);
     ElementVector u(size);
     for (int i = 0; i < size; ++i) u[i] = 1e-5 * std::sin(2.0 * i + e + 0.4);
-    const ElementVector force = element_stiffness(section_, steel, x) * u;
+    const ElementVector force = element_stiffness(section_, steel, element) * u;
     for (int i = 0; i < size; ++i) {
       const ElementVector step = 1e-6 * ElementVector::Unit(size, i);
-      const double slope = (strain_energy(section_, x, u + step) - strain_energy(section_, x, u - step)) / 2e-6;
+      const double slope =
+          (strain_energy(section_, element, u + step) - strain_energy(section_, element, u - step)) / 2e-6;
       EXPECT_NEAR(force[i], slope, 1e-8 * force.norm()) << "element " << e << ", dof " << i;
     }
-    EXPECT_NEAR(0.5 * u.dot(force), strain_energy(section_, x, u), 1e-12 * std::abs(u.dot(force)));
+    EXPECT_NEAR(0.5 * u.dot(force), strain_energy(section_, element, u), 1e-12 * std::abs(u.dot(force)));
   }
 }
 
 // The integrands N_i r det J are cubic in each natural coordinate, so 2x2 Gauss points take them exactly: the mass of
-// the body of revolution of straight-sided quadrilaterals is exact, however distorted they are inside.
+// the body of revolution of straight-sided quadrilaterals is exact, however distorted they are inside. The triangle's
+// rule takes its N_i r exactly.
 TEST_P(EveryModel, LumpedMassIsPositiveAndSumsToDensityTimesVolume) {
   const double length = model_ == Model::bar ? 0.05 : 0.04;
   double area = section_.measure;
@@ -140,35 +176,47 @@ TEST_P(EveryModel, LumpedMassIsPositiveAndSumsToDensityTimesVolume) {
 }
 
 TEST(LumpedMass, OfAConicalFrustumIsExact) {
-  ElementCoordinates x(4, 2);
-  x << 0.0, 0.0, 0.04, 0.0, 0.01, 0.03, 0.0, 0.03;
+  ElementGeometry quadrilateral{ElementKind::quadrilateral, ElementCoordinates(4, 2)};
+  quadrilateral.x << 0.0, 0.0, 0.04, 0.0, 0.01, 0.03, 0.0, 0.03;
   const double volume = std::numbers::pi * 0.03 / 3.0 * (0.04 * 0.04 + 0.04 * 0.01 + 0.01 * 0.01);
-  EXPECT_NEAR(element_volume(sample::section(Model::axisymmetric), x).sum(), volume, 1e-13 * volume);
+  EXPECT_NEAR(element_volume(sample::section(Model::axisymmetric), quadrilateral).sum(), volume, 1e-13 * volume);
+}
+
+// A cone with its node on the axis: m_i = 2 pi rho integral of N_i r dA with r = R N_1 is 2 pi rho R A/6 for the rim
+// and half of that for the others.
+TEST(LumpedMass, OfAConeIsExactAtEachNode) {
+  ElementGeometry cone{ElementKind::triangle, ElementCoordinates(3, 2)};
+  cone.x << 0.0, 0.0, 0.03, 0.0, 0.0, 0.04;
+  const double rim = 2.0 * std::numbers::pi * 0.03 * (0.5 * 0.03 * 0.04) / 6.0;
+  const Eigen::VectorXd volume = element_volume(sample::section(Model::axisymmetric), cone);
+  EXPECT_NEAR(volume[0], 0.5 * rim, 1e-13 * rim);
+  EXPECT_NEAR(volume[1], rim, 1e-13 * rim);
+  EXPECT_NEAR(volume[2], 0.5 * rim, 1e-13 * rim);
 }
 
 TEST(HoopStrain, TakesItsLimitOnTheAxis) {
-  ElementCoordinates x(4, 2);
-  x << 0.0, 0.0, 0.02, 0.001, 0.021, 0.02, 0.0, 0.018;
+  ElementGeometry x{ElementKind::quadrilateral, ElementCoordinates(4, 2)};
+  x.x << 0.0, 0.0, 0.02, 0.001, 0.021, 0.02, 0.0, 0.018;
   ElementVector u(8);
   u << 0.0, 1e-5, 3e-5, 0.0, 2e-5, 1e-5, 0.0, -1e-5;
   const Section axisymmetric = sample::section(Model::axisymmetric);
-  const StressVector on_axis = element_stress(axisymmetric, steel, x, u, -1.0, 0.2);
-  const StressVector beside = element_stress(axisymmetric, steel, x, u, -1.0 + 1e-6, 0.2);
+  const StressVector on_axis = element_stress(axisymmetric, steel, x, u, {-1.0, 0.2});
+  const StressVector beside = element_stress(axisymmetric, steel, x, u, {-1.0 + 1e-6, 0.2});
   EXPECT_NEAR(on_axis[0], on_axis[2], 1e-9 * std::abs(on_axis[0])) << "e_rr = e_tt on the axis";
   EXPECT_LT(sample::relative_error(beside, on_axis), 1e-5);
 }
 
 TEST(ElementFrequency, OfABarIsTwiceTheWaveSpeedOverItsLength) {
-  ElementCoordinates x(2, 2);
-  x << 0.3, 0.0, 0.325, 0.0;
+  ElementGeometry x{ElementKind::bar, ElementCoordinates(2, 2)};
+  x.x << 0.3, 0.0, 0.325, 0.0;
   const double c = longitudinal_wave_speed(Model::bar, steel);
   const double frequency = std::sqrt(element_max_frequency_squared(sample::section(Model::bar), steel, x));
   EXPECT_NEAR(frequency, 2.0 * c / 0.025, 1e-12 * frequency);
 }
 
 TEST(ElementFrequency, IsAboveALimitExactlyIfTheEigenvalueIs) {
-  ElementCoordinates x(4, 2);
-  x << 0.01, 0.0, 0.013, 0.001, 0.0125, 0.002, 0.0095, 0.0015;
+  ElementGeometry x{ElementKind::quadrilateral, ElementCoordinates(4, 2)};
+  x.x << 0.01, 0.0, 0.013, 0.001, 0.0125, 0.002, 0.0095, 0.0015;
   for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
     const Section section = sample::section(model);
     const double frequency_squared = element_max_frequency_squared(section, steel, x);

@@ -7,6 +7,7 @@
 #include "common/fem/gmsh_file.hpp"
 #include "tests/common/fem/sample_elements.hpp"
 #include "tests/common/fem/test_help.hpp"
+#include "tests/support/triangle_mesh.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -146,6 +147,19 @@ TEST(ReadGmsh, TakesAPhysicalTagOfReversedOrientation) {
             read_gmsh(cylinders, Model::axisymmetric, "striker").surfaces);
 }
 
+TEST(ReadGmsh, ReadsTrianglesBesideQuadrilaterals) {
+  const TemporaryMesh file(test::rectangle_msh("plate", {.width_m = 0.03, .length_m = 0.04, .across = 3, .along = 4}));
+  const Mesh mesh = read_gmsh(file.path(), Model::plane_strain, "plate");
+  check_mesh(mesh, "plate");
+  EXPECT_EQ(std::count_if(mesh.elements.begin(), mesh.elements.end(),
+                          [](const Element& e) { return e.kind == ElementKind::triangle; }),
+            2 * 3 * 4 - 2);
+  EXPECT_EQ(mesh.elements.size(), 2U * 3U * 4U - 1U) << "the last cell is a quadrilateral";
+  EXPECT_NEAR(volume_of(mesh), 0.03 * 0.04 * 0.03, 1e-15) << "some triangles of the file are clockwise";
+  EXPECT_EQ(mesh.surfaces.at("end").size(), 3U);
+  EXPECT_LT((sum_of(mesh, "end").normal_area - Eigen::Vector2d(0.0, 0.03 * 0.03)).norm(), 1e-15);
+}
+
 TEST(ReadGmsh, SaysWhichFileItCannotRead) {
   EXPECT_THAT(sample::message_of([] { (void)read_gmsh("/nonexistent/a.msh", Model::bar, "rod"); }),
               HasSubstr("cannot read mesh file /nonexistent/a.msh"));
@@ -206,11 +220,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Content, BrokenMesh,
     testing::Values(
-        Broken{
-            "triangles",
-            "\n2 2 3 6\n",
-            "\n2 2 2 6\n",
-            {":179: triangles (type 2) in entity 2 of dimension 2", "Recombine Surface {2}", "Mesh.RecombineAll = 1"}},
+        Broken{"triangles_of_four_nodes", "\n2 2 3 6\n", "\n2 2 2 6\n", {":182: element 15 is defined twice"}},
         Broken{"second_order",
                "\n2 2 3 6\n",
                "\n2 2 16 6\n",

@@ -50,7 +50,7 @@ TEST(GradedCoordinates, RefuseWhatMakesNoMesh) {
 TEST(BarMesh, HasItsEndsAsSurfaces) {
   const Mesh mesh = bar_mesh({1.0, 1.5, 3.0});
   EXPECT_EQ(mesh.elements.size(), 2U);
-  EXPECT_THAT(mesh.elements[1], ElementsAre(1, 2, -1, -1));
+  EXPECT_EQ(mesh.elements[1], (Element{ElementKind::bar, {1, 2}}));
   EXPECT_THAT(mesh.surfaces.at("start"), ElementsAre(ElementsAre(0, 0)));
   EXPECT_THAT(mesh.surfaces.at("end"), ElementsAre(ElementsAre(2, 2)));
   check_mesh(mesh, "rod");
@@ -112,7 +112,8 @@ TEST_P(CheckOneElement, NamesBodyElementAndPlace) {
   Mesh mesh;
   mesh.model = bad.model;
   mesh.position = bad.position;
-  mesh.elements = {bad.model == Model::bar ? std::array<int, 4>{0, 1, -1, -1} : std::array<int, 4>{0, 1, 2, 3}};
+  const auto kinds = {ElementKind::bar, ElementKind::triangle, ElementKind::quadrilateral};
+  mesh.elements = {{kinds.begin()[bad.position.size() - 2], {0, 1, 2, 3}}};
   const std::string text = message_of([&] { check_mesh(mesh, "target"); });
   EXPECT_THAT(text, HasSubstr("body \"target\""));
   for (const std::string& expected : bad.expected) EXPECT_THAT(text, HasSubstr(expected));
@@ -133,6 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadMesh{"flat", Model::plane_strain, {{0, 0}, {1, 0}, {2, 0}, {3, 0}}, {"has no area"}},
         BadMesh{"across_the_axis", Model::axisymmetric, {{-0.1, 0}, {1, 0}, {1, 1}, {0, 1}}, {"r = -0.1 m"}},
         BadMesh{"not_finite", Model::plane_strain, {{0, 0}, {1, 0}, {not_a_number, 1}, {0, 1}}, {"node 2", "finite"}},
+        BadMesh{"clockwise_triangle", Model::plane_strain, {{0, 0}, {0, 1}, {1, 1}}, {"element 0 is inverted"}},
+        BadMesh{"flat_triangle", Model::axisymmetric, {{0, 0}, {1, 1}, {2, 2}}, {"has no area", "(r, z) = (1, 1)"}},
         BadMesh{"bar_reversed", Model::bar, {{1, 0}, {0, 0}}, {"element 0 has no positive length", "x = 0.5 m"}},
         BadMesh{"bar_without_length", Model::bar, {{1, 0}, {1, 0}}, {"no positive length"}}),
     [](const auto& tested) { return tested.param.name; });
@@ -148,12 +151,12 @@ TEST(CheckWholeMesh, AcceptsVerySlenderElements) {
 TEST(PeriodicMesh, ElementsReachAcrossTheEnd) {
   Mesh mesh = quadrilateral_mesh(Model::plane_strain, {0.0, 1.0, 2.0}, {0.0, 1.0});
   mesh.period_m = 3.0;
-  mesh.elements.push_back({2, 0, 3, 5});
+  mesh.elements.push_back({ElementKind::quadrilateral, {2, 0, 3, 5}});
   mesh.surfaces["start"].push_back({2, 0});
   check_mesh(mesh, "plate");
   ElementCoordinates expected(4, 2);
   expected << 2.0, 0.0, 3.0, 0.0, 3.0, 1.0, 2.0, 1.0;
-  EXPECT_EQ(element_coordinates(mesh, 2), expected);
+  EXPECT_EQ(element_geometry(mesh, 2).x, expected);
   const Part part = sample::whole_part(mesh, {Model::plane_strain, 1.0});
   EXPECT_NEAR(part.lumped_mass.sum(), 3.0 * sample::steel.density_kg_m3, 1e-9);
   const Eigen::VectorXd force = traction_force(part, "start", {0.0, 2.0});

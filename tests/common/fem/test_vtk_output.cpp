@@ -52,8 +52,8 @@ std::vector<double> per_cell(const Written& written, const std::function<double(
     const Part& part = written.parts[p];
     for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
       const ElementVector u = element_displacement(part.mesh, e, written.displacement[p]);
-      const ElementCoordinates x = element_coordinates(part.mesh, e);
-      values.push_back(value(element_stress(part.section, part.material, x, u, 0.0, 0.0)));
+      values.push_back(
+          value(element_stress(part.section, part.material, element_geometry(part.mesh, e), u, NaturalPoint::Zero())));
     }
   }
   return values;
@@ -127,8 +127,7 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
     for (const Part& part : written.parts) {
       for (const Eigen::Vector2d& x : part.mesh.position) points.insert(points.end(), {x[0], x[1], 0.0});
       for (const auto& element : part.mesh.elements) {
-        for (int i = 0; i < nodes_per_element(model); ++i)
-          cells.push_back(first_node + element[static_cast<std::size_t>(i)]);
+        for (const int node : element) cells.push_back(first_node + node);
       }
       first_node += part.nodes();
     }
