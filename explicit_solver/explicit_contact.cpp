@@ -9,6 +9,7 @@
 namespace ricochet::explicit_solver {
 
 using solver::BodyState;
+using solver::ContactRow;
 using solver::ContactState;
 using solver::Pair;
 
@@ -17,31 +18,24 @@ namespace {
 auto acceleration_of(const std::vector<BodyState>& states) {
   return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].a; };
 }
+auto push_accelerations(std::vector<BodyState>& states) {
+  return [&states](int part) -> Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].a; };
+}
+auto push_velocities(std::vector<BodyState>& states) {
+  return [&states](int part) -> Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
+}
 auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
   return [&u_before](int part) -> const Eigen::VectorXd& { return *u_before[static_cast<std::size_t>(part)]; };
 }
 
 }  // namespace
 
-ExplicitContact::ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
-                                 double dt)
-    : law_(&*problem.scene.contact),
+ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt)
+    : law_(&law),
       dt_(dt),
-      surface_(problem, parts),
+      surface_(std::move(surface)),
       forces_(surface_.pairs.size()),
       mean_forces_(surface_.pairs.size()) {}
-
-double ExplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states,
-                                     const Eigen::Vector2d& direction) const {
-  double sum = 0.0;
-  for (const auto& side : {pair.a, pair.b}) {
-    if (side.part < 0) continue;
-    const auto& inverse = states[static_cast<std::size_t>(side.part)].inverse_mass;
-    for (int c = 0; c < surface_.components; ++c)
-      sum += direction[c] * direction[c] * inverse[side.node * surface_.components + c];
-  }
-  return sum;
-}
 
 void ExplicitContact::move_masses(std::vector<BodyState>& states) {
   if (law_->multiplier_update != scene::MultiplierUpdate::massless) return;
@@ -58,10 +52,10 @@ double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>
                                      double acting_time) const {
   if (massless_) return static_normal_n_[static_cast<Eigen::Index>(i)];
   const auto& pair = surface_.pairs[i];
-  const double gap_now = surface_.gap(pair, states);
+  const double gap_now = pair.gap(displacement_of(states));
   if (law_->enforcement == scene::Enforcement::penalty)
     return law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
-  const double inverse = inverse_mass(pair, states, surface_.normal);
+  const double inverse = pair.normal.inverse_mass(states);
   return inverse > 0.0 ? std::max(0.0, -(gap_now + dt_ * rate_n)) / (dt_ * acting_time * inverse) : 0.0;
 }
 
@@ -75,7 +69,7 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
   if (force.normal == 0.0) return force;
   force.state = ContactState::slip;
   if (law_->friction_coefficient == 0.0) return force;
-  const double inverse = inverse_mass(pair, states, surface_.tangent);
+  const double inverse = pair.tangent.inverse_mass(states);
   const double holding = inverse > 0.0 ? -rate_t / (acting_time * inverse) : 0.0;
   force.tangential = solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_t, holding);
   if (force.tangential == holding) force.state = ContactState::stick;
@@ -85,57 +79,43 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
 /// Frozen sticking: the linear part of `find_force`, normally and (with friction) tangentially.
 ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const std::vector<BodyState>& states,
                                                       double rate_n, double rate_t, double acting_time) const {
-  const auto hold = [&](const Eigen::Vector2d& direction, double rate) {
-    const double inverse = inverse_mass(pair, states, direction);
-    const double moved = surface_.moved(pair, direction, states) + dt_ * rate;
+  const auto hold = [&](const ContactRow& row, double rate) {
+    const double inverse = row.inverse_mass(states);
+    const double moved = row.times(displacement_of(states)) + dt_ * rate;
     return inverse > 0.0 ? -moved / (dt_ * acting_time * inverse) : 0.0;
   };
   const bool penalty = law_->enforcement == scene::Enforcement::penalty;
   const bool friction = law_->friction_coefficient > 0.0;
-  const double spring = -law_->penalty_pa_m * pair.area_m2 * surface_.moved(pair, surface_.normal, states);
-  return {.normal = penalty ? spring : hold(surface_.normal, rate_n),
-          .tangential = friction ? hold(surface_.tangent, rate_t) : 0.0,
+  const double spring = -law_->penalty_pa_m * pair.area_m2 * pair.normal.times(displacement_of(states));
+  return {.normal = penalty ? spring : hold(pair.normal, rate_n),
+          .tangential = friction ? hold(pair.tangent, rate_t) : 0.0,
           .state = ContactState::stick};
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {
-  const Eigen::Vector2d on_b = force.normal * surface_.normal + force.tangential * surface_.tangent;
-  for (const auto& [side, sign] : {std::pair{pair.b, 1.0}, std::pair{pair.a, -1.0}}) {
-    if (side.part < 0) continue;
-    auto& state = states[static_cast<std::size_t>(side.part)];
-    for (int c = 0; c < surface_.components; ++c) {
-      const int dof = side.node * surface_.components + c;
-      state.a[dof] += sign * on_b[c] * state.inverse_mass[dof];
-    }
-  }
+  pair.normal.push(force.normal, states, push_accelerations(states));
+  pair.tangent.push(force.tangential, states, push_accelerations(states));
 }
 
 void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
                               const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto& pair = surface_.pairs[i];
   const Force& mean = mean_forces_[i];
-  const auto moved = [&](const Eigen::Vector2d& direction) {
-    return relative(pair, direction, surface_.components, displacement_of(states)) -
-           relative(pair, direction, surface_.components, before_of(u_before));
+  const auto moved = [&](const ContactRow& row) {
+    return row.times(displacement_of(states)) - row.times(before_of(u_before));
   };
-  const double made = mean.normal * moved(surface_.normal);
+  const double made = mean.normal * moved(pair.normal);
   if (massless_) made_j_[i] = made;
   work_normal_j_ += made;
-  dissipated_friction_j_ -= mean.tangential * moved(surface_.tangent);
+  dissipated_friction_j_ -= mean.tangential * moved(pair.tangent);
   book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
 }
 
-/// Forces between two bodies change no total momentum; those of a plane do.
 void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s,
                                    std::vector<BodyState>& states) {
   impulse_normal_n_s_ += normal_n_s;
   impulse_tangential_n_s_ += tangential_n_s;
-  if (pair.b.part >= 0) return;
-  auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
-  totals.impulse_n_kg_m_s -= normal_n_s;
-  totals.impulse_t_kg_m_s -= tangential_n_s;
-  states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
-      pair.a.node, -(normal_n_s * surface_.normal + tangential_n_s * surface_.tangent));
+  solver::book_impulse(pair, normal_n_s, tangential_n_s, states);
 }
 
 /// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping
@@ -143,22 +123,14 @@ void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double t
 void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& states) {
   const auto& pair = surface_.pairs[i];
   double& mean = mean_forces_[i].tangential;
-  const double limit = law_->friction_coefficient * mean_forces_[i].normal,
-               inverse = inverse_mass(pair, states, surface_.tangent);
+  const double limit = law_->friction_coefficient * mean_forces_[i].normal, inverse = pair.tangent.inverse_mass(states);
   const double target = mean_forces_[i].state == ContactState::slip && mean != 0.0 ? std::copysign(limit, mean)
                                                                                    : std::clamp(mean, -limit, limit);
   if (target == mean || inverse == 0.0) return;
-  const double rate = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
+  const double rate = pair.tangent.times(velocity_of(states));
   double impulse = dt_ * (target - mean);
   if (std::abs(target) > std::abs(mean) && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
-  for (const auto& [side, sign] : {std::pair{pair.b, 1.0}, std::pair{pair.a, -1.0}}) {
-    if (side.part < 0) continue;
-    auto& state = states[static_cast<std::size_t>(side.part)];
-    for (int c = 0; c < surface_.components; ++c) {
-      const int dof = side.node * surface_.components + c;
-      state.v[dof] += sign * impulse * surface_.tangent[c] * state.inverse_mass[dof];
-    }
-  }
+  pair.tangent.push(impulse, states, push_velocities(states));
   dissipated_friction_j_ -= impulse * (rate + 0.5 * impulse * inverse);
   book_impulse(pair, 0.0, impulse, states);
   mean += impulse / dt_;
@@ -185,12 +157,14 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
 /// it at once; that change is the energy an impact at the start costs.
 double ExplicitContact::staggered_correction(const Pair& pair, const std::vector<BodyState>& states) const {
   double sum = 0.0;
-  for (const auto& side : {pair.a, pair.b}) {
-    if (side.part < 0) continue;
-    const auto& state = states[static_cast<std::size_t>(side.part)];
-    for (int c = 0; c < surface_.components; ++c) {
-      const int dof = side.node * surface_.components + c;
-      sum += 0.125 * dt_ * dt_ * state.mass[dof] * state.a[dof] * state.a[dof];
+  const auto& normal = pair.normal.entries;
+  for (const auto* row : {&pair.normal, &pair.tangent}) {
+    for (const auto& e : row->entries) {
+      const bool counted = row == &pair.tangent && std::any_of(normal.begin(), normal.end(), [&](const auto& n) {
+                             return n.part == e.part && n.dof == e.dof;  // where n is along no coordinate
+                           });
+      const auto& state = states[static_cast<std::size_t>(e.part)];
+      if (!counted) sum += 0.125 * dt_ * dt_ * state.mass[e.dof] * state.a[e.dof] * state.a[e.dof];
     }
   }
   return sum;
@@ -198,11 +172,11 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const auto rate = [&](const Eigen::Vector2d& direction) {
-      return relative(surface_.pairs[i], direction, surface_.components, velocity_of(states)) +
-             0.5 * dt_ * relative(surface_.pairs[i], direction, surface_.components, acceleration_of(states));
+    const auto& pair = surface_.pairs[i];
+    const auto rate = [&](const ContactRow& row) {
+      return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
     };
-    forces_[i] = find_force(i, states, rate(surface_.normal), rate(surface_.tangent), 0.5 * dt_);
+    forces_[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), 0.5 * dt_);
     const double before = staggered_correction(surface_.pairs[i], states);
     push(surface_.pairs[i], forces_[i], states);
     work_normal_j_ -= staggered_correction(surface_.pairs[i], states) - before;
@@ -211,15 +185,13 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
 
 void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const auto rate = [&](const Eigen::Vector2d& direction) {
-      const double half_velocity =
-          (relative(surface_.pairs[i], direction, surface_.components, displacement_of(states)) -
-           relative(surface_.pairs[i], direction, surface_.components, before_of(u_before))) /
-          dt_;
-      return half_velocity + dt_ * relative(surface_.pairs[i], direction, surface_.components, acceleration_of(states));
+    const auto& pair = surface_.pairs[i];
+    const auto rate = [&](const ContactRow& row) {
+      const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
+      return half_velocity + dt_ * row.times(acceleration_of(states));
     };
     const Force old = forces_[i];
-    forces_[i] = find_force(i, states, rate(surface_.normal), rate(surface_.tangent), dt_);
+    forces_[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), dt_);
     push(surface_.pairs[i], forces_[i], states);
     mean_forces_[i] = {.normal = 0.5 * (old.normal + forces_[i].normal),
                        .tangential = 0.5 * (old.tangential + forces_[i].tangential),

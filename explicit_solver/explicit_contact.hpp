@@ -19,7 +19,8 @@ namespace ricochet::explicit_solver {
 
 class ExplicitContact {
  public:
-  ExplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, double dt);
+  /// `law` must outlive it.
+  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt);
 
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
   /// one that closes the gap, and the gap at n is.
@@ -53,8 +54,6 @@ class ExplicitContact {
                                     double acting_time) const;
   [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     double rate_n, double rate_t, double acting_time) const;
-  [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                    const Eigen::Vector2d& direction) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   void account(std::size_t pair, std::vector<solver::BodyState>& states,
                const std::vector<const Eigen::VectorXd*>& u_before);

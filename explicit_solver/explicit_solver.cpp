@@ -64,7 +64,8 @@ void ExplicitSolver::initialize_internal_forces() {
     set_shared_columns(b);
   }
   if (alone() && !problem_.contact.pairs.empty()) {
-    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), setup_.window_size_s);
+    const solver::ContactSurface surface(problem_, scene::participant_parts(problem_, *spec_));
+    contact_.emplace(*problem_.scene.contact, surface, setup_.window_size_s);
     settle_at_start();
   }
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -93,8 +94,8 @@ std::vector<int> ExplicitSolver::driven_nodes(std::size_t b) const {
   std::vector<int> nodes = states_[b].shared_nodes;
   if (!contact_) return nodes;
   for (const auto& pair : contact_->surface().pairs) {
-    for (const auto& side : {pair.a, pair.b}) {
-      if (side.part == static_cast<int>(b)) nodes.push_back(side.node);
+    for (const auto& e : pair.normal.entries) {
+      if (e.part == static_cast<int>(b)) nodes.push_back(e.dof / contact_->surface().components);
     }
   }
   return nodes;

@@ -90,7 +90,8 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     vector->setZero(size);
   }
   if (!problem_.contact.pairs.empty()) {
-    contact_.emplace(problem_, scene::participant_parts(problem_, *spec_), states_);
+    const solver::ContactSurface surface(problem_, scene::participant_parts(problem_, *spec_));
+    contact_.emplace(problem_, surface, states_);
   }
   settle_at_start();
   for (const auto& state : states_) {

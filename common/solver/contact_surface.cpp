@@ -6,30 +6,17 @@
 namespace ricochet::solver {
 
 ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
-    : normal(problem.contact.normal),
-      tangent(-problem.contact.normal[1], problem.contact.normal[0]),
-      components(problem.scene.components()),
-      pairs(local_pairs(problem, parts)),
-      stress(problem, parts) {}
-
-double ContactSurface::moved(const Pair& pair, const Eigen::Vector2d& direction,
-                             const std::vector<BodyState>& states) const {
-  return relative(pair, direction, components, displacement_of(states));
-}
-
-double ContactSurface::gap(const Pair& pair, const std::vector<BodyState>& states) const {
-  return pair.gap0_m + moved(pair, normal, states);
-}
+    : components(problem.scene.components()), pairs(contact_rows(problem, parts)), stress(problem, parts) {}
 
 double ContactSurface::gap_min(const std::vector<BodyState>& states) const {
   double smallest = std::numeric_limits<double>::max();
-  for (const auto& pair : pairs) smallest = std::min(smallest, gap(pair, states));
+  for (const auto& pair : pairs) smallest = std::min(smallest, pair.gap(displacement_of(states)));
   return smallest;
 }
 
 double ContactSurface::gap_rate_min(const std::vector<BodyState>& states) const {
   double smallest = std::numeric_limits<double>::max();
-  for (const auto& pair : pairs) smallest = std::min(smallest, relative(pair, normal, components, velocity_of(states)));
+  for (const auto& pair : pairs) smallest = std::min(smallest, pair.normal.times(velocity_of(states)));
   return smallest;
 }
 

@@ -6,7 +6,8 @@
 
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
-#include "common/solver/pairs.hpp"
+#include "common/solver/contact_record.hpp"
+#include "common/solver/contact_rows.hpp"
 #include "common/solver/separation.hpp"
 #include "common/solver/surface_stress.hpp"
 
@@ -22,16 +23,10 @@ struct PairForce {
 struct ContactSurface {
   ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
 
-  Eigen::Vector2d normal, tangent;
   int components;
   std::vector<Pair> pairs;
   SurfaceStress stress;
 
-  /// direction . (u_B - u_A) [m]
-  [[nodiscard]] double moved(const Pair& pair, const Eigen::Vector2d& direction,
-                             const std::vector<BodyState>& states) const;
-  /// g = g0 + n . (u_B - u_A) [m]
-  [[nodiscard]] double gap(const Pair& pair, const std::vector<BodyState>& states) const;
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]
   [[nodiscard]] double gap_rate_min(const std::vector<BodyState>& states) const;  ///< [m/s]
   /// Forces and states summed up, gap and principal stress; the energies are the caller's.

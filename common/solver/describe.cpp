@@ -6,7 +6,7 @@
 
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
-#include "common/solver/pairs.hpp"
+#include "common/solver/contact_record.hpp"
 
 namespace ricochet::solver {
 namespace {

@@ -53,16 +53,18 @@ MasslessNodes::MasslessNodes(const ContactSurface& surface, std::vector<BodyStat
   factor(states);
 }
 
+/// The mass that a degree of freedom has along the normal goes to the same component of the node's neighbours.
 void MasslessNodes::move_masses(std::vector<BodyState>& states) {
+  const int components = surface_->components;
   for (std::size_t part = 0; part < states.size(); ++part) {
     auto& state = states[part];
-    std::vector<std::pair<std::size_t, double>> sides;  // pair, +1 for B
-    std::vector<int> contact;
+    std::vector<std::pair<std::size_t, RowEntry>> entries;  // of pairs
+    std::vector<int> contact;                               // nodes, each once
     for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
-      for (const auto& [side, sign] : {std::pair{surface_->pairs[i].a, -1.0}, std::pair{surface_->pairs[i].b, 1.0}}) {
-        if (side.part != static_cast<int>(part)) continue;
-        sides.emplace_back(i, sign);
-        contact.push_back(side.node);
+      for (const auto& e : surface_->pairs[i].normal.entries) {
+        if (e.part != static_cast<int>(part)) continue;
+        entries.emplace_back(i, e);
+        if (contact.empty() || contact.back() != e.dof / components) contact.push_back(e.dof / components);
       }
     }
     if (contact.empty()) continue;
@@ -71,20 +73,21 @@ void MasslessNodes::move_masses(std::vector<BodyState>& states) {
     const auto inward = inward_neighbours(state, contact);
     for (std::size_t k = 0; k < contact.size(); ++k) {
       if (inward[k].empty()) refuse(state, contact[k]);
+    }
+    std::size_t k = 0;
+    for (const auto& [pair, e] : entries) {
+      if (contact[k] != e.dof / components) ++k;
+      if (!state.free[static_cast<std::size_t>(e.dof)]) continue;
       const double share = 1.0 / static_cast<double>(inward[k].size());
-      for (int c = 0; c < surface_->components; ++c) {
-        const int dof = contact[k] * surface_->components + c;
-        if (surface_->normal[c] == 0.0 || !state.free[static_cast<std::size_t>(dof)]) continue;
-        for (const int other : inward[k]) {
-          const int to = other * surface_->components + c;
-          state.mass[to] += share * state.mass[dof];
-          if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
-          inward_[sides[k].first].push_back({part, to, sides[k].second * share * surface_->normal[c]});
-        }
-        state.mass[dof] = state.inverse_mass[dof] = 0.0;
-        statics->place[static_cast<std::size_t>(dof)] = static_cast<int>(statics->dofs.size());
-        statics->dofs.push_back(dof);
+      for (const int other : inward[k]) {
+        const int to = other * components + e.dof % components;
+        state.mass[to] += share * state.mass[e.dof];
+        if (state.free[static_cast<std::size_t>(to)]) state.inverse_mass[to] = 1.0 / state.mass[to];
+        inward_[pair].push_back({part, to, share * e.coefficient});
       }
+      state.mass[e.dof] = state.inverse_mass[e.dof] = 0.0;
+      statics->place[static_cast<std::size_t>(e.dof)] = static_cast<int>(statics->dofs.size());
+      statics->dofs.push_back(e.dof);
     }
     if (!statics->dofs.empty()) statics_[part] = std::move(statics);
   }
@@ -93,6 +96,17 @@ void MasslessNodes::move_masses(std::vector<BodyState>& states) {
 void MasslessNodes::Statics::solve() {
   factor.matrixL().solveInPlace(moved);
   factor.matrixU().solveInPlace(moved);
+}
+
+/// Calls f(entry, moved) for the entries of a pair's normal row that are massless.
+template <class F>
+void MasslessNodes::for_each_massless(const Pair& pair, const F& f) {
+  for (const auto& e : pair.normal.entries) {
+    auto& statics = statics_[static_cast<std::size_t>(e.part)];
+    if (!statics) continue;
+    const int at = statics->place[static_cast<std::size_t>(e.dof)];
+    if (at >= 0) f(e, statics->moved[at]);
+  }
 }
 
 /// K_cc of every part, and the root problem of the pairs' normal forces with the compliance N K_cc^-1 N^T.
@@ -126,16 +140,9 @@ void MasslessNodes::factor(const std::vector<BodyState>& states) {
     for (auto& statics : statics_)
       if (statics) statics->solve();
     for (Eigen::Index i = 0; i < pairs; ++i) {
-      const auto& pair = surface_->pairs[static_cast<std::size_t>(i)];
       double gap = 0.0;
-      for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
-        if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
-        const auto& statics = *statics_[static_cast<std::size_t>(side.part)];
-        for (int c = 0; c < surface_->components; ++c) {
-          const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
-          if (at >= 0) gap += sign * surface_->normal[c] * statics.moved[at];
-        }
-      }
+      for_each_massless(surface_->pairs[static_cast<std::size_t>(i)],
+                        [&](const RowEntry& e, double& moved) { gap += e.coefficient * moved; });
       compliance(i, j) = gap;
     }
   }
@@ -150,14 +157,7 @@ void MasslessNodes::load(const Eigen::VectorXd& normal_forces) {
     const auto& pair = surface_->pairs[i];
     const double force = normal_forces[static_cast<Eigen::Index>(i)];
     if (force == 0.0) continue;
-    for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
-      if (side.part < 0 || !statics_[static_cast<std::size_t>(side.part)]) continue;
-      auto& statics = *statics_[static_cast<std::size_t>(side.part)];
-      for (int c = 0; c < surface_->components; ++c) {
-        const int at = statics.place[static_cast<std::size_t>(side.node * surface_->components + c)];
-        if (at >= 0) statics.moved[at] += sign * surface_->normal[c] * force;
-      }
-    }
+    for_each_massless(pair, [&](const RowEntry& e, double& moved) { moved += e.coefficient * force; });
   }
 }
 
@@ -187,9 +187,7 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
   move();
   const auto of_part = [&](int part) -> const Eigen::VectorXd& { return *u[static_cast<std::size_t>(part)]; };
   for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
-    const auto& pair = surface_->pairs[i];
-    gap_free_[static_cast<Eigen::Index>(i)] =
-        pair.gap0_m + relative(pair, surface_->normal, surface_->components, of_part);
+    gap_free_[static_cast<Eigen::Index>(i)] = surface_->pairs[i].gap(of_part);
   }
   last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
   require_solved(last_);

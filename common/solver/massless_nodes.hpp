@@ -74,6 +74,8 @@ class MasslessNodes {
   };
   void move_masses(std::vector<BodyState>& states);
   void factor(const std::vector<BodyState>& states);
+  template <class F>
+  void for_each_massless(const Pair& pair, const F& f);
   /// Adds n r of every pair to `moved` of its parts.
   void load(const Eigen::VectorXd& normal_forces);
 

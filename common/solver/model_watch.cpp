@@ -89,12 +89,13 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
   const auto& body_a = problem.bodies[static_cast<std::size_t>(contact.body_a)];
   two_bodies_ = contact.body_b >= 0;
   ended_ = two_bodies_ && body_a.mesh.period_m == 0.0 && surface_->components == 2;
+  const Eigen::Vector2d tangent(-contact.normal[1], contact.normal[0]);
   std::vector<std::size_t> order;
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
     order.push_back(pairs_.size());
-    pairs_.push_back({surface_->tangent.dot(x), std::numeric_limits<double>::infinity(),
-                      std::numeric_limits<double>::infinity(), x});
+    pairs_.push_back(
+        {tangent.dot(x), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), x});
   }
   std::sort(order.begin(), order.end(),
             [&](std::size_t i, std::size_t j) { return pairs_[i].along_m < pairs_[j].along_m; });
@@ -176,24 +177,23 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
   Worst penetration;
   slipped_ = false;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const double gap_m = surface_->gap(surface_->pairs[i], states);
+    const double gap_m = surface_->pairs[i].gap(displacement_of(states));
     penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
     if (!two_bodies_ || surface_->components == 1) continue;
     slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
   }
-  const int part = surface_->pairs.front().a.part;
+  const int part = surface_->pairs.front().normal.part_of(Side::a);
   if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
 }
 
 /// Of a pair's nodes against each other, in edges.
 double ModelWatch::slip(std::size_t pair, const std::vector<BodyState>& states) const {
-  return std::abs(surface_->moved(surface_->pairs[pair], surface_->tangent, states)) / pairs_[pair].edge_m;
+  return std::abs(surface_->pairs[pair].tangent.times(displacement_of(states))) / pairs_[pair].edge_m;
 }
 
 /// Where a node of a pair has got to, along the tangent [m].
-double ModelWatch::along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const {
-  const auto& state = states[static_cast<std::size_t>(side.part)];
-  return pairs_[pair].along_m + surface_->tangent.dot(state.u.segment<2>(2 * side.node));
+double ModelWatch::along(std::size_t pair, Side side, const std::vector<BodyState>& states) const {
+  return pairs_[pair].along_m + surface_->pairs[pair].tangent.of(side, displacement_of(states));
 }
 
 void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
@@ -201,15 +201,15 @@ void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const
   const auto& pairs = surface_->pairs;
   const auto low = ends_[0], high = ends_[1];
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (surface_->gap(pairs[i], states) > closed_share * pairs_[i].edge_m) continue;
+    if (pairs[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
     slipped.take(slip(i, states), pairs_[i].x);
     if (!ended_) continue;
-    const double a = along(i, pairs[i].a, states), b = along(i, pairs[i].b, states);
-    const double past_m = std::max({along(low, pairs[low].b, states) - a, a - along(high, pairs[high].b, states),
-                                    along(low, pairs[low].a, states) - b, b - along(high, pairs[high].a, states)});
+    const double a = along(i, Side::a, states), b = along(i, Side::b, states);
+    const double past_m = std::max({along(low, Side::b, states) - a, a - along(high, Side::b, states),
+                                    along(low, Side::a, states) - b, b - along(high, Side::a, states)});
     past.take(past_m / pairs_[i].edge_m, pairs_[i].x);
   }
-  const int part = pairs.front().a.part;
+  const int part = pairs.front().normal.part_of(Side::a);
   if (slipped.size > slip_limit) report(Kind::slip, part, before, window, slipped);
   if (past.size >= off_limit) report(Kind::off_partner, part, before, window, past);
 }

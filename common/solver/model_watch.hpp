@@ -63,7 +63,7 @@ class ModelWatch {
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
   [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
-  [[nodiscard]] double along(std::size_t pair, const PairSide& side, const std::vector<BodyState>& states) const;
+  [[nodiscard]] double along(std::size_t pair, Side side, const std::vector<BodyState>& states) const;
   void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window,
               const Worst& worst);
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/scene/scene.hpp"
-#include "common/solver/pairs.hpp"
+#include "common/solver/contact_record.hpp"
 
 namespace ricochet::solver {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/solver/pairs.hpp"
+#include "common/problem/problem.hpp"
 
 namespace ricochet::solver {
 

@@ -12,40 +12,44 @@ using scene::Enforcement;
 using scene::ImpactUpdate;
 using scene::MultiplierUpdate;
 using solver::BodyState;
+using solver::ContactRow;
 using solver::ContactState;
 using solver::Pair;
-using solver::PairSide;
+using solver::RowEntry;
+using solver::Side;
 
-ImplicitContact::ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
+ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                                  const std::vector<BodyState>& states)
-    : problem_(&problem), law_(&*problem.scene.contact), surface_(problem, parts) {
+    : problem_(&problem), law_(&*problem.scene.contact), surface_(std::move(surface)) {
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
     offset += state.part.dofs();
   }
+  root_of_dof_.assign(static_cast<std::size_t>(offset), -1);
+  const auto is_free = [&](const RowEntry& e) {
+    return states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)];
+  };
   for (const auto& pair : surface_.pairs) {
-    for (const auto& side : {pair.a, pair.b}) {
-      if (side.part < 0) continue;
-      const auto& state = states[static_cast<std::size_t>(side.part)];
-      for (int c = 0; c < surface_.components; ++c) {
-        const int dof = side.node * surface_.components + c;
-        const bool acts = surface_.normal[c] != 0.0 || law_->friction_coefficient > 0.0;
-        if (acts && state.free[static_cast<std::size_t>(dof)])
-          root_dofs_.push_back(offsets_[static_cast<std::size_t>(side.part)] + dof);
-      }
+    std::vector<RowEntry> entries = pair.normal.entries;
+    if (friction()) entries.insert(entries.end(), pair.tangent.entries.begin(), pair.tangent.entries.end());
+    std::sort(entries.begin(), entries.end(),
+              [](const RowEntry& x, const RowEntry& y) { return std::pair(x.side, x.dof) < std::pair(y.side, y.dof); });
+    for (const auto& e : entries) {
+      int& root = root_of_dof_[static_cast<std::size_t>(combined(e))];
+      if (root >= 0 || !is_free(e)) continue;
+      root = static_cast<int>(root_dofs_.size());
+      root_dofs_.push_back(combined(e));
     }
-    const auto moves = [&](const PairSide& side, Direction direction) {
-      for (int c = 0; side.part >= 0 && c < surface_.components; ++c) {
-        const int dof = side.node * surface_.components + c;
-        if (vector(direction)[c] != 0.0 &&
-            states[static_cast<std::size_t>(side.part)].free[static_cast<std::size_t>(dof)])
-          return true;
+    const auto weight = [&](const ContactRow& row, Side side) {
+      double sum = 0.0;
+      for (const auto& e : row.entries) {
+        if (e.side == side && is_free(e)) sum += e.coefficient * e.coefficient;
       }
-      return false;
+      return sum;
     };
-    moves_.push_back({{{moves(pair.a, along_normal), moves(pair.b, along_normal)},
-                       {moves(pair.a, along_tangent), moves(pair.b, along_tangent)}}});
+    weights_.push_back({{{weight(pair.normal, Side::a), weight(pair.normal, Side::b)},
+                         {weight(pair.tangent, Side::a), weight(pair.tangent, Side::b)}}});
   }
   impulse_.resize(surface_.pairs.size());
   remembered_normal_n_.resize(surface_.pairs.size());
@@ -92,24 +96,20 @@ void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Ei
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   const int n = static_cast<int>(surface_.pairs.size());
-  const bool friction = law_->friction_coefficient > 0.0;
   dt_ = dt;
-  gather_.setZero(friction ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));
+  gather_.setZero(friction() ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));
   std::vector<double> area;
   for (int i = 0; i < n; ++i) {
     const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
     area.push_back(pair.area_m2);
-    for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}}) {
-      if (side.part < 0) continue;
-      for (int c = 0; c < surface_.components; ++c) {
-        const int dof = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c;
-        const auto found = std::find(root_dofs_.begin(), root_dofs_.end(), dof);
-        if (found == root_dofs_.end()) continue;
-        const auto column = found - root_dofs_.begin();
-        gather_(i, column) = sign * surface_.normal[c];
-        if (friction) gather_(n + i, column) = sign * surface_.tangent[c];
+    const auto gather = [&](int row, const ContactRow& of) {
+      for (const auto& e : of.entries) {
+        const int column = root_of_dof_[static_cast<std::size_t>(combined(e))];
+        if (column >= 0) gather_(row, column) = e.coefficient;
       }
-    }
+    };
+    gather(i, pair.normal);
+    if (friction()) gather(n + i, pair.tangent);
   }
   const Eigen::MatrixXd compliance = (kappa() * 0.25 * dt * dt) * (gather_ * root_inverse * gather_.transpose());
   root_.emplace(*law_, compliance, area, dt);
@@ -120,21 +120,15 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   root_force_.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
 }
 
-double ImplicitContact::combined(const Pair& pair, const Eigen::VectorXd& values,
-                                 const Eigen::Vector2d& direction) const {
-  return solver::relative(pair, direction, surface_.components,
-                          [&](int part) { return values.data() + offsets_[static_cast<std::size_t>(part)]; });
-}
-
 /// Relative displacements at the end of the window without contact forces, from zero, of held pairs.
 void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
-    const auto moved = [&](const Eigen::Vector2d& direction) {
-      return surface_.moved(pair, direction, states) + combined(pair, increment, direction);
+    const auto moved = [&](const ContactRow& row) {
+      return row.times(displacement_of(states)) + row.times(of_part(increment));
     };
-    gap_free_[static_cast<Eigen::Index>(i)] = moved(surface_.normal);
-    slip_free_[static_cast<Eigen::Index>(i)] = moved(surface_.tangent);
+    gap_free_[static_cast<Eigen::Index>(i)] = moved(pair.normal);
+    slip_free_[static_cast<Eigen::Index>(i)] = moved(pair.tangent);
   }
 }
 
@@ -164,32 +158,20 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
     const auto k = static_cast<Eigen::Index>(i);
-    gap_free_[k] = surface_.gap(pair, states) + combined(pair, increment, surface_.normal);
-    if (!root_->friction()) continue;
-    slip_free_[k] = combined(pair, increment, surface_.tangent);
-    slip_velocity_[k] = relative(pair, surface_.tangent, surface_.components, velocity_of(states));
+    gap_free_[k] = pair.gap(displacement_of(states)) + pair.normal.times(of_part(increment));
+    if (!friction()) continue;
+    slip_free_[k] = pair.tangent.times(of_part(increment));
+    slip_velocity_[k] = pair.tangent.times(velocity_of(states));
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, accepted_);
   solver::require_solved(trial_);
   root_force_.noalias() = gather_.transpose() * trial_.force;
 }
 
-double ImplicitContact::inverse_mass(const Pair& pair, const std::vector<BodyState>& states,
-                                     Direction direction) const {
-  double sum = 0.0;
-  for (const auto& side : {pair.a, pair.b}) {
-    if (side.part < 0) continue;
-    const auto& inverse = states[static_cast<std::size_t>(side.part)].inverse_mass;
-    for (int c = 0; c < surface_.components; ++c) {
-      sum += vector(direction)[c] * vector(direction)[c] * inverse[side.node * surface_.components + c];
-    }
-  }
-  return sum;
-}
-
 ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::vector<BodyState>& states,
                                                    Direction direction) const {
-  const double wa = inverse_mass({pair.a, {}}, states, direction), wb = inverse_mass({{}, pair.b}, states, direction);
+  const auto& row = row_of(pair, direction);
+  const double wa = row.inverse_mass_of(Side::a, states), wb = row.inverse_mass_of(Side::b, states);
   if (wa + wb == 0.0) return {0.0, 0.0};
   if (!by_impedance() || wa == 0.0 || wb == 0.0) return {wa / (wa + wb), wb / (wa + wb)};
   // Eq. 25-27: weights rho C, longitudinal along n, shear along t
@@ -199,68 +181,68 @@ ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::
                                                    : fem::shear_wave_speed(body.material);
     return body.material.density_kg_m3 * speed;
   };
-  const double za = impedance(pair.a.part), zb = impedance(pair.b.part);
+  const double za = impedance(row.part_of(Side::a)), zb = impedance(row.part_of(Side::b));
   return {zb / (za + zb), za / (za + zb)};
 }
 
+/// Takes the relative rate away by what is an impulse on each side, M^-1 N^T times a number: A moves by its share of
+/// it, B by its own the other way.
 void ImplicitContact::set_mean(const Pair& pair, const std::vector<BodyState>& states, Direction direction,
                                Eigen::VectorXd& values) const {
-  const auto& d = vector(direction);
-  const double difference = combined(pair, values, d);
+  const auto& row = row_of(pair, direction);
+  const double difference = row.times(of_part(values));
   const Mean share = mean_shares(pair, states, direction);
-  for (const auto& [side, amount] :
-       {std::pair{pair.a, share.share_a * difference}, std::pair{pair.b, -share.share_b * difference}}) {
-    if (side.part < 0) continue;
-    for (int c = 0; c < surface_.components; ++c) {
-      values[offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components + c] += amount * d[c];
-    }
+  const double inverse_a = row.inverse_mass_of(Side::a, states), inverse_b = row.inverse_mass_of(Side::b, states);
+  for (const auto& e : row.entries) {
+    const double side_share = e.side == Side::a ? share.share_a : share.share_b;
+    if (side_share == 0.0) continue;
+    const double inverse = states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+    const double weight = inverse / (e.side == Side::a ? inverse_a : inverse_b);
+    values[combined(e)] -= side_share * difference * e.coefficient * weight;
   }
 }
 
 /// Adds M^-1 times a force or impulse on B, and its opposite on A, to accelerations or velocities.
 void ImplicitContact::push(const Pair& pair, const std::vector<BodyState>& states, Direction direction, double on_b,
                            Eigen::VectorXd& values) const {
-  for (const auto& [side, amount] : {std::pair{pair.a, -on_b}, std::pair{pair.b, on_b}}) {
-    if (side.part < 0) continue;
-    const auto part = static_cast<std::size_t>(side.part);
-    for (int c = 0; c < surface_.components; ++c) {
-      const int dof = side.node * surface_.components + c;
-      values[offsets_[part] + dof] += amount * vector(direction)[c] * states[part].inverse_mass[dof];
-    }
-  }
+  row_of(pair, direction).push(on_b, states, of_part(values));
 }
 
-double ImplicitContact::along(const PairSide& side, Direction direction, const Eigen::VectorXd& values) const {
-  const int first = offsets_[static_cast<std::size_t>(side.part)] + side.node * surface_.components;
-  double sum = 0.0;
-  for (int c = 0; c < surface_.components; ++c) sum += vector(direction)[c] * values[first + c];
-  return sum;
+/// The number p of forces N^T p, from those on one side's free degrees of freedom.
+double ImplicitContact::force_on(Side side, std::size_t pair, Direction direction,
+                                 const Eigen::VectorXd& forces) const {
+  const double weight = weights_[pair][direction][side == Side::a ? 0 : 1];
+  return weight > 0.0 ? row_of(surface_.pairs[pair], direction).of(side, of_part(forces)) / weight : 0.0;
 }
 
 /// What a pair's forces are on B, the mean of it and of the opposite on A: the two differ where Eq. 25 weighs by
 /// impedances. A side that a support holds counts for nothing.
+double ImplicitContact::mean_of_sides(std::size_t pair, Direction direction, double on_a, double on_b) const {
+  const auto& [weight_a, weight_b] = weights_[pair][direction];
+  return weight_a > 0.0 && weight_b > 0.0 ? 0.5 * (on_b - on_a) : on_b - on_a;
+}
+
 double ImplicitContact::on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const {
-  const auto& [a_moves, b_moves] = moves_[pair][direction];
-  const double on_a = a_moves ? along(surface_.pairs[pair].a, direction, forces) : 0.0;
-  const double on_b = b_moves ? along(surface_.pairs[pair].b, direction, forces) : 0.0;
-  return a_moves && b_moves ? 0.5 * (on_b - on_a) : on_b - on_a;
+  return mean_of_sides(pair, direction, force_on(Side::a, pair, direction, forces),
+                       force_on(Side::b, pair, direction, forces));
 }
 
 /// `on_b` of M times rates.
 double ImplicitContact::mass_times(std::size_t pair, const std::vector<BodyState>& states, Direction direction,
                                    const Eigen::VectorXd& rates) const {
-  const auto& [a_moves, b_moves] = moves_[pair][direction];
-  const auto of = [&](const PairSide& side) {
-    const auto part = static_cast<std::size_t>(side.part);
-    double sum = 0.0;
-    for (int c = 0; c < surface_.components; ++c) {
-      const int dof = side.node * surface_.components + c;
-      sum += vector(direction)[c] * states[part].mass[dof] * rates[offsets_[part] + dof];
+  const auto& [weight_a, weight_b] = weights_[pair][direction];
+  double on_a = 0.0, on_b = 0.0;
+  for (const auto& e : row_of(surface_.pairs[pair], direction).entries) {
+    const auto& state = states[static_cast<std::size_t>(e.part)];
+    if (!state.free[static_cast<std::size_t>(e.dof)]) continue;
+    const double force = e.coefficient * state.mass[e.dof] * rates[combined(e)];
+    if (e.side == Side::a) {
+      on_a -= force / weight_a;
+    } else {
+      on_b += force / weight_b;
     }
-    return sum;
-  };
-  const double on_a = a_moves ? of(surface_.pairs[pair].a) : 0.0, on_b = b_moves ? of(surface_.pairs[pair].b) : 0.0;
-  return a_moves && b_moves ? 0.5 * (on_b - on_a) : on_b - on_a;
+  }
+  return mean_of_sides(pair, direction, on_a, on_b);
 }
 
 /// Velocities and accelerations of held pairs: linear, whatever the sign of a force.
@@ -269,7 +251,7 @@ void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::Ve
   if (!resets()) return;
   for (const auto& pair : surface_.pairs) {
     for (const Direction direction : {along_normal, along_tangent}) {
-      if (direction == along_tangent && !root_->friction()) continue;
+      if (direction == along_tangent && !friction()) continue;
       set_mean(pair, states, direction, velocity);
       set_mean(pair, states, direction, acceleration);
     }
@@ -297,11 +279,11 @@ void ImplicitContact::reset_normal(std::size_t i, const std::vector<BodyState>& 
 void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                     Eigen::VectorXd& acceleration) {
   const auto& pair = surface_.pairs[i];
-  const double inverse = inverse_mass(pair, states, along_tangent);
+  const double inverse = pair.tangent.inverse_mass(states);
   if (inverse == 0.0) return;
   auto& impulse = impulse_[i];
   const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
-  const double free_rate = combined(pair, velocity, surface_.tangent) - inverse * impulse.tangential;
+  const double free_rate = pair.tangent.times(of_part(velocity)) - inverse * impulse.tangential;
   const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
   const bool sticks = given == holding;
   if (sticks && by_impedance()) {
@@ -315,7 +297,7 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
   impulse.state = sticks ? ContactState::stick : ContactState::slip;
   const double force = trial_.force[static_cast<Eigen::Index>(surface_.pairs.size() + i)];
   const double force_limit = mu * std::max(0.0, remembered_normal_n_[i]);
-  const double holding_force = force - combined(pair, acceleration, surface_.tangent) / inverse;
+  const double holding_force = force - pair.tangent.times(of_part(acceleration)) / inverse;
   const double slipping_force = limit > 0.0 ? force_limit * given / limit : 0.0;
   const double remembered = sticks ? std::clamp(holding_force, -force_limit, force_limit) : slipping_force;
   if (sticks && by_impedance() && remembered == holding_force) {
@@ -340,7 +322,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
                                    Eigen::VectorXd& acceleration) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket),
-                   .tangential = root_->friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
+                   .tangential = friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
                    .state = trial_.states[i]};
     remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
     const bool touched = trial_.states[i] != ContactState::open || accepted_.states[i] != ContactState::open;
@@ -355,7 +337,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const bool closed = trial_.states[i] != ContactState::open;
     if (closed && !massless_) reset_normal(i, states, velocity, acceleration);
-    if (!root_->friction()) continue;
+    if (!friction()) continue;
     if (closed) {
       reset_tangent(i, states, velocity, acceleration);
     } else {
@@ -373,8 +355,9 @@ void ImplicitContact::give_back(const std::vector<BodyState>& states, const Eige
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
     double made = 0.0;
-    for (const auto& side : {pair.a, pair.b})
-      if (side.part >= 0) made += 0.5 * along(side, along_normal, bracket) * along(side, along_normal, increment);
+    for (const Side side : {Side::a, Side::b}) {
+      made += 0.5 * force_on(side, i, along_normal, bracket) * pair.normal.of(side, of_part(increment));
+    }
     impulse_[i].normal += massless_->give_back(i, made, impulse_[i].normal, states, velocity_of_part_);
   }
 }
@@ -388,23 +371,20 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
-    for (const auto& side : {pair.a, pair.b}) {
-      if (side.part < 0) continue;
-      const auto work = [&](Direction d) {
-        return 0.5 * along(side, d, bracket) * along(side, d, increment) +
-               along(side, d, jump) * along(side, d, mean_velocity);
+    for (const Side side : {Side::a, Side::b}) {
+      const auto work = [&](Direction direction) {
+        const auto moved = [&](const Eigen::VectorXd& values) {
+          return row_of(pair, direction).of(side, of_part(values));
+        };
+        return 0.5 * force_on(side, i, direction, bracket) * moved(increment) +
+               force_on(side, i, direction, jump) * moved(mean_velocity);
       };
       work_normal_j_ += work(along_normal);
       dissipated_friction_j_ -= work(along_tangent);
     }
     impulse_normal_n_s_ += impulse_[i].normal;
     impulse_tangential_n_s_ += impulse_[i].tangential;
-    if (pair.b.part >= 0) continue;
-    auto& totals = states[static_cast<std::size_t>(pair.a.part)].totals;
-    totals.impulse_n_kg_m_s -= impulse_[i].normal;
-    totals.impulse_t_kg_m_s -= impulse_[i].tangential;
-    states[static_cast<std::size_t>(pair.a.part)].add_angular_impulse(
-        pair.a.node, -(impulse_[i].normal * surface_.normal + impulse_[i].tangential * surface_.tangent));
+    book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
   }
 }
 

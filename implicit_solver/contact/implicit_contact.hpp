@@ -29,7 +29,8 @@ namespace ricochet::implicit_solver {
 /// <= mu p_n and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
 class ImplicitContact {
  public:
-  ImplicitContact(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts,
+  /// `problem`, for its law and materials, must outlive it.
+  ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                   const std::vector<solver::BodyState>& states);
 
   /// Degrees of freedom (combined numbering: offsets[part] + local dof) the contact acts on, constrained ones left out.
@@ -86,18 +87,29 @@ class ImplicitContact {
   struct Mean {
     double share_a, share_b;  ///< A moves by share_a * (x_B - x_A), B by -share_b * (x_B - x_A)
   };
-  [[nodiscard]] const Eigen::Vector2d& vector(Direction direction) const {
-    return direction == along_normal ? surface_.normal : surface_.tangent;
+  [[nodiscard]] static const solver::ContactRow& row_of(const solver::Pair& pair, Direction direction) {
+    return direction == along_normal ? pair.normal : pair.tangent;
   }
-  [[nodiscard]] double inverse_mass(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                    Direction direction) const;
+  [[nodiscard]] bool friction() const { return law_->friction_coefficient > 0.0; }
+  /// Combined number of an entry's degree of freedom, and a part's stretch of a combined vector.
+  [[nodiscard]] int combined(const solver::RowEntry& e) const {
+    return offsets_[static_cast<std::size_t>(e.part)] + e.dof;
+  }
+  [[nodiscard]] auto of_part(const Eigen::VectorXd& values) const {
+    return [this, &values](int part) { return values.data() + offsets_[static_cast<std::size_t>(part)]; };
+  }
+  [[nodiscard]] auto of_part(Eigen::VectorXd& values) const {
+    return [this, &values](int part) { return values.data() + offsets_[static_cast<std::size_t>(part)]; };
+  }
   [[nodiscard]] Mean mean_shares(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                  Direction direction) const;
   void set_mean(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction,
                 Eigen::VectorXd& values) const;
   void push(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction, double on_b,
             Eigen::VectorXd& values) const;
-  [[nodiscard]] double along(const solver::PairSide& side, Direction direction, const Eigen::VectorXd& values) const;
+  [[nodiscard]] double force_on(solver::Side side, std::size_t pair, Direction direction,
+                                const Eigen::VectorXd& forces) const;
+  [[nodiscard]] double mean_of_sides(std::size_t pair, Direction direction, double on_a, double on_b) const;
   [[nodiscard]] double on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const;
   [[nodiscard]] double mass_times(std::size_t pair, const std::vector<solver::BodyState>& states, Direction direction,
                                   const Eigen::VectorXd& rates) const;
@@ -113,8 +125,6 @@ class ImplicitContact {
   void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                   Eigen::VectorXd& acceleration) const;
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
-  [[nodiscard]] double combined(const solver::Pair& pair, const Eigen::VectorXd& values,
-                                const Eigen::Vector2d& direction) const;
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
@@ -122,6 +132,7 @@ class ImplicitContact {
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
+  std::vector<int> root_of_dof_;  ///< per combined number: its place in root_dofs_, or -1
   double dt_ = 0.0;
   Eigen::MatrixXd gather_;  ///< G: relative motion per root motion, rows as the unknowns of RootProblem
   std::optional<solver::RootProblem> root_;
@@ -135,8 +146,9 @@ class ImplicitContact {
   /// [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;
-  /// Whether supports leave A and B of a pair free to move along the normal, the tangent.
-  std::vector<std::array<std::array<bool, 2>, 2>> moves_;
+  /// Per pair, along the normal and the tangent, for A and B: sum of the squared coefficients of the degrees of freedom
+  /// that no support holds; 1 for a node that is free.
+  std::vector<std::array<std::array<double, 2>, 2>> weights_;
   std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
   double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
   double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;

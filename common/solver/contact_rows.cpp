@@ -1,0 +1,92 @@
+#include "common/solver/contact_rows.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// A node of one of the parts.
+struct PartNode {
+  int part, node;
+  Side side;
+};
+
+PartNode find_node(const std::vector<scene::ParticipantPart>& parts, int body, int body_node, Side side) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].body != body) continue;
+    const auto& nodes = parts[p].part.body_node;
+    const auto found = std::lower_bound(nodes.begin(), nodes.end(), body_node);
+    if (found != nodes.end() && *found == body_node)
+      return {static_cast<int>(p), static_cast<int>(found - nodes.begin()), side};
+  }
+  throw ConfigError("contact node " + std::to_string(body_node) + " belongs to no part of the contact's owner");
+}
+
+ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector2d& direction, int components) {
+  ContactRow row;
+  for (int c = 0; c < components; ++c) {
+    if (direction[c] == 0.0) continue;
+    for (const auto& n : nodes) {
+      row.entries.push_back(
+          {n.part, n.node * components + c, n.side == Side::b ? direction[c] : -direction[c], n.side});
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
+  const auto& geometry = problem.contact;
+  const Eigen::Vector2d tangent(-geometry.normal[1], geometry.normal[0]);
+  const int components = problem.scene.components();
+  std::vector<Pair> pairs;
+  for (const auto& pair : geometry.pairs) {
+    std::vector<PartNode> nodes;
+    if (geometry.body_b >= 0) nodes.push_back(find_node(parts, geometry.body_b, pair.node_b, Side::b));
+    nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a));
+    pairs.push_back({.normal = row_of_nodes(nodes, geometry.normal, components),
+                     .tangent = row_of_nodes(nodes, tangent, components),
+                     .gap0_m = pair.gap0_m,
+                     .area_m2 = pair.area_m2});
+  }
+  return pairs;
+}
+
+double ContactRow::inverse_mass(const std::vector<BodyState>& states) const {
+  return inverse_mass_of(Side::a, states) + inverse_mass_of(Side::b, states);
+}
+
+double ContactRow::inverse_mass_of(Side side, const std::vector<BodyState>& states) const {
+  double sum = 0.0;
+  for (const auto& e : entries) {
+    if (e.side != side) continue;
+    sum += e.coefficient * e.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+  }
+  return sum;
+}
+
+bool ContactRow::has(Side side) const { return part_of(side) >= 0; }
+
+int ContactRow::part_of(Side side) const {
+  for (const auto& e : entries) {
+    if (e.side == side) return e.part;
+  }
+  return -1;
+}
+
+void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states) {
+  if (pair.normal.has(Side::b)) return;
+  auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
+  state.totals.impulse_n_kg_m_s -= normal_n_s;
+  state.totals.impulse_t_kg_m_s -= tangential_n_s;
+  if (state.arm.size() == 0) return;
+  const auto arm = [&](int) -> const Eigen::VectorXd& { return state.arm; };
+  state.totals.angular_impulse_kg_m2_s +=
+      normal_n_s * pair.normal.times(arm) + tangential_n_s * pair.tangent.times(arm);
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+#include "common/solver/body_state.hpp"
+
+/// Contact as sparse rows over the degrees of freedom of a participant's parts: all that a contact law of either solver
+/// knows of a geometry. Normal n from the first surface (A) to the second (B), tangent t = (-n_y, n_x).
+///   gap     g = g0 + N u,   open when g > 0            (Eq. 11, 17, 18)
+///   slip      = T du over a window
+/// With N = n . (u_B - u_A) for two nodes that lie opposite, N = -n . u_A against a rigid plane, and a node against two
+/// of the other side shared by their weights. A contact force r >= 0 acts as N^T r, on B along +n and on A along -n; a
+/// friction force as T^T times it. The law that closes a gap at once needs the compliance N M^-1 N^T.
+namespace ricochet::solver {
+
+enum class Side : char { a, b };
+
+struct RowEntry {
+  int part = 0;
+  int dof = 0;  ///< of the part
+  double coefficient = 0.0;
+  Side side = Side::a;
+};
+
+struct ContactRow {
+  std::vector<RowEntry> entries;  ///< none twice; coefficients of A are those of minus its motion
+
+  /// N x, with x one vector per part (`of_part(part)[dof]`).
+  template <class OfPart>
+  [[nodiscard]] double times(const OfPart& of_part) const {
+    double sum = 0.0;
+    for (const auto& e : entries) sum += e.coefficient * of_part(e.part)[e.dof];
+    return sum;
+  }
+  /// One side's part of it, along the direction of the row for either: times = of(b) - of(a).
+  template <class OfPart>
+  [[nodiscard]] double of(Side side, const OfPart& of_part) const {
+    double sum = 0.0;
+    for (const auto& e : entries) {
+      if (e.side == side) sum += e.coefficient * of_part(e.part)[e.dof];
+    }
+    return side == Side::b ? sum : -sum;
+  }
+  /// x += M^-1 N^T force: what a force does to accelerations, an impulse to velocities.
+  template <class OfPart>
+  void push(double force, const std::vector<BodyState>& states, const OfPart& of_part) const {
+    for (const auto& e : entries) {
+      of_part(e.part)[e.dof] += force * e.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+    }
+  }
+  /// N M^-1 N^T [1/kg], and one side's share of it.
+  [[nodiscard]] double inverse_mass(const std::vector<BodyState>& states) const;
+  [[nodiscard]] double inverse_mass_of(Side side, const std::vector<BodyState>& states) const;
+
+  [[nodiscard]] bool has(Side side) const;
+  [[nodiscard]] int part_of(Side side) const;  ///< of the side's first entry; -1 if it has none
+};
+
+/// A place where the surfaces may touch: two nodes that lie opposite, or a node and a plane.
+struct Pair {
+  ContactRow normal, tangent;  ///< no entries along the tangent in one dimension
+  double gap0_m = 0.0;
+  double area_m2 = 0.0;
+
+  /// g0 + N u [m]
+  template <class OfPart>
+  [[nodiscard]] double gap(const OfPart& u_of_part) const {
+    return gap0_m + normal.times(u_of_part);
+  }
+};
+
+/// The rows of a scene's contact pairs (all contact nodes must be among the parts).
+[[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
+                                             const std::vector<scene::ParticipantPart>& parts);
+
+/// The normal impulse `normal_n_s` and the tangential one on B, and the opposite ones on A, change no total momentum of
+/// two bodies; what a rigid plane gives A is booked to its totals.
+void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states);
+
+}  // namespace ricochet::solver

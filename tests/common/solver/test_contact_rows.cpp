@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include "common/solver/contact_rows.hpp"
+#include "tests/support/contact_plates.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+TEST(ContactRows, OfOppositeNodesMeasureTheGapAndTheSlip) {
+  test::ContactPlates plates("all_implicit");
+  ASSERT_EQ(plates.surface.pairs.size(), 3U);
+  plates.states[0].u.setZero();
+  for (int node = 0; node < plates.states[1].part.nodes(); ++node)
+    plates.states[1].u.segment<2>(2 * node) << 2e-3, 5e-3;
+  for (const auto& pair : plates.surface.pairs) {
+    EXPECT_NEAR(pair.gap(displacement_of(plates.states)), 5e-3, 1e-18) << "n points from the lower plate to the upper";
+    EXPECT_NEAR(pair.tangent.times(displacement_of(plates.states)), -2e-3, 1e-18) << "t = (-1, 0)";
+    EXPECT_NEAR(pair.normal.of(Side::b, displacement_of(plates.states)), 5e-3, 1e-18);
+    EXPECT_EQ(pair.normal.of(Side::a, displacement_of(plates.states)), 0.0);
+    EXPECT_EQ(pair.normal.part_of(Side::a), 0);
+    EXPECT_EQ(pair.normal.part_of(Side::b), 1);
+  }
+}
+
+TEST(ContactRows, PushIsTheTransposeOfTimes) {
+  test::ContactPlates plates("all_implicit");
+  plates.use_one_row();
+  const auto& row = plates.surface.pairs[0].normal;
+  const auto velocity = [&](int part) -> Eigen::VectorXd& { return plates.states[static_cast<std::size_t>(part)].v; };
+  row.push(3.0, plates.states, velocity);
+  EXPECT_NEAR(row.times(velocity), 3.0 * row.inverse_mass(plates.states), 1e-14) << "N M^-1 N^T p";
+  EXPECT_LT(plates.mass_times(velocity).norm(), 1e-15);
+}
+
+TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
+  test::ContactPlates plates("all_implicit");
+  plates.use_one_row();
+  Pair pair = plates.surface.pairs[0];
+  book_impulse(pair, 2.0, 1.0, plates.states);
+  EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, 0.0) << "two bodies keep their momentum";
+  for (auto* row : {&pair.normal, &pair.tangent})
+    std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
+  book_impulse(pair, 2.0, 1.0, plates.states);
+  EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, -2.0);
+  EXPECT_EQ(plates.states[0].totals.impulse_t_kg_m_s, -1.0);
+  // at (0.1, 0): force (1, -2) on A, x F_y - y F_x = -0.2
+  EXPECT_NEAR(plates.states[0].totals.angular_impulse_kg_m2_s, -0.2, 1e-16);
+}
+
+}  // namespace
+}  // namespace ricochet::solver
