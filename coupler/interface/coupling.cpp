@@ -51,6 +51,13 @@ void Coupling::initialize_implicit(wire::Message request, Masses masses, Eigen::
   implicit_->rows().scatter(implicit_->output(), displacement_);
 }
 
+std::vector<wire::Message> Coupling::finish() {
+  for (auto& link : links_) link.post_finish();
+  std::vector<wire::Message> last_words;
+  for (auto& link : links_) last_words.push_back(link.wait_finished());
+  return last_words;
+}
+
 const std::vector<double>& Coupling::rows_of(const Link& link, const std::vector<double>& shared) {
   link.rows().gather(shared, own_);
   return own_;

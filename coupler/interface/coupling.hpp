@@ -61,6 +61,9 @@ class Coupling {
   /// Participants that have no shared node.
   void advance_alone(const Step& step);
 
+  /// Tells everyone that the last window was the last; returns their answers, in the scene's order.
+  std::vector<wire::Message> finish();
+
   /// Values in the shared numbering as a link's own rows; valid until the next call.
   const std::vector<double>& rows_of(const Link& link, const std::vector<double>& shared);
   /// All that the next window depends on: the motion of every participant and the absolute input of every link, in the

@@ -21,6 +21,9 @@ struct ExpectedPeer {
   std::string role;  ///< "explicit" | "implicit"
 };
 
+/// What a process said before it ended is in the socket after this time [s].
+inline constexpr double drain_s = 0.25;
+
 /// What all peers of a run have in common.
 struct RunIdentity {
   std::string run_id;
@@ -49,6 +52,7 @@ class Peers {
   void limit(std::size_t index, const wire::Message& description);
   /// The participant in the form the protocols use; refers to this object.
   [[nodiscard]] Peer peer(std::size_t index);
+  [[nodiscard]] std::vector<Peer> all();
   /// Tells every peer that still listens that the run is over, and why.
   void announce_failure(int code, const std::string& text, const std::string& culprit);
 

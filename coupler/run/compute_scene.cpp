@@ -41,9 +41,9 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
 
 std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
                           const std::vector<std::string>& executables, const ResultsDirectory& results) {
-  CoupledRun run(problem, plan, results);
+  CoupledRun run(problem, plan, executables, results);
   try {
-    run.run(executables);
+    run.run();
   } catch (const std::exception& error) {
     run.fail(status_of(error), exit_code_of(error), text_of(error));
     throw;
