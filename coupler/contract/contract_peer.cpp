@@ -13,7 +13,9 @@ constexpr const char* participant = "under test";  // its name for launcher and 
 constexpr std::size_t log_lines = 4;
 
 Member member_of(const ContractCommand& command, const std::string& log) {
-  Member member{participant, "", command.words.front()};
+  Member member;
+  member.name = participant;
+  member.executable = command.words.front();
   member.arguments.assign(command.words.begin() + 1, command.words.end());
   member.log_path = log;
   return member;

@@ -17,7 +17,7 @@ namespace {
 Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& participant, const std::string& executable,
                  const ResultsDirectory& results) {
   const auto& name = participant.name;
-  Member member{name, role_name(participant.role), executable, {"--scene", scene.path, "--name", name}};
+  Member member{name, participant.role, executable, {"--scene", scene.path, "--name", name}};
   if (participant.start == scene::Start::by_hand) {
     member.executable = participant.executable.empty() ? shipped_program(participant.role) : participant.executable;
     member.key_file = results.file("keys/" + name + ".key");
@@ -62,8 +62,6 @@ wire::Message initialize_request(const scene::Scene& scene, double window_size_s
   return request;
 }
 
-std::string role_name(scene::Role role) { return role == scene::Role::implicit_solver ? "implicit" : "explicit"; }
-
 std::vector<std::string> find_executables(const scene::Scene& scene) {
   std::vector<std::string> paths;
   for (const auto& participant : scene.participants) {
@@ -78,22 +76,22 @@ std::vector<std::string> participant_names(const scene::Scene& scene) {
   return names;
 }
 
-void require_capability(const wire::Message& description, const std::string& needed, const std::string& activity) {
+void require_capability(const wire::Message& description, Capability needed, const std::string& activity) {
+  if (wire::has_capability(description, needed)) return;
   const auto& has = description.capabilities;
-  if (std::find(has.begin(), has.end(), needed) != has.end()) return;
   throw ConfigError(
       fmt::format("participant '{}' ({}) cannot take part in {}: it lacks the capability \"{}\" (it has: "
                   "{}); choose another protocol or another solver",
-                  description.participant, description.solver, activity, needed,
+                  description.participant, description.solver, activity, name_of(needed),
                   has.empty() ? "none" : fmt::format("{}", fmt::join(has, ", "))));
 }
 
 void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<wire::Message>& descriptions) {
   int implicit = 0;
   for (const auto& description : descriptions) {
-    const bool is_implicit = description.role == "implicit";
+    const bool is_implicit = wire::has_role(description, Role::implicit_solver);
     implicit += is_implicit ? 1 : 0;
-    for (const auto& needed : is_implicit ? protocol.implicit_capabilities : protocol.explicit_capabilities) {
+    for (const auto needed : is_implicit ? protocol.implicit_capabilities : protocol.explicit_capabilities) {
       require_capability(description, needed, fmt::format("protocol {}", protocol.name));
     }
   }

@@ -19,9 +19,6 @@ namespace ricochet::coupler {
 [[nodiscard]] wire::Message initialize_request(const scene::Scene& scene, double window_size_s,
                                                std::int64_t last_window, const std::string& output_directory);
 
-/// "implicit" | "explicit".
-[[nodiscard]] std::string role_name(scene::Role role);
-
 /// Program per participant, in the scene's order; empty for one that is started by hand.
 [[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
 
@@ -35,7 +32,7 @@ namespace ricochet::coupler {
                                           const std::string& run_id);
 
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
-void require_capability(const wire::Message& description, const std::string& needed, const std::string& activity);
+void require_capability(const wire::Message& description, Capability needed, const std::string& activity);
 
 /// Refuses a participant that lacks what the protocol needs: ConfigError naming the participant, the capability and the
 /// protocol. Coupled protocols also need exactly one implicit participant.

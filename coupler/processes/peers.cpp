@@ -205,8 +205,7 @@ void Peers::limit(std::size_t index, const wire::Message& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
   constexpr std::size_t most_rows = 4200;  // of history in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() + most_rows * description.record_columns.size();
-  const auto& has = description.capabilities;
-  const bool tells_state = std::find(has.begin(), has.end(), "load_state") != has.end();
+  const bool tells_state = wire::has_capability(description, Capability::load_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }

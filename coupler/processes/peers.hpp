@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace ricochet::coupler {
 /// A participant that the scene names.
 struct ExpectedPeer {
   std::string name;
-  std::string role;  ///< "explicit" | "implicit"
+  Role role = Role::explicit_solver;
 };
 
 /// What a process said before it ended is in the socket after this time [s].
@@ -30,7 +31,7 @@ struct RunIdentity {
   std::string scene_sha256;
   double timeout_s = 60.0;                             ///< longest wait for any peer
   double window_size_s = 0.0;                          ///< for the times in error texts
-  std::string transport = "auto";                      ///< "auto" | "shm" | "zmq" | "tcp", as in the scene
+  Transport transport = Transport::automatic;          ///< as in the scene
   std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
   std::size_t largest_message =
       wire::default_largest_message;  ///< of a participant that has not described itself [bytes]
@@ -59,8 +60,8 @@ class Peers {
   [[nodiscard]] std::size_t size() const { return peers_.size(); }
   [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
   [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
-  /// What carries the messages to and from this peer: "shm" | "zmq" | "tcp"; empty until its hello.
-  [[nodiscard]] const std::string& transport(std::size_t index) const { return peers_[index].transport; }
+  /// What carries the messages to and from this peer; empty until its hello.
+  [[nodiscard]] std::optional<Transport> transport(std::size_t index) const { return peers_[index].transport; }
   /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
   [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }
   [[nodiscard]] const std::vector<WaitSpan>& wait_spans(std::size_t index) const { return peers_[index].spans; }
@@ -78,7 +79,7 @@ class Peers {
     wire::Lifecycle lifecycle;
     wire::Message inbox;
     std::string asked;  ///< what it was asked last, for error texts
-    std::string transport;
+    std::optional<Transport> transport;
     std::string refusal;  ///< why a peer of this name was turned away
     std::int64_t process_id = 0;
     std::int64_t sequence = 0, window = 0;

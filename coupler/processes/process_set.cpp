@@ -110,7 +110,7 @@ std::vector<wire::Message> ProcessSet::describe() {
   for (std::size_t p = 0; p < asked.size(); ++p) {
     auto& description = descriptions.emplace_back(asked[p].wait());
     description.participant = members_[p].name;
-    description.role = members_[p].role;
+    description.role = name_of(members_[p].role);
     peers_.limit(p, description);
   }
   check_descriptions(descriptions);

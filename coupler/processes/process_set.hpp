@@ -12,7 +12,8 @@ namespace ricochet::coupler {
 
 /// A program of a set: which participant it is, and how it is started.
 struct Member {
-  std::string name, role;                ///< of the participant; see ExpectedPeer
+  std::string name;  ///< of the participant
+  Role role = Role::explicit_solver;
   std::string executable;                ///< its path; of one that is started by hand, what to type
   std::vector<std::string> arguments{};  ///< its own; those that tell it where to connect are added
   std::string log_path{};                ///< takes what it prints

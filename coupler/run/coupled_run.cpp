@@ -53,11 +53,12 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
 void CoupledRun::run() {
   try {
     phases();
+  } catch (const EnergyGrowth&) {
+    throw;
   } catch (const Error& error) {
+    if (error.code() != ExitCode::unstable) throw;
     // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
-    const std::string text = error.what();
-    if (error.code() != ExitCode::unstable || text.find("likely cause") != std::string::npos) throw;
-    throw SolverError(text + "; " + likely_cause(suspicion_, 0.0, 0.0));
+    throw SolverError(fmt::format("{}; {}", error.what(), likely_cause(suspicion_, 0.0, 0.0)));
   }
 }
 
@@ -76,7 +77,7 @@ void CoupledRun::phases() {
   lap(summary_.phases.stepping_s);
   finish();
   lap(summary_.phases.finish_s);
-  summary_.status = "done";
+  summary_.status = RunStatus::done;
   write_files();
 }
 
@@ -105,7 +106,7 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
     names.push_back(description.participant);
-    if (description.role == "explicit")
+    if (wire::has_role(description, Role::explicit_solver))
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
@@ -118,12 +119,11 @@ bool CoupledRun::may_switch() {
   const bool wanted = scene_.coupling.after_separation == scene::AfterSeparation::switch_to_explicit;
   if (!scene_.coupling.protocol.coupled() || !wanted || !implicit || !implicit->description().contact_owner)
     return false;
-  const auto& capabilities = implicit->description().capabilities;
   const double critical = implicit->description().critical_time_step_s;
   std::string obstacle;
   if (!scene_.coupling.protocol.may_switch) {
     obstacle = fmt::format("protocol {} couples it implicitly only", scene_.coupling.protocol.name);
-  } else if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
+  } else if (!wire::has_capability(implicit->description(), Capability::switch_integration)) {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;

@@ -29,7 +29,7 @@ class CoupledRun {
   /// To the end. Throws what ended it early; then call `fail`.
   void run();
   /// Ends all participants and writes what there is.
-  void fail(const std::string& status, int exit_code, const std::string& error);
+  void fail(RunStatus status, int exit_code, const std::string& error);
   [[nodiscard]] std::string table() const { return to_table(summary_, tally_); }
 
  private:

@@ -27,7 +27,7 @@ double CoupledRun::cpu_time_s() {
   return sum;
 }
 
-void CoupledRun::fail(const std::string& status, int exit_code, const std::string& error) {
+void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error) {
   progress_.close();
   set_.fail(exit_code, error);
   summary_.status = status;
@@ -45,7 +45,7 @@ void CoupledRun::fail(const std::string& status, int exit_code, const std::strin
 void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
   const auto& peers = set_.peers();
-  ProcessTimes coupler{"coupler", "coupler", static_cast<std::int64_t>(getpid()), "", wall_s, 0.0, 0.0, {}};
+  ProcessTimes coupler{"coupler", {}, static_cast<std::int64_t>(getpid()), {}, wall_s, 0.0, 0.0, {}};
   for (std::size_t p = 0; p < peers.size(); ++p) {
     coupler.waited_for.push_back({peers.name(p), peers.waited_for_s(p)});
     *coupler.wait_s += peers.waited_for_s(p);
@@ -55,14 +55,8 @@ void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
   coupler.compute_s = wall_s - *coupler.wait_s;
   summary_.processes.push_back(coupler);
   for (std::size_t p = 0; p < peers.size(); ++p) {
-    ProcessTimes process{peers.name(p),
-                         scene_.participants[p].role == scene::Role::implicit_solver ? "implicit" : "explicit",
-                         peers.process_id(p),
-                         peers.transport(p),
-                         wall_s,
-                         {},
-                         {},
-                         {}};
+    ProcessTimes process{
+        peers.name(p), scene_.participants[p].role, peers.process_id(p), peers.transport(p), wall_s, {}, {}, {}};
     for (std::size_t q = 0; q < peers.size(); ++q) {
       if (q != p) process.waited_for.push_back({peers.name(q), peers.idle_while_s(p, q)});
     }

@@ -25,7 +25,7 @@ wire::Message endless_request(const scene::Problem& problem, const ResultsDirect
   return request;
 }
 
-std::vector<ContactStability> measure(const scene::Problem& problem, const std::vector<std::string>& frozen_contacts,
+std::vector<ContactStability> measure(const scene::Problem& problem, const std::vector<FrozenContact>& frozen_contacts,
                                       const ResultsDirectory& results, ProcessSet& set) {
   set.launch();
   set.meet();
@@ -33,13 +33,13 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   const auto& traits = problem.scene.coupling.protocol;
   check_capabilities(traits, descriptions);
   for (const auto& description : descriptions) {
-    require_capability(description, "load_state", "`ricochet stability`");
+    require_capability(description, Capability::load_state, "`ricochet stability`");
   }
   Coupling coupling(set.peers().all(), descriptions, problem.window_size_s);
   const auto protocol = make_protocol(traits.name, protocol_settings(problem.scene.coupling));
   protocol->start(coupling, endless_request(problem, results));
   std::vector<ContactStability> measured;
-  for (const auto& contact : frozen_contacts) {
+  for (const auto contact : frozen_contacts) {
     measured.push_back({contact, spectral_radius(window_map(coupling, *protocol, contact))});
   }
   coupling.finish();
@@ -50,7 +50,7 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
 }  // namespace
 
 std::vector<ContactStability> measure_stability(const scene::Problem& problem,
-                                                const std::vector<std::string>& frozen_contacts,
+                                                const std::vector<FrozenContact>& frozen_contacts,
                                                 const ResultsDirectory& results) {
   const auto executables = find_executables(problem.scene);
   auto set = make_process_set(problem, executables, results, problem.window_size_s, make_run_id());

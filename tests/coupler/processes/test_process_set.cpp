@@ -28,9 +28,9 @@ class ProcessSetTest : public testing::Test {
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
   [[nodiscard]] Member script(const std::string& name, const std::string& text) const {
-    return {name, "explicit", "/bin/sh", {"-c", text, "sh"}, folder_ + "/" + name + ".log"};
+    return {name, Role::explicit_solver, "/bin/sh", {"-c", text, "sh"}, folder_ + "/" + name + ".log"};
   }
-  [[nodiscard]] Member by_hand() const { return {"spring", "explicit", "spring", {}, "", key_}; }
+  [[nodiscard]] Member by_hand() const { return {"spring", Role::explicit_solver, "spring", {}, "", key_}; }
   static RunIdentity run() { return {make_run_id(), "", 10.0}; }
   static std::string failure(const std::function<void()>& action) {
     try {
