@@ -37,7 +37,7 @@ void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error)
   try {
     write_files();
   } catch (const std::exception& second) {
-    fmt::print(stderr, "ricochet: {}\n", printable(text_of(second)));  // the first error is the one to report
+    fmt::print(stderr, "{}: {}\n", command_name, printable(text_of(second)));  // the first error is the one to report
   }
 }
 
