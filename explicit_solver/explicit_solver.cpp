@@ -30,9 +30,10 @@ participant::Description ExplicitSolver::describe() {
   const auto& contact = problem_.scene.contact;
   auto description = solver::describe(problem_, *spec_, states_, alone() && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
-  description.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
+  description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
   const bool massless = alone() && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless) description.capabilities.emplace_back("load_state");  // the motion of a massless node is no state
+  if (!massless)
+    description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
 }
 

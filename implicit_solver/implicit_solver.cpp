@@ -67,11 +67,12 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
   description.solver = "ricochet implicit_solver";
-  description.capabilities = {"repeat_window", "interface_stiffness"};
-  description.capabilities.emplace_back("switch_integration");
+  description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
+  description.capabilities.push_back(Capability::switch_integration);
   const auto& contact = problem_.scene.contact;
   const bool massless = contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless) description.capabilities.emplace_back("load_state");  // the motion of a massless node is no state
+  if (!massless)
+    description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
 }
 

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 
 namespace ricochet {
@@ -60,7 +61,7 @@ OwnFiles::~OwnFiles() {
   try {
     seal();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ricochet: %s\n", error.what());
+    std::fprintf(stderr, "%s: %s\n", command_name, error.what());
   }
 }
 

@@ -6,6 +6,9 @@
 /// What this process has from the machine, and what it shows of texts by others.
 namespace ricochet {
 
+/// By which users start this program, and with which the lines begin that it prints of what went wrong.
+inline constexpr const char* command_name = "ricochet";
+
 /// First of all in every program of ours. Standard files that are closed are opened on /dev/null: else the next file
 /// would take their number, and what is printed would get into it. A pipe that nobody reads and a file that may not
 /// grow are errors of `write`, not signals.

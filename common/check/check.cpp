@@ -44,7 +44,7 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
   const bool implicit = participant.role == Role::implicit_solver;
   ParticipantPlan plan;
   plan.name = participant.name;
-  plan.role = implicit ? "implicit" : "explicit";
+  plan.role = participant.role;
   plan.critical_time_step_s = infinity;
   const std::vector<ParticipantPart> parts = participant_parts(problem, participant);
   std::vector<AssembledPart> assembled;
@@ -162,7 +162,7 @@ std::string to_text(const Plan& plan) {
   for (const ParticipantPlan& p : plan.participants) {
     const std::string critical =
         std::isfinite(p.critical_time_step_s) ? fmt::format("{:.6g}", p.critical_time_step_s) : "none";
-    text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, p.role, p.nodes, p.elements,
+    text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, name_of(p.role), p.nodes, p.elements,
                         p.unknowns, p.interface_nodes, critical);
   }
   text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", plan.window_size_s, plan.windows,

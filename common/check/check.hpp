@@ -9,7 +9,8 @@ namespace ricochet::scene {
 
 /// What can be said, and refused, before a process starts.
 struct ParticipantPlan {
-  std::string name, role;
+  std::string name;
+  Role role = Role::explicit_solver;
   int nodes = 0, elements = 0, interface_nodes = 0;
   int unknowns = 0;                 ///< free degrees of freedom that it integrates
   double critical_time_step_s = 0;  ///< infinity for an implicit participant

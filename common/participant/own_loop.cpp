@@ -31,7 +31,8 @@ class OwnLoop::Relay : public Participant {
     time_step = setup.window_size_s;
     restore = window == window_;
     const auto& capabilities = description_.capabilities;
-    save = !restore && std::find(capabilities.begin(), capabilities.end(), "repeat_window") != capabilities.end();
+    save = !restore &&
+           std::find(capabilities.begin(), capabilities.end(), Capability::repeat_window) != capabilities.end();
     window_ = window;
     pass(link_input, output);
   }

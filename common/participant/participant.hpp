@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
+
 /// What a solver must be to take part in a coupled run. A C++ solver implements `Participant` and calls `serve`; this
 /// header needs neither Eigen nor finite elements. All vectors are row-major, one row per interface node in the order
 /// of `Description`, `components` columns. SI units.
@@ -20,9 +22,11 @@
 /// and resynchronisation are done by `serve`: here everything is absolute.
 namespace ricochet::participant {
 
+using ricochet::Capability, ricochet::Drive, ricochet::FrozenContact, ricochet::Integration, ricochet::Role;
+
 struct Description {
   std::string name;
-  std::string role;    ///< "explicit" | "implicit"
+  Role role = Role::explicit_solver;
   std::string solver;  ///< e.g. "ricochet explicit_solver"
   std::string solver_version;
   std::string scene_sha256;                  ///< empty if it reads no scene
@@ -32,15 +36,12 @@ struct Description {
   std::vector<double> interface_position_m;  ///< nodes x components, reference configuration
   std::vector<double> interface_mass_kg;     ///< per node, own lumped mass
   double critical_time_step_s = 0;           ///< of its own explicit integration; 0: none needed
-  /// "repeat_window": may be asked to advance the same window again before accept; "switch_integration": knows both;
-  /// "driven_by_force": see above; "single_substep": can advance one substep of a window; "interface_stiffness": an
-  /// implicit participant that knows Setup::interface_stiffness; "load_state": knows `load_state` and `read_state`.
-  std::vector<std::string> capabilities;
+  /// A substep is one of Setup::substeps; the interface stiffness is Setup::interface_stiffness; a state is what
+  /// `load_state` and `read_state` are about.
+  std::vector<Capability> capabilities;
   std::vector<std::string> record_columns;  ///< names of the history quantities `record` appends
   bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
 };
-
-enum class Drive { displacement, force };  ///< what the link input is
 
 struct Setup {
   std::string run_id, protocol, output_directory;
@@ -59,12 +60,6 @@ struct Setup {
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
   std::int64_t last_window = 0;             ///< the run ends here at the latest
 };
-
-enum class Integration { implicit_newmark, explicit_central };  ///< beta = 1/4 | beta = 0
-
-/// What the contact is while the stability of the coupled scheme is measured: no force, or every pair held together
-/// (normally and, with friction, tangentially; in tension, too) at zero gap.
-enum class FrozenContact { open, sticking };
 
 /// LinkOutput output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by
 /// force: `value` is the displacement.

@@ -29,8 +29,6 @@ Description checked(Description d) {
     if (!holds) throw ParticipantError(fmt::format("participant '{}' describes itself wrongly: {}", d.name, what));
   };
   require(!d.name.empty(), "it has no name");
-  require(d.role == "explicit" || d.role == "implicit",
-          fmt::format("its role is '{}', allowed are 'explicit', 'implicit'", d.role));
   require(d.components >= 1 && d.components <= 3,
           fmt::format("it has {} components per node, allowed are 1 to 3", d.components));
   const auto count = d.interface_body.size();
@@ -53,12 +51,12 @@ Session::Session(Participant& participant)
       description_(checked(participant.describe())),
       link_(static_cast<int>(description_.interface_body.size()), description_.components),
       nodes_(static_cast<int>(description_.interface_body.size())) {
-  can_repeat_ = can("repeat_window");
-  moves_ = description_.role == "implicit";
+  can_repeat_ = can(Capability::repeat_window);
+  moves_ = description_.role == Role::implicit_solver;
   spans_.reserve(3 * max_spans);
 }
 
-bool Session::can(const char* capability) const {
+bool Session::can(Capability capability) const {
   const auto& capabilities = description_.capabilities;
   return std::find(capabilities.begin(), capabilities.end(), capability) != capabilities.end();
 }
@@ -66,7 +64,7 @@ bool Session::can(const char* capability) const {
 void Session::hello(Message& message) {
   wire::clear(message);
   message.participant = description_.name;
-  message.role = description_.role;
+  message.role = name_of(description_.role);
   message.solver = description_.solver;
   message.solver_version = description_.solver_version;
   message.scene_sha256 = description_.scene_sha256;

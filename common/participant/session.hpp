@@ -67,7 +67,7 @@ class Session {
   void finish(wire::Message& reply);
 
   void take_interface_stiffness(const wire::Array& stiffness);
-  [[nodiscard]] bool can(const char* capability) const;
+  [[nodiscard]] bool can(Capability capability) const;
   void check_advance(const wire::Message& request) const;
   void check_substep(const wire::Message& request) const;
   void accept_trial();

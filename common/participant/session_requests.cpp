@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/names.hpp"
 #include "common/participant/session.hpp"
 
 namespace ricochet::participant {
@@ -18,20 +19,14 @@ void require(bool holds, fmt::format_string<Values...> text, Values&&... values)
   if (!holds) throw ProtocolError(fmt::format(text, std::forward<Values>(values)...));
 }
 
-Integration integration_of(const std::string& text) {
-  if (text == "implicit_newmark") return Integration::implicit_newmark;
-  if (text == "explicit_central") return Integration::explicit_central;
-  throw ProtocolError(
-      fmt::format("the coupler asked for the integration '{}', expected one of 'implicit_newmark', "
-                  "'explicit_central'",
-                  text));
-}
-
-FrozenContact frozen_contact_of(const std::string& text) {
-  if (text == "open") return FrozenContact::open;
-  if (text == "sticking") return FrozenContact::sticking;
-  throw ProtocolError(
-      fmt::format("the coupler asked for the frozen contact '{}', expected one of 'open', 'sticking'", text));
+/// What the coupler named; `asked` says how it asked.
+template <class E>
+E named(std::string_view asked, const std::string& text) {
+  const auto found = find_named<E>(text);
+  if (found) return *found;
+  const auto names = all_names<E>();
+  throw ProtocolError(fmt::format("the coupler {} '{}', expected one of '{}'{}", asked, text, fmt::join(names, "', '"),
+                                  did_you_mean(text, names)));
 }
 
 void require_count(const char* field, std::int64_t value, int least) {
@@ -48,17 +43,13 @@ void check_setup(const Message& request) {
   require(request.last_window >= 0, "the coupler set last_window = {}, expected >= 0", request.last_window);
 }
 
-Drive drive_of(const std::string& text, const Description& description) {
-  require(text == "displacement" || text == "force",
-          "the coupler drives by '{}', expected one of 'displacement', 'force'", text);
-  const auto& has = description.capabilities;
-  const bool implicit = description.role == "implicit";
-  const bool by_force = implicit || std::find(has.begin(), has.end(), "driven_by_force") != has.end();
-  const bool by_displacement = !implicit;
-  require(text == "force" ? by_force : by_displacement,
-          "the coupler drives {} participant '{}' by {}, which it is not made for", description.role, description.name,
-          text);
-  return text == "force" ? Drive::force : Drive::displacement;
+Drive drive_of(const std::string& text, const Description& description, bool can_be_forced) {
+  const auto drive = named<Drive>("drives by", text);
+  const bool implicit = description.role == Role::implicit_solver;
+  require(drive == Drive::force ? implicit || can_be_forced : !implicit,
+          "the coupler drives {} participant '{}' by {}, which it is not made for", name_of(description.role),
+          description.name, text);
+  return drive;
 }
 
 }  // namespace
@@ -72,7 +63,7 @@ void Session::describe(Message& reply) const {
   reply.interface_position_m.set(d.interface_position_m, nodes_, d.components);
   reply.interface_mass_kg.set(d.interface_mass_kg, nodes_, 1);
   reply.critical_time_step_s = d.critical_time_step_s;
-  reply.capabilities = d.capabilities;
+  for (const auto capability : d.capabilities) reply.capabilities.emplace_back(name_of(capability));
   reply.record_columns = d.record_columns;
   reply.contact_owner = d.contact_owner;
 }
@@ -86,7 +77,7 @@ void Session::initialize(const Message& request, Message& reply) {
   setup_.window_size_s = request.window_size_s;
   setup_.interface_mass_kg = request.interface_mass_kg.data;
   setup_.substeps = static_cast<int>(request.substeps);
-  setup_.driven_by = drive_of(request.driven_by, description_);
+  setup_.driven_by = drive_of(request.driven_by, description_, can(Capability::driven_by_force));
   moves_ = setup_.driven_by == Drive::force;
   take_interface_stiffness(request.interface_stiffness);
   setup_.history_every = static_cast<int>(request.history_every);
@@ -107,15 +98,14 @@ void Session::take_interface_stiffness(const wire::Array& stiffness) {
       stiffness.rows == 0 || (stiffness.rows == size && stiffness.columns == size),
       "the coupler sent 'interface_stiffness' with {} x {} numbers, the interface of participant '{}' needs {} x {}",
       stiffness.rows, stiffness.columns, description_.name, size, size);
-  const auto& has = description_.capabilities;
-  require(stiffness.rows == 0 || std::find(has.begin(), has.end(), "interface_stiffness") != has.end(),
+  require(stiffness.rows == 0 || can(Capability::interface_stiffness),
           "the coupler sent an interface stiffness, but participant '{}' lacks the capability 'interface_stiffness'",
           description_.name);
   setup_.interface_stiffness = stiffness.data;
 }
 
 void Session::synchronise(const Message& request, Message& reply) {
-  const auto integration = integration_of(request.integration);
+  const auto integration = named<Integration>("asked for the integration", request.integration);
   require_rows(request.link_absolute, "link_absolute", description_.components);
   link_.set_input(request.link_absolute);
   tried_ = false;
@@ -156,8 +146,7 @@ void Session::check_substep(const Message& request) const {
             request.window, accepted_substep_);
     return;
   }
-  const auto& has = description_.capabilities;
-  require(std::find(has.begin(), has.end(), "single_substep") != has.end(),
+  require(can(Capability::single_substep),
           "the coupler asked for substep {}, but participant '{}' lacks the capability 'single_substep'",
           request.substep, description_.name);
   require(setup_.driven_by == Drive::force,
@@ -228,10 +217,10 @@ void Session::finish_window() {
 }
 
 void Session::load_state(const Message& request) {
-  require(can("load_state"),
+  require(can(Capability::load_state),
           "the coupler asked to load a state, but participant '{}' lacks the capability 'load_state'",
           description_.name);
-  const auto contact = frozen_contact_of(request.frozen_contact);
+  const auto contact = named<FrozenContact>("asked for the frozen contact", request.frozen_contact);
   std::vector<double> state, scale;
   participant_.read_state(state, scale);
   require(request.state.data.size() == state.size() && request.state.columns == 1,
@@ -241,8 +230,8 @@ void Session::load_state(const Message& request) {
 }
 
 void Session::read_state(Message& reply) {
-  require(can("load_state"), "the coupler asked for a state, but participant '{}' lacks the capability 'load_state'",
-          description_.name);
+  require(can(Capability::load_state),
+          "the coupler asked for a state, but participant '{}' lacks the capability 'load_state'", description_.name);
   std::vector<double> state, scale;
   participant_.read_state(state, scale);
   const bool positive = std::all_of(scale.begin(), scale.end(), [](double x) { return x > 0.0; });
@@ -290,10 +279,10 @@ void Session::require_output(bool rates_needed) const {
                          bool may_be_empty) {
     if ((may_be_full && values.size() == link_.size()) || (may_be_empty && values.empty())) return;
     throw ParticipantError(fmt::format("participant '{}' ({}) answered with {} numbers as {}, expected {}",
-                                       description_.name, description_.role, values.size(), what,
+                                       description_.name, name_of(description_.role), values.size(), what,
                                        may_be_full ? link_.size() : 0));
   };
-  check(output_.value, moves_ ? "displacement" : "force", true, false);
+  check(output_.value, name_of(moves_ ? Drive::displacement : Drive::force), true, false);
   check(output_.velocity_m_s, "velocity_m_s", moves_, !moves_ || !rates_needed);
   check(output_.acceleration_m_s2, "acceleration_m_s2", moves_, !moves_ || !rates_needed);
 }

@@ -34,8 +34,8 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   ParticipantSpec participant;
   participant.name = table.name("name");
   table.rename("participant." + participant.name);
-  const bool is_explicit = table.word("role", {"explicit", "implicit"}) == "explicit";
-  participant.role = is_explicit ? Role::explicit_solver : Role::implicit_solver;
+  participant.role = table.named<Role>("role");
+  const bool is_explicit = participant.role == Role::explicit_solver;
   table.only_if(is_explicit, "bodies", "role = \"explicit\": the implicit participant owns all implicit elements");
   if (is_explicit) participant.bodies = table.words("bodies", body_names(scene));
   table.only_if(is_explicit, "groups", "role = \"explicit\": the implicit participant owns all implicit elements");
@@ -48,11 +48,11 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
 }
 
 /// The first entry of a role, or the shipped solver of that name.
-ParticipantSpec first_of(const std::vector<ParticipantSpec>& given, Role role, const std::string& name) {
+ParticipantSpec first_of(const std::vector<ParticipantSpec>& given, Role role) {
   for (const ParticipantSpec& participant : given)
     if (participant.role == role) return participant;
   ParticipantSpec shipped;
-  shipped.name = name;
+  shipped.name = name_of(role);
   shipped.role = role;
   return shipped;
 }
@@ -88,11 +88,11 @@ std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables,
 std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vector<ParticipantSpec>& given) {
   const Layout layout = scene.coupling.protocol.layout;
   if (layout == Layout::hybrid && !given.empty()) return given;
-  ParticipantSpec all_explicit = first_of(given, Role::explicit_solver, "explicit");
-  all_explicit.name = "explicit";
+  ParticipantSpec all_explicit = first_of(given, Role::explicit_solver);
+  all_explicit.name = name_of(Role::explicit_solver);
   all_explicit.bodies = body_names(scene);
   all_explicit.groups.clear();
-  const ParticipantSpec implicit = first_of(given, Role::implicit_solver, "implicit");
+  const ParticipantSpec implicit = first_of(given, Role::implicit_solver);
   if (layout == Layout::all_explicit) return {all_explicit};
   if (layout == Layout::all_implicit) return {implicit};
   return {all_explicit, implicit};

@@ -13,8 +13,8 @@ namespace {
 constexpr int most = std::numeric_limits<int>::max();
 
 void load_transport(TableReader& table, CouplingSettings& coupling) {
-  if (table.has("transport")) coupling.transport = table.word("transport", {"auto", "shm", "zmq", "tcp"});
-  const bool tcp = coupling.transport == "tcp";
+  if (table.has("transport")) coupling.transport = table.named<Transport>("transport");
+  const bool tcp = coupling.transport == Transport::tcp;
   table.only_if(tcp, "address", "transport = \"tcp\"");
   table.only_if(tcp, "port", "transport = \"tcp\"");
   coupling.address = table.text("address", coupling.address);

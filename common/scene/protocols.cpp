@@ -11,7 +11,7 @@ namespace ricochet::scene {
 const std::vector<ProtocolTraits>& protocols() {
   static const std::vector<ProtocolTraits> table{
       {.name = "hughes_liu", .may_switch = true},
-      {.name = "kim", .may_switch = true, .explicit_capabilities = {"repeat_window"}},
+      {.name = "kim", .may_switch = true, .explicit_capabilities = {Capability::repeat_window}},
       {.name = "kim_predicted",
        .may_switch = true,
        .trouble = "is unstable at almost any time step; use hughes_liu or kim",
@@ -19,23 +19,23 @@ const std::vector<ProtocolTraits>& protocols() {
                   "watch will "
                   "stop the run; use \"kim\" or \"hughes_liu\""},
       {.name = "belytschko_mullen",
-       .explicit_capabilities = {"repeat_window"},
-       .implicit_capabilities = {"interface_stiffness"}},
+       .explicit_capabilities = {Capability::repeat_window},
+       .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "prakash_hjelmstad",
        .dual = true,
-       .explicit_capabilities = {"repeat_window", "driven_by_force"},
-       .implicit_capabilities = {"interface_stiffness"}},
+       .explicit_capabilities = {Capability::repeat_window, Capability::driven_by_force},
+       .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "gravouil_combescure",
        .dual = true,
-       .explicit_capabilities = {"repeat_window", "driven_by_force", "single_substep"},
-       .implicit_capabilities = {"repeat_window", "interface_stiffness"},
+       .explicit_capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep},
+       .implicit_capabilities = {Capability::repeat_window, Capability::interface_stiffness},
        .warning =
            "protocol \"gravouil_combescure\" dissipates with substeps > 1 (71 % of a split oscillator's energy in ten "
            "periods): it is there to be studied; use \"prakash_hjelmstad\""},
       {.name = "fixed_point",
        .iterated = true,
-       .explicit_capabilities = {"repeat_window"},
-       .implicit_capabilities = {"repeat_window"}},
+       .explicit_capabilities = {Capability::repeat_window},
+       .implicit_capabilities = {Capability::repeat_window}},
       {.name = "all_implicit", .layout = Layout::all_implicit},
       {.name = "all_explicit", .layout = Layout::all_explicit},
   };

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
+
 namespace ricochet::scene {
 
 /// How a protocol spreads a scene over participants.
@@ -20,8 +22,8 @@ struct ProtocolTraits {
   bool dual = false;        ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
   bool iterated = false;    ///< repeats a window until the interface agrees
   bool may_switch = false;  ///< goes on with an implicit participant that integrates explicitly after separation
-  std::vector<std::string> explicit_capabilities = {};  ///< every explicit participant must have them
-  std::vector<std::string> implicit_capabilities = {};
+  std::vector<Capability> explicit_capabilities = {};  ///< every explicit participant must have them
+  std::vector<Capability> implicit_capabilities = {};
   std::string trouble =
       "";  ///< goes on after "protocol NAME", said when the energy watch stops a run; empty: none known
   std::string warning = "";  ///< what `check` says of it; empty: nothing

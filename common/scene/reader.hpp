@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/vocabulary.hpp"
 #include "common/scene/schema.hpp"
 
 namespace ricochet::scene {
@@ -57,6 +58,11 @@ class TableReader {
   /// The value that belongs to the word found.
   template <typename T>
   [[nodiscard]] T choice(const std::string& key, const std::vector<std::pair<std::string, T>>& allowed, T otherwise);
+  /// The value of an enum by one of its names (vocabulary.hpp).
+  template <class E>
+  [[nodiscard]] E named(const std::string& key) {
+    return *find_named<E>(word(key, all_names<E>()));
+  }
   /// Exactly `size` numbers; any number of them but none if `size` is 0.
   [[nodiscard]] std::vector<double> numbers(const std::string& key, const Range& range, std::size_t size);
   [[nodiscard]] std::vector<int> integers(const std::string& key, int low, int high, std::size_t size);

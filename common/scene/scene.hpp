@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
 #include "common/fem/model.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -15,6 +16,7 @@ namespace ricochet::scene {
 
 using fem::Material;
 using fem::Model;
+using ricochet::Role;
 
 /// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry.
 /// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer".
@@ -142,15 +144,14 @@ struct CouplingSettings {
   int max_iterations = 50;
   int resynchronise_every = 100;  ///< windows between exchanges of absolute values; 0: never
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
-  int separation_windows = 10;        ///< windows with every pair open and gaps growing that count as separated
-  double timeout_s = 60.0;            ///< longest wait for any peer
-  std::string transport = "auto";     ///< "auto" | "shm" | "zmq" | "tcp"
+  int separation_windows = 10;  ///< windows with every pair open and gaps growing that count as separated
+  double timeout_s = 60.0;      ///< longest wait for any peer
+  Transport transport = Transport::automatic;
   std::string address = "127.0.0.1";  ///< tcp: address to bind
   int port = 0;                       ///< tcp: 0 picks a free one
   double energy_growth_limit = 0.05;  ///< relative growth of the energy balance that stops the run
 };
 
-enum class Role { explicit_solver, implicit_solver };
 enum class Start { launch, by_hand };
 
 struct ParticipantSpec {

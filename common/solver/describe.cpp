@@ -27,7 +27,7 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
                                   const std::vector<BodyState>& states, bool contact_owner) {
   participant::Description d;
   d.name = participant.name;
-  d.role = participant.role == scene::Role::explicit_solver ? "explicit" : "implicit";
+  d.role = participant.role;
   d.solver_version = RICOCHET_VERSION;
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();

@@ -199,6 +199,13 @@ void Array::set(const std::vector<double>& values, int new_rows, int new_columns
 
 std::string_view name(Kind kind) { return entry(kind).name; }
 
+bool has_role(const Message& message, Role role) { return message.role == name_of(role); }
+
+bool has_capability(const Message& description, Capability capability) {
+  const auto& has = description.capabilities;
+  return std::find(has.begin(), has.end(), name_of(capability)) != has.end();
+}
+
 const std::vector<Field>& header_fields() {
   static const std::vector<Field> fields{
       {"kind", &M::kind, "", "one of the messages below"},

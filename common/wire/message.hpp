@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
+
 /// THE message schema. Everything that passes between a coupler and a participant is a `Message`; which fields a kind
 /// carries stands in one table, `fields_of`, that the codec, the docs and the tests read.
 namespace ricochet::wire {
@@ -98,6 +100,11 @@ struct Message {
 };
 
 [[nodiscard]] std::string_view name(Kind kind);
+
+/// What a participant says of itself in `hello`, and in a `description` into which its role was filled.
+[[nodiscard]] bool has_role(const Message& message, Role role);
+/// Whether a `description` names the capability.
+[[nodiscard]] bool has_capability(const Message& description, Capability capability);
 
 /// One field of the schema: its name on the wire, where it lives, its unit and meaning (for the docs).
 struct Field {

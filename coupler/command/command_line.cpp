@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "common/base/process.hpp"
 #include "coupler/command/run_scene.hpp"
 #include "coupler/command/starter_scene.hpp"
 #include "coupler/contract/contract_check.hpp"
@@ -33,70 +34,46 @@ struct Arguments {
   StabilityRequest stability;
 };
 
-void define(CLI::App& app, Arguments& arguments) {
-  app.name("ricochet");
-  app.description("Hybrid implicit-explicit analysis of dynamic contact by impact.");
-  app.footer(exit_codes);
-  app.set_version_flag("--version", std::string("ricochet ") + RICOCHET_VERSION);
-  app.require_subcommand(0, 1);
-  auto* run = app.add_subcommand("run", "Compute a scene: start its participants, couple them, write the results");
-  run->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
-  run->add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
-  auto* check = app.add_subcommand("check", "Report and refuse all that can be known before a process starts");
-  check->add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
-  auto* stability = app.add_subcommand("stability", "Measure at which steps the coupled scheme is stable");
-  stability->add_option("SCENE", arguments.stability.scene, "Scene file (TOML)")->required();
-  stability
-      ->add_option("--out", arguments.stability.out, "Results folder; default: out/<name of the scene file>_stability")
+void define_run(CLI::App& app, Arguments& arguments) {
+  app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  app.add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
+}
+
+void define_check(CLI::App& app, Arguments& arguments) {
+  app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+}
+
+void define_stability(CLI::App& app, Arguments& arguments) {
+  auto& asked = arguments.stability;
+  app.add_option("SCENE", asked.scene, "Scene file (TOML)")->required();
+  app.add_option("--out", asked.out, "Results folder; default: out/<name of the scene file>_stability")
       ->type_name("DIR");
-  stability
-      ->add_option("--sweep", arguments.stability.sweep,
-                   "Steps: courant (share of the critical step) or time.step_s =LOW:HIGH:COUNT[:log] or =VALUE,...")
+  app.add_option("--sweep", asked.sweep,
+                 "Steps: courant (share of the critical step) or time.step_s =LOW:HIGH:COUNT[:log] or =VALUE,...")
       ->capture_default_str();
-  stability->add_option("--against", arguments.stability.against,
-                        "Other parameter: a key of the scene =LOW:HIGH:COUNT[:log] or =VALUE,VALUE,...");
-  stability->add_flag("--edge", arguments.stability.edge, "Bisect the measured edge to 0.5 %");
-  auto* study = app.add_subcommand("study", "Compute a scene by many methods and settings: error against time");
-  study->add_option("STUDY", arguments.study, "Study file (TOML)")->required();
-  study->add_option("--out", arguments.out, "Results folder; default: out/<name of the study file>")->type_name("DIR");
-  auto* report =
-      app.add_subcommand("report", "Write the charts once more: DIR/report.html, and each as a picture in DIR/charts");
-  report->add_option("DIR", arguments.results, "Results folder of a run, a study or a stability map")->required();
-  auto* contract =
-      app.add_subcommand("check-participant", "Run a program through the contract of docs/participants.md");
-  contract->add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
+  app.add_option("--against", asked.against,
+                 "Other parameter: a key of the scene =LOW:HIGH:COUNT[:log] or =VALUE,VALUE,...");
+  app.add_flag("--edge", asked.edge, "Bisect the measured edge to 0.5 %");
+}
+
+void define_study(CLI::App& app, Arguments& arguments) {
+  app.add_option("STUDY", arguments.study, "Study file (TOML)")->required();
+  app.add_option("--out", arguments.out, "Results folder; default: out/<name of the study file>")->type_name("DIR");
+}
+
+void define_report(CLI::App& app, Arguments& arguments) {
+  app.add_option("DIR", arguments.results, "Results folder of a run, a study or a stability map")->required();
+}
+
+void define_contract(CLI::App& app, Arguments& arguments) {
+  app.add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
       ->required();
-  contract->add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step");
-  contract->add_option("--timeout", arguments.command.timeout_s, "Longest wait for an answer [s]")
-      ->capture_default_str();
-  auto* init = app.add_subcommand("init", "Write a commented starter scene NAME.toml");
-  init->add_option("NAME", arguments.name, "Name of the new scene")->required();
+  app.add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step");
+  app.add_option("--timeout", arguments.command.timeout_s, "Longest wait for an answer [s]")->capture_default_str();
 }
 
-std::vector<std::string> option_names(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const auto* option : app.get_options()) {
-    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
-/// What CLI11 could not place: an unknown command, or an unknown option of the command that was given.
-[[noreturn]] void refuse_extra(const CLI::App& app) {
-  const auto given = app.get_subcommands();
-  const CLI::App& command = given.empty() ? app : *given.front();
-  auto extras = command.remaining();
-  if (extras.empty()) extras = app.remaining();
-  const std::string extra = extras.empty() ? "" : extras.front();
-  if (given.empty() && extra.rfind('-', 0) != 0) {
-    std::vector<std::string> commands;
-    for (const auto* sub : app.get_subcommands(nullptr)) commands.push_back(sub->get_name());
-    throw ConfigError(fmt::format("unknown command \"{}\", allowed are {}{}", extra, fmt::join(commands, ", "),
-                                  did_you_mean(extra, commands)));
-  }
-  const auto known = option_names(command);
-  throw ConfigError(fmt::format("unexpected argument \"{}\", allowed options are {}{}", extra, fmt::join(known, ", "),
-                                did_you_mean(extra, known)));
+void define_init(CLI::App& app, Arguments& arguments) {
+  app.add_option("NAME", arguments.name, "Name of the new scene")->required();
 }
 
 /// The page, which a browser draws, and its charts as files.
@@ -111,13 +88,102 @@ void write_report(const std::string& folder) {
   }
 }
 
-bool check_contract(const Arguments& arguments) {
+int check_contract(const Arguments& arguments) {
   const auto require_positive = [](const char* option, double value) {
     if (!(value > 0.0)) throw ConfigError(fmt::format("{}: found {}, allowed: a number of seconds > 0", option, value));
   };
   require_positive("--timeout", arguments.command.timeout_s);
   if (arguments.step_s) require_positive("--step", *arguments.step_s);
-  return check_participant(arguments.command, arguments.step_s.value_or(0.0));
+  const bool passed = check_participant(arguments.command, arguments.step_s.value_or(0.0));
+  return static_cast<int>(passed ? ExitCode::done : ExitCode::protocol);
+}
+
+/// What may follow the command's name.
+struct Subcommand {
+  const char* name;
+  const char* description;
+  void (*define)(CLI::App& app, Arguments& arguments);
+  int (*run)(const Arguments& arguments);  ///< returns the exit code; null: known to the script ./ricochet alone
+};
+
+/// What a subcommand does that ends with exit code 0 or throws.
+template <auto action>
+int done(const Arguments& arguments) {
+  action(arguments);
+  return 0;
+}
+
+const Subcommand subcommands[] = {
+    {"run", "Compute a scene: start its participants, couple them, write the results", define_run,
+     done<[](const Arguments& a) { run_scene(a.scene, a.out); }>},
+    {"check", "Report and refuse all that can be known before a process starts", define_check,
+     done<[](const Arguments& a) { check_scene(a.scene); }>},
+    {"stability", "Measure at which steps the coupled scheme is stable", define_stability,
+     done<[](const Arguments& a) { study_stability(a.stability); }>},
+    {"study", "Compute a scene by many methods and settings: error against time", define_study,
+     done<[](const Arguments& a) { run_study(a.study, a.out); }>},
+    {"report", "Write the charts once more: DIR/report.html, and each as a picture in DIR/charts", define_report,
+     done<[](const Arguments& a) { write_report(a.results); }>},
+    {"check-participant", "Run a program through the contract of docs/participants.md", define_contract,
+     check_contract},
+    {"init", "Write a commented starter scene NAME.toml", define_init,
+     done<[](const Arguments& a) { fmt::print("wrote {}\n", write_starter_scene(a.name)); }>},
+    {"test", "Build and run all tests (only ./ricochet, in the folder of the sources)", nullptr, nullptr},
+    {"bench", "Build and measure the benchmarks (only ./ricochet, in the folder of the sources)", nullptr, nullptr},
+};
+
+void define(CLI::App& app, Arguments& arguments) {
+  app.name(command_name);
+  app.description("Hybrid implicit-explicit analysis of dynamic contact by impact.");
+  app.footer(exit_codes);
+  app.set_version_flag("--version", fmt::format("{} {}", command_name, RICOCHET_VERSION));
+  app.require_subcommand(0, 1);
+  for (const auto& subcommand : subcommands) {
+    auto* defined = app.add_subcommand(subcommand.name, subcommand.description);
+    if (subcommand.define) subcommand.define(*defined, arguments);
+  }
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* option : app.get_options()) {
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// What CLI11 could not place: an unknown command, or an unknown option of the command that was given.
+[[noreturn]] void refuse_extra(const CLI::App& app) {
+  const auto named = app.get_subcommands();
+  const CLI::App& command = named.empty() ? app : *named.front();
+  auto extras = command.remaining();
+  if (extras.empty()) extras = app.remaining();
+  const std::string extra = extras.empty() ? "" : extras.front();
+  if (named.empty() && extra.rfind('-', 0) != 0) {
+    std::vector<std::string> commands;
+    for (const auto* sub : app.get_subcommands(nullptr)) commands.push_back(sub->get_name());
+    throw ConfigError(fmt::format("unknown command \"{}\", allowed are {}{}", extra, fmt::join(commands, ", "),
+                                  did_you_mean(extra, commands)));
+  }
+  const auto known = option_names(command);
+  throw ConfigError(fmt::format("unexpected argument \"{}\", allowed options are {}{}", extra, fmt::join(known, ", "),
+                                did_you_mean(extra, known)));
+}
+
+/// The subcommand that was given; null if none was.
+const Subcommand* given(const CLI::App& app) {
+  for (const auto& subcommand : subcommands) {
+    if (app.got_subcommand(subcommand.name)) return &subcommand;
+  }
+  return nullptr;
+}
+
+void refuse_if_of_script(const Subcommand* subcommand) {
+  if (!subcommand || subcommand->run) return;
+  throw ConfigError(
+      fmt::format("\"{0}\" is a command of the script ./{1} in the folder of the sources, which builds "
+                  "before: ./{1} {0}",
+                  subcommand->name, command_name));
 }
 
 }  // namespace
@@ -135,20 +201,14 @@ int run_command_line(int argc, const char* const* argv) {
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
     if (app.remaining_size(true) > 0) refuse_extra(app);  // a mistyped option is more likely than a missing one
-    throw ConfigError(std::string(error.what()) + " (ricochet --help)");
+    throw ConfigError(fmt::format("{} ({} --help)", error.what(), command_name));
   }
+  const auto* subcommand = given(app);
+  refuse_if_of_script(subcommand);
   if (app.remaining_size(true) > 0) refuse_extra(app);
-  if (app.got_subcommand("run")) run_scene(arguments.scene, arguments.out);
-  if (app.got_subcommand("check")) check_scene(arguments.scene);
-  if (app.got_subcommand("stability")) study_stability(arguments.stability);
-  if (app.got_subcommand("study")) run_study(arguments.study, arguments.out);
-  if (app.got_subcommand("report")) write_report(arguments.results);
-  if (app.got_subcommand("init")) fmt::print("wrote {}\n", write_starter_scene(arguments.name));
-  if (app.got_subcommand("check-participant") && !check_contract(arguments)) {
-    return static_cast<int>(ExitCode::protocol);
-  }
-  if (app.get_subcommands().empty()) fmt::print("{}", app.help());
-  return app.get_subcommands().empty() ? static_cast<int>(ExitCode::config) : 0;
+  if (subcommand) return subcommand->run(arguments);
+  fmt::print("{}", app.help());
+  return static_cast<int>(ExitCode::config);
 }
 
 }  // namespace ricochet::coupler

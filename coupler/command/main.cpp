@@ -1,6 +1,4 @@
-// The `ricochet` command:
-//   ricochet run SCENE [--out DIR] | check SCENE | stability SCENE | study STUDY | report DIR |
-//            init NAME | check-participant -- COMMAND ... | --version
+// The `ricochet` command; its subcommands stand in command_line.cpp.
 #include <cstdio>
 #include <exception>
 
@@ -14,7 +12,7 @@ int main(int argc, char** argv) {
   try {
     return ricochet::coupler::run_command_line(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ricochet: %s\n", ricochet::printable(ricochet::text_of(error)).c_str());
+    std::fprintf(stderr, "%s: %s\n", ricochet::command_name, ricochet::printable(ricochet::text_of(error)).c_str());
     return ricochet::coupler::exit_code_of(error);
   }
 }

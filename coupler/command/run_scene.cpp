@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "common/base/process.hpp"
 #include "common/check/check.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
@@ -25,7 +26,7 @@ bool try_report(const std::string& results) {
     report::write_report(results);
     return true;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "ricochet: no report.html: {}\n", error.what());
+    fmt::print(stderr, "{}: no report.html: {}\n", command_name, error.what());
     return false;
   }
 }

@@ -132,8 +132,7 @@ void Contract::is_deterministic() {
 }
 
 void Contract::repeats_a_window() {
-  const auto& capabilities = first_.description.capabilities;
-  if (std::find(capabilities.begin(), capabilities.end(), "repeat_window") == capabilities.end()) {
+  if (!wire::has_capability(first_.description, Capability::repeat_window)) {
     throw NotApplicable{"it does not announce \"repeat_window\" (protocol \"kim\" will refuse it)"};
   }
   auto drive = drive_;

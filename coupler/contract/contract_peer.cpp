@@ -12,25 +12,27 @@ namespace {
 constexpr const char* participant = "under test";  // its name for launcher and error texts
 constexpr std::size_t log_lines = 4;
 
+Member member_of(const ContractCommand& command, const std::string& log) {
+  Member member;
+  member.name = participant;
+  member.executable = command.words.front();
+  member.arguments.assign(command.words.begin() + 1, command.words.end());
+  member.log_path = log;
+  return member;
+}
+
 }  // namespace
 
 ContractPeer::ContractPeer(const ContractCommand& command)
     : run_id_(make_run_id()),
       timeout_s_(command.timeout_s),
       log_(std::filesystem::temp_directory_path() / ("ricochet-check-" + run_id_ + ".log")),
-      listener_(std::make_unique<wire::Listener>("ipc://*", std::vector<std::string>{participant})) {
-  LaunchRequest request{participant,
-                        command.words.front(),
-                        {command.words.begin() + 1, command.words.end()},
-                        log_,
-                        wire::to_text(listener_->key_of(participant))};
-  request.arguments.insert(request.arguments.end(),
-                           {"--connect", listener_->endpoint(), "--key", LaunchRequest::key_path});
-  launcher_.launch(request);
+      set_({member_of(command, log_)}, {run_id_, "", timeout_s_}, "ipc://*") {
+  set_.launch();
 }
 
 ContractPeer::~ContractPeer() {
-  launcher_.stop(std::chrono::milliseconds(500));
+  set_.launcher().stop(std::chrono::milliseconds(500));
   std::error_code ignored;
   std::filesystem::remove(log_, ignored);
 }
@@ -38,7 +40,7 @@ ContractPeer::~ContractPeer() {
 const wire::Message& ContractPeer::meet() {
   if (!hear()) throw_ended("before it said hello");
   if (inbox_.kind == wire::Kind::failure) throw ParticipantError("it failed at start: " + inbox_.error_text);
-  listener_->limit(identity_, wire::default_largest_message);
+  set_.listener().limit(identity_, wire::default_largest_message);
   return inbox_;
 }
 
@@ -47,7 +49,7 @@ void ContractPeer::tell(wire::Message& message, std::int64_t version) {
   message.run_id = run_id_;
   message.sequence = sequence_++;
   lifecycle_.step(wire::Side::coupler, message, participant);
-  listener_->send(identity_, message);
+  set_.listener().send(identity_, message);
 }
 
 const wire::Message& ContractPeer::ask(wire::Message& message) {
@@ -61,20 +63,20 @@ const wire::Message& ContractPeer::ask(wire::Message& message) {
 }
 
 const wire::Message* ContractPeer::hear() {
-  constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
+  auto& launcher = set_.launcher();
   const auto deadline = wire::deadline_in(timeout_s_);
-  const auto nothing_happened = [this](std::size_t) {
-    launcher_.poll();
-    return launcher_.events() == 0;
+  const auto nothing_happened = [&launcher](std::size_t) {
+    launcher.poll();
+    return launcher.events() == 0;
   };
   for (;;) {
-    launcher_.poll();
-    const bool ended = launcher_.end_of(participant).has_value();
-    if (listener_->receive(identity_, inbox_, ended ? wire::deadline_in(drain_s) : deadline,
-                           {launcher_.file_descriptor()}, nothing_happened)) {
+    launcher.poll();
+    const bool ended = launcher.end_of(participant).has_value();
+    if (set_.listener().receive(identity_, inbox_, ended ? wire::deadline_in(drain_s) : deadline,
+                                {launcher.file_descriptor()}, nothing_happened)) {
       break;
     }
-    if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
+    if (launcher.interrupted_by() != 0) throw Interrupted(launcher.interrupted_by());
     if (ended) return nullptr;
     if (wire::Clock::now() < deadline) continue;
     throw ParticipantError(fmt::format("it was silent for {} s while {}", timeout_s_, lifecycle_.state()));
@@ -84,9 +86,9 @@ const wire::Message* ContractPeer::hear() {
 }
 
 std::optional<ProcessEnd> ContractPeer::wait_end() {
-  launcher_.wait_all(std::chrono::milliseconds(static_cast<long>(1000 * timeout_s_)));
-  if (launcher_.interrupted_by() != 0) throw Interrupted(launcher_.interrupted_by());
-  return launcher_.end_of(participant);
+  set_.launcher().wait_all(std::chrono::milliseconds(static_cast<long>(1000 * timeout_s_)));
+  if (set_.launcher().interrupted_by() != 0) throw Interrupted(set_.launcher().interrupted_by());
+  return set_.launcher().end_of(participant);
 }
 
 std::string ContractPeer::log_tail() const {
@@ -95,8 +97,8 @@ std::string ContractPeer::log_tail() const {
   return lines.empty() ? "" : "; it printed\n" + lines;
 }
 
-void ContractPeer::throw_ended(const std::string& when) const {
-  const auto end = launcher_.end_of(participant)->text();
+void ContractPeer::throw_ended(const std::string& when) {
+  const auto end = set_.launcher().end_of(participant)->text();
   throw ParticipantError(fmt::format("{} it {}{}", when, end, log_tail()));
 }
 

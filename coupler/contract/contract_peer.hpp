@@ -2,14 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/wire/channel.hpp"
 #include "common/wire/lifecycle.hpp"
-#include "coupler/processes/launcher.hpp"
+#include "coupler/processes/process_set.hpp"
 
 namespace ricochet::coupler {
 
@@ -38,19 +36,18 @@ class ContractPeer {
   /// The next message; unlike `ask` it hands over a `failure`, too. Null if the process ended without one.
   const wire::Message* hear();
   /// A coupler that dies: the connection is gone, the process' standard input stays open.
-  void die() { listener_.reset(); }
+  void die() { set_.hang_up(); }
   /// How the process ended; nothing if it still runs after the timeout.
   std::optional<ProcessEnd> wait_end();
   /// The last lines it printed, for error texts.
   [[nodiscard]] std::string log_tail() const;
 
  private:
-  [[noreturn]] void throw_ended(const std::string& when) const;
+  [[noreturn]] void throw_ended(const std::string& when);
   std::string run_id_;
   double timeout_s_;
   std::filesystem::path log_;
-  std::unique_ptr<wire::Listener> listener_;
-  Launcher launcher_;
+  ProcessSet set_;
   wire::Lifecycle lifecycle_;
   wire::Message inbox_;
   std::string identity_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/error.hpp"
+#include "common/base/names.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -45,15 +46,14 @@ void check_interface(const Message& d) {
 
 void check_description(const Message& hello, const Message& d) {
   require(!hello.participant.empty(), "it has no name");
-  require(hello.role == "explicit" || hello.role == "implicit",
-          fmt::format("its role is '{}', allowed are 'explicit', 'implicit'", hello.role));
+  require(find_named<Role>(hello.role).has_value(),
+          fmt::format("its role is '{}', allowed are '{}'", hello.role, fmt::join(all_names<Role>(), "', '")));
   check_interface(d);
   require(d.critical_time_step_s >= 0.0, fmt::format("its critical time step is {} s", d.critical_time_step_s));
-  static const std::vector<std::string> known = {"repeat_window",  "switch_integration",  "driven_by_force",
-                                                 "single_substep", "interface_stiffness", "load_state"};
   for (const auto& capability : d.capabilities) {
-    require(std::find(known.begin(), known.end(), capability) != known.end(),
-            fmt::format("it has the unknown capability '{}'", capability));
+    require(find_named<Capability>(capability).has_value(),
+            fmt::format("it has the unknown capability '{}'{}", capability,
+                        did_you_mean(capability, all_names<Capability>())));
   }
   const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, 1.0);
 }
@@ -115,7 +115,7 @@ Message initialize_request(const ContractRun& run, const ContractDrive& drive) {
   message.protocol = "hughes_liu";
   message.output_directory = "/tmp";
   message.window_size_s = run.window_size_s;
-  message.driven_by = run.implicit() ? "force" : "displacement";
+  message.driven_by = name_of(run.implicit() ? Drive::force : Drive::displacement);
   message.interface_mass_kg = run.description.interface_mass_kg;
   for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
   message.until_separated_plus_s = -1.0;
@@ -130,7 +130,7 @@ void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
   auto initialize = initialize_request(run, drive);
   run.first_output = output_of(peer.ask(initialize).absolute, "absolute", run);
   auto synchronise = request(Kind::synchronise);
-  synchronise.integration = run.implicit() ? "implicit_newmark" : "explicit_central";
+  synchronise.integration = name_of(run.implicit() ? Integration::implicit_newmark : Integration::explicit_central);
   synchronise.link_absolute = run.description.interface_position_m;
   synchronise.link_absolute.data.assign(run.size(), 0.0);
   const auto& answer = peer.ask(synchronise);

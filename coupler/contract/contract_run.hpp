@@ -25,7 +25,7 @@ struct ContractRun {
   std::vector<double> records;          ///< rows x record_columns
   std::vector<std::int64_t> forgotten;  ///< windows whose repeated trial differed from the first
 
-  [[nodiscard]] bool implicit() const { return hello.role == "implicit"; }
+  [[nodiscard]] bool implicit() const { return wire::has_role(hello, Role::implicit_solver); }
   /// Numbers of one link vector.
   [[nodiscard]] std::size_t size() const { return description.interface_position_m.data.size(); }
   /// A record column, summed over bodies, at each row: "name" or "name/<body>". Empty if there is none.

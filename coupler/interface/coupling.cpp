@@ -20,7 +20,7 @@ Coupling::Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& de
 void Coupling::initialize(const wire::Message& request) {
   initialize_explicit(request, Masses::summed);
   initialize_implicit(request, Masses::summed);
-  synchronise("implicit_newmark");
+  synchronise(Integration::implicit_newmark);
 }
 
 std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
@@ -51,14 +51,21 @@ void Coupling::initialize_implicit(wire::Message request, Masses masses, Eigen::
   implicit_->rows().scatter(implicit_->output(), displacement_);
 }
 
+std::vector<wire::Message> Coupling::finish() {
+  for (auto& link : links_) link.post_finish();
+  std::vector<wire::Message> last_words;
+  for (auto& link : links_) last_words.push_back(link.wait_finished());
+  return last_words;
+}
+
 const std::vector<double>& Coupling::rows_of(const Link& link, const std::vector<double>& shared) {
   link.rows().gather(shared, own_);
   return own_;
 }
 
-void Coupling::synchronise(const std::string& integration) {
+void Coupling::synchronise(Integration integration) {
   for (auto& link : links_) {
-    if (!link.implicit()) link.post_synchronise("explicit_central", rows_of(link, displacement_));
+    if (!link.implicit()) link.post_synchronise(Integration::explicit_central, rows_of(link, displacement_));
   }
   std::fill(force_.begin(), force_.end(), 0.0);
   for (auto& link : links_) {
@@ -66,12 +73,12 @@ void Coupling::synchronise(const std::string& integration) {
     link.wait_synchronised();
     link.rows().add(link.output(), force_);
   }
-  all_explicit_ = integration == "explicit_central";
+  all_explicit_ = integration == Integration::explicit_central;
   if (implicit_) synchronise_implicit(force_, integration);
 }
 
-void Coupling::synchronise_implicit(std::vector<double> force, const std::string& integration) {
-  if (integration == "implicit_newmark") subtract_stiffness_force(force);
+void Coupling::synchronise_implicit(std::vector<double> force, Integration integration) {
+  if (integration == Integration::implicit_newmark) subtract_stiffness_force(force);
   implicit_->post_synchronise(integration, rows_of(*implicit_, force));
   implicit_->wait_synchronised();
   take_motion();
@@ -130,7 +137,7 @@ void Coupling::take_motion() {
   rows.scatter(implicit_->acceleration_m_s2(), acceleration_);
 }
 
-void Coupling::load_state(const std::vector<double>& state, const std::string& frozen_contact) {
+void Coupling::load_state(const std::vector<double>& state, FrozenContact frozen_contact) {
   auto from = state.begin();
   const auto take = [&from](std::size_t size) {
     from += static_cast<std::ptrdiff_t>(size);
@@ -139,7 +146,8 @@ void Coupling::load_state(const std::vector<double>& state, const std::string& f
   for (std::size_t p = 0; p < links_.size(); ++p) links_[p].post_load_state(take(state_sizes_[p]), frozen_contact);
   for (auto& link : links_) link.wait_state_loaded();
   for (auto& link : links_) {
-    link.post_synchronise(link.implicit() ? "implicit_newmark" : "explicit_central", take(link.input().size()));
+    link.post_synchronise(link.implicit() ? Integration::implicit_newmark : Integration::explicit_central,
+                          take(link.input().size()));
   }
   for (auto& link : links_) link.wait_synchronised();
   if (implicit_) take_motion();

@@ -31,10 +31,10 @@ class Coupling {
   void initialize_explicit(const wire::Message& request, Masses masses);
   void initialize_implicit(wire::Message request, Masses masses, Eigen::MatrixXd interface_stiffness = {});
   /// At the present time: the explicit participants take u_Gamma and answer their forces, the implicit one takes their
-  /// sum and answers u, v, a; from here on it integrates by `integration` ("implicit_newmark" | "explicit_central").
-  void synchronise(const std::string& integration);
+  /// sum and answers u, v, a; from here on it integrates so.
+  void synchronise(Integration integration);
   /// The implicit participant alone, given the whole force [N] of the others on the shared nodes.
-  void synchronise_implicit(std::vector<double> force, const std::string& integration = "implicit_newmark");
+  void synchronise_implicit(std::vector<double> force, Integration integration = Integration::implicit_newmark);
   /// True while the implicit participant integrates as central difference.
   [[nodiscard]] bool all_explicit() const { return all_explicit_; }
 
@@ -61,12 +61,15 @@ class Coupling {
   /// Participants that have no shared node.
   void advance_alone(const Step& step);
 
+  /// Tells everyone that the last window was the last; returns their answers, in the scene's order.
+  std::vector<wire::Message> finish();
+
   /// Values in the shared numbering as a link's own rows; valid until the next call.
   const std::vector<double>& rows_of(const Link& link, const std::vector<double>& shared);
   /// All that the next window depends on: the motion of every participant and the absolute input of every link, in the
-  /// scene's order. `load_state` also freezes the contact ("open" | "sticking") and takes all loads away; vectors of
+  /// scene's order. `load_state` also freezes the contact and takes all loads away; vectors of
   /// the size that `read_state` gives. Needs the capability "load_state" of every participant.
-  void load_state(const std::vector<double>& state, const std::string& frozen_contact);
+  void load_state(const std::vector<double>& state, FrozenContact frozen_contact);
   /// `scale`: what makes each number the root of an energy.
   void read_state(std::vector<double>& state, std::vector<double>& scale);
 

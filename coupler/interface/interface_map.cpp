@@ -47,6 +47,7 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
   require_shape(message.interface_position_m, "interface_position_m", components);
   require_shape(message.interface_body, "interface_body", 1);
   require_shape(message.interface_mass_kg, "interface_mass_kg", 1);
+  const bool implicit = wire::has_role(message, Role::implicit_solver);
   std::vector<Node> nodes(count);
   for (int i = 0; i < count; ++i) {
     Node& node = nodes[i];
@@ -58,7 +59,7 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
     node.row = i;
     node.body = message.bodies[static_cast<std::size_t>(body)];
     node.mass_kg = message.interface_mass_kg.data[i];
-    node.implicit = message.role == "implicit";
+    node.implicit = implicit;
     std::copy_n(message.interface_position_m.data.begin() + static_cast<std::ptrdiff_t>(i) * components, components,
                 node.position);
     const auto* begin = node.position;
@@ -189,7 +190,7 @@ InterfaceMap::InterfaceMap(const std::vector<wire::Message>& descriptions) : row
   std::vector<Node> nodes;  // the implicit participant's first, then the scene's order
   for (const bool implicit : {true, false}) {
     for (std::size_t p = 0; p < descriptions.size(); ++p) {
-      if ((descriptions[p].role == "implicit") != implicit) continue;
+      if (wire::has_role(descriptions[p], Role::implicit_solver) != implicit) continue;
       const auto own = nodes_of(descriptions[p], p);
       nodes.insert(nodes.end(), own.begin(), own.end());
     }

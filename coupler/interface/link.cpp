@@ -30,7 +30,10 @@ void clear(wire::Array& array, int columns) {
 }  // namespace
 
 Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& rows)
-    : peer_(std::move(peer)), description_(description), rows_(rows) {
+    : peer_(std::move(peer)),
+      description_(description),
+      rows_(rows),
+      implicit_(wire::has_role(description, Role::implicit_solver)) {
   const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
@@ -46,8 +49,8 @@ std::vector<double> Link::own_mass_kg() const {
 void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
   request.kind = wire::Kind::initialize;
   history_every_ = request.history_every;
-  if (request.driven_by.empty()) request.driven_by = implicit() ? "force" : "displacement";
-  driven_by_force_ = request.driven_by == "force";
+  if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
+  driven_by_force_ = request.driven_by == name_of(Drive::force);
   set(request.interface_mass_kg, own_masses, 1);
   peer_.post(request);
 }
@@ -58,10 +61,10 @@ void Link::wait_initialized() {
   take_absolute(answer);
 }
 
-void Link::post_synchronise(const std::string& integration, const std::vector<double>& input) {
+void Link::post_synchronise(Integration integration, const std::vector<double>& input) {
   received_input_ = input;
   request_.kind = wire::Kind::synchronise;
-  request_.integration = integration;
+  request_.integration = name_of(integration);
   set(request_.link_absolute, received_input_, rows_.components);
   peer_.post(request_);
 }
@@ -72,9 +75,9 @@ void Link::wait_synchronised() {
   take_rates(answer);
 }
 
-void Link::post_load_state(const std::vector<double>& state, const std::string& frozen_contact) {
+void Link::post_load_state(const std::vector<double>& state, FrozenContact frozen_contact) {
   request_.kind = wire::Kind::load_state;
-  request_.frozen_contact = frozen_contact;
+  request_.frozen_contact = name_of(frozen_contact);
   set(request_.state, state, 1);
   peer_.post(request_);
 }

@@ -44,7 +44,7 @@ class Link {
   Link(Peer peer, const wire::Message& description, const InterfaceRows& rows);
 
   [[nodiscard]] const std::string& name() const { return peer_.name; }
-  [[nodiscard]] bool implicit() const { return description_.role == "implicit"; }
+  [[nodiscard]] bool implicit() const { return implicit_; }
   /// Its link input is a force, and it answers its motion.
   [[nodiscard]] bool driven_by_force() const { return driven_by_force_; }
   [[nodiscard]] const wire::Message& description() const { return description_; }
@@ -53,11 +53,11 @@ class Link {
   /// `request`: a message of kind `initialize` without its masses. `own_masses` per own interface node [kg].
   void post_initialize(wire::Message request, const std::vector<double>& own_masses);
   void wait_initialized();
-  /// `integration`: "implicit_newmark" | "explicit_central"; `input` (here and below) in own rows.
-  void post_synchronise(const std::string& integration, const std::vector<double>& input);
+  /// `input` (here and below) in own rows.
+  void post_synchronise(Integration integration, const std::vector<double>& input);
   void wait_synchronised();
-  /// `frozen_contact`: "open" | "sticking". A synchronisation must follow.
-  void post_load_state(const std::vector<double>& state, const std::string& frozen_contact);
+  /// A synchronisation must follow.
+  void post_load_state(const std::vector<double>& state, FrozenContact frozen_contact);
   void wait_state_loaded();
   /// The answer has the fields `state` and `state_scale`; it is valid until the next message.
   void post_read_state();
@@ -107,7 +107,7 @@ class Link {
   InterfaceRows rows_;
   std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_, records_;
   Acceptance acceptance_ = Acceptance::at_once;
-  bool driven_by_force_ = false, ends_window_ = true;
+  bool implicit_, driven_by_force_ = false, ends_window_ = true;
   ContactReport contact_;
   wire::Array departures_, outline_;
   double largest_drift_ = 0.0;

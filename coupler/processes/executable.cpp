@@ -31,23 +31,26 @@ std::string in_search_path(const scene::ParticipantSpec& participant) {
                   participant.name, participant.executable));
 }
 
-fs::path shipped(scene::Role role) {
-  const char* name = role == scene::Role::explicit_solver ? "explicit_solver" : "implicit_solver";
+fs::path shipped_path(scene::Role role) {
   std::error_code error;
   const auto self = fs::read_symlink("/proc/self/exe", error);
   if (error)
     throw MachineError(
         fmt::format("cannot read /proc/self/exe: {} (errno {}); ricochet needs /proc", error.message(), error.value()));
-  return self.parent_path() / name;
+  return self.parent_path() / shipped_program(role);
 }
 
 }  // namespace
+
+std::string shipped_program(scene::Role role) {
+  return role == scene::Role::explicit_solver ? "explicit_solver" : "implicit_solver";
+}
 
 std::string find_executable(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
   const bool own = participant.executable.empty();
   const bool bare_name = !own && participant.executable.find('/') == std::string::npos;
   if (bare_name) return in_search_path(participant);
-  fs::path path = own ? shipped(participant.role) : fs::path(scene.path).parent_path() / participant.executable;
+  fs::path path = own ? shipped_path(participant.role) : fs::path(scene.path).parent_path() / participant.executable;
   path = fs::absolute(path).lexically_normal();
   if (executable(path)) return path.string();
   const std::string advice = own ? "build it (cmake --build), or name another program with `executable` in the scene"

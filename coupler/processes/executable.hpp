@@ -6,6 +6,9 @@
 
 namespace ricochet::coupler {
 
+/// Name of the program of that role which this command brings along.
+[[nodiscard]] std::string shipped_program(scene::Role role);
+
 /// Path of the program of a participant: the scene's `executable` (relative to the folder of the scene file; a name
 /// without a slash is looked up in PATH), or the solver shipped beside this program.
 /// Throws ParticipantError naming the path and what to do if it is missing or may not be executed.

@@ -69,7 +69,7 @@ void Peers::admit() {
   // The coupler may wait for one peer after another while this one has nothing to do.
   welcome.timeout_s = 2.0 * run_.timeout_s;
   welcome.shared_memory = memory != nullptr;
-  peer.transport = memory ? "shm" : run_.transport == "tcp" ? "tcp" : "zmq";
+  peer.transport = memory ? Transport::shm : run_.transport == Transport::tcp ? Transport::tcp : Transport::zmq;
   post(peer, welcome);
   peer.busy = false;
   listener_.limit(peer.identity, run_.largest_message);
@@ -86,8 +86,9 @@ std::string Peers::objection_to_hello(const Remote& peer) const {
   if (!peer.identity.empty()) {
     return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
   }
-  if (scratch_.role != peer.expected.role) {
-    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, scratch_.role, peer.expected.role);
+  if (!wire::has_role(scratch_, peer.expected.role)) {
+    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, scratch_.role,
+                       name_of(peer.expected.role));
   }
   if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
     return fmt::format(
@@ -101,8 +102,8 @@ std::string Peers::objection_to_hello(const Remote& peer) const {
 /// The memory that the hello offers, if the scene lets it be used. With transport "auto" ZeroMQ takes its place where
 /// it cannot be had; with "shm" that is an objection.
 std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(std::string& objection) const {
-  const bool required = run_.transport == "shm";
-  if (!required && run_.transport != "auto") return nullptr;
+  const bool required = run_.transport == Transport::shm;
+  if (!required && run_.transport != Transport::automatic) return nullptr;
   std::string why = "it offers no shared memory";
   if (!scratch_.shared_memory_path.empty()) {
     try {

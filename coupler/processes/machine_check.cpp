@@ -81,7 +81,7 @@ scene::Problem load_problem(const std::string& path) {
 
 std::string address_warning(const scene::Scene& scene) {
   const auto& address = scene.coupling.address;
-  const bool tcp = scene.coupling.transport == "tcp";
+  const bool tcp = scene.coupling.transport == Transport::tcp;
   if (!tcp || address == "127.0.0.1" || address == "localhost" || address == "::1" || address == "[::1]") return "";
   return fmt::format(
       "coupling.address: found \"{}\", which other machines can reach; only who has a key of the run gets through, and "

@@ -19,7 +19,6 @@ Clock::duration seconds(double value) {
 
 double since_epoch_s(Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
-constexpr double drain_s = 0.25;  // what a process said before it ended is in the socket by then
 constexpr std::size_t log_lines = 8;
 constexpr std::uintmax_t largest_log = 100'000'000;
 constexpr std::chrono::milliseconds between_looks_at_logs{100};
@@ -39,6 +38,12 @@ Peers::Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedP
 Peer Peers::peer(std::size_t index) {
   return {peers_[index].expected.name, [this, index](wire::Message& message) { post(peers_[index], message); },
           [this, index]() -> const wire::Message& { return wait(index); }};
+}
+
+std::vector<Peer> Peers::all() {
+  std::vector<Peer> peers;
+  for (std::size_t p = 0; p < peers_.size(); ++p) peers.push_back(peer(p));
+  return peers;
 }
 
 void Peers::post(Remote& peer, wire::Message& message) {
@@ -200,8 +205,7 @@ void Peers::limit(std::size_t index, const wire::Message& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
   constexpr std::size_t most_rows = 4200;  // of history in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() + most_rows * description.record_columns.size();
-  const auto& has = description.capabilities;
-  const bool tells_state = std::find(has.begin(), has.end(), "load_state") != has.end();
+  const bool tells_state = wire::has_capability(description, Capability::load_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,11 @@ namespace ricochet::coupler {
 /// A participant that the scene names.
 struct ExpectedPeer {
   std::string name;
-  std::string role;  ///< "explicit" | "implicit"
+  Role role = Role::explicit_solver;
 };
+
+/// What a process said before it ended is in the socket after this time [s].
+inline constexpr double drain_s = 0.25;
 
 /// What all peers of a run have in common.
 struct RunIdentity {
@@ -27,7 +31,7 @@ struct RunIdentity {
   std::string scene_sha256;
   double timeout_s = 60.0;                             ///< longest wait for any peer
   double window_size_s = 0.0;                          ///< for the times in error texts
-  std::string transport = "auto";                      ///< "auto" | "shm" | "zmq" | "tcp", as in the scene
+  Transport transport = Transport::automatic;          ///< as in the scene
   std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
   std::size_t largest_message =
       wire::default_largest_message;  ///< of a participant that has not described itself [bytes]
@@ -49,14 +53,15 @@ class Peers {
   void limit(std::size_t index, const wire::Message& description);
   /// The participant in the form the protocols use; refers to this object.
   [[nodiscard]] Peer peer(std::size_t index);
+  [[nodiscard]] std::vector<Peer> all();
   /// Tells every peer that still listens that the run is over, and why.
   void announce_failure(int code, const std::string& text, const std::string& culprit);
 
   [[nodiscard]] std::size_t size() const { return peers_.size(); }
   [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
   [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
-  /// What carries the messages to and from this peer: "shm" | "zmq" | "tcp"; empty until its hello.
-  [[nodiscard]] const std::string& transport(std::size_t index) const { return peers_[index].transport; }
+  /// What carries the messages to and from this peer; empty until its hello.
+  [[nodiscard]] std::optional<Transport> transport(std::size_t index) const { return peers_[index].transport; }
   /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
   [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }
   [[nodiscard]] const std::vector<WaitSpan>& wait_spans(std::size_t index) const { return peers_[index].spans; }
@@ -74,7 +79,7 @@ class Peers {
     wire::Lifecycle lifecycle;
     wire::Message inbox;
     std::string asked;  ///< what it was asked last, for error texts
-    std::string transport;
+    std::optional<Transport> transport;
     std::string refusal;  ///< why a peer of this name was turned away
     std::int64_t process_id = 0;
     std::int64_t sequence = 0, window = 0;

@@ -27,7 +27,7 @@ std::string make_run_id() {
 }
 
 std::string listen_endpoint(const scene::CouplingSettings& coupling) {
-  if (coupling.transport != "tcp") return "ipc://*";
+  if (coupling.transport != Transport::tcp) return "ipc://*";
   const bool bare_ipv6 = coupling.address.find(':') != std::string::npos && coupling.address.front() != '[';
   return fmt::format("tcp://{}:{}", bare_ipv6 ? "[" + coupling.address + "]" : coupling.address,
                      coupling.port > 0 ? std::to_string(coupling.port) : "*");

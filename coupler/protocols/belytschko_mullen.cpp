@@ -12,12 +12,12 @@ void BelytschkoMullen::start(Coupling& coupling, const wire::Message& request) {
     if (link.implicit()) continue;
     // Only the implicit participant knows the displacement at t = 0; K does not depend on it.
     const std::vector<double> zero(link.input().size(), 0.0), metre(link.input().size(), 1.0);
-    link.post_synchronise("explicit_central", zero);
+    link.post_synchronise(Integration::explicit_central, zero);
     link.wait_synchronised();
     link.rows().add_matrix(unit_response(link, Response::output, Step{}, metre), stiffness);
   }
   coupling.initialize_implicit(request, Masses::summed, stiffness);
-  coupling.synchronise("implicit_newmark");
+  coupling.synchronise(Integration::implicit_newmark);
 }
 
 void BelytschkoMullen::step(Coupling& coupling, const Step& step) {

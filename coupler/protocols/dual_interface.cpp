@@ -40,7 +40,7 @@ Eigen::MatrixXd inverse_where_free(const Eigen::MatrixXd& h, const std::string& 
 
 void DualInterface::start(Coupling& coupling, const wire::Message& request, const Step& probe) {
   wire::Message by_force = request;
-  by_force.driven_by = "force";
+  by_force.driven_by = name_of(Drive::force);
   coupling.initialize_explicit(by_force, Masses::own);
   const auto size = static_cast<Eigen::Index>(coupling.displacement().size());
   impedance_.setZero(size, size);
@@ -58,7 +58,7 @@ void DualInterface::start(Coupling& coupling, const wire::Message& request, cons
 
 void DualInterface::measure(Side& side, const Step& probe, double step_s) {
   auto& link = *side.link;
-  link.post_synchronise("explicit_central", std::vector<double>(side.dofs.size(), 0.0));
+  link.post_synchronise(Integration::explicit_central, std::vector<double>(side.dofs.size(), 0.0));
   link.wait_synchronised();
   side.acceleration = link.acceleration_m_s2();
   std::vector<double> probes = link.own_mass_kg();
@@ -92,7 +92,7 @@ void DualInterface::start_multipliers(Coupling& coupling) {
     for (std::size_t i = 0; i < side.dofs.size(); ++i) {
       multiplier[i] *= force[side.dofs[i]] / mass[side.dofs[i]] - side.acceleration[i];
     }
-    side.link->post_synchronise("explicit_central", multiplier);
+    side.link->post_synchronise(Integration::explicit_central, multiplier);
     side.link->wait_synchronised();
   }
   coupling.synchronise_implicit(to_vector(multiplier()));

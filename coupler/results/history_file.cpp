@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -71,7 +72,7 @@ HistoryFile::~HistoryFile() {
   try {
     flush();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ricochet: %s\n", error.what());
+    std::fprintf(stderr, "%s: %s\n", command_name, error.what());
   }
   close(descriptor_);
 }
@@ -97,7 +98,7 @@ void HistoryFile::flush() {
   const int error = write_all(descriptor_, rows);
   if (error == 0) return;
   if (before >= 0 && ftruncate(descriptor_, before) != 0)
-    std::fprintf(stderr, "ricochet: %s ends with half a row\n", path_.c_str());
+    std::fprintf(stderr, "%s: %s ends with half a row\n", command_name, path_.c_str());
   throw_errno(error, "cannot write " + path_);
 }
 

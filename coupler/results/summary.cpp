@@ -15,13 +15,17 @@ using Json = nlohmann::ordered_json;
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
+std::string_view transport_text(const ProcessTimes& process) {
+  return process.transport ? name_of(*process.transport) : "";
+}
+
 Json process_json(const ProcessTimes& process) {
   Json waited = Json::object();
   for (const auto& entry : process.waited_for) waited[entry.whom] = number(entry.time_s);
   return {{"name", process.name},
-          {"role", process.role},
+          {"role", process.role ? name_of(*process.role) : "coupler"},
           {"process_id", process.process_id},
-          {"transport", process.transport},
+          {"transport", transport_text(process)},
           {"wall_s", number(process.wall_s)},
           {"compute_s", number(process.compute_s)},
           {"wait_s", number(process.wait_s)},
@@ -87,7 +91,7 @@ std::string switch_rows(const Summary& summary) {
   std::string text;
   for (std::size_t i = 0; i < std::min(shown, summary.switches.size()); ++i) {
     const auto& event = summary.switches[i];
-    text += row("integration switched", fmt::format("to {} at {}", event.to, duration(event.time_s)));
+    text += row("integration switched", fmt::format("to {} at {}", name_of(event.to), duration(event.time_s)));
   }
   const std::size_t more = summary.switches.size() - std::min(shown, summary.switches.size());
   return more == 0 ? text : text + row("", fmt::format("and {} times more, see summary.json", more));
@@ -102,8 +106,8 @@ std::string process_rows(const Summary& summary) {
   for (const auto& process : summary.processes) {
     std::vector<std::string> waited;
     for (const auto& entry : process.waited_for) waited.push_back(fmt::format("{} {:.3f}", entry.whom, entry.time_s));
-    text += fmt::format("  {:<14} {:>9} {:>9.3f} {:>11} {:>9}  {}\n", process.name, process.transport, process.wall_s,
-                        shown(process.compute_s), shown(process.wait_s), fmt::join(waited, ", "));
+    text += fmt::format("  {:<14} {:>9} {:>9.3f} {:>11} {:>9}  {}\n", process.name, transport_text(process),
+                        process.wall_s, shown(process.compute_s), shown(process.wait_s), fmt::join(waited, ", "));
   }
   return text;
 }
@@ -118,11 +122,11 @@ std::string contact_warning(const Tally& tally) {
 }
 
 std::string to_json(const Summary& s, const Tally& tally) {
-  Json json = {{"status", s.status},
+  Json json = {{"status", name_of(s.status)},
                {"error", s.error},
                {"exit_code", s.exit_code},
                {"protocol", s.protocol},
-               {"transport", s.transport},
+               {"transport", name_of(s.transport)},
                {"steps", s.steps},
                {"windows", s.windows},
                {"window_size_s", number(s.window_size_s)},
@@ -154,7 +158,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
   for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed));
   json["valid_until_s"] = number(s.valid_until_s);
   json["switches"] = Json::array();
-  for (const auto& event : s.switches) json["switches"].push_back({{"time_s", number(event.time_s)}, {"to", event.to}});
+  for (const auto& event : s.switches)
+    json["switches"].push_back({{"time_s", number(event.time_s)}, {"to", name_of(event.to)}});
   json["notes"] = s.notes;
   json["processes"] = Json::array();
   for (const auto& process : s.processes) json["processes"].push_back(process_json(process));
@@ -166,7 +171,7 @@ std::string to_json(const Summary& s, const Tally& tally) {
 }
 
 std::string to_table(const Summary& s, const Tally& tally) {
-  std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", s.status, s.steps,
+  std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", name_of(s.status), s.steps,
                                  s.window_size_s, s.protocol, s.wall_s);
   if (tally.first_contact_s) text += contact_rows(s, tally);
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
 #include "coupler/results/departed.hpp"
 #include "coupler/results/tally.hpp"
 
@@ -13,9 +14,9 @@ namespace ricochet::coupler {
 /// One process of a run and where its time went [s].
 struct ProcessTimes {
   std::string name;
-  std::string role;  ///< "coupler" | "explicit" | "implicit"
+  std::optional<Role> role;  ///< empty: the coupler
   std::int64_t process_id = 0;
-  std::string transport;  ///< what carried its messages: "shm" | "zmq" | "tcp"; empty: the coupler, or no hello came
+  std::optional<Transport> transport;  ///< what carried its messages; empty: the coupler, or no hello came
   double wall_s = 0;
   std::optional<double> compute_s, wait_s;  ///< empty: it did not live to report them
   struct Waited {
@@ -31,16 +32,16 @@ struct Phases {
 
 struct SwitchEvent {
   double time_s = 0;
-  std::string to;  ///< "explicit" | "implicit"
+  Role to = Role::explicit_solver;  ///< how the implicit participant goes on
 };
 
 /// Everything that summary.json and the table at the end of a run say.
 struct Summary {
-  std::string status = "running";  ///< then "done" | "interrupted" | "unstable" | "participant_failed" |
-                                   ///< "protocol_broken" | "left_model" | "scene_wrong"
+  RunStatus status = RunStatus::running;
   std::string error;
   int exit_code = 0;
-  std::string scene_path, scene_sha256, protocol, run_id, transport;
+  std::string scene_path, scene_sha256, protocol, run_id;
+  Transport transport = Transport::automatic;
   std::int64_t steps = 0;    ///< windows computed
   std::int64_t windows = 0;  ///< windows up to the latest end
   double window_size_s = 0, wall_s = 0;

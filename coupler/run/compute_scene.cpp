@@ -13,15 +13,15 @@ int exit_code_of(const std::exception& error) {
   return exit_code_of_exception(error);
 }
 
-std::string status_of(const std::exception& error) {
-  if (dynamic_cast<const Interrupted*>(&error)) return "interrupted";
+RunStatus status_of(const std::exception& error) {
+  if (dynamic_cast<const Interrupted*>(&error)) return RunStatus::interrupted;
   switch (static_cast<ExitCode>(exit_code_of_exception(error))) {
-    case ExitCode::config: return "scene_wrong";
-    case ExitCode::unstable: return "unstable";
-    case ExitCode::protocol: return "protocol_broken";
-    case ExitCode::model: return "left_model";
-    case ExitCode::machine: return "machine_failed";
-    default: return "participant_failed";
+    case ExitCode::config: return RunStatus::scene_wrong;
+    case ExitCode::unstable: return RunStatus::unstable;
+    case ExitCode::protocol: return RunStatus::protocol_broken;
+    case ExitCode::model: return RunStatus::left_model;
+    case ExitCode::machine: return RunStatus::machine_failed;
+    default: return RunStatus::participant_failed;
   }
 }
 
@@ -41,9 +41,9 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
 
 std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
                           const std::vector<std::string>& executables, const ResultsDirectory& results) {
-  CoupledRun run(problem, plan, results);
+  CoupledRun run(problem, plan, executables, results);
   try {
-    run.run(executables);
+    run.run();
   } catch (const std::exception& error) {
     run.fail(status_of(error), exit_code_of(error), text_of(error));
     throw;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/vocabulary.hpp"
 #include "common/check/check.hpp"
 #include "coupler/results/results_directory.hpp"
 
@@ -17,9 +18,8 @@ std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan
 /// What a run of the scene may write into its results folder, for ResultsDirectory.
 [[nodiscard]] std::vector<std::string> files_of_run(const scene::Scene& scene);
 
-/// Status of a run that an error ended, as in summary.json: "interrupted" | "scene_wrong" | "unstable" |
-/// "participant_failed" | "protocol_broken" | "machine_failed".
-[[nodiscard]] std::string status_of(const std::exception& error);
+/// Status of a run that an error ended, as in summary.json.
+[[nodiscard]] RunStatus status_of(const std::exception& error);
 
 /// Exit code of an error that ended a command: see base/error.hpp; 128 + signal if interrupted, 1 for anything else.
 [[nodiscard]] int exit_code_of(const std::exception& error);

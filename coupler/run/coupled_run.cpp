@@ -35,7 +35,8 @@ Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
 
 }  // namespace
 
-CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results)
+CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
+                       const std::vector<std::string>& executables, const ResultsDirectory& results)
     : problem_(problem),
       scene_(problem.scene),
       plan_(plan),
@@ -44,34 +45,31 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan, c
       tally_(impact_theory(problem)),
       history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
       progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
-      listener_(listen_endpoint(scene_.coupling), participant_names(scene_), largest_message(problem)),
-      keys_(results),
-      peers_(listener_, launcher_, expected_peers(scene_),
-             {summary_.run_id, scene_.sha256, scene_.coupling.timeout_s, plan.window_size_s, scene_.coupling.transport,
-              scene_.where("coupling.transport"), largest_message(problem)}),
+      set_(make_process_set(problem, executables, results, plan.window_size_s, summary_.run_id)),
       outside_(problem, plan.window_size_s) {
   reserve_summary();
 }
 
-void CoupledRun::run(const std::vector<std::string>& executables) {
+void CoupledRun::run() {
   try {
-    phases(executables);
+    phases();
+  } catch (const EnergyGrowth&) {
+    throw;
   } catch (const Error& error) {
+    if (error.code() != ExitCode::unstable) throw;
     // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
-    const std::string text = error.what();
-    if (error.code() != ExitCode::unstable || text.find("likely cause") != std::string::npos) throw;
-    throw SolverError(text + "; " + likely_cause(suspicion_, 0.0, 0.0));
+    throw SolverError(fmt::format("{}; {}", error.what(), likely_cause(suspicion_, 0.0, 0.0)));
   }
 }
 
-void CoupledRun::phases(const std::vector<std::string>& executables) {
+void CoupledRun::phases() {
   auto mark = Clock::now();
   const auto lap = [&mark](double& phase_s) {
     const auto now = Clock::now();
     phase_s = std::chrono::duration<double>(now - mark).count();
     mark = now;
   };
-  start(executables);
+  start();
   lap(summary_.phases.start_s);
   setup();
   lap(summary_.phases.setup_s);
@@ -79,28 +77,23 @@ void CoupledRun::phases(const std::vector<std::string>& executables) {
   lap(summary_.phases.stepping_s);
   finish();
   lap(summary_.phases.finish_s);
-  summary_.status = "done";
+  summary_.status = RunStatus::done;
   write_files();
 }
 
-void CoupledRun::start(const std::vector<std::string>& executables) {
-  launch_participants(scene_, executables, results_, listener_, launcher_, keys_);
-  peers_.handshake();
-  keys_.remove();
+void CoupledRun::start() {
+  set_.launch();
+  set_.meet();
 }
 
 void CoupledRun::setup() {
-  const auto descriptions = describe_participants(scene_, peers_);
+  const auto descriptions = set_.describe();
   check_capabilities(scene_.coupling.protocol, descriptions);
-  std::vector<Peer> peers;
   std::vector<History::Source> sources;
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    peers.push_back(peers_.peer(p));
-    sources.push_back({peers_.name(p), descriptions[p].record_columns});
-  }
+  for (const auto& description : descriptions) sources.push_back({description.participant, description.record_columns});
   prepare_watch(descriptions);
   history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s, conserved_by(problem_));
-  coupling_ = std::make_unique<Coupling>(std::move(peers), descriptions, plan_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, plan_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
 }
@@ -113,7 +106,7 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
     names.push_back(description.participant);
-    if (description.role == "explicit")
+    if (wire::has_role(description, Role::explicit_solver))
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
@@ -126,12 +119,11 @@ bool CoupledRun::may_switch() {
   const bool wanted = scene_.coupling.after_separation == scene::AfterSeparation::switch_to_explicit;
   if (!scene_.coupling.protocol.coupled() || !wanted || !implicit || !implicit->description().contact_owner)
     return false;
-  const auto& capabilities = implicit->description().capabilities;
   const double critical = implicit->description().critical_time_step_s;
   std::string obstacle;
   if (!scene_.coupling.protocol.may_switch) {
     obstacle = fmt::format("protocol {} couples it implicitly only", scene_.coupling.protocol.name);
-  } else if (std::find(capabilities.begin(), capabilities.end(), "switch_integration") == capabilities.end()) {
+  } else if (!wire::has_capability(implicit->description(), Capability::switch_integration)) {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
@@ -157,7 +149,8 @@ void CoupledRun::step() {
 }
 
 void CoupledRun::take_records(std::int64_t window) {
-  for (std::size_t p = 0; p < peers_.size(); ++p) history_->add(p, coupling_->links()[p].take_records());
+  auto& links = coupling_->links();
+  for (std::size_t p = 0; p < links.size(); ++p) history_->add(p, links[p].take_records());
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
   while (auto row = history_->next()) {
@@ -195,11 +188,9 @@ void CoupledRun::count_contact(const HistoryRow& row) {
 }
 
 void CoupledRun::finish() {
-  for (auto& link : coupling_->links()) link.post_finish();
-  std::vector<wire::Message> last_words;
-  for (auto& link : coupling_->links()) last_words.push_back(link.wait_finished());
+  const auto last_words = coupling_->finish();
   take_records(loop_->window());
-  check_exit_codes(scene_, peers_, launcher_);
+  set_.check_exit_codes();
   take_times(last_words);
 }
 

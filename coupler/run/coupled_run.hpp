@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "common/check/check.hpp"
-#include "coupler/processes/launcher.hpp"
 #include "coupler/processes/participants.hpp"
-#include "coupler/processes/peers.hpp"
 #include "coupler/results/history_file.hpp"
 #include "coupler/results/results_directory.hpp"
 #include "coupler/results/summary.hpp"
@@ -25,12 +23,13 @@ namespace ricochet::coupler {
 class CoupledRun {
  public:
   /// The arguments must outlive the run.
-  CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const ResultsDirectory& results);
+  CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
+             const ResultsDirectory& results);
 
   /// To the end. Throws what ended it early; then call `fail`.
-  void run(const std::vector<std::string>& executables);
+  void run();
   /// Ends all participants and writes what there is.
-  void fail(const std::string& status, int exit_code, const std::string& error);
+  void fail(RunStatus status, int exit_code, const std::string& error);
   [[nodiscard]] std::string table() const { return to_table(summary_, tally_); }
 
  private:
@@ -39,8 +38,8 @@ class CoupledRun {
   /// Processor time of this process and of its children that have ended [s].
   [[nodiscard]] static double cpu_time_s();
 
-  void phases(const std::vector<std::string>& executables);
-  void start(const std::vector<std::string>& executables);
+  void phases();
+  void start();
   void setup();
   void prepare_watch(const std::vector<wire::Message>& descriptions);
   [[nodiscard]] bool may_switch();
@@ -68,10 +67,7 @@ class CoupledRun {
   Suspicion suspicion_;
   std::vector<TraceTrack> tracks_;
   std::vector<ContactCounter> contact_counters_;
-  Launcher launcher_;
-  wire::Listener listener_;
-  KeyFiles keys_;
-  Peers peers_;
+  ProcessSet set_;
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;

@@ -27,10 +27,9 @@ double CoupledRun::cpu_time_s() {
   return sum;
 }
 
-void CoupledRun::fail(const std::string& status, int exit_code, const std::string& error) {
+void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error) {
   progress_.close();
-  peers_.announce_failure(exit_code, error, "coupler");
-  launcher_.stop(std::chrono::milliseconds(2000));
+  set_.fail(exit_code, error);
   summary_.status = status;
   summary_.exit_code = exit_code;
   summary_.error = error;
@@ -38,33 +37,28 @@ void CoupledRun::fail(const std::string& status, int exit_code, const std::strin
   try {
     write_files();
   } catch (const std::exception& second) {
-    fmt::print(stderr, "ricochet: {}\n", printable(text_of(second)));  // the first error is the one to report
+    fmt::print(stderr, "{}: {}\n", command_name, printable(text_of(second)));  // the first error is the one to report
   }
 }
 
 /// `last_words`: the participants' `finished` messages; empty if the run did not come that far.
 void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-  ProcessTimes coupler{"coupler", "coupler", static_cast<std::int64_t>(getpid()), "", wall_s, 0.0, 0.0, {}};
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    coupler.waited_for.push_back({peers_.name(p), peers_.waited_for_s(p)});
-    *coupler.wait_s += peers_.waited_for_s(p);
-    tracks_.push_back({"coupler", "waits for " + peers_.name(p), peers_.wait_spans(p), {}});
+  const auto& peers = set_.peers();
+  ProcessTimes coupler{"coupler", {}, static_cast<std::int64_t>(getpid()), {}, wall_s, 0.0, 0.0, {}};
+  for (std::size_t p = 0; p < peers.size(); ++p) {
+    coupler.waited_for.push_back({peers.name(p), peers.waited_for_s(p)});
+    *coupler.wait_s += peers.waited_for_s(p);
+    tracks_.push_back({"coupler", "waits for " + peers.name(p), peers.wait_spans(p), {}});
     if (coupling_ && coupling_->links()[p].description().contact_owner) tracks_.back().counters = contact_counters_;
   }
   coupler.compute_s = wall_s - *coupler.wait_s;
   summary_.processes.push_back(coupler);
-  for (std::size_t p = 0; p < peers_.size(); ++p) {
-    ProcessTimes process{peers_.name(p),
-                         scene_.participants[p].role == scene::Role::implicit_solver ? "implicit" : "explicit",
-                         peers_.process_id(p),
-                         peers_.transport(p),
-                         wall_s,
-                         {},
-                         {},
-                         {}};
-    for (std::size_t q = 0; q < peers_.size(); ++q) {
-      if (q != p) process.waited_for.push_back({peers_.name(q), peers_.idle_while_s(p, q)});
+  for (std::size_t p = 0; p < peers.size(); ++p) {
+    ProcessTimes process{
+        peers.name(p), scene_.participants[p].role, peers.process_id(p), peers.transport(p), wall_s, {}, {}, {}};
+    for (std::size_t q = 0; q < peers.size(); ++q) {
+      if (q != p) process.waited_for.push_back({peers.name(q), peers.idle_while_s(p, q)});
     }
     if (!last_words.empty()) {
       const auto& words = last_words[p];
@@ -73,7 +67,7 @@ void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
       double for_others = 0.0;
       for (const auto& entry : process.waited_for) for_others += entry.time_s;
       process.waited_for.push_back({"coupler", std::max(0.0, words.wait_s - for_others)});
-      auto& track = tracks_.emplace_back(TraceTrack{peers_.name(p), "computes", {}, {}});
+      auto& track = tracks_.emplace_back(TraceTrack{peers.name(p), "computes", {}, {}});
       for (int i = 0; i < words.spans_s.rows && words.spans_s.columns == 3; ++i) {
         const double* span = &words.spans_s.data[3 * static_cast<std::size_t>(i)];
         if (!(span[0] >= 0.0 && span[0] <= static_cast<double>(plan_.windows))) continue;  // no window of this run

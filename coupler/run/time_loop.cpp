@@ -65,8 +65,9 @@ void TimeLoop::adapt_chunk(double elapsed_s) {
 void TimeLoop::switch_integration() {
   const bool to_explicit = separation_.update(coupling_.contact());
   if (to_explicit == coupling_.all_explicit()) return;
-  coupling_.synchronise(to_explicit ? "explicit_central" : "implicit_newmark");
-  switches_.push_back({static_cast<double>(window_) * settings_.window_size_s, to_explicit ? "explicit" : "implicit"});
+  coupling_.synchronise(to_explicit ? Integration::explicit_central : Integration::implicit_newmark);
+  switches_.push_back({static_cast<double>(window_) * settings_.window_size_s,
+                       to_explicit ? Role::explicit_solver : Role::implicit_solver});
 }
 
 }  // namespace ricochet::coupler

@@ -4,7 +4,7 @@
 
 namespace ricochet::coupler {
 
-LinearMap window_map(Coupling& coupling, Protocol& protocol, const std::string& frozen_contact) {
+LinearMap window_map(Coupling& coupling, Protocol& protocol, FrozenContact frozen_contact) {
   std::vector<double> state, scale;
   coupling.read_state(state, scale);
   LinearMap map;

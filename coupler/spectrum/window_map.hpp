@@ -8,8 +8,8 @@
 namespace ricochet::coupler {
 
 /// One window of a coupled scheme as a linear map of `Coupling::read_state`, scaled to energies, with the contact
-/// frozen "open" or "sticking": measured on the participants themselves, through the protocol itself. The arguments
+/// frozen so: measured on the participants themselves, through the protocol itself. The arguments
 /// must outlive the map, and the coupling must have been initialized.
-[[nodiscard]] LinearMap window_map(Coupling& coupling, Protocol& protocol, const std::string& frozen_contact);
+[[nodiscard]] LinearMap window_map(Coupling& coupling, Protocol& protocol, FrozenContact frozen_contact);
 
 }  // namespace ricochet::coupler

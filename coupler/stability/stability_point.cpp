@@ -25,52 +25,39 @@ wire::Message endless_request(const scene::Problem& problem, const ResultsDirect
   return request;
 }
 
-std::vector<ContactStability> measure(const scene::Problem& problem, const std::vector<std::string>& frozen_contacts,
-                                      const ResultsDirectory& results, Peers& peers) {
-  const auto descriptions = describe_participants(problem.scene, peers);
+std::vector<ContactStability> measure(const scene::Problem& problem, const std::vector<FrozenContact>& frozen_contacts,
+                                      const ResultsDirectory& results, ProcessSet& set) {
+  set.launch();
+  set.meet();
+  const auto descriptions = set.describe();
   const auto& traits = problem.scene.coupling.protocol;
   check_capabilities(traits, descriptions);
   for (const auto& description : descriptions) {
-    require_capability(description, "load_state", "`ricochet stability`");
+    require_capability(description, Capability::load_state, "`ricochet stability`");
   }
-  std::vector<Peer> asked;
-  for (std::size_t p = 0; p < peers.size(); ++p) asked.push_back(peers.peer(p));
-  Coupling coupling(std::move(asked), descriptions, problem.window_size_s);
+  Coupling coupling(set.peers().all(), descriptions, problem.window_size_s);
   const auto protocol = make_protocol(traits.name, protocol_settings(problem.scene.coupling));
   protocol->start(coupling, endless_request(problem, results));
   std::vector<ContactStability> measured;
-  for (const auto& contact : frozen_contacts) {
+  for (const auto contact : frozen_contacts) {
     measured.push_back({contact, spectral_radius(window_map(coupling, *protocol, contact))});
   }
-  for (auto& link : coupling.links()) link.post_finish();
-  for (auto& link : coupling.links()) link.wait_finished();
+  coupling.finish();
+  set.check_exit_codes();
   return measured;
 }
 
 }  // namespace
 
 std::vector<ContactStability> measure_stability(const scene::Problem& problem,
-                                                const std::vector<std::string>& frozen_contacts,
+                                                const std::vector<FrozenContact>& frozen_contacts,
                                                 const ResultsDirectory& results) {
-  const auto& scene = problem.scene;
-  const auto executables = find_executables(scene);
-  const std::string run_id = make_run_id();
-  Launcher launcher;
-  wire::Listener listener(listen_endpoint(scene.coupling), participant_names(scene), largest_message(problem));
-  KeyFiles keys(results);
-  Peers peers(listener, launcher, expected_peers(scene),
-              {run_id, scene.sha256, scene.coupling.timeout_s, problem.window_size_s, scene.coupling.transport,
-               scene.where("coupling.transport"), largest_message(problem)});
+  const auto executables = find_executables(problem.scene);
+  auto set = make_process_set(problem, executables, results, problem.window_size_s, make_run_id());
   try {
-    launch_participants(scene, executables, results, listener, launcher, keys);
-    peers.handshake();
-    keys.remove();
-    auto measured = measure(problem, frozen_contacts, results, peers);
-    check_exit_codes(scene, peers, launcher);
-    return measured;
+    return measure(problem, frozen_contacts, results, set);
   } catch (const std::exception& error) {
-    peers.announce_failure(exit_code_of(error), error.what(), "coupler");
-    launcher.stop(std::chrono::milliseconds(2000));
+    set.fail(exit_code_of(error), error.what());
     throw;
   }
 }

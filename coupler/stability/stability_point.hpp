@@ -10,7 +10,7 @@
 namespace ricochet::coupler {
 
 struct ContactStability {
-  std::string frozen_contact;  ///< "open" | "sticking"
+  FrozenContact frozen_contact;
   SpectralRadius radius;
 };
 
@@ -18,7 +18,7 @@ struct ContactStability {
 /// frozen in each of the given ways. Steps above the critical one are not refused: they are what is to be seen. Throws
 /// what `run_scene` throws, and ConfigError naming a participant that lacks the capability "load_state".
 [[nodiscard]] std::vector<ContactStability> measure_stability(const scene::Problem& problem,
-                                                              const std::vector<std::string>& frozen_contacts,
+                                                              const std::vector<FrozenContact>& frozen_contacts,
                                                               const ResultsDirectory& results);
 
 }  // namespace ricochet::coupler

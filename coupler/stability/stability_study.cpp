@@ -27,13 +27,13 @@ constexpr double edge_ratio = 1.005;
 struct Point {
   std::size_t column = 0;  ///< which value of the other parameter
   double step_s = 0.0, predicted_edge_s = 0.0;
-  std::string contact;
+  FrozenContact contact = FrozenContact::open;
   SpectralRadius radius;
 };
 
 struct Edge {
   std::size_t column = 0;
-  std::string contact;
+  FrozenContact contact = FrozenContact::open;
   double predicted_s = 0.0, stable_s = 0.0, unstable_s = 0.0;  ///< 0: not within the sweep
 };
 
@@ -62,13 +62,13 @@ class StabilityStudy {
 
  private:
   [[nodiscard]] scene::Problem variant(std::size_t column, std::optional<double> step_s);
-  void measure(std::size_t column, const scene::Problem& problem, const std::vector<std::string>& contacts);
+  void measure(std::size_t column, const scene::Problem& problem, const std::vector<FrozenContact>& contacts);
   void run_column(std::size_t column);
-  void bisect(std::size_t column, const std::string& contact);
+  void bisect(std::size_t column, FrozenContact contact);
   void print_participants() const;
   void print(const Point& point) const;
   void print(const Edge& edge) const;
-  [[nodiscard]] std::vector<std::string> contacts() const;
+  [[nodiscard]] std::vector<FrozenContact> contacts() const;
   [[nodiscard]] std::size_t label_width() const { return std::max<std::size_t>(20, against_.key.size()); }
   [[nodiscard]] bool by_courant() const { return steps_.key == "courant"; }
   [[nodiscard]] std::vector<std::string> notes() const;
@@ -84,9 +84,9 @@ class StabilityStudy {
   std::vector<Edge> edges_;
 };
 
-std::vector<std::string> StabilityStudy::contacts() const {
-  if (problem_.contact.pairs.empty()) return {"open"};
-  return {"open", "sticking"};
+std::vector<FrozenContact> StabilityStudy::contacts() const {
+  if (problem_.contact.pairs.empty()) return {FrozenContact::open};
+  return {FrozenContact::open, FrozenContact::sticking};
 }
 
 /// The scene with the column's value and, if given, another step.
@@ -101,7 +101,7 @@ scene::Problem StabilityStudy::variant(std::size_t column, std::optional<double>
 }
 
 void StabilityStudy::measure(std::size_t column, const scene::Problem& problem,
-                             const std::vector<std::string>& contacts) {
+                             const std::vector<FrozenContact>& contacts) {
   const double edge_s = critical_window_s(problem);
   for (const auto& measured : measure_stability(problem, contacts, results_)) {
     points_.push_back({column, problem.window_size_s, edge_s, measured.frozen_contact, measured.radius});
@@ -126,7 +126,7 @@ void StabilityStudy::run_column(std::size_t column) {
 }
 
 /// Halves the interval between the last stable step before the first unstable one and that one.
-void StabilityStudy::bisect(std::size_t column, const std::string& contact) {
+void StabilityStudy::bisect(std::size_t column, FrozenContact contact) {
   Edge edge{column, contact, 0.0, 0.0, 0.0};
   for (const auto& point : points_) {
     if (point.column != column || point.contact != contact || edge.unstable_s > 0.0) continue;
@@ -143,7 +143,7 @@ void StabilityStudy::bisect(std::size_t column, const std::string& contact) {
 void StabilityStudy::print_participants() const {
   fmt::print("{:<16} {:<9} {:>18} {:>18}\n", "participant", "role", "by Lanczos [s]", "element bound [s]");
   for (const auto& p : scene::plan_participants(problem_)) {
-    fmt::print("{:<16} {:<9} {:>18} {:>18}\n", p.name, p.role, step_text(p.critical_time_step_s),
+    fmt::print("{:<16} {:<9} {:>18} {:>18}\n", p.name, name_of(p.role), step_text(p.critical_time_step_s),
                step_text(scene::element_bound_time_step(problem_, problem_.scene.participant(p.name))));
   }
   const double critical_s = scene::critical_time_step(scene::plan_participants(problem_));
@@ -157,8 +157,8 @@ void StabilityStudy::print(const Point& p) const {
                                                         : fmt::format("{}, {} unknowns, {} windows", p.radius.method,
                                                                       p.radius.unknowns, p.radius.windows);
   fmt::print("{:<{}} {:>12.6g} {:>9.5f} {:<9} {:>12.3e} {:>11.1e} {:<9} {}\n", text_of(against_.values[p.column]),
-             label_width(), p.step_s, p.step_s / p.predicted_edge_s, p.contact, p.radius.growth(), p.radius.resolution,
-             p.radius.stable() ? "stable" : "unstable", method);
+             label_width(), p.step_s, p.step_s / p.predicted_edge_s, name_of(p.contact), p.radius.growth(),
+             p.radius.resolution, p.radius.stable() ? "stable" : "unstable", method);
   std::fflush(stdout);
 }
 
@@ -167,14 +167,14 @@ void StabilityStudy::print(const Edge& e) const {
   if (e.unstable_s == 0.0) measured = "above the sweep";
   if (e.stable_s == 0.0) measured = "below the sweep";
   fmt::print("{:<{}} contact {:<9} edge predicted {} s, measured {}\n", text_of(against_.values[e.column]),
-             label_width(), e.contact, step_text(e.predicted_s), measured);
+             label_width(), name_of(e.contact), step_text(e.predicted_s), measured);
 }
 
 void StabilityStudy::run() {
   print_participants();
   for (std::size_t column = 0; column < against_.values.size(); ++column) {
     run_column(column);
-    for (const auto& contact : bisects_ ? contacts() : std::vector<std::string>{}) bisect(column, contact);
+    for (const auto contact : bisects_ ? contacts() : std::vector<FrozenContact>{}) bisect(column, contact);
   }
   if (!edges_.empty()) fmt::print("\n");
   for (const auto& edge : edges_) print(edge);
@@ -204,7 +204,7 @@ std::string StabilityStudy::csv() const {
     text +=
         fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.6e},{:.3e},{},{},{},{}\n",
                     text_of(against_.values[p.column]), p.step_s, p.step_s / p.predicted_edge_s, p.predicted_edge_s,
-                    p.contact, p.radius.value, p.radius.growth(), p.radius.resolution,
+                    name_of(p.contact), p.radius.value, p.radius.growth(), p.radius.resolution,
                     p.radius.stable() ? "stable" : "unstable", p.radius.method, p.radius.unknowns, p.radius.windows);
   }
   return text;
@@ -223,10 +223,11 @@ report::StabilityMap StabilityStudy::map() const {
   }
   const auto on_axis = [this](double step_s, double edge_s) { return by_courant() ? step_s / edge_s : step_s; };
   for (const auto& p : points_) {
+    const std::string contact(name_of(p.contact));
     map.cells.push_back(
-        {p.contact, p.column, on_axis(p.step_s, p.predicted_edge_s), p.radius.growth(), p.radius.stable()});
+        {contact, p.column, on_axis(p.step_s, p.predicted_edge_s), p.radius.growth(), p.radius.stable()});
     if (!std::isfinite(p.predicted_edge_s)) continue;
-    const report::StabilityEdge edge{p.contact, p.column, on_axis(p.predicted_edge_s, p.predicted_edge_s), "predicted"};
+    const report::StabilityEdge edge{contact, p.column, on_axis(p.predicted_edge_s, p.predicted_edge_s), "predicted"};
     const auto same = [&edge](const report::StabilityEdge& other) {
       return other.contact == edge.contact && other.column == edge.column && other.step == edge.step;
     };
@@ -234,7 +235,8 @@ report::StabilityMap StabilityStudy::map() const {
   }
   for (const auto& e : edges_) {
     if (e.stable_s == 0.0 || e.unstable_s == 0.0) continue;
-    map.edges.push_back({e.contact, e.column, on_axis(0.5 * (e.stable_s + e.unstable_s), e.predicted_s), "measured"});
+    map.edges.push_back({std::string(name_of(e.contact)), e.column,
+                         on_axis(0.5 * (e.stable_s + e.unstable_s), e.predicted_s), "measured"});
   }
   return map;
 }

@@ -50,7 +50,7 @@ void Study::prepare_rows() {
       if (rows_.back().run.repeats() > 0) measure(rows_.back());
     }
   }
-  const auto refused = [](const StudyRow& row) { return row.run.status() == "scene_wrong"; };
+  const auto refused = [](const StudyRow& row) { return row.run.status() == RunStatus::scene_wrong; };
   if (std::all_of(rows_.begin(), rows_.end(), refused)) {
     throw ConfigError(fmt::format("{}: every run of the study is refused, the first with: {}", file_.path,
                                   rows_.front().run.error()));
@@ -125,7 +125,7 @@ void Study::compute_rows() {
               : fmt::format("{:.3f} s wall, {:.3f} s CPU", row.run.costs().back().wall_s, row.run.costs().back().cpu_s);
       fmt::print("[{}/{}] {}: {}, {}; about {:.0f} s left\n",
                  static_cast<std::size_t>(repeat - 1) * rows_.size() + r + 1, total, label_of(file_, row),
-                 row.run.status(), cost, remaining_s(r + 1, repeat));
+                 row.run.status_text(), cost, remaining_s(r + 1, repeat));
       std::fflush(stdout);
     }
   }

@@ -77,12 +77,12 @@ bool StudyCase::read_repeat(int repeat) {
   const std::string path = repeat_folder(repeat) + "/summary.json";
   if (!fs::is_regular_file(path)) return false;
   const auto summary = report::read_summary(path);
-  const std::string status = summary.value("status", "");
-  if (status == "unstable" || status == "left_model") {
-    fail(status, summary.value("exit_code", 0), summary.value("error", status));
+  const auto status = find_named<RunStatus>(summary.value("status", ""));
+  if (status == RunStatus::unstable || status == RunStatus::left_model) {
+    fail(*status, summary.value("exit_code", 0), summary.value("error", std::string(name_of(*status))));
     return false;
   }
-  if (status != "done") return false;
+  if (status != RunStatus::done) return false;
   const auto value = [](const report::Json& json, const char* key) { return report::number(json, key).value_or(0.0); };
   const auto& phases = summary.at("phases");
   costs_.push_back({value(summary, "wall_s"), value(summary, "cpu_s"), value(phases, "start_s"),
@@ -92,7 +92,7 @@ bool StudyCase::read_repeat(int repeat) {
   return true;
 }
 
-void StudyCase::fail(const std::string& status, int exit_code, const std::string& error) {
+void StudyCase::fail(RunStatus status, int exit_code, const std::string& error) {
   status_ = status;
   exit_code_ = exit_code;
   error_ = printable(error.substr(0, error.find('\n')));
@@ -108,7 +108,7 @@ void StudyCase::compute() {
     fail(status_of(error), static_cast<int>(error.code()), error.what());
     return;
   }
-  if (!read_repeat(repeat)) fail("participant_failed", 1, "no summary.json in " + repeat_folder(repeat));
+  if (!read_repeat(repeat)) fail(RunStatus::participant_failed, 1, "no summary.json in " + repeat_folder(repeat));
 }
 
 Observation StudyCase::observation() const {

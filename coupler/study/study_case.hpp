@@ -24,7 +24,7 @@ struct Cost {
 class StudyCase {
  public:
   /// Writes the variant, without output of fields and axial stresses (what is measured is the computation), and checks
-  /// it; one that is refused has the status "scene_wrong".
+  /// it; one that is refused has the status `scene_wrong`.
   StudyCase(const std::string& scene_path, std::vector<scene::Override> changes, const std::string& folder);
 
   /// Computes one more repeat, or takes one that is there by now. What ends it early becomes the status, but
@@ -33,7 +33,8 @@ class StudyCase {
   [[nodiscard]] bool failed() const { return !error_.empty(); }
   [[nodiscard]] int repeats() const { return static_cast<int>(costs_.size()); }
   [[nodiscard]] const std::vector<Cost>& costs() const { return costs_; }
-  [[nodiscard]] const std::string& status() const { return status_; }
+  [[nodiscard]] std::optional<RunStatus> status() const { return status_; }  ///< empty: not computed yet
+  [[nodiscard]] std::string status_text() const { return status_ ? std::string(name_of(*status_)) : "waiting"; }
   [[nodiscard]] const std::string& error() const { return error_; }  ///< first line
   [[nodiscard]] int exit_code() const { return exit_code_; }
   [[nodiscard]] const std::string& folder() const { return folder_; }
@@ -47,9 +48,10 @@ class StudyCase {
  private:
   [[nodiscard]] std::string repeat_folder(int repeat) const { return folder_ + "/" + std::to_string(repeat); }
   bool read_repeat(int repeat);
-  void fail(const std::string& status, int exit_code, const std::string& error);
+  void fail(RunStatus status, int exit_code, const std::string& error);
 
-  std::string folder_, status_ = "waiting", error_;
+  std::string folder_, error_;
+  std::optional<RunStatus> status_;
   int exit_code_ = 0;
   std::optional<scene::Problem> problem_;
   std::optional<scene::Plan> plan_;

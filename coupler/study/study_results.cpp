@@ -56,7 +56,7 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
   for (const auto& row : rows) {
     text += csv_cell(row.method);
     for (const auto& setting : row.settings) add(csv_cell(text_of(setting)));
-    add(row.run.status());
+    add(row.run.status_text());
     for (const auto& error : row.errors) add(cell(error));
     if (file.histories.wanted()) text += fmt::format(",{},{}", cell(row.rms_reference), cell(row.rms_compared));
     const auto& costs = row.run.costs();
@@ -98,7 +98,7 @@ std::string to_table(const StudyFile& file, const std::vector<StudyRow>& rows) {
   text += "\n";
   for (const auto& row : rows) {
     if (row.run.failed() || row.run.repeats() == 0) {
-      text += fmt::format("{:<{}} {}: {}\n", label_of(file, row), width, row.run.status(), row.run.error());
+      text += fmt::format("{:<{}} {}: {}\n", label_of(file, row), width, row.run.status_text(), row.run.error());
       continue;
     }
     const auto& costs = row.run.costs();

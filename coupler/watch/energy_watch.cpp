@@ -91,9 +91,9 @@ void EnergyWatch::check(const HistoryRow& row) {
 }
 
 void EnergyWatch::stop(const HistoryRow& row, const std::string& what, double growth_j) const {
-  throw SolverError(fmt::format("unstable in window {} (t = {:.6g} s): {}; {}; {}", row.window, row.time_s, what,
-                                culprit(row, growth_j),
-                                likely_cause(suspicion_, row.sum.energy_interface_j, growth_j)));
+  throw EnergyGrowth(fmt::format("unstable in window {} (t = {:.6g} s): {}; {}; {}", row.window, row.time_s, what,
+                                 culprit(row, growth_j),
+                                 likely_cause(suspicion_, row.sum.energy_interface_j, growth_j)));
 }
 
 /// Where the energy was made: a participant's own balance tells, since loads and link are accounted for; the body only

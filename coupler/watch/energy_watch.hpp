@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/check/check.hpp"
 #include "coupler/results/history.hpp"
 
@@ -26,6 +27,11 @@ struct Suspicion {
 /// "likely cause: ..." for a run that became unstable. `interface_j`: energy the coupling made so far.
 [[nodiscard]] std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j);
 
+/// A run that the energy watch has stopped; its text ends with the likely cause.
+struct EnergyGrowth : SolverError {
+  using SolverError::SolverError;
+};
+
 /// Stops a run whose numbers mean nothing any more.
 ///
 /// It looks every so many windows, whatever rows the history file keeps, so that `output.history_every` changes no
@@ -45,7 +51,7 @@ class EnergyWatch {
   EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
               std::vector<std::string> bodies, std::int64_t look_every = every);
 
-  /// Throws SolverError naming window, time, where energy was made and the likely cause, if the energy balance has
+  /// Throws EnergyGrowth naming window, time, where energy was made and the likely cause, if the energy balance has
   /// grown by more than the limit or anything in the row is not finite.
   void check(const HistoryRow& row);
 

@@ -13,11 +13,12 @@ class Echo : public Participant {
  public:
   explicit Echo(const Arguments& arguments) : name_(arguments.name) {
     const auto line = name_.find('_');
-    role_ = name_.substr(0, line);
+    const auto role = ricochet::find_named<Role>(name_.substr(0, line));
     nodes_ = line == std::string::npos ? 0 : std::atoi(name_.c_str() + line + 1);
-    if ((role_ != "explicit" && role_ != "implicit") || nodes_ <= 0) {
+    if (!role || nodes_ <= 0) {
       throw ricochet::ConfigError("--name: found \"" + name_ + "\", allowed are explicit_NODES and implicit_NODES");
     }
+    role_ = *role;
   }
   Description describe() override {
     Description d;
@@ -26,7 +27,7 @@ class Echo : public Participant {
     d.solver = "echo_participant";
     d.components = 2;
     d.bodies = {"steel"};
-    d.critical_time_step_s = role_ == "explicit" ? 1.0 : 0.0;
+    d.critical_time_step_s = role_ == Role::explicit_solver ? 1.0 : 0.0;
     d.record_columns = {"mass_kg/steel", "energy_kinetic_j/steel", "energy_strain_j/steel", "energy_interface_j/steel",
                         "momentum_n_kg_m_s/steel"};
     for (int i = 0; i < nodes_; ++i) {
@@ -46,11 +47,12 @@ class Echo : public Participant {
   void rest(LinkOutput& output) const {
     const auto size = static_cast<std::size_t>(2 * nodes_);
     output.value.resize(size);
-    if (role_ == "explicit") return;
+    if (role_ == Role::explicit_solver) return;
     output.velocity_m_s.resize(size);
     output.acceleration_m_s2.resize(size);
   }
-  std::string name_, role_;
+  std::string name_;
+  Role role_ = Role::explicit_solver;
   int nodes_ = 0;
 };
 

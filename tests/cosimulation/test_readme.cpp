@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <regex>
+#include <set>
 
 #include "tests/support/page.hpp"
 #include "tests/support/run.hpp"
@@ -48,16 +50,65 @@ TEST(Readme, TheFirstCommandEndsWithTheLinesShown) {
   }
 }
 
-TEST(Commands, EveryCommandOfTheTableExists) {
+/// Every match of a pattern's first group.
+std::set<std::string> all(const std::string& text, const std::string& pattern) {
+  std::set<std::string> found;
+  const std::regex expression(pattern);
+  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it) found.insert((*it)[1]);
+  return found;
+}
+
+/// What --help says, of the command itself or of a subcommand.
+std::string help_of(const std::vector<std::string>& subcommand) {
   const TemporaryFolder folder;
+  std::vector<std::string> words{ricochet_binary()};
+  words.insert(words.end(), subcommand.begin(), subcommand.end());
+  words.emplace_back("--help");
+  const Outcome outcome = run_command(words, folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << fmt::format("{}", fmt::join(words, " "));
+  return outcome.out;
+}
+
+/// The rows of the table of commands, by the subcommand; `prefix`: how the command is called.
+std::map<std::string, std::string> rows_of_commands(const std::string& prefix) {
+  std::map<std::string, std::string> rows;
   const std::string text = page_text("docs/commands.md");
-  const std::regex row("\\| `ricochet ([a-z-]+) ");
+  const std::regex row("\n\\| `" + prefix + "ricochet ([a-z-]+)([^`]*)` \\|");
+  for (std::sregex_iterator it(text.begin(), text.end(), row), end; it != end; ++it) rows[(*it)[1]] = (*it)[2];
+  return rows;
+}
+
+TEST(Commands, AreTheSameInTheTableInTheHelpAndInTheScript) {
+  const std::string help = help_of({});
+  std::set<std::string> of_table, of_script_in_table;
+  for (const auto& [name, arguments] : rows_of_commands("")) of_table.insert(name);
+  for (const auto& [name, arguments] : rows_of_commands("\\./")) of_script_in_table.insert(name);
+  of_table.insert(of_script_in_table.begin(), of_script_in_table.end());
+  const auto begin = help.find("Subcommands:");
+  ASSERT_NE(begin, std::string::npos) << help;
+  EXPECT_EQ(all(help.substr(begin, help.find("\n\n", begin) - begin), "\n  ([a-z-]+) "), of_table);
+  EXPECT_EQ(all(file_text(RICOCHET_SOURCE "/ricochet"), "\"\\$\\{1:-\\}\" = ([a-z-]+) \\]"), of_script_in_table);
+  EXPECT_EQ(all(help, "(--[a-z-]+)"), all(page_text("docs/commands.md"), "`ricochet (--[a-z-]+)`"));
+}
+
+TEST(Commands, HaveTheSameOptionsInTheTableAndInTheHelp) {
   int commands = 0;
-  for (std::sregex_iterator it(text.begin(), text.end(), row), end; it != end; ++it, ++commands) {
-    const Outcome outcome = run_command({ricochet_binary(), (*it)[1].str(), "--help"}, folder.path().string());
-    EXPECT_EQ(outcome.code, 0) << (*it)[1];
+  for (const auto& [name, arguments] : rows_of_commands("")) {
+    auto options = all(help_of({name}), "\n  (?:-[a-z],)?(--[a-z-]+)");
+    options.erase("--help");
+    EXPECT_EQ(options, all(arguments, "(--[a-z-]+)")) << name;
+    ++commands;
   }
   EXPECT_EQ(commands, 7);
+}
+
+TEST(Commands, OfTheScriptAreNotThoseOfTheProgram) {
+  const TemporaryFolder folder;
+  for (const auto& [name, arguments] : rows_of_commands("\\./")) {
+    const Outcome outcome = run_command({ricochet_binary(), name, "-R", "KimImpact"}, folder.path().string());
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.error.find("a command of the script ./ricochet"), std::string::npos) << outcome.error;
+  }
 }
 
 TEST(Commands, ExitCodesOfTheTableAreThoseOfTheHelp) {

@@ -14,7 +14,7 @@ class InOneProcess {
  public:
   explicit InOneProcess(const std::string& text) : run_(folder_.write(text)) {}
   [[nodiscard]] coupler::LinearMap map(const std::string& contact) {
-    return coupler::window_map(run_.coupling(), run_.protocol(), contact);
+    return coupler::window_map(run_.coupling(), run_.protocol(), *find_named<FrozenContact>(contact));
   }
 
  private:

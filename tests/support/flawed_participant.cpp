@@ -26,14 +26,14 @@ class Spring : public Participant {
   Description describe() override {
     Description d;
     d.name = "spring";
-    d.role = "explicit";
+    d.role = Role::explicit_solver;
     d.solver = "flawed_participant";
     d.bodies = {"rod"};
     d.interface_body = {0};
     d.interface_position_m = {0.0};
     d.interface_mass_kg = {flaw_ == "negative_mass" ? -mass : mass};
     d.critical_time_step_s = 0.2;
-    d.capabilities = {"repeat_window"};
+    d.capabilities = {Capability::repeat_window};
     d.record_columns = {"energy_kinetic_j/rod", "energy_interface_j"};
     return d;
   }

@@ -43,7 +43,7 @@ class LocalParticipant {
     ask(request);
     wire::Message description = answer_;
     description.participant = spec_.name;
-    description.role = coupler::role_name(spec_.role);
+    description.role = name_of(spec_.role);
     return description;
   }
   [[nodiscard]] coupler::Peer peer() {

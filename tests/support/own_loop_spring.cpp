@@ -14,14 +14,14 @@ constexpr double stiffness = 206.8e9 * 6.4516e-4 / 0.1905, mass = 7844.066 * 6.4
 Description describe(const std::string& name) {
   Description d;
   d.name = name;
-  d.role = "explicit";
+  d.role = Role::explicit_solver;
   d.solver = "own_loop_spring";
   d.bodies = {"left"};
   d.interface_body = {0};
   d.interface_position_m = {-0.0635};
   d.interface_mass_kg = {mass};
   d.critical_time_step_s = 3e-5;
-  d.capabilities = {"repeat_window"};
+  d.capabilities = {Capability::repeat_window};
   d.record_columns = {"mass_kg/left", "energy_kinetic_j/left", "energy_strain_j/left", "energy_interface_j/left",
                       "momentum_n_kg_m_s/left"};
   return d;

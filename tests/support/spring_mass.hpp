@@ -21,7 +21,7 @@ class SpringMass : public Participant {
   Description describe() override {
     Description d;
     d.name = "spring";
-    d.role = "explicit";
+    d.role = Role::explicit_solver;
     d.solver = "spring_mass";
     d.bodies = {"rod"};
     d.interface_body.assign(static_cast<std::size_t>(nodes_), 0);
@@ -74,7 +74,7 @@ class SpringMass : public Participant {
   void write_fields(std::int64_t window) override { fields.push_back(window); }
 
   static constexpr double mass = 1.0, stiffness = 100.0;
-  std::vector<std::string> capabilities{"repeat_window"};
+  std::vector<Capability> capabilities{Capability::repeat_window};
   std::function<void(std::int64_t window, LinkOutput& output)> on_advance;  ///< to spoil a window
   ContactStatus status;
   Setup setup;

@@ -64,7 +64,7 @@ TEST(OwnLoop, ExampleIsUnderEightyLines) {
 participant::Description spring() {
   participant::Description d;
   d.name = "spring";
-  d.role = "explicit";
+  d.role = participant::Role::explicit_solver;
   d.bodies = {"rod"};
   d.interface_body = {0};
   d.interface_position_m = {0.0};

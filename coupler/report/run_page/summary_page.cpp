@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/vocabulary.hpp"
 #include "coupler/report/parts/history_table.hpp"
 #include "coupler/report/parts/quantity.hpp"
 #include "coupler/report/parts/text.hpp"
@@ -149,10 +150,10 @@ std::string scene_name(const Json& summary) {
 std::string header_html(const Json& summary) {
   const std::string status = summary.value("status", ""), error = summary.value("error", "");
   std::string words = status;
-  if (status == "running") words = "running, or its coupler was killed";
+  if (status == name_of(RunStatus::running)) words = "running, or its coupler was killed";
   std::string text =
       fmt::format("<h1>{}</h1>\n<p class=\"status {}\"><strong>{}</strong></p>\n", escape_html(scene_name(summary)),
-                  status == "done" ? "done" : "failed", escape_html(words));
+                  status == name_of(RunStatus::done) ? "done" : "failed", escape_html(words));
   if (!error.empty()) text += fmt::format("<pre class=\"error\">{}</pre>\n", escape_html(error));
   text += fmt::format(
       "<dl><dt>scene</dt><dd>{} <small>(SHA-256 {}…)</small></dd>\n<dt>protocol</dt><dd>{} over {}</dd>\n"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/base/vocabulary.hpp"
 #include "coupler/report/parts/history_table.hpp"
 #include "coupler/report/stability_page/stability_page.hpp"
 
@@ -38,7 +39,7 @@ StabilityMap map_of(const Json& json) {
 }
 
 void check(const StabilityMap& map) {
-  const auto known = [](const std::string& contact) { return contact == "open" || contact == "sticking"; };
+  const auto known = [](const std::string& contact) { return find_named<FrozenContact>(contact).has_value(); };
   require(map.against_number.empty() || map.against_number.size() == map.against.size(),
           "'against_number' has another length than 'against'");
   for (const auto& cell : map.cells) {

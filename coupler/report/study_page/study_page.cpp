@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/vocabulary.hpp"
 #include "coupler/report/assets/assets.hpp"
 #include "coupler/report/parts/chart.hpp"
 #include "coupler/report/parts/csv_table.hpp"
@@ -135,7 +136,7 @@ std::string runs_table(const Json& study, const std::vector<CsvRow>& rows) {
   for (const auto& row : rows) {
     text += "<tr>";
     for (const auto& [column, title] : columns) text += cell("td", shown(row, column));
-    if (row.at("status") == "done") {
+    if (row.at("status") == name_of(RunStatus::done)) {
       for (const auto& quantity : quantities) {
         const auto error = number(row, "error_" + quantity);
         text += cell("td", error ? fmt::format("{:.2e}", *error) : "–");

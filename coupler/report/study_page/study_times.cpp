@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/base/vocabulary.hpp"
 #include "coupler/report/parts/text.hpp"
 #include "coupler/report/study_page/study_parts.hpp"
 
@@ -30,7 +31,7 @@ std::string line_of(const Json& published, const Panel& panel, const CsvRow& row
 const CsvRow* run_of(const Panel& panel, const std::string& method) {
   const auto found = std::find_if(panel.rows.begin(), panel.rows.end(),
                                   [&](const CsvRow* row) { return row->at("method") == method; });
-  return found == panel.rows.end() || (*found)->at("status") != "done" ? nullptr : *found;
+  return found == panel.rows.end() || (*found)->at("status") != name_of(RunStatus::done) ? nullptr : *found;
 }
 
 std::string lines_of(const Json& published, const std::vector<Panel>& panels) {

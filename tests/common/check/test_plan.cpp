@@ -38,7 +38,7 @@ TEST(Plan, CountsWhatEachParticipantOwns) {
   const Plan result = plan_of(cylinders);
   ASSERT_EQ(result.participants.size(), 2U);
   const ParticipantPlan &e = result.participants[0], &i = result.participants[1];
-  EXPECT_EQ(e.role, "explicit");
+  EXPECT_EQ(e.role, Role::explicit_solver);
   EXPECT_EQ(e.elements, 64 - 20);
   EXPECT_EQ(e.nodes, 7 * 5 + 6 * 5);
   EXPECT_EQ(e.interface_nodes, 10);

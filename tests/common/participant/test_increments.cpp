@@ -132,7 +132,7 @@ class FreeMass : public Participant {
   Description describe() override {
     Description d;
     d.name = "spring";  // the name the scripted coupler welcomes
-    d.role = "implicit";
+    d.role = Role::implicit_solver;
     d.interface_body = {0};
     d.interface_position_m = {0.0};
     d.interface_mass_kg = {2.0};

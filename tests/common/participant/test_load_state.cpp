@@ -15,7 +15,7 @@ using wire::Message;
 
 SpringMass capable() {
   SpringMass spring;
-  spring.capabilities = {"load_state"};
+  spring.capabilities = {Capability::load_state};
   return spring;
 }
 

@@ -171,7 +171,7 @@ class DrivenByForce : public SpringMass {
   DrivenByForce() : SpringMass(1) {}
   Description describe() override {
     auto d = SpringMass::describe();
-    d.capabilities = {"repeat_window", "driven_by_force", "single_substep"};
+    d.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
     return d;
   }
   void initialize(const Setup& given, LinkOutput& output) override {

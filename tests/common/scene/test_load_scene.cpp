@@ -148,7 +148,7 @@ TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
   EXPECT_EQ(scene.coupling.after_separation, AfterSeparation::stay_implicit);
   EXPECT_EQ(scene.coupling.separation_windows, 7);
   EXPECT_EQ(scene.coupling.timeout_s, 5.0);
-  EXPECT_EQ(scene.coupling.transport, "tcp");
+  EXPECT_EQ(scene.coupling.transport, Transport::tcp);
   EXPECT_EQ(scene.coupling.address, "0.0.0.0");
   EXPECT_EQ(scene.coupling.port, 5555);
   EXPECT_EQ(scene.coupling.energy_growth_limit, 0.01);
@@ -178,7 +178,7 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
   const CouplingSettings defaults;
   EXPECT_EQ(scene.coupling.protocol.name, "hughes_liu");
   EXPECT_EQ(scene.coupling.resynchronise_every, defaults.resynchronise_every);
-  EXPECT_EQ(scene.coupling.transport, "auto");
+  EXPECT_EQ(scene.coupling.transport, Transport::automatic);
   EXPECT_EQ(scene.output.history_every, 1);
   EXPECT_EQ(scene.output.axial_stress_every, 0);
   EXPECT_EQ(scene.contact->enforcement, Enforcement::multiplier);

@@ -75,8 +75,10 @@ class PeersTest : public testing::Test {
   std::string run_id_ = make_run_id();
   Launcher launcher_;
   wire::Listener listener_{"ipc://@ricochet-test-" + run_id_};
-  Peers peers_{
-      listener_, launcher_, {{"explicit", "explicit"}, {"implicit", "implicit"}}, {run_id_, this_scene, 1.0, 1e-6}};
+  Peers peers_{listener_,
+               launcher_,
+               {{"explicit", Role::explicit_solver}, {"implicit", Role::implicit_solver}},
+               {run_id_, this_scene, 1.0, 1e-6}};
 
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -148,25 +150,29 @@ TEST_F(PeersTest, DeathBeforeHelloIsNoticedAtOnceWithTheLog) {
 /// offers what is not its own.
 TEST_F(PeersTest, SharedMemoryIsTakenWhereItIsOfferedAndWanted) {
   using Offer = Client::Offer;
-  for (const auto& [wanted, expected] : {std::pair{"auto", "shm zmq"}, {"zmq", "zmq zmq"}, {"tcp", "tcp tcp"}}) {
+  for (const auto& [wanted, expected_first, expected_second] :
+       {std::tuple{Transport::automatic, Transport::shm, Transport::zmq},
+        {Transport::zmq, Transport::zmq, Transport::zmq},
+        {Transport::tcp, Transport::tcp, Transport::tcp}}) {
     for (const auto offer : {Offer::nothing, Offer::wrong_memory}) {
       wire::Listener listener("ipc://@ricochet-test-" + make_run_id());
-      Peers peers(listener, launcher_, {{"explicit", "explicit"}, {"implicit", "implicit"}},
+      Peers peers(listener, launcher_, {{"explicit", Role::explicit_solver}, {"implicit", Role::implicit_solver}},
                   {run_id_, this_scene, 10.0, 1e-6, wanted, ""});
       Client first(listener.endpoint()), second(listener.endpoint());
       first.hello("explicit", "explicit", "", Offer::memory);
       second.hello("implicit", "implicit", "", offer);
       peers.handshake();
-      EXPECT_EQ(peers.transport(0) + " " + peers.transport(1), expected);
-      EXPECT_EQ(first.receive().shared_memory, peers.transport(0) == "shm");
+      EXPECT_EQ(peers.transport(0), expected_first);
+      EXPECT_EQ(peers.transport(1), expected_second);
+      EXPECT_EQ(first.receive().shared_memory, peers.transport(0) == Transport::shm);
       EXPECT_FALSE(second.receive().shared_memory);
     }
   }
 }
 
 TEST_F(PeersTest, WhoCannotHaveTheSharedMemoryThatIsRequiredIsTurnedAway) {
-  Peers peers(listener_, launcher_, {{"explicit", "explicit"}},
-              {run_id_, this_scene, 10.0, 1e-6, "shm", "a.toml:7: x"});
+  Peers peers(listener_, launcher_, {{"explicit", Role::explicit_solver}},
+              {run_id_, this_scene, 10.0, 1e-6, Transport::shm, "a.toml:7: x"});
   Client without(endpoint()), with_another(endpoint()), with(endpoint());
   std::jthread meeting([&] { peers.handshake(); });
   without.hello("explicit", "explicit");

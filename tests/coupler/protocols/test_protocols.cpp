@@ -66,7 +66,7 @@ double error_at(const std::string& protocol_name, int steps, bool switched = fal
   Pair pair;
   auto coupling = pair.coupling(end / steps);
   const auto protocol = make_protocol(protocol_name, {});
-  if (switched) coupling->synchronise("explicit_central");
+  if (switched) coupling->synchronise(Integration::explicit_central);
   for (int n = 0; n < steps; ++n) protocol->step(*coupling, Step{n, 1, n % 7 == 0, false});
   const VectorXd reference = exact(end);
   return std::max((pair.explicit_side.u.head(4) - reference.head(4)).lpNorm<Eigen::Infinity>(),
@@ -158,7 +158,7 @@ TEST(Exchange, KimRepeatsTheExplicitWindowUnlessAllIsExplicit) {
   pair.explicit_side.asked.clear();
   protocol->step(*coupling, Step{0, 1, false, false});
   EXPECT_THAT(pair.explicit_side.asked, testing::ElementsAre("advance", "advance"));
-  coupling->synchronise("explicit_central");
+  coupling->synchronise(Integration::explicit_central);
   pair.explicit_side.asked.clear();
   protocol->step(*coupling, Step{1, 1, false, false});
   EXPECT_THAT(pair.explicit_side.asked, testing::ElementsAre("advance"));

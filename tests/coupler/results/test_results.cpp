@@ -171,15 +171,15 @@ TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
 
 Summary finished() {
   Summary summary;
-  summary.status = "done";
+  summary.status = RunStatus::done;
   summary.protocol = "hughes_liu";
   summary.steps = 42;
   summary.window_size_s = 1e-6;
   summary.separation_time_s = 31e-6;
   summary.scene_sha256 = "abc";
-  summary.switches = {{32e-6, "explicit"}};
-  summary.processes = {{"coupler", "coupler", 1, "", 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
-                       {"implicit", "implicit", 2, "shm", 1.0, std::nullopt, std::nullopt, {}}};
+  summary.switches = {{32e-6, Role::explicit_solver}};
+  summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"implicit", 0.8}}},
+                       {"implicit", Role::implicit_solver, 2, Transport::shm, 1.0, std::nullopt, std::nullopt, {}}};
   return summary;
 }
 
@@ -222,7 +222,7 @@ TEST(Summary, TableSetsResultsBesideTheory) {
 TEST(Summary, TimesInTheirUnitAndManySwitchesInShort) {
   auto summary = finished();
   summary.separation_time_s = 11.25;
-  summary.switches.assign(7, {2.5e-3, "implicit"});
+  summary.switches.assign(7, {2.5e-3, Role::implicit_solver});
   const std::string table = to_table(summary, tally_on_plateau());
   EXPECT_THAT(table, AllOf(HasSubstr("11.2500 s"), HasSubstr("2.5000 ms"), HasSubstr("and 3 times more")));
 }
@@ -293,9 +293,9 @@ TEST(RunId, EndpointsPerTransport) {
   EXPECT_NE(make_run_id(), make_run_id());
   scene::CouplingSettings coupling;
   EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
-  coupling.transport = "zmq";
+  coupling.transport = Transport::zmq;
   EXPECT_EQ(listen_endpoint(coupling), "ipc://*");
-  coupling.transport = "tcp";
+  coupling.transport = Transport::tcp;
   EXPECT_EQ(listen_endpoint(coupling), "tcp://127.0.0.1:*");
   coupling.port = 5555;
   coupling.address = "::1";

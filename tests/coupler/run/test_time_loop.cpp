@@ -125,8 +125,8 @@ TEST(TimeLoop, SwitchesAwayAfterSeparationAndBackBeforeContact) {
   EXPECT_TRUE(all_explicit.front());
   EXPECT_FALSE(all_explicit.back());
   ASSERT_EQ(loop.switches().size(), 2U);
-  EXPECT_EQ(loop.switches()[0].to, "explicit");
-  EXPECT_EQ(loop.switches()[1].to, "implicit");
+  EXPECT_EQ(loop.switches()[0].to, Role::explicit_solver);
+  EXPECT_EQ(loop.switches()[1].to, Role::implicit_solver);
   EXPECT_THAT(s.implicit_side.asked, Contains("synchronise").Times(3));
 }
 

@@ -58,7 +58,7 @@ double critical_step() {
 TEST(WindowMap, HasAllUnknownsOfTheSchemeAndIsLinear) {
   Chains chains(0.5);
   HughesLiu protocol;
-  const auto map = window_map(*chains.coupling, protocol, "open");
+  const auto map = window_map(*chains.coupling, protocol, FrozenContact::open);
   EXPECT_EQ(map.size, 2 * (Chains::springs + Chains::springs + 1) + 2);
   Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(map.size, -1.0, 2.0), y = x.array().sin(), tx, ty, sum;
   const auto apply = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to) {
@@ -76,20 +76,21 @@ TEST(SpectralRadius, OfHughesLiuIsOneBelowTheCriticalStepOfTheExplicitElements) 
   for (const double courant : {0.3, 0.999}) {
     Chains chains(courant * critical_step());
     HughesLiu protocol;
-    EXPECT_TRUE(spectral_radius(window_map(*chains.coupling, protocol, "open")).stable()) << courant;
+    EXPECT_TRUE(spectral_radius(window_map(*chains.coupling, protocol, FrozenContact::open)).stable()) << courant;
   }
   Chains chains(1.001 * critical_step());
   HughesLiu protocol;
   // |lambda| = x + sqrt(x^2 - 1), x = 2 C^2 - 1, of the mode that the critical step is about
   const double x = 2.0 * 1.001 * 1.001 - 1.0;
-  EXPECT_NEAR(spectral_radius(window_map(*chains.coupling, protocol, "open")).value, x + std::sqrt(x * x - 1.0), 5e-3);
+  EXPECT_NEAR(spectral_radius(window_map(*chains.coupling, protocol, FrozenContact::open)).value,
+              x + std::sqrt(x * x - 1.0), 5e-3);
 }
 
 TEST(IteratedSpectralRadius, FindsWhatTheDenseEigenvaluesAre) {
   for (const double courant : {0.9, 0.999, 1.01}) {
     Chains chains(courant * critical_step());
     KimPredicted protocol;
-    const auto map = window_map(*chains.coupling, protocol, "open");
+    const auto map = window_map(*chains.coupling, protocol, FrozenContact::open);
     const auto exact = exact_spectral_radius(map), iterated = iterated_spectral_radius(map);
     EXPECT_FALSE(exact.stable());
     EXPECT_FALSE(iterated.stable());
@@ -100,7 +101,7 @@ TEST(IteratedSpectralRadius, FindsWhatTheDenseEigenvaluesAre) {
 TEST(IteratedSpectralRadius, SeesNoGrowthInAStableSchemeAndSaysHowFine) {
   Chains chains(0.9 * critical_step());
   HughesLiu protocol;
-  const auto iterated = iterated_spectral_radius(window_map(*chains.coupling, protocol, "open"));
+  const auto iterated = iterated_spectral_radius(window_map(*chains.coupling, protocol, FrozenContact::open));
   EXPECT_TRUE(iterated.stable());
   EXPECT_LT(std::abs(iterated.growth()), 1e-4) << "rigid motion grows linearly";
   EXPECT_NEAR(iterated.resolution, 0.5 * std::log(124.0) / 10'000, 1e-9);

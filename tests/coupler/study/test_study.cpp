@@ -405,7 +405,7 @@ TEST(StudyCaseOfARefusedVariant, HasAStatusAndAReason) {
   const test::TemporaryFolder folder;
   const StudyCase run(bars, {{"time.step_s", 1e-4}}, folder.path().string());
   EXPECT_TRUE(run.failed());
-  EXPECT_EQ(run.status(), "scene_wrong");
+  EXPECT_EQ(run.status(), RunStatus::scene_wrong);
   EXPECT_THAT(run.error(), HasSubstr("critical time step"));
   EXPECT_TRUE(std::filesystem::exists(run.folder() + "/scene.toml"));
 }

@@ -12,7 +12,7 @@ class SpringMass : public Participant {
   Description describe() override {
     Description d;
     d.name = name_;
-    d.role = "explicit";
+    d.role = Role::explicit_solver;
     d.solver = "spring_mass";
     d.solver_version = "1";
     d.bodies = {"left"};
@@ -20,7 +20,7 @@ class SpringMass : public Participant {
     d.interface_position_m = {-0.0635};
     d.interface_mass_kg = {mass};
     d.critical_time_step_s = 3e-5;  // below sqrt(2 m / k)
-    d.capabilities = {"repeat_window"};
+    d.capabilities = {Capability::repeat_window};
     d.record_columns = {"mass_kg/left", "energy_kinetic_j/left", "energy_strain_j/left", "energy_interface_j/left",
                         "momentum_n_kg_m_s/left"};
     return d;
