@@ -9,7 +9,7 @@ namespace ricochet::fem {
 
 /// K u, the explicit solver's inner loop, for a fixed symmetric K of two components per node (others go row by row).
 ///
-/// Four nodes, eight degrees of freedom, are one vector. A *slot* of such a slice holds one neighbour of each of its
+/// Four nodes, eight degrees of freedom, are one slice. A *slot* of a slice holds one neighbour of each of its
 /// four nodes as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy, xx, yy, ...)
 /// and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross *
 /// swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
@@ -47,6 +47,10 @@ class StiffnessProduct {
     alignas(64) double cross[8] = {};
   };
   void add_slice(const SparseMatrix& stiffness, int slice);
+  void multiply_slices(int first, int end, const double* u, double* result) const;
+  void multiply_slices_by_avx2(int first, int end, const double* u, double* result) const;
+  template <int width>
+  void multiply_slice(int slice, const double* u, double* result) const;
   void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
   std::vector<int> slice_start_;  ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]

@@ -1,5 +1,5 @@
-# cmake --install BUILD --prefix DIR: the programs, and the SDK as a package for find_package(ricochet) and for Python.
-# The component `sdk` alone: cmake --install BUILD --prefix DIR --component sdk
+# Included by the root. cmake --install BUILD --prefix DIR --component sdk: the SDK as a package for find_package(ricochet)
+# and for Python.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -24,4 +24,3 @@ install(FILES ${CMAKE_BINARY_DIR}/ricochet-config.cmake ${CMAKE_BINARY_DIR}/rico
   DESTINATION ${package_folder} COMPONENT sdk)
 install(DIRECTORY common/participant/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet/python COMPONENT sdk
   USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
-install(TARGETS ricochet explicit_solver implicit_solver COMPONENT programs)
