@@ -31,11 +31,10 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 }  // namespace
 
 ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt)
-    : law_(&law),
-      dt_(dt),
-      surface_(std::move(surface)),
-      forces_(surface_.pairs.size()),
-      mean_forces_(surface_.pairs.size()) {}
+    : law_(&law), dt_(dt), surface_(std::move(surface)) {
+  state_.forces.resize(surface_.pairs.size());
+  state_.mean_forces.resize(surface_.pairs.size());
+}
 
 void ExplicitContact::move_masses(std::vector<BodyState>& states) {
   if (law_->multiplier_update != scene::MultiplierUpdate::massless) return;
@@ -45,12 +44,12 @@ void ExplicitContact::move_masses(std::vector<BodyState>& states) {
 
 void ExplicitContact::settle(const std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
                              const std::vector<Eigen::VectorXd*>& u) {
-  if (massless_) static_normal_n_ = massless_->settle(states, external, u);
+  if (massless_) state_.static_normal_n = massless_->settle(states, external, u);
 }
 
 double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
                                      double acting_time) const {
-  if (massless_) return static_normal_n_[static_cast<Eigen::Index>(i)];
+  if (massless_) return state_.static_normal_n[static_cast<Eigen::Index>(i)];
   const auto& pair = surface_.pairs[i];
   const double gap_now = pair.gap(displacement_of(states));
   if (law_->enforcement == scene::Enforcement::penalty)
@@ -100,21 +99,21 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
 void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
                               const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto& pair = surface_.pairs[i];
-  const Force& mean = mean_forces_[i];
+  const Force& mean = state_.mean_forces[i];
   const auto moved = [&](const ContactRow& row) {
     return row.times(displacement_of(states)) - row.times(before_of(u_before));
   };
   const double made = mean.normal * moved(pair.normal);
   if (massless_) made_j_[i] = made;
-  work_normal_j_ += made;
-  dissipated_friction_j_ -= mean.tangential * moved(pair.tangent);
+  state_.work_normal_j += made;
+  state_.dissipated_friction_j -= mean.tangential * moved(pair.tangent);
   book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
 }
 
 void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s,
                                    std::vector<BodyState>& states) {
-  impulse_normal_n_s_ += normal_n_s;
-  impulse_tangential_n_s_ += tangential_n_s;
+  state_.impulse_normal_n_s += normal_n_s;
+  state_.impulse_tangential_n_s += tangential_n_s;
   solver::book_impulse(pair, normal_n_s, tangential_n_s, states);
 }
 
@@ -122,16 +121,18 @@ void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double t
 /// pair that this does not turn around, on it.
 void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& states) {
   const auto& pair = surface_.pairs[i];
-  double& mean = mean_forces_[i].tangential;
-  const double limit = law_->friction_coefficient * mean_forces_[i].normal, inverse = pair.tangent.inverse_mass(states);
-  const double target = mean_forces_[i].state == ContactState::slip && mean != 0.0 ? std::copysign(limit, mean)
-                                                                                   : std::clamp(mean, -limit, limit);
+  double& mean = state_.mean_forces[i].tangential;
+  const double limit = law_->friction_coefficient * state_.mean_forces[i].normal,
+               inverse = pair.tangent.inverse_mass(states);
+  const double target = state_.mean_forces[i].state == ContactState::slip && mean != 0.0
+                            ? std::copysign(limit, mean)
+                            : std::clamp(mean, -limit, limit);
   if (target == mean || inverse == 0.0) return;
   const double rate = pair.tangent.times(velocity_of(states));
   double impulse = dt_ * (target - mean);
   if (std::abs(target) > std::abs(mean) && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
   pair.tangent.push(impulse, states, push_velocities(states));
-  dissipated_friction_j_ -= impulse * (rate + 0.5 * impulse * inverse);
+  state_.dissipated_friction_j -= impulse * (rate + 0.5 * impulse * inverse);
   book_impulse(pair, 0.0, impulse, states);
   mean += impulse / dt_;
 }
@@ -144,12 +145,13 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
   for (auto& state : states) velocity_of_part_.push_back(state.v.data());
   massless_->begin_trial();
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const double impulse = massless_->give_back(i, made_j_[i], dt_ * mean_forces_[i].normal, states, velocity_of_part_);
-    mean_forces_[i].normal += impulse / dt_;
+    const double impulse =
+        massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states, velocity_of_part_);
+    state_.mean_forces[i].normal += impulse / dt_;
     book_impulse(surface_.pairs[i], impulse, 0.0, states);
     clip_friction(i, states);
   }
-  work_normal_j_ += massless_->trial_work_j();
+  state_.work_normal_j += massless_->trial_work_j();
   massless_->accept();
 }
 
@@ -176,10 +178,10 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
     const auto rate = [&](const ContactRow& row) {
       return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
     };
-    forces_[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), 0.5 * dt_);
+    state_.forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), 0.5 * dt_);
     const double before = staggered_correction(surface_.pairs[i], states);
-    push(surface_.pairs[i], forces_[i], states);
-    work_normal_j_ -= staggered_correction(surface_.pairs[i], states) - before;
+    push(surface_.pairs[i], state_.forces[i], states);
+    state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
   }
 }
 
@@ -190,27 +192,38 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
       const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
       return half_velocity + dt_ * row.times(acceleration_of(states));
     };
-    const Force old = forces_[i];
-    forces_[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), dt_);
-    push(surface_.pairs[i], forces_[i], states);
-    mean_forces_[i] = {.normal = 0.5 * (old.normal + forces_[i].normal),
-                       .tangential = 0.5 * (old.tangential + forces_[i].tangential),
-                       .state = forces_[i].state};
+    const Force old = state_.forces[i];
+    state_.forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), dt_);
+    push(surface_.pairs[i], state_.forces[i], states);
+    state_.mean_forces[i] = {.normal = 0.5 * (old.normal + state_.forces[i].normal),
+                             .tangential = 0.5 * (old.tangential + state_.forces[i].tangential),
+                             .state = state_.forces[i].state};
     account(i, states, u_before);
   }
 }
 
 int ExplicitContact::pairs_closed() const {
-  return static_cast<int>(
-      std::count_if(forces_.begin(), forces_.end(), [](const Force& f) { return f.state != ContactState::open; }));
+  return static_cast<int>(std::count_if(state_.forces.begin(), state_.forces.end(),
+                                        [](const Force& f) { return f.state != ContactState::open; }));
+}
+
+ExplicitContact::State ExplicitContact::state() const {
+  State state = state_;
+  if (massless_) state.massless = massless_->state();
+  return state;
+}
+
+void ExplicitContact::restore(const State& state) {
+  state_ = state;
+  if (massless_) massless_->restore(*state.massless);
 }
 
 solver::ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::ContactRecord report = surface_.report(states, mean_forces_);
-  report.contact_impulse_n_s = impulse_normal_n_s_;
-  report.friction_impulse_n_s = impulse_tangential_n_s_;
-  report.energy_contact_j = work_normal_j_;
-  report.energy_friction_j = dissipated_friction_j_;
+  solver::ContactRecord report = surface_.report(states, state_.mean_forces);
+  report.contact_impulse_n_s = state_.impulse_normal_n_s;
+  report.friction_impulse_n_s = state_.impulse_tangential_n_s;
+  report.energy_contact_j = state_.work_normal_j;
+  report.energy_friction_j = state_.dissipated_friction_j;
   return report;
 }
 

@@ -45,8 +45,20 @@ class ExplicitContact {
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
- private:
   using Force = solver::PairForce;
+  /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
+  struct State {
+    std::vector<Force> forces;        ///< r_n
+    std::vector<Force> mean_forces;   ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
+    Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
+    double work_normal_j = 0.0, dissipated_friction_j = 0.0;
+    double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
+    std::optional<solver::MasslessNodes::State> massless;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
+
+ private:
   /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
   Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
                    double acting_time) const;
@@ -67,14 +79,10 @@ class ExplicitContact {
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
-  std::vector<Force> forces_;       ///< r_n
-  std::vector<Force> mean_forces_;  ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
+  State state_;
   std::optional<solver::MasslessNodes> massless_;
-  Eigen::VectorXd static_normal_n_;  ///< of massless nodes: r at n + 1
-  std::vector<double> made_j_;       ///< per pair: energy made by the normal force over the window
+  std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
   std::vector<double*> velocity_of_part_;
-  double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
-  double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;
 };
 
 }  // namespace ricochet::explicit_solver

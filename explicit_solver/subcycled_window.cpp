@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/fem/newmark.hpp"
+#include "common/solver/central_difference.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -75,30 +75,30 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
   for (Eigen::Index i = 0; i < size; ++i)
     near_inverse_mass_[i] = state.inverse_mass[near_[static_cast<std::size_t>(i)]];
   for (auto* vector : {&du_, &dv_, &da_, &da_new_, &d_internal_, &d_internal_old_}) vector->setZero(size);
-  for (auto* vector :
-       {&internal_, &external_, &u_, &v_, &a_, &trial_internal_, &trial_external_, &external_old_, &a_new_}) {
+  for (auto* vector : {&accepted_.internal, &accepted_.external, &u_, &v_, &a_, &trial_internal_, &trial_external_,
+                       &external_old_, &a_new_}) {
     vector->setZero(state.part.dofs());
   }
-  for (auto* vector : {&force_, &trial_force_, &d_force_}) vector->setZero(shared);
+  for (auto* vector : {&accepted_.force, &trial_force_, &d_force_}) vector->setZero(shared);
   shared_path_.setZero(shared, substeps + 1);
   d_shared_path_ = shared_path_;
 }
 
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
-  force_ = force;
-  front_.multiply(state.stiffness, state.u, internal_);
-  front_.grow(internal_);
-  state.external.at(time_s, external_);
-  for (const auto& d : state.dashpots) external_[d.dof] += d.force(state.v[d.dof]);
-  state.a = state.inverse_mass.cwiseProduct(external_ - internal_);
+  accepted_.force = force;
+  front_.multiply(state.stiffness, state.u, accepted_.internal);
+  front_.grow(accepted_.internal);
+  state.external.at(time_s, accepted_.external);
+  for (const auto& d : state.dashpots) accepted_.external[d.dof] += d.force(state.v[d.dof]);
+  state.a = state.inverse_mass.cwiseProduct(accepted_.external - accepted_.internal);
   for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
     const int dof = state.shared_dofs[i];
     state.a[dof] += state.inverse_mass[dof] * force[static_cast<Eigen::Index>(i)];
   }
   state.constrain_acceleration(time_s, dt_, state.a);
   state.constrain_velocity(time_s, dt_, state.v);
-  for (const auto& c : state.constrained) external_[c.dof] = state.mass[c.dof] * state.a[c.dof] + internal_[c.dof];
+  solver::set_reactions(state, time_s, dt_, accepted_.internal, accepted_.external);
 }
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
@@ -110,7 +110,7 @@ void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps,
 }
 
 void SubcycledWindow::advance_held(const BodyState& state, double begin_s, int steps) {
-  if (!tried_) run(state, begin_s, steps, force_);
+  if (!tried_) run(state, begin_s, steps, accepted_.force);
 }
 
 /// Adds what acts on a dof while it moves by `moved` in one step.
@@ -122,15 +122,6 @@ void SubcycledWindow::account(const BodyState& state, int dof, double mean_force
   if (state.arm.size() > 0) given.angular_impulse += dt_ * mean_force * state.arm[dof];
 }
 
-/// Forces of the dashpots at the end of a step; they join f.
-void SubcycledWindow::set_dashpot_forces(const BodyState& state) {
-  for (const auto& d : state.dashpots) {
-    if (state.external.zero()) trial_external_[d.dof] = 0.0;  // what it was a step ago
-    const double others = trial_external_[d.dof] - trial_internal_[d.dof];
-    trial_external_[d.dof] += d.force_after_step(v_[d.dof] + 0.5 * dt_ * a_[d.dof], others, state.mass[d.dof], dt_);
-  }
-}
-
 void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
   tried_ = true;
   steps_ = steps;
@@ -140,24 +131,23 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
   u_ = state.u;
   v_ = state.v;
   a_ = state.a;
-  trial_external_ = external_;
+  trial_external_ = accepted_.external;
   for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
     shared_path_(static_cast<Eigen::Index>(i), 0) = u_[state.shared_dofs[i]];
   }
   for (int j = 1; j <= steps; ++j) {
     const double time_s = begin_s + j * dt_, share = static_cast<double>(j) / steps;
     a_new_ = u_;  // u_n, until the new acceleration is known
-    u_ = fem::predicted_displacement(u_, v_, a_, dt_, fem::beta_explicit);
-    state.constrain_displacement(time_s, u_);
+    solver::step_displacement(state, time_s, dt_, u_, v_, a_, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
     front_.multiply(state.stiffness, u_, trial_internal_);
     front_.grow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
-    set_dashpot_forces(state);
-    for (const auto& c : state.constrained) {
-      trial_external_[c.dof] = state.mass[c.dof] * c.acceleration(time_s, dt_) + trial_internal_[c.dof];
-    }
+    solver::add_dashpot_forces(
+        state, dt_, [this](int dof) { return v_[dof] + 0.5 * dt_ * a_[dof]; },
+        [this](int dof, double load) { return load - trial_internal_[dof]; }, trial_external_);
+    solver::set_reactions(state, time_s, dt_, trial_internal_, trial_external_);
     const auto add = [&](int dof) {
       account(state, dof, 0.5 * (external_old_[dof] + trial_external_[dof]), u_[dof] - u_old[dof], given_);
     };
@@ -171,11 +161,11 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
       const int dof = state.shared_dofs[i];
       const auto k = static_cast<Eigen::Index>(i);
-      a_new_[dof] += state.inverse_mass[dof] * (force_[k] + share * (force[k] - force_[k]));
+      a_new_[dof] += state.inverse_mass[dof] * (accepted_.force[k] + share * (force[k] - accepted_.force[k]));
       shared_path_(k, j) = u_[dof];
     }
     state.constrain_acceleration(time_s, dt_, a_new_);
-    v_ += (0.5 * dt_) * (a_ + a_new_);
+    v_ = fem::corrected_velocity(v_, a_, a_new_, dt_);
     state.constrain_velocity(time_s, dt_, v_);
     a_.swap(a_new_);
   }
@@ -192,7 +182,7 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
   d_force_ = force - trial_force_;
   for (int j = 1; j <= steps_; ++j) {
     const double share = static_cast<double>(j) / steps_;
-    du_ += dt_ * dv_ + (0.5 * dt_ * dt_) * da_;
+    du_ += fem::predicted_increment(dv_, da_, dt_, fem::beta_explicit);
     d_internal_old_ = d_internal_;
     if (j > 1) near_stiffness_.multiply(du_, d_internal_);  // until then nothing has moved
     da_new_ = -near_inverse_mass_.cwiseProduct(d_internal_);
@@ -207,9 +197,15 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
       account(state, c->dof, 0.5 * (d_internal_old_[at] + d_internal_[at]), c->at(end_s) - c->at(end_s - dt_),
               d_given_);
     }
-    dv_ += (0.5 * dt_) * (da_ + da_new_);
+    dv_ = fem::corrected_velocity(dv_, da_, da_new_, dt_);
     da_.swap(da_new_);
   }
+}
+
+void SubcycledWindow::restore(const State& state) {
+  accepted_ = state;
+  tried_ = false;
+  front_.reach_all();  // the motion may be any
 }
 
 SubcycledWindow::Motion SubcycledWindow::shared_motion(const BodyState& state, std::size_t i) const {
@@ -223,11 +219,11 @@ double SubcycledWindow::interface_work() const {
   double work = 0.0;
   for (int j = 1; j <= steps_; ++j) {
     const double middle = (j - 0.5) / steps_;
-    for (Eigen::Index i = 0; i < force_.size(); ++i) {
+    for (Eigen::Index i = 0; i < accepted_.force.size(); ++i) {
       const double moved =
           shared_path_(i, j) - shared_path_(i, j - 1) + d_shared_path_(i, j) - d_shared_path_(i, j - 1);
       const double end = trial_force_[i] + d_force_[i];
-      work += (force_[i] + middle * (end - force_[i])) * moved;
+      work += (accepted_.force[i] + middle * (end - accepted_.force[i])) * moved;
     }
   }
   return work;
@@ -251,9 +247,9 @@ void SubcycledWindow::accept(BodyState& state) {
   state.u.swap(u_);
   state.v.swap(v_);
   state.a.swap(a_);
-  internal_.swap(trial_internal_);
-  external_.swap(trial_external_);
-  force_ = trial_force_ + d_force_;
+  accepted_.internal.swap(trial_internal_);
+  accepted_.external.swap(trial_external_);
+  accepted_.force = trial_force_ + d_force_;
   tried_ = false;
 }
 

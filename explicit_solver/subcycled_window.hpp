@@ -36,8 +36,12 @@ class SubcycledWindow {
     double displacement, velocity, acceleration;
   };
   [[nodiscard]] Motion shared_motion(const solver::BodyState& state, std::size_t i) const;
-  /// K u of the accepted motion [N].
-  [[nodiscard]] const Eigen::VectorXd& internal() const { return internal_; }
+  /// With the part's motion all that the next window is computed from.
+  struct State {
+    Eigen::VectorXd internal, external, force;  ///< K u; f with reactions; lambda per shared dof [N]
+  };
+  [[nodiscard]] const State& state() const { return accepted_; }
+  void restore(const State& state);
 
   void reach_all() { front_.reach_all(); }
   [[nodiscard]] int rows_computed() const { return front_.rows_computed(); }
@@ -50,14 +54,12 @@ class SubcycledWindow {
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
   void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& force);
   void account(const solver::BodyState& state, int dof, double mean_force, double moved, Given& given) const;
-  void set_dashpot_forces(const solver::BodyState& state);
   void clear_correction();
   [[nodiscard]] double interface_work() const;
 
   double dt_ = 0.0;
   WaveFront front_;
-  // accepted
-  Eigen::VectorXd internal_, external_, force_;  ///< K u; f with reactions; lambda per shared dof
+  State accepted_;
   // the trial that was computed in full
   bool tried_ = false;
   int steps_ = 0;

@@ -19,6 +19,12 @@ auto predicted_displacement(const U& u, const V& v, const A& a, double dt, doubl
   return u + dt * v + (dt * dt * (0.5 - beta)) * a;
 }
 
+/// What that adds to u_n.
+template <class V, class A>
+auto predicted_increment(const V& v, const A& a, double dt, double beta) {
+  return dt * v + (dt * dt * (0.5 - beta)) * a;
+}
+
 /// v_n + dt/2 (a_n + a_{n+1}), as an expression.
 template <class V, class A, class B>
 auto corrected_velocity(const V& v, const A& a, const B& a_new, double dt) {

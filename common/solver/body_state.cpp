@@ -115,26 +115,12 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   const int components = problem.scene.components();
   const auto index = static_cast<std::size_t>(owned.body);
   scene::ExternalForce external(problem.scene.bodies[index], owned.part);
-  BodyState state{.body = owned.body,
-                  .name = problem.bodies[index].name,
-                  .part = std::move(owned.part),
-                  .stiffness = {},
-                  .shared_nodes = std::move(owned.shared),
-                  .shared_dofs = {},
-                  .integrated = {},
-                  .free = {},
-                  .mass = {},
-                  .inverse_mass = {},
-                  .constrained = {},
-                  .dashpots = {},
-                  .external = std::move(external),
-                  .u = {},
-                  .v = {},
-                  .a = {},
-                  .normal = {},
-                  .tangent = {},
-                  .arm = {},
-                  .totals = {}};
+  BodyState state;
+  state.body = owned.body;
+  state.name = problem.bodies[index].name;
+  state.part = std::move(owned.part);
+  state.shared_nodes = std::move(owned.shared);
+  state.external = std::move(external);
   state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
   for (const int node : state.shared_nodes) {
@@ -160,6 +146,12 @@ std::vector<BodyState> initial_states(const scene::Problem& problem, const scene
     states.push_back(initial_state(problem, std::move(owned), participant.role, shared_integrated));
   }
   return states;
+}
+
+std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states) { return {states.begin(), states.end()}; }
+
+void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodyState>& states) {
+  for (std::size_t b = 0; b < states.size(); ++b) static_cast<BodyMotion&>(states[b]) = motions[b];
 }
 
 void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window) {

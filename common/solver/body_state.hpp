@@ -51,7 +51,13 @@ struct Dashpot {
   }
 };
 
-struct BodyState {
+/// What changes of a body from window to window: its last accepted motion [m, m/s, m/s^2] and what was booked so far.
+struct BodyMotion {
+  Eigen::VectorXd u, v, a;
+  fem::BodyTotals totals;
+};
+
+struct BodyState : BodyMotion {
   int body = -1;  ///< index into Problem::bodies
   std::string name;
   fem::Part part;
@@ -65,10 +71,8 @@ struct BodyState {
   std::vector<ConstrainedDof> constrained;
   std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
-  Eigen::VectorXd u, v, a;          ///< last accepted motion [m, m/s, m/s^2]
   Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
   Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
-  fem::BodyTotals totals;
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);
@@ -117,6 +121,10 @@ inline auto displacement_of(const std::vector<BodyState>& states) {
 inline auto velocity_of(const std::vector<BodyState>& states) {
   return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
 }
+
+/// Copies of the motions, and the motions put back.
+[[nodiscard]] std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states);
+void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodyState>& states);
 
 /// One state per part of the participant, at t = 0. `shared_integrated`: the implicit participant integrates its shared
 /// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.

@@ -47,8 +47,8 @@ MasslessNodes::MasslessNodes(const ContactSurface& surface, std::vector<BodyStat
     : surface_(&surface),
       statics_(states.size()),
       inward_(surface.pairs.size()),
-      debt_j_(surface.pairs.size(), 0.0),
       trial_debt_j_(surface.pairs.size(), 0.0) {
+  state_.debt_j = trial_debt_j_;
   move_masses(states);
   factor(states);
 }
@@ -148,7 +148,7 @@ void MasslessNodes::factor(const std::vector<BodyState>& states) {
   }
   scene::Contact normal_only;
   root_.emplace(normal_only, compliance, std::vector<double>(surface_->pairs.size(), 1.0), 1.0);
-  last_ = root_->open();
+  state_.last = root_->open();
   gap_free_.setZero(pairs);
 }
 
@@ -189,17 +189,17 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
   for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
     gap_free_[static_cast<Eigen::Index>(i)] = surface_->pairs[i].gap(of_part);
   }
-  last_ = root_->solve(gap_free_, gap_free_, gap_free_, last_);
-  require_solved(last_);
-  load(last_.force);
+  state_.last = root_->solve(gap_free_, gap_free_, gap_free_, state_.last);
+  require_solved(state_.last);
+  load(state_.last.force);
   move();
-  return last_.force;
+  return state_.last.force;
 }
 
 double MasslessNodes::give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
                                 const std::vector<double*>& velocity) {
   double& debt = trial_debt_j_[pair];
-  debt = debt_j_[pair] + made_j;
+  debt = state_.debt_j[pair] + made_j;
   double rate = 0.0, inverse_mass = 0.0;
   for (const auto& share : inward_[pair]) {
     rate += share.of_rate * velocity[share.part][share.dof];

@@ -54,7 +54,15 @@ class MasslessNodes {
   [[nodiscard]] double trial_work_j() const { return trial_work_j_; }
   void begin_trial() { trial_work_j_ = 0.0; }
   /// The trial's debts become final.
-  void accept() { debt_j_ = trial_debt_j_; }
+  void accept() { state_.debt_j = trial_debt_j_; }
+
+  /// What the next window needs beside the motion.
+  struct State {
+    RootProblem::Solution last;  ///< of `settle`, to start the next from
+    std::vector<double> debt_j;  ///< per pair: energy made and not yet given back
+  };
+  [[nodiscard]] const State& state() const { return state_; }
+  void restore(const State& state) { state_ = state; }
 
  private:
   /// A degree of freedom that took mass: by how much of the pair's relative velocity along n it counts, B minus A.
@@ -82,10 +90,10 @@ class MasslessNodes {
   const ContactSurface* surface_;
   std::vector<std::unique_ptr<Statics>> statics_;  ///< per part; null without massless dofs
   std::optional<RootProblem> root_;
-  RootProblem::Solution last_;
+  State state_;
   Eigen::VectorXd gap_free_;
   std::vector<std::vector<Share>> inward_;  ///< per pair
-  std::vector<double> debt_j_, trial_debt_j_;
+  std::vector<double> trial_debt_j_;
   double trial_work_j_ = 0.0;
 };
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "explicit_solver/explicit_contact.hpp"
+#include "explicit_solver/subcycled_window.hpp"
+
+namespace ricochet::explicit_solver {
+
+/// Central difference on parts whose shared nodes are integrated here, too, with the mass of their own elements, and
+/// are driven by the force of a dual protocol's interface multiplier, in one or more steps a window (SubcycledWindow);
+/// the answer is the shared nodes' motion.
+class ForceDriven {
+ public:
+  /// At t = 0. `states` must outlive this object unmoved; `all_rows`: computes rows that no wave has reached, too.
+  ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup, bool all_rows);
+
+  /// Motion of the shared nodes, of the trial or of the accepted window.
+  void answer(participant::LinkOutput& output) const;
+  /// `window`: the accepted one here, the one to come in all others.
+  void synchronise(std::int64_t window, const std::vector<double>& force);
+  void advance(std::int64_t window, const std::vector<double>& force);
+  void advance_substep(std::int64_t window, int substep, const std::vector<double>& force);
+  /// With the multiplier held. Who asks for single substeps holds none over the window.
+  void work_ahead(std::int64_t window);
+  /// Returns whether that completes a window.
+  bool accept(std::int64_t window);
+
+  /// With the motion of the bodies all that the next window is computed from.
+  struct State {
+    std::vector<SubcycledWindow::State> parts;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
+  /// From here on the problem is homogeneous: what was booked of loads and reactions is gone.
+  void freeze(participant::FrozenContact contact);
+
+  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return parts_[part].state().internal; }
+  [[nodiscard]] const ExplicitContact* contact() const { return nullptr; }  ///< the implicit side's
+  [[nodiscard]] int rows_computed() const;
+
+ private:
+  void run(double begin_s, int steps, const std::vector<double>& force);
+  [[nodiscard]] double begin_s(std::int64_t window) const { return static_cast<double>(window - 1) * window_size_s_; }
+
+  std::vector<solver::BodyState>& states_;
+  double window_size_s_;
+  int substeps_;
+  std::vector<SubcycledWindow> parts_;
+  Eigen::VectorXd part_force_;  ///< a part's share of the link input: kept so that no window allocates
+  int substep_ = 0;             ///< of the trial; 0: whole window
+};
+
+}  // namespace ricochet::explicit_solver

@@ -1,0 +1,280 @@
+#include "explicit_solver/motion_driven.hpp"
+
+#include <utility>
+
+#include "common/solver/central_difference.hpp"
+
+namespace ricochet::explicit_solver {
+
+MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact,
+                           double window_size_s, bool all_rows)
+    : states_(states), dt_(window_size_s), contact_(std::move(contact)) {
+  state_.parts.resize(states_.size());
+  shared_.resize(states_.size());
+  trials_.resize(states_.size());
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    auto& forces = state_.parts[b];
+    forces.internal.resize(state.part.dofs());
+    state.stiffness.multiply(state.u, forces.internal);
+    forces.external.setZero(state.part.dofs());
+    state.external.at(0.0, forces.external);
+    trials_[b].u = state.u;
+    trials_[b].forces = forces;
+    set_shared_columns(b);
+  }
+  for (auto& trial : trials_) {
+    u_before_.push_back(&trial.u);
+    trial_u_.push_back(&trial.u);
+    trial_external_.push_back(&trial.forces.external);
+  }
+  if (contact_) settle_at_start();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    fronts_.emplace_back(states_[b], driven_nodes(b));
+    if (all_rows) fronts_.back().reach_all();
+  }
+}
+
+/// Massless contact nodes begin in balance with the others.
+void MotionDriven::settle_at_start() {
+  contact_->move_masses(states_);
+  contact_->settle(states_, trial_external_, trial_u_);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    states_[b].u = trials_[b].u;
+    states_[b].stiffness.multiply(states_[b].u, state_.parts[b].internal);
+  }
+}
+
+/// Shared and contact nodes.
+std::vector<int> MotionDriven::driven_nodes(std::size_t b) const {
+  std::vector<int> nodes = states_[b].shared_nodes;
+  if (!contact_) return nodes;
+  for (const auto& pair : contact_->surface().pairs) {
+    for (const auto& e : pair.normal.entries) {
+      if (e.part == static_cast<int>(b)) nodes.push_back(e.dof / contact_->surface().components);
+    }
+  }
+  return nodes;
+}
+
+void MotionDriven::set_shared_columns(std::size_t b) {
+  const auto& state = states_[b];
+  auto& shared = shared_[b];
+  std::vector<int> column(static_cast<std::size_t>(state.part.dofs()), -1);
+  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i)
+    column[static_cast<std::size_t>(state.shared_dofs[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int row = 0; row < state.part.dofs(); ++row) {
+    const auto before = entries.size();
+    for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
+      const int place = column[static_cast<std::size_t>(it.col())];
+      if (place >= 0) entries.emplace_back(static_cast<int>(shared.near_rows.size()), place, it.value());
+    }
+    if (entries.size() > before) shared.near_rows.push_back(row);
+  }
+  const auto rows = static_cast<Eigen::Index>(shared.near_rows.size()),
+             columns = static_cast<Eigen::Index>(state.shared_dofs.size());
+  shared.columns.resize(rows, columns);
+  shared.columns.setFromTriplets(entries.begin(), entries.end());
+  trials_[b].near_internal.setZero(rows);
+  trials_[b].shared_moved.setZero(columns);
+}
+
+int MotionDriven::rows_computed() const {
+  int sum = 0;
+  for (const auto& front : fronts_) sum += front.rows_computed();
+  return sum;
+}
+
+void MotionDriven::answer(participant::LinkOutput& output) const {
+  output.value.clear();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& forces = answered_with_trial_ ? trials_[b].forces : state_.parts[b];
+    for (const int dof : states_[b].shared_dofs) output.value.push_back(forces.internal[dof] - forces.external[dof]);
+  }
+}
+
+void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& link_input) {
+  std::size_t next = 0;
+  const double time_s = static_cast<double>(window) * dt_;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    auto& trial = trials_[b];
+    trial.u = state.u;
+    for (const int dof : state.shared_dofs) state.u[dof] = link_input[next++];
+    fronts_[b].multiply(state.stiffness, state.u, trial.forces.internal);
+    state.external.at(time_s, trial.forces.external);
+    account_interface(b);
+  }
+  find_accelerations(time_s, Velocity::now);
+  keep_trial_forces();
+  for (auto& state : states_) state.constrain_velocity(time_s, dt_, state.v);
+}
+
+void MotionDriven::advance(std::int64_t window, const std::vector<double>& link_input) {
+  if (!predicted_) predict(static_cast<double>(window) * dt_);
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < states_.size(); ++b) move_shared(b, link_input, next);
+  answered_with_trial_ = true;
+}
+
+void MotionDriven::work_ahead(std::int64_t window) {
+  if (!predicted_ && !contact_) predict(static_cast<double>(window) * dt_);
+}
+
+/// Everything of a window that does not need the link: u of the own nodes, K u with the shared ones where they
+/// were, f.
+void MotionDriven::predict(double time_s) {
+  if (contact_ && !state_.contact_started) contact_->start(states_);
+  state_.contact_started = true;
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto& state = states_[b];
+    auto& trial = trials_[b];
+    solver::step_displacement(state, time_s, dt_, state.u, state.v, state.a, trial.u);
+    for (const int dof : state.shared_dofs) trial.u[dof] = state.u[dof];
+    if (!state.external.zero()) state.external.at(time_s, trial.forces.external);
+  }
+  if (contact_) contact_->settle(states_, trial_external_, trial_u_);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& trial = trials_[b];
+    fronts_[b].multiply(states_[b].stiffness, trial.u, trial.forces.internal);
+    const auto& near = shared_[b].near_rows;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      trial.near_internal[static_cast<Eigen::Index>(i)] = trial.forces.internal[near[i]];
+    }
+  }
+  predicted_ = true;
+}
+
+/// u_Gamma of the link, and what it changes of K u.
+void MotionDriven::move_shared(std::size_t b, const std::vector<double>& link_input, std::size_t& next) {
+  const auto& state = states_[b];
+  const auto& shared = shared_[b];
+  auto& trial = trials_[b];
+  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
+    const int dof = state.shared_dofs[i];
+    trial.u[dof] = link_input[next++];
+    trial.shared_moved[static_cast<Eigen::Index>(i)] = trial.u[dof] - state.u[dof];
+  }
+  for (std::size_t i = 0; i < shared.near_rows.size(); ++i) {
+    const auto row = static_cast<int>(i);
+    double sum = trial.near_internal[row];
+    for (fem::SparseMatrix::InnerIterator it(shared.columns, row); it; ++it)
+      sum += it.value() * trial.shared_moved[it.col()];
+    trial.forces.internal[shared.near_rows[i]] = sum;
+  }
+}
+
+bool MotionDriven::accept(std::int64_t window) {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    half_a_step(b);
+    states_[b].u.swap(trials_[b].u);
+    set_shared_velocity(b);
+  }
+  const double time_s = static_cast<double>(window) * dt_;
+  find_accelerations(time_s, Velocity::half_a_step_before);
+  if (contact_) contact_->apply(states_, u_before_);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    half_a_step(b);
+    states_[b].constrain_velocity(time_s, dt_, states_[b].v);
+  }
+  if (contact_) contact_->finish(states_, u_before_);
+  account();
+  keep_trial_forces();
+  return true;
+}
+
+void MotionDriven::keep_trial_forces() {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    state_.parts[b].internal.swap(trials_[b].forces.internal);
+    state_.parts[b].external.swap(trials_[b].forces.external);
+  }
+  predicted_ = answered_with_trial_ = false;
+}
+
+/// The link says where shared nodes are, not how fast: their mean velocity over the window, for the fields. Nothing
+/// else reads it.
+void MotionDriven::set_shared_velocity(std::size_t b) {
+  auto& state = states_[b];
+  for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - trials_[b].u[dof]) / dt_;
+}
+
+/// v += dt/2 a, where there is an acceleration.
+void MotionDriven::half_a_step(std::size_t b) {
+  auto& state = states_[b];
+  for (const auto& [first, last] : fronts_[b].rows()) {
+    const auto count = last - first;
+    state.v.segment(first, count) += (0.5 * dt_) * state.a.segment(first, count);
+  }
+}
+
+/// a = M^-1 (f - K u) of the trial's forces, the given motion at constrained dofs; the reactions there join f.
+void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    auto& [internal, external] = trials_[b].forces;
+    fronts_[b].grow(internal);
+    if (velocity == Velocity::now) {
+      for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
+    } else {
+      const auto others = [&](int dof, double load) { return load - internal[dof]; };
+      solver::add_dashpot_forces(
+          state, dt_, [&](int dof) { return state.v[dof]; }, others, external);
+    }
+    for (const auto& [first, last] : fronts_[b].rows()) {
+      const auto count = last - first;
+      state.a.segment(first, count) =
+          state.inverse_mass.segment(first, count)
+              .cwiseProduct(external.segment(first, count) - internal.segment(first, count));
+    }
+    state.constrain_acceleration(time_s, dt_, state.a);
+    solver::set_reactions(state, time_s, dt_, internal, external);
+  }
+}
+
+void MotionDriven::account() {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    const auto &before = state_.parts[b].external, &after = trials_[b].forces.external;
+    const auto &u = states_[b].u, &u_before = trials_[b].u;
+    states_[b].account_external(
+        dt_, [&](int dof) { return 0.5 * (before[dof] + after[dof]); },
+        [&](int dof) { return u[dof] - u_before[dof]; });
+    account_interface(b);
+  }
+}
+
+/// Work the link does on the explicit elements while it moves their shared nodes: 1/2 (P_old + P_new) . du.
+void MotionDriven::account_interface(std::size_t b) {
+  const auto &before = state_.parts[b], &after = trials_[b].forces;
+  auto& state = states_[b];
+  for (const int dof : state.shared_dofs) {
+    const double force = (before.internal[dof] - before.external[dof]) + (after.internal[dof] - after.external[dof]);
+    state.totals.energy_interface_j += 0.5 * force * (state.u[dof] - trials_[b].u[dof]);
+  }
+}
+
+MotionDriven::State MotionDriven::state() const {
+  State state = state_;
+  if (contact_) state.contact = contact_->state();
+  return state;
+}
+
+void MotionDriven::restore(const State& state) {
+  state_ = state;
+  if (contact_) contact_->restore(*state.contact);
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    trials_[b].forces.external = state_.parts[b].external;
+    fronts_[b].reach_all();  // the motion may be any
+  }
+  predicted_ = answered_with_trial_ = false;
+}
+
+void MotionDriven::freeze(participant::FrozenContact contact) {
+  if (contact_) contact_->freeze(contact);
+  State state = this->state();
+  for (auto& forces : state.parts) forces.external.setZero();
+  state.contact_started = false;  // a_n contains the contact force that closes the gap at n + 1
+  restore(state);
+}
+
+}  // namespace ricochet::explicit_solver

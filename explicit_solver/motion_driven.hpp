@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+#include "explicit_solver/explicit_contact.hpp"
+#include "explicit_solver/wave_front.hpp"
+
+namespace ricochet::explicit_solver {
+
+/// Central difference (common/solver/central_difference.hpp) on parts whose shared nodes move as the link says; the
+/// answer is P = K u - f there. Without shared nodes, as the only participant, it also enforces the contact.
+///
+/// Everything of a window that does not need the link is done before it: `predict` forms K u with the shared nodes
+/// where they were; their new displacement then changes the rows next to them. A trial changes no State: it may be
+/// repeated with another link input, or given up.
+class MotionDriven {
+ public:
+  /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved. `all_rows`: computes rows that no
+  /// wave has reached, too.
+  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s,
+               bool all_rows);
+
+  /// P at the shared nodes, of the trial or of the accepted window.
+  void answer(participant::LinkOutput& output) const;
+  /// `window`: the accepted one here, the one to come in all others.
+  void synchronise(std::int64_t window, const std::vector<double>& link_input);
+  void advance(std::int64_t window, const std::vector<double>& link_input);
+  /// Returns whether that completes a window: always.
+  bool accept(std::int64_t window);
+  void work_ahead(std::int64_t window);
+
+  /// With the motion of the bodies all that the next window is computed from.
+  struct State {
+    struct Forces {
+      Eigen::VectorXd internal, external;  ///< K u; f, reactions included, at the end of the window [N]
+    };
+    std::vector<Forces> parts;
+    std::optional<ExplicitContact::State> contact;
+    bool contact_started = false;  ///< the contact has made the accelerations of the first window
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
+  /// From here on the problem is homogeneous: what was booked of loads and reactions is gone.
+  void freeze(participant::FrozenContact contact);
+
+  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return state_.parts[part].internal; }
+  [[nodiscard]] const ExplicitContact* contact() const { return contact_ ? &*contact_ : nullptr; }
+  [[nodiscard]] int rows_computed() const;
+
+ private:
+  /// Per part: the window being tried.
+  struct Trial {
+    Eigen::VectorXd u;                            ///< after `accept` the accepted displacement before
+    State::Forces forces;                         ///< after `accept` the accepted ones before
+    Eigen::VectorXd near_internal, shared_moved;  ///< K u in the near rows before the link; by how much it has moved
+  };
+  /// Per part: rows of K next to the shared nodes.
+  struct Shared {
+    std::vector<int> near_rows;
+    fem::SparseMatrix columns;  ///< K: near rows x shared dofs
+  };
+  /// What `state.v` is when accelerations are sought.
+  enum class Velocity { now, half_a_step_before };
+  void settle_at_start();
+  void set_shared_columns(std::size_t part);
+  [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
+  void predict(double time_s);
+  void move_shared(std::size_t part, const std::vector<double>& link_input, std::size_t& next);
+  void find_accelerations(double time_s, Velocity velocity);
+  void half_a_step(std::size_t part);
+  void set_shared_velocity(std::size_t part);
+  void account();
+  void account_interface(std::size_t part);
+  void keep_trial_forces();
+
+  std::vector<solver::BodyState>& states_;
+  double dt_;  ///< of a window [s]
+  State state_;
+  std::optional<ExplicitContact> contact_;
+  std::vector<WaveFront> fronts_;
+  std::vector<Shared> shared_;
+  std::vector<Trial> trials_;
+  std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_
+  std::vector<Eigen::VectorXd*> trial_u_;
+  bool predicted_ = false;
+  bool answered_with_trial_ = false;  ///< the last link output is of the trial
+};
+
+}  // namespace ricochet::explicit_solver
