@@ -52,6 +52,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
                          {weight(pair.tangent, Side::a), weight(pair.tangent, Side::b)}}});
   }
   impulse_.resize(surface_.pairs.size());
+  state_.impulse = impulse_;
   remembered_normal_n_.resize(surface_.pairs.size());
 }
 
@@ -113,7 +114,7 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   }
   const Eigen::MatrixXd compliance = (kappa() * 0.25 * dt * dt) * (gather_ * root_inverse * gather_.transpose());
   root_.emplace(*law_, compliance, area, dt);
-  trial_ = accepted_ = root_->open();
+  trial_ = state_.solution = root_->open();
   gap_free_.setZero(n);
   slip_free_.setZero(n);
   slip_velocity_.setZero(n);
@@ -163,7 +164,7 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     slip_free_[k] = pair.tangent.times(of_part(increment));
     slip_velocity_[k] = pair.tangent.times(velocity_of(states));
   }
-  trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, accepted_);
+  trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, state_.solution);
   solver::require_solved(trial_);
   root_force_.noalias() = gather_.transpose() * trial_.force;
 }
@@ -325,7 +326,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
                    .tangential = friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
                    .state = trial_.states[i]};
     remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
-    const bool touched = trial_.states[i] != ContactState::open || accepted_.states[i] != ContactState::open;
+    const bool touched = trial_.states[i] != ContactState::open || state_.solution.states[i] != ContactState::open;
     if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
   }
   if (frozen_) {
@@ -366,7 +367,7 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
                               const Eigen::VectorXd& increment, const Eigen::VectorXd& jump,
                               const Eigen::VectorXd& mean_velocity) {
   if (massless_) {
-    work_normal_j_ += massless_->trial_work_j();
+    state_.work_normal_j += massless_->trial_work_j();
     massless_->accept();
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
@@ -379,46 +380,59 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
         return 0.5 * force_on(side, i, direction, bracket) * moved(increment) +
                force_on(side, i, direction, jump) * moved(mean_velocity);
       };
-      work_normal_j_ += work(along_normal);
-      dissipated_friction_j_ -= work(along_tangent);
+      state_.work_normal_j += work(along_normal);
+      state_.dissipated_friction_j -= work(along_tangent);
     }
-    impulse_normal_n_s_ += impulse_[i].normal;
-    impulse_tangential_n_s_ += impulse_[i].tangential;
+    state_.impulse_normal_n_s += impulse_[i].normal;
+    state_.impulse_tangential_n_s += impulse_[i].tangential;
     book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
   }
 }
 
 void ImplicitContact::accept() {
-  accepted_ = trial_;
-  iterations_ += trial_.iterations;
-  largest_residual_ = std::max(largest_residual_, trial_.residual);
-  unconverged_ += trial_.residual > solver::converged_contact_residual;
+  state_.solution = trial_;
+  state_.impulse = impulse_;
+  state_.iterations += trial_.iterations;
+  state_.largest_residual = std::max(state_.largest_residual, trial_.residual);
+  state_.unconverged += trial_.residual > solver::converged_contact_residual;
 }
 
 void ImplicitContact::open() {
-  accepted_ = trial_ = root_->open();
+  state_.solution = trial_ = root_->open();
   std::fill(impulse_.begin(), impulse_.end(), solver::PairForce{});
+  state_.impulse = impulse_;
 }
 
 int ImplicitContact::pairs_closed() const {
-  return static_cast<int>(accepted_.states.size()) -
-         static_cast<int>(std::count(accepted_.states.begin(), accepted_.states.end(), ContactState::open));
+  return static_cast<int>(state_.solution.states.size()) -
+         static_cast<int>(std::count(state_.solution.states.begin(), state_.solution.states.end(), ContactState::open));
+}
+
+ImplicitContact::State ImplicitContact::state() const {
+  State state = state_;
+  if (massless_) state.massless = massless_->state();
+  return state;
+}
+
+void ImplicitContact::restore(const State& state) {
+  state_ = state;
+  if (massless_) massless_->restore(*state.massless);
 }
 
 solver::ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
-  reported_ = impulse_;
+  reported_ = state_.impulse;
   for (auto& force : reported_) {
     force.normal /= dt_;
     force.tangential /= dt_;
   }
   solver::ContactRecord report = surface_.report(states, reported_);
-  report.contact_impulse_n_s = impulse_normal_n_s_;
-  report.friction_impulse_n_s = impulse_tangential_n_s_;
-  report.contact_iterations = std::exchange(iterations_, 0);
-  report.contact_residual = std::exchange(largest_residual_, 0.0);
-  report.contact_unconverged = unconverged_;
-  report.energy_contact_j = work_normal_j_;
-  report.energy_friction_j = dissipated_friction_j_;
+  report.contact_impulse_n_s = state_.impulse_normal_n_s;
+  report.friction_impulse_n_s = state_.impulse_tangential_n_s;
+  report.contact_iterations = std::exchange(state_.iterations, 0);
+  report.contact_residual = std::exchange(state_.largest_residual, 0.0);
+  report.contact_unconverged = state_.unconverged;
+  report.energy_contact_j = state_.work_normal_j;
+  report.energy_friction_j = state_.dissipated_friction_j;
   return report;
 }
 

@@ -78,6 +78,19 @@ class ImplicitContact {
   void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                   Eigen::VectorXd& acceleration);
 
+  /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
+  struct State {
+    solver::RootProblem::Solution solution;  ///< forces and states of the accepted window
+    std::vector<solver::PairForce> impulse;  ///< per pair, over that window [N s]
+    double work_normal_j = 0.0, dissipated_friction_j = 0.0;
+    double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
+    int iterations = 0, unconverged = 0;  ///< since the last report; so far
+    double largest_residual = 0.0;        ///< since the last report
+    std::optional<solver::MasslessNodes::State> massless;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
+
   [[nodiscard]] solver::ContactRecord report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
@@ -141,7 +154,8 @@ class ImplicitContact {
   std::vector<const Eigen::VectorXd*> external_of_part_;
   std::vector<Eigen::VectorXd*> u_of_part_;
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
-  solver::RootProblem::Solution trial_, accepted_;
+  State state_;
+  solver::RootProblem::Solution trial_;
   /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers
   /// [N].
   std::vector<solver::PairForce> impulse_;
@@ -150,10 +164,6 @@ class ImplicitContact {
   /// that no support holds; 1 for a node that is free.
   std::vector<std::array<std::array<double, 2>, 2>> weights_;
   std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
-  double work_normal_j_ = 0.0, dissipated_friction_j_ = 0.0;
-  double impulse_normal_n_s_ = 0.0, impulse_tangential_n_s_ = 0.0;
-  int iterations_ = 0, unconverged_ = 0;  ///< since the last report; so far
-  double largest_residual_ = 0.0;         ///< since the last report
 };
 
 }  // namespace ricochet::implicit_solver

@@ -1,0 +1,229 @@
+#include "implicit_solver/newmark_window.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/fem/newmark.hpp"
+
+namespace ricochet::implicit_solver {
+
+namespace {
+/// With the shared nodes in the root most of a solve is done before the link's force is there, but every window
+/// multiplies by the dense inverse of the root. That pays while it has at most so many entries per entry of the
+/// operator. Measured on the rounded striker: 312 root unknowns (the limit there) break even, with 998 the implicit
+/// side takes four times as long.
+constexpr std::size_t root_entries_per_entry = 2;
+}  // namespace
+
+NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
+                             double dt)
+    : parts_(parts), contact_(contact), dt_(dt), interface_stiffness_(std::move(interface_stiffness)) {
+  for (auto* vector : {&rhs_, &bracket_, &jump_, &mean_velocity_}) vector->setZero(parts_.dofs());
+  for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
+  for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
+  factorise();
+}
+
+/// Adds scale S to the shared dofs of a matrix.
+void NewmarkWindow::add_interface_stiffness(double scale, fem::SparseMatrix& a) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < interface_stiffness_.rows(); ++i) {
+    for (Eigen::Index j = 0; j < interface_stiffness_.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      if (interface_stiffness_(i, j) != 0.0) {
+        entries.emplace_back(parts_.shared_dofs[row], parts_.shared_dofs[column], scale * interface_stiffness_(i, j));
+      }
+    }
+  }
+  fem::SparseMatrix s(a.rows(), a.cols());
+  s.setFromTriplets(entries.begin(), entries.end());
+  a += s;
+}
+
+/// A = M + dt/2 C + dt^2/4 (K + S) on the dofs that are free.
+void NewmarkWindow::factorise() {
+  const double dt = dt_;
+  fem::SparseMatrix a = (0.25 * dt * dt) * parts_.stiffness;
+  std::vector<bool> active(static_cast<std::size_t>(a.rows()));
+  Eigen::VectorXd mass(a.rows());
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    parts_.segment(mass, b) = parts_.states[b].mass;
+    for (const auto& d : parts_.states[b].dashpots) mass[parts_.offsets[b] + d.dof] += 0.5 * dt * d.coefficient_kg_s;
+    for (int dof = 0; dof < parts_.states[b].part.dofs(); ++dof) {
+      active[static_cast<std::size_t>(parts_.offsets[b] + dof)] = parts_.states[b].free[static_cast<std::size_t>(dof)];
+    }
+  }
+  a += fem::SparseMatrix(mass.asDiagonal());
+  if (interface_stiffness_.size() > 0) add_interface_stiffness(0.25 * dt * dt, a);
+  std::vector<int> root = contact_ ? contact_->root_dofs() : std::vector<int>{};
+  const std::size_t roots = root.size() + parts_.shared_dofs.size();
+  link_in_root_ = roots * roots <= root_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
+  for (const int dof : link_in_root_ ? parts_.shared_dofs : std::vector<int>{}) {
+    const auto found = std::find(root.begin(), root.end(), dof);
+    if (!active[static_cast<std::size_t>(dof)]) continue;
+    shared_roots_.emplace_back(dof, found - root.begin());
+    if (found == root.end()) root.push_back(dof);
+  }
+  factor_.emplace(a, active, root);
+  if (!contact_) return;
+  const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
+  contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt);
+  for (const int dof : contact_->root_dofs()) {
+    std::size_t part = parts_.states.size() - 1;
+    while (dof < parts_.offsets[part]) --part;
+    roots_.push_back({dof, part, dof - static_cast<int>(parts_.offsets[part])});
+  }
+}
+
+/// link += S x.
+template <class Displacement>
+void NewmarkWindow::add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link) {
+  if (interface_stiffness_.size() == 0) return;
+  Eigen::Index i = 0;
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    for (const int dof : parts_.states[b].shared_dofs) shared_x_[i++] = displacement(b, dof);
+  }
+  shared_force_.noalias() = interface_stiffness_ * shared_x_;
+  for (std::size_t k = 0; k < parts_.shared_dofs.size(); ++k)
+    link[parts_.shared_dofs[k]] += shared_force_[static_cast<Eigen::Index>(k)];
+}
+
+void NewmarkWindow::add_interface_force(Eigen::VectorXd& link) {
+  add_stiffness_force([&](std::size_t b, int dof) { return parts_.states[b].u[dof]; }, link);
+}
+
+/// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
+void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, WindowTrial& trial) {
+  if (prepared_ == window) return;
+  const double dt = dt_, quarter = 0.25 * dt * dt, time_s = static_cast<double>(window) * dt;
+  parts_.external_force(time_s, trial.end.external);
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    const auto& state = parts_.states[b];
+    parts_.segment(rhs_, b) =
+        state.mass.cwiseProduct(dt * state.v + quarter * state.a) + quarter * parts_.segment(last.residual, b);
+    if (!state.external.zero())
+      parts_.segment(rhs_, b) += quarter * (parts_.segment(trial.end.external, b) - parts_.segment(last.external, b));
+  }
+  damp_rhs(trial);
+  constrain_increment(time_s, trial);
+  if (link_in_root_) factor_->forward(rhs_);
+  prepared_ = window;
+}
+
+/// Of the dashpots' forces in q and df, what does not change with du: see the class comment.
+void NewmarkWindow::damp_rhs(const WindowTrial& trial) {
+  const double dt = dt_;
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    const auto& state = parts_.states[b];
+    for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
+      const auto& d = state.dashpots[i];
+      dashpot_load_[b][i] = parts_.load_on(b, d.dof, trial.end.external);
+      double change = 2.0 * d.coefficient_kg_s * state.v[d.dof];
+      if (!state.external.zero()) change += d.force(state.v[d.dof]);  // df was formed with it in f_n
+      rhs_[parts_.offsets[b] + d.dof] += 0.25 * dt * dt * change;
+    }
+  }
+}
+
+void NewmarkWindow::advance(std::int64_t window, const WindowState& last, WindowTrial& trial) {
+  prepare(window, last, trial);
+  const double quarter = 0.25 * dt_ * dt_;
+  add_interface_force(trial.end.link);  // S du is in the operator
+  if (link_in_root_) {
+    root_rhs_ = factor_->root_rhs();
+    for (const auto& [dof, root] : shared_roots_) root_rhs_[root] -= quarter * (trial.end.link[dof] - last.link[dof]);
+  } else {
+    rhs_with_link_ = rhs_;
+    for (const int dof : parts_.shared_dofs) rhs_with_link_[dof] -= quarter * (trial.end.link[dof] - last.link[dof]);
+    factor_->forward(rhs_with_link_);
+    root_rhs_ = factor_->root_rhs();
+  }
+  solve_increment(trial);
+  add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, trial.end.link);
+  find_rates(last, trial);
+  parts_.constrain_rates(static_cast<double>(window) * dt_, dt_, last, trial);
+}
+
+/// Given increments of the constrained dofs, and what they push on the free ones: b_f -= dt^2/4 K_fc du_c.
+void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
+  const double quarter = 0.25 * dt_ * dt_;
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    for (const auto& c : parts_.states[b].constrained) {
+      const double du = c.at(time_s) - parts_.states[b].u[c.dof];
+      const auto row = static_cast<int>(parts_.offsets[b]) + c.dof;
+      trial.increment[row] = du;
+      if (du == 0.0) continue;
+      for (fem::SparseMatrix::InnerIterator it(parts_.stiffness, row); it; ++it)
+        rhs_[it.col()] -= quarter * it.value() * du;
+    }
+  }
+}
+
+void NewmarkWindow::solve_increment(WindowTrial& trial) {
+  root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
+  if (contact_) {
+    const auto& root = contact_->root_dofs();
+    for (std::size_t i = 0; i < root.size(); ++i)
+      trial.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
+    contact_->solve(parts_.states, trial.increment);
+    const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
+    const auto size = static_cast<Eigen::Index>(root.size());
+    root_increment_.noalias() += scale * (factor_->root_inverse().leftCols(size) * contact_->root_force());
+  }
+  factor_->backward(root_increment_, trial.increment);
+}
+
+/// a*, v* and q of the class comment; the velocity and acceleration of closed pairs; the bracket of the contact work.
+void NewmarkWindow::find_rates(const WindowState& last, WindowTrial& trial) {
+  const double dt = dt_;
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    const auto& state = parts_.states[b];
+    auto a = parts_.segment(trial.acceleration, b);
+    a = (4.0 / (dt * dt)) * (parts_.segment(trial.increment, b) - dt * state.v) - state.a;
+    parts_.segment(trial.velocity, b) = fem::corrected_velocity(state.v, state.a, a, dt);
+    parts_.segment(trial.end.residual, b) = state.mass.cwiseProduct(a);
+  }
+  if (contact_) find_contact_rates(last, trial);
+  set_dashpot_forces(trial);
+}
+
+/// Takes the contact forces out of q (and, where the law does not remember them, out of a), then applies Eq. 25.
+void NewmarkWindow::find_contact_rates(const WindowState& last, WindowTrial& trial) {
+  const Eigen::VectorXd& force = contact_->root_force();
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const auto& [dof, part, local] = roots_[i];
+    const auto& state = parts_.states[part];
+    const double applied = contact_->kappa() * force[static_cast<Eigen::Index>(i)];
+    bracket_[dof] = state.mass[local] * state.a[local] - last.residual[dof] + applied;
+    trial.end.residual[dof] -= applied;
+    if (state.mass[local] == 0.0) {  // massless: it has no rates of its own
+      trial.velocity[dof] = trial.increment[dof] / dt_;
+      trial.acceleration[dof] = 0.0;
+    }
+    mean_velocity_[dof] = trial.velocity[dof];
+    if (!contact_->remembered()) trial.acceleration[dof] = trial.end.residual[dof] * state.inverse_mass[local];
+  }
+  contact_->update_rates(parts_.states, bracket_, trial.increment, trial.velocity, trial.acceleration);
+  for (const auto& [dof, part, local] : roots_) {
+    const double before = mean_velocity_[dof];
+    jump_[dof] = parts_.states[part].mass[local] * (trial.velocity[dof] - before);
+    mean_velocity_[dof] = 0.5 * (before + trial.velocity[dof]);
+  }
+}
+
+/// The dashpots' forces at n + 1 join f.
+void NewmarkWindow::set_dashpot_forces(WindowTrial& trial) const {
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    for (std::size_t i = 0; i < parts_.states[b].dashpots.size(); ++i) {
+      const auto& d = parts_.states[b].dashpots[i];
+      const auto dof = parts_.offsets[b] + d.dof;
+      trial.end.external[dof] = dashpot_load_[b][i] + d.force(trial.velocity[dof]);
+    }
+  }
+}
+
+void NewmarkWindow::account(const WindowTrial& trial) {
+  if (contact_) contact_->account(parts_.states, bracket_, trial.increment, jump_, mean_velocity_);
+}
+
+}  // namespace ricochet::implicit_solver

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "implicit_solver/combined_parts.hpp"
+#include "implicit_solver/condensed_factor.hpp"
+#include "implicit_solver/contact/implicit_contact.hpp"
+
+namespace ricochet::implicit_solver {
+
+/// One window of the trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2) on the implicit elements, the shared nodes
+/// (with the summed mass, Eq. 28) and the contact nodes, in increments (Eq. 16). With q_n the elastic residual and L of
+/// WindowState, one window is
+///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r
+///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T
+///   r
+/// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
+/// dt^2/2 C v_n on the right.
+/// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
+/// The operator is factored once; contact forces r come from a small dense problem (ImplicitContact, RootProblem).
+class NewmarkWindow {
+ public:
+  /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
+  /// dofs, or empty.
+  NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness, double dt);
+
+  /// The right-hand side without the link's change, and as much of the solve as does not need that. Does nothing if it
+  /// is done already.
+  void prepare(std::int64_t window, const WindowState& state, WindowTrial& trial);
+  /// The window; `trial.end.link` holds the link's given force.
+  void advance(std::int64_t window, const WindowState& state, WindowTrial& trial);
+  /// The state is another: what was prepared is void.
+  void forget() { prepared_ = -1; }
+  /// Accounts work and impulses of the contact in the trial that becomes final.
+  void account(const WindowTrial& trial);
+  /// link += S u of the accepted motion.
+  void add_interface_force(Eigen::VectorXd& link);
+  [[nodiscard]] bool has_interface_stiffness() const { return interface_stiffness_.size() > 0; }
+
+ private:
+  /// A root dof of the contact: combined number, part, local number.
+  struct Root {
+    int dof;
+    std::size_t part;
+    int local;
+  };
+  void factorise();
+  void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
+  template <class Displacement>
+  void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
+  void damp_rhs(const WindowTrial& trial);
+  void constrain_increment(double time_s, WindowTrial& trial);
+  void solve_increment(WindowTrial& trial);
+  void find_rates(const WindowState& state, WindowTrial& trial);
+  void find_contact_rates(const WindowState& state, WindowTrial& trial);
+  void set_dashpot_forces(WindowTrial& trial) const;
+
+  const CombinedParts& parts_;
+  ImplicitContact* contact_;
+  double dt_;
+  Eigen::MatrixXd interface_stiffness_;
+  std::optional<CondensedFactor> factor_;
+  std::vector<Root> roots_;
+  std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
+  bool link_in_root_ = true;
+  std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
+  Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
+  std::vector<std::vector<double>> dashpot_load_;   ///< per part and dashpot: other external force at n + 1 [N]
+  Eigen::VectorXd bracket_, jump_, mean_velocity_;  ///< work of the contact forces, see ImplicitContact::account
+};
+
+}  // namespace ricochet::implicit_solver
