@@ -30,6 +30,8 @@ participant::Description ExplicitSolver::describe() {
   const auto& contact = problem_.scene.contact;
   auto description = solver::describe(problem_, *spec_, states_, alone() && !problem_.contact.pairs.empty());
   description.solver = "ricochet explicit_solver";
+  axial_stress_ = solver::AxialStressShares(problem_, states_);
+  description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
   const bool massless = alone() && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
   if (!massless)
@@ -47,7 +49,6 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     initialize_internal_forces();
     interface_force(output);
   }
-  axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
 }
@@ -277,7 +278,6 @@ void ExplicitSolver::accept() {
   if (contact_) contact_->finish(states_, u_before_);
   account();
   update_status();
-  axial_stress_.add(window_, states_);
   model_watch_.look(window_, states_);
 }
 
@@ -438,7 +438,7 @@ void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std
 void ExplicitSolver::accept_subcycling() {
   for (std::size_t b = 0; b < states_.size(); ++b) subcycled_[b].accept(states_[b]);
   if (substep_ != 0 && substep_ != setup_.substeps) return;
-  axial_stress_.add(++window_, states_);
+  ++window_;
   model_watch_.look(window_, states_);
 }
 
