@@ -28,6 +28,8 @@ participant::Description ExplicitSolver::describe() {
   const auto& contact = problem_.scene.contact;
   auto description = solver::describe(problem_, *spec_, states_, has_contact());
   description.solver = "ricochet explicit_solver";
+  axial_stress_ = solver::AxialStressShares(problem_, states_);
+  description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
   const bool massless = alone() && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
   if (!massless)
@@ -58,7 +60,6 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     drive_.emplace(std::in_place_type<MotionDriven>, states_, make_contact(), setup_.window_size_s, all_rows_);
   }
   std::visit([&](const auto& drive) { drive.answer(output); }, *drive_);
-  axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
   model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
 }
@@ -101,7 +102,6 @@ void ExplicitSolver::accept() {
   if (!std::visit([&](auto& drive) { return drive.accept(window_ + 1); }, *drive_)) return;
   ++window_;
   update_status();
-  axial_stress_.add(window_, states_);
   model_watch_.look(window_, states_);
 }
 

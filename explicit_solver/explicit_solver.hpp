@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/participant/participant.hpp"
-#include "common/solver/axial_stress_file.hpp"
+#include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
@@ -39,6 +39,7 @@ class ExplicitSolver final : public participant::Participant {
   void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
+  void axial_stress(std::vector<double>& row) override { axial_stress_.append(states_, window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
@@ -75,7 +76,7 @@ class ExplicitSolver final : public participant::Participant {
   std::vector<solver::BodyState> states_;
   std::optional<std::variant<MotionDriven, ForceDriven>> drive_;  ///< from `initialize` on
   participant::Setup setup_;
-  solver::AxialStressFile axial_stress_;
+  solver::AxialStressShares axial_stress_;
   solver::ModelWatch model_watch_;
   solver::WatchedOutline outline_;
   std::int64_t window_ = 0;

@@ -40,6 +40,8 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
   description.solver = "ricochet implicit_solver";
+  axial_stress_ = solver::AxialStressShares(problem_, states_);
+  description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
   const auto& contact = problem_.scene.contact;
@@ -73,7 +75,6 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   newmark_.emplace(parts_, contact,
                    Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
                    setup_.window_size_s);
-  axial_stress_ = solver::AxialStressFile(problem_, spec_->name, setup_, states_);
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
   put_output(output);
@@ -167,7 +168,6 @@ void ImplicitSolver::accept() {
   const int every = problem_.scene.coupling.resynchronise_every;
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
-  axial_stress_.add(window_, states_);
   model_watch_.look(window_, states_);
 }
 

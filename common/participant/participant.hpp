@@ -40,7 +40,11 @@ struct Description {
   /// `load_state` and `read_state` are about.
   std::vector<Capability> capabilities;
   std::vector<std::string> record_columns;  ///< names of the history quantities `record` appends
-  bool contact_owner = false;               ///< true: enforces the scene's contact and reports its states
+  /// "BODY/LOW/HIGH/SHARE" of what `axial_stress` appends: a layer of a body between two coordinates of its axis [m],
+  /// and the share of the layer's volume that elements of this participant fill. May stay empty: it tells no axial
+  /// stress.
+  std::vector<std::string> axial_stress_columns;
+  bool contact_owner = false;  ///< true: enforces the scene's contact and reports its states
 };
 
 struct Setup {
@@ -56,6 +60,7 @@ struct Setup {
   /// integrating by `implicit_newmark`.
   std::vector<double> interface_stiffness;
   int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
+  int axial_stress_every = 0;               ///< windows; 0: none
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
   std::int64_t last_window = 0;             ///< the run ends here at the latest
@@ -134,6 +139,10 @@ class Participant {
   [[nodiscard]] virtual ContactStatus contact_status() const { return {}; }
   /// Appends one row of history quantities of the last accepted window, in the order of `record_columns`.
   virtual void record(std::vector<double>& row) = 0;
+  /// Appends, for each of `axial_stress_columns`, this participant's share of the mean axial stress of the layer after
+  /// the last accepted window [Pa], tension positive: the sum over its elements of their integral, over the volume of
+  /// the whole layer. Called every `axial_stress_every` accepted windows and at the start.
+  virtual void axial_stress(std::vector<double>& /*row*/) {}
   /// What has left the model up to the last accepted window. (May stay empty: nobody looks for it then.)
   [[nodiscard]] virtual std::vector<Departure> departures() { return {}; }
   /// After the last accepted window; which nodes is the participant's choice.

@@ -73,7 +73,11 @@ class Session {
   void accept_trial();
   void accept();
   void finish_window();
+  using Tell = void (Participant::*)(std::vector<double>&);
   void record();
+  void record_axial_stress();
+  void append_row(Tell tell, std::size_t columns, std::vector<double>& rows);
+  [[nodiscard]] bool wants_axial_stress(std::int64_t window) const;
   void write_fields();
   void put_absolute(wire::Array& absolute) const;
   void put_rates(wire::Message& reply) const;
@@ -97,11 +101,12 @@ class Session {
   std::int64_t substep_ = 0, accepted_substep_ = 0;  ///< of the trial (0: whole window); of the window under way
   double timeout_s_ = -1.0;
   bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
-  bool synchronised_ = false, accept_due_ = false, record_due_ = false, fields_due_ = false;  ///< put off
-  bool moves_ = false;  ///< driven by force: answers displacement, velocity, acceleration
+  bool synchronised_ = false, accept_due_ = false, record_due_ = false, stress_due_ = false,
+       fields_due_ = false;  ///< put off
+  bool moves_ = false;       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
-  std::vector<double> rows_;   ///< history rows not sent yet
-  std::vector<double> spans_;  ///< window, begin, end of each computing span
+  std::vector<double> rows_, stress_rows_;  ///< of history and of axial stress, not sent yet
+  std::vector<double> spans_;               ///< window, begin, end of each computing span
   double compute_s_ = 0.0, wait_s_ = 0.0;
 };
 

@@ -1,4 +1,6 @@
 // What a session answers besides link values: motion, contact, history rows, what has left the model.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <initializer_list>
 
@@ -50,16 +52,42 @@ void Session::put_outline(wire::Array& array) {
   }
 }
 
+void Session::record() { append_row(&Participant::record, description_.record_columns.size(), rows_); }
+
+void Session::record_axial_stress() {
+  append_row(&Participant::axial_stress, description_.axial_stress_columns.size(), stress_rows_);
+}
+
+bool Session::wants_axial_stress(std::int64_t window) const {
+  const int every = setup_.axial_stress_every;
+  return every > 0 && !description_.axial_stress_columns.empty() && window % every == 0;
+}
+
+/// What the participant tells of the last accepted window, behind its number. `columns`: with the window.
+void Session::append_row(Tell tell, std::size_t columns, std::vector<double>& rows) {
+  rows.push_back(static_cast<double>(accepted_window_));
+  const auto before = rows.size();
+  (participant_.*tell)(rows);
+  const auto expected = columns - 1;
+  if (rows.size() - before == expected) return;
+  throw ParticipantError(fmt::format("participant '{}' recorded {} numbers, it announced {} columns", description_.name,
+                                     rows.size() - before, expected));
+}
+
 void Session::put_records(bool requested, Message& reply) {
-  const int columns = static_cast<int>(description_.record_columns.size());
-  reply.records.resize(0, columns);
+  const auto put = [requested](wire::Array& array, std::size_t columns, std::vector<double>& rows) {
+    array.resize(0, static_cast<int>(columns));
+    if (!requested || rows.empty()) return;
+    array.rows = static_cast<int>(rows.size() / columns);
+    array.data.swap(rows);
+  };
+  put(reply.records, description_.record_columns.size(), rows_);
+  put(reply.axial_stress, description_.axial_stress_columns.size(), stress_rows_);
   reply.departures.resize(0, wire::departure_columns);
   reply.outline.resize(0, 2 + description_.components);
   if (!requested) return;
   put_departures(reply.departures);
   put_outline(reply.outline);
-  reply.records.rows = static_cast<int>(rows_.size()) / columns;
-  reply.records.data.swap(rows_);
 }
 
 }  // namespace ricochet::participant

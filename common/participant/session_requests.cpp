@@ -38,6 +38,7 @@ void check_setup(const Message& request) {
   require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
   require_count("history_every", request.history_every, 1);
   require_count("fields_every", request.fields_every, 0);
+  require_count("axial_stress_every", request.axial_stress_every, 0);
   require_count("separation_windows", request.separation_windows, 0);
   require_count("substeps", request.substeps, 1);
   require(request.last_window >= 0, "the coupler set last_window = {}, expected >= 0", request.last_window);
@@ -65,6 +66,7 @@ void Session::describe(Message& reply) const {
   reply.critical_time_step_s = d.critical_time_step_s;
   for (const auto capability : d.capabilities) reply.capabilities.emplace_back(name_of(capability));
   reply.record_columns = d.record_columns;
+  reply.axial_stress_columns = d.axial_stress_columns;
   reply.contact_owner = d.contact_owner;
 }
 
@@ -82,6 +84,7 @@ void Session::initialize(const Message& request, Message& reply) {
   take_interface_stiffness(request.interface_stiffness);
   setup_.history_every = static_cast<int>(request.history_every);
   setup_.fields_every = static_cast<int>(request.fields_every);
+  setup_.axial_stress_every = static_cast<int>(request.axial_stress_every);
   setup_.until_separated_plus_s = request.until_separated_plus_s;
   setup_.separation_windows = static_cast<int>(request.separation_windows);
   setup_.last_window = request.last_window;
@@ -117,7 +120,9 @@ void Session::synchronise(const Message& request, Message& reply) {
   put_rates(reply);
   if (accepted_window_ > 0) return;
   rows_.clear();  // the coupler may synchronise the start more than once
+  stress_rows_.clear();
   record();
+  if (wants_axial_stress(0)) record_axial_stress();
   if (setup_.fields_every > 0) write_fields();
 }
 
@@ -200,6 +205,7 @@ void Session::accept_trial() {
   if (!whole) return;
   accepted_window_ = window_;
   record_due_ = window_ % setup_.history_every == 0;
+  stress_due_ = wants_axial_stress(window_);
   fields_due_ = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
   if (description_.contact_owner) accept();
 }
@@ -213,6 +219,7 @@ void Session::accept() {
 void Session::finish_window() {
   accept();
   if (std::exchange(record_due_, false)) record();
+  if (std::exchange(stress_due_, false)) record_axial_stress();
   if (std::exchange(fields_due_, false)) write_fields();
 }
 
@@ -251,16 +258,6 @@ void Session::finish(Message& reply) {
   participant_.finish();
   reply.largest_drift = link_.largest_drift();
   put_records(true, reply);
-}
-
-void Session::record() {
-  rows_.push_back(static_cast<double>(accepted_window_));
-  const auto before = rows_.size();
-  participant_.record(rows_);
-  const auto expected = description_.record_columns.size() - 1;
-  if (rows_.size() - before == expected) return;
-  throw ParticipantError(fmt::format("participant '{}' recorded {} numbers, it announced {} columns", description_.name,
-                                     rows_.size() - before, expected));
 }
 
 void Session::write_fields() {

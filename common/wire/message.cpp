@@ -17,6 +17,8 @@ constexpr Field velocity{"velocity_m_s", &M::velocity_m_s, "m/s",
 constexpr Field acceleration{"acceleration_m_s2", &M::acceleration_m_s2, "m/s^2",
                              "of the interface nodes, n x components; 0 rows from who is driven by displacement"};
 constexpr Field records{"records", &M::records, "", "history rows not sent before, rows x record columns"};
+constexpr Field axial_stress{"axial_stress", &M::axial_stress, "Pa",
+                             "rows not sent before, rows x axial stress columns; the first number is the window"};
 constexpr Field departures{
     "departures", &M::departures, "",
     "what has left the model so far, rows x 9: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 "
@@ -81,6 +83,12 @@ const std::vector<KindEntry>& schema() {
          "any of `repeat_window`, `switch_integration`, `driven_by_force`, `single_substep`, `interface_stiffness`, "
          "`load_state`"},
         {"record_columns", &M::record_columns, "", "names of the history columns; the first is `window`"},
+        {"axial_stress_columns", &M::axial_stress_columns, "",
+         "names of the columns of `axial_stress`; the first is `window`, then `BODY/LOW/HIGH/SHARE` for each layer of "
+         "a "
+         "body in which it has elements: borders on the body's axis in m, and the share of the layer's volume that its "
+         "elements fill, whose share of the layer's mean axial stress, tension positive, it tells; none: it tells "
+         "none"},
         {"contact_owner", &M::contact_owner, "", "it enforces the scene's contact and reports its states"}}},
       {Kind::initialize,
        "initialize",
@@ -98,6 +106,8 @@ const std::vector<KindEntry>& schema() {
          "nodes at the end of a window is link input + S u; 0 rows: none"},
         {"history_every", &M::history_every, "windows", "one history row each so many windows, >= 1"},
         {"fields_every", &M::fields_every, "windows", "result fields each so many windows; 0: none"},
+        {"axial_stress_every", &M::axial_stress_every, "windows",
+         "one row of `axial_stress` each so many windows, from the start on; 0: none"},
         {"until_separated_plus_s", &M::until_separated_plus_s, "s",
          "contact owner: the run ends this long after separation; < 0: it does not end so"},
         {"separation_windows", &M::separation_windows, "windows",
@@ -126,6 +136,7 @@ const std::vector<KindEntry>& schema() {
         velocity,
         acceleration,
         records,
+        axial_stress,
         departures,
         outline,
         pairs_closed,
@@ -137,7 +148,8 @@ const std::vector<KindEntry>& schema() {
       {Kind::accept, "accept", {records_requested}},
       {Kind::accepted,
        "accepted",
-       {records, departures, outline, pairs_closed, gap_min, gap_rate_min, separated, separation_time, finished_early}},
+       {records, axial_stress, departures, outline, pairs_closed, gap_min, gap_rate_min, separated, separation_time,
+        finished_early}},
       {Kind::load_state,
        "load_state",
        {{"state", &M::state, "", "k x 1, its motion in the order and the units of its own `state`"},
@@ -162,6 +174,7 @@ const std::vector<KindEntry>& schema() {
         {"spans_s", &M::spans_s, "s",
          "rows x 3: window, begin and end of each time it computed, on its steady clock; the first 2000"},
         records,
+        axial_stress,
         departures}},
       {Kind::failure,
        "failure",

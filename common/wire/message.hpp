@@ -12,7 +12,7 @@
 /// carries stands in one table, `fields_of`, that the codec, the docs and the tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 3;
+inline constexpr std::int64_t protocol_version = 4;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -67,14 +67,14 @@ struct Message {
   // names and texts
   std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration;
   std::string driven_by, frozen_contact, shared_memory_path, error_text, error_culprit;
-  std::vector<std::string> bodies, capabilities, record_columns;
+  std::vector<std::string> bodies, capabilities, record_columns, axial_stress_columns;
 
   // numbers
   bool shared_memory = false, contact_owner = false;
   bool accept_at_once = false, absolute_requested = false, records_requested = false;
   bool separated = false, finished_early = false;
   std::int64_t process_id = 0, shared_memory_key = 0, components = 0;
-  std::int64_t windows = 1, substeps = 1, history_every = 1, fields_every = 0, last_window = 0;
+  std::int64_t windows = 1, substeps = 1, history_every = 1, fields_every = 0, axial_stress_every = 0, last_window = 0;
   std::int64_t separation_windows = 0, pairs_closed = 0, error_code = 0;
   double window_size_s = 0, critical_time_step_s = 0, timeout_s = 0, until_separated_plus_s = 0;
   double gap_min_m = 0, gap_rate_min_m_s = 0, separation_time_s = 0, setup_s = 0, compute_s = 0, wait_s = 0;
@@ -93,6 +93,7 @@ struct Message {
   Array acceleration_m_s2;    ///< as velocity
   Array state, state_scale;   ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
   Array records;              ///< history rows (rows x record_columns)
+  Array axial_stress;         ///< rows x axial_stress_columns
   Array departures;  ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
                      ///< window, x, y
   Array outline;     ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]

@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "coupler/results/axial_stress.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -56,6 +57,7 @@ void check_description(const Message& hello, const Message& d) {
                         did_you_mean(capability, all_names<Capability>())));
   }
   const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, 1.0);
+  const AxialStress names_layers_rightly({{hello.participant, d.axial_stress_columns}}, d.bodies, 1.0);
 }
 
 /// Largest extent of the interface [m]; for a single point its distance from the origin, or 1 m there.

@@ -33,7 +33,9 @@ Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& row
     : peer_(std::move(peer)),
       description_(description),
       rows_(rows),
-      implicit_(wire::has_role(description, Role::implicit_solver)) {
+      implicit_(wire::has_role(description, Role::implicit_solver)),
+      records_("records", "history row", description.record_columns.size()),
+      axial_stress_("axial_stress", "axial stress row", description.axial_stress_columns.size()) {
   const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
@@ -48,7 +50,8 @@ std::vector<double> Link::own_mass_kg() const {
 
 void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
   request.kind = wire::Kind::initialize;
-  history_every_ = request.history_every;
+  records_.expect_every(request.history_every);
+  axial_stress_.expect_every(request.axial_stress_every);
   if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
   driven_by_force_ = request.driven_by == name_of(Drive::force);
   set(request.interface_mass_kg, own_masses, 1);
@@ -175,8 +178,6 @@ const wire::Message& Link::wait_finished() {
   return answer;
 }
 
-std::vector<double> Link::take_records() { return std::exchange(records_, {}); }
-
 const wire::Message& Link::wait(wire::Kind expected) {
   const auto& answer = peer_.wait();
   if (answer.kind != expected) {
@@ -228,32 +229,11 @@ void Link::take_departures(const wire::Message& answer) {
   if (answer.outline.rows > 0) outline_ = answer.outline;
 }
 
-/// Every row, once, in order: its first number is its window.
 void Link::take_records_of(const wire::Message& answer) {
   take_departures(answer);
-  const int columns = std::max(answer.records.columns, 1);
-  for (int row = 0; row < answer.records.rows; ++row) {
-    const double found = answer.records.data[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)];
-    if (found != static_cast<double>(next_row_) || next_row_ > window_) {
-      throw ProtocolError(
-          fmt::format("participant '{}' sent in 'records' the history row of window {}, the next one is that of "
-                      "window {}, and window {} is computed",
-                      name(), found, next_row_, window_));
-    }
-    next_row_ += history_every_;
-  }
-  if (request_.records_requested && next_row_ <= window_) {
-    throw ProtocolError(
-        fmt::format("participant '{}' left out of 'records' the history row of window {}, which was asked for in "
-                    "window {}",
-                    name(), next_row_, window_));
-  }
-  if (answer.records.rows == 0) return;
-  if (answer.records.columns != static_cast<int>(description_.record_columns.size())) {
-    throw ProtocolError(fmt::format("participant '{}' sent history rows of {} numbers, it announced {} columns", name(),
-                                    answer.records.columns, description_.record_columns.size()));
-  }
-  records_.insert(records_.end(), answer.records.data.begin(), answer.records.data.end());
+  const std::int64_t requested = request_.records_requested ? window_ : -1;
+  records_.take(answer.records, name(), window_, requested);
+  axial_stress_.take(answer.axial_stress, name(), window_, requested);
 }
 
 void Link::require_rows(const wire::Array& array, const char* field) const {

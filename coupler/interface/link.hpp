@@ -6,6 +6,7 @@
 
 #include "coupler/interface/interface_map.hpp"
 #include "coupler/interface/peer.hpp"
+#include "coupler/interface/window_rows.hpp"
 
 namespace ricochet::coupler {
 
@@ -89,7 +90,9 @@ class Link {
   /// Where nodes of outlines were when history rows last came; see the field `outline`.
   [[nodiscard]] const wire::Array& outline() const { return outline_; }
   /// History rows received since the last call (row-major, as many columns as the description names).
-  [[nodiscard]] std::vector<double> take_records();
+  [[nodiscard]] std::vector<double> take_records() { return records_.taken(); }
+  /// The same of the rows of axial stress.
+  [[nodiscard]] std::vector<double> take_axial_stress() { return axial_stress_.taken(); }
 
  private:
   const wire::Message& wait(wire::Kind expected);
@@ -105,7 +108,7 @@ class Link {
   Peer peer_;
   wire::Message description_, request_;
   InterfaceRows rows_;
-  std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_, records_;
+  std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_;
   Acceptance acceptance_ = Acceptance::at_once;
   bool implicit_, driven_by_force_ = false, ends_window_ = true;
   ContactReport contact_;
@@ -113,7 +116,7 @@ class Link {
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;
   std::int64_t window_ = 0;
-  std::int64_t history_every_ = 1, next_row_ = 0;  ///< windows of history rows
+  WindowRows records_, axial_stress_;
 };
 
 }  // namespace ricochet::coupler

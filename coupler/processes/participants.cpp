@@ -55,6 +55,7 @@ wire::Message initialize_request(const scene::Scene& scene, double window_size_s
   request.history_every =
       std::gcd(static_cast<std::int64_t>(scene.output.history_every), EnergyWatch::every_of(last_window));  // for both
   request.fields_every = scene.output.fields_every;
+  request.axial_stress_every = scene.output.axial_stress_every;
   request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
   request.separation_windows = scene.coupling.separation_windows;
   request.last_window = last_window;

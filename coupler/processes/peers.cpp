@@ -203,8 +203,9 @@ void Peers::check_connections() {
 
 void Peers::limit(std::size_t index, const wire::Message& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
-  constexpr std::size_t most_rows = 4200;  // of history in one answer: as many windows as a baseline takes at once
-  const auto numbers = 8 * description.interface_position_m.data.size() + most_rows * description.record_columns.size();
+  constexpr std::size_t most_rows = 4200;  // of each kind in one answer: as many windows as a baseline takes at once
+  const auto numbers = 8 * description.interface_position_m.data.size() +
+                       most_rows * (description.record_columns.size() + description.axial_stress_columns.size());
   const bool tells_state = wire::has_capability(description, Capability::load_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);

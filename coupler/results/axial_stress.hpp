@@ -1,19 +1,53 @@
 #pragma once
 
+#include <cstdint>
+#include <deque>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "coupler/results/results_directory.hpp"
+#include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
 
-/// Adds the participants' shares, fields/<participant>.axial_stress (common/solver/axial_stress_file.hpp), up to
-/// axial_stress.csv and removes them: time_s, then one column BODY/LOW/HIGH for each layer, bodies in the given order,
-/// layers ascending, LOW and HIGH its borders on the axis [m]; values: mean axial stress over the layer [Pa], tension
-/// positive. A layer in which nobody told the stress of some elements (a participant of others) is nan. Ends with the
-/// last time that all have told. Does nothing if there are no shares. Throws ConfigError for a file that is none of
-/// these or cannot be written.
-void add_up_axial_stress(const ResultsDirectory& results, const std::vector<std::string>& participants,
-                         const std::vector<std::string>& bodies);
+/// Adds the participants' shares of the axial stress up to axial_stress.csv: time_s, then one column BODY/LOW/HIGH for
+/// each layer, bodies in the given order, layers ascending, LOW and HIGH its borders on the axis [m]; values: mean
+/// axial stress over the layer [Pa], tension positive. A layer in which nobody tells the stress of some elements (a
+/// participant of others) is nan. Ends with the last time that all who tell any have told.
+class AxialStress {
+ public:
+  /// Columns of a participant: "window", then BODY/LOW/HIGH/SHARE for each layer in which it has elements, SHARE its
+  /// share of the layer's volume; none: it tells nothing. Throws ProtocolError naming the participant and the column
+  /// if one is something else.
+  AxialStress(const std::vector<History::Source>& sources, const std::vector<std::string>& bodies,
+              double window_size_s);
+
+  /// `values`: rows of this participant, row-major, every so many windows the same for all.
+  void add(std::size_t participant, const std::vector<double>& values);
+  /// Whether any stress is told at all.
+  [[nodiscard]] bool told() const { return !layers_.empty(); }
+  /// The text of axial_stress.csv.
+  [[nodiscard]] std::string csv() const;
+
+ private:
+  struct Layer {
+    std::string name;    ///< of its column
+    double share = 0.0;  ///< of its volume that is told of
+  };
+  using Place = std::pair<std::size_t, double>;  ///< body, low border [m]
+  struct Stream {
+    std::vector<Place> places;  ///< of its columns
+    std::deque<std::vector<double>> rows;
+  };
+  void add_column(const History::Source& source, const std::string& column, const std::vector<std::string>& bodies);
+  [[nodiscard]] bool next_is_told() const;
+  void add_up();
+
+  double window_size_s_;
+  std::map<Place, Layer> layers_;
+  std::vector<Stream> streams_;
+  std::string rows_;
+};
 
 }  // namespace ricochet::coupler

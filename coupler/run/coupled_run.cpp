@@ -89,10 +89,16 @@ void CoupledRun::start() {
 void CoupledRun::setup() {
   const auto descriptions = set_.describe();
   check_capabilities(scene_.coupling.protocol, descriptions);
-  std::vector<History::Source> sources;
-  for (const auto& description : descriptions) sources.push_back({description.participant, description.record_columns});
+  std::vector<History::Source> sources, stress_sources;
+  for (const auto& description : descriptions) {
+    sources.push_back({description.participant, description.record_columns});
+    stress_sources.push_back({description.participant, description.axial_stress_columns});
+  }
   prepare_watch(descriptions);
   history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s, conserved_by(problem_));
+  if (scene_.output.axial_stress_every > 0) {
+    axial_stress_ = std::make_unique<AxialStress>(stress_sources, body_names(scene_), plan_.window_size_s);
+  }
   coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, plan_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
@@ -150,7 +156,10 @@ void CoupledRun::step() {
 
 void CoupledRun::take_records(std::int64_t window) {
   auto& links = coupling_->links();
-  for (std::size_t p = 0; p < links.size(); ++p) history_->add(p, links[p].take_records());
+  for (std::size_t p = 0; p < links.size(); ++p) {
+    history_->add(p, links[p].take_records());
+    if (axial_stress_) axial_stress_->add(p, links[p].take_axial_stress());
+  }
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
   while (auto row = history_->next()) {

@@ -7,6 +7,7 @@
 
 #include "common/check/check.hpp"
 #include "coupler/processes/participants.hpp"
+#include "coupler/results/axial_stress.hpp"
 #include "coupler/results/history_file.hpp"
 #include "coupler/results/results_directory.hpp"
 #include "coupler/results/summary.hpp"
@@ -71,6 +72,7 @@ class CoupledRun {
   std::unique_ptr<Protocol> protocol_;
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;
+  std::unique_ptr<AxialStress> axial_stress_;  ///< null if the scene does not ask
   std::unique_ptr<EnergyWatch> watch_;
   OutsideModel outside_;
   ContactRow since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at

@@ -10,7 +10,6 @@
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
-#include "coupler/results/axial_stress.hpp"
 #include "coupler/run/coupled_run.hpp"
 
 namespace ricochet::coupler {
@@ -108,13 +107,11 @@ void CoupledRun::write_files() {
 }
 
 void CoupledRun::write_fields_and_trace() {
-  std::vector<std::string> bodies;
-  for (const auto& body : scene_.bodies) bodies.push_back(body.name);
   const auto names = participant_names(scene_);
   write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, plan_.window_size_s);
   const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
-  add_up_axial_stress(results_, names, bodies);
+  if (axial_stress_ && axial_stress_->told()) write_atomically(results_.file("axial_stress.csv"), axial_stress_->csv());
   if (const auto warning = contact_warning(tally_); !warning.empty())
     fmt::print(stderr, "warning: {}: {}\n", scene_.path, warning);
 }

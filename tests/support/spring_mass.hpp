@@ -30,6 +30,7 @@ class SpringMass : public Participant {
     d.critical_time_step_s = 0.2;
     d.capabilities = capabilities;
     d.record_columns = {"displacement_m", "velocity_m_s"};
+    d.axial_stress_columns = axial_stress_columns;
     return d;
   }
   void initialize(const Setup& given, LinkOutput& output) override {
@@ -71,9 +72,11 @@ class SpringMass : public Participant {
   }
   [[nodiscard]] ContactStatus contact_status() const override { return status; }
   void record(std::vector<double>& row) override { row.insert(row.end(), {u_[0], v_[0]}); }
+  void axial_stress(std::vector<double>& row) override { row.push_back(1e9 * u_[0]); }
   void write_fields(std::int64_t window) override { fields.push_back(window); }
 
   static constexpr double mass = 1.0, stiffness = 100.0;
+  std::vector<std::string> axial_stress_columns{};
   std::vector<Capability> capabilities{Capability::repeat_window};
   std::function<void(std::int64_t window, LinkOutput& output)> on_advance;  ///< to spoil a window
   ContactStatus status;

@@ -78,7 +78,7 @@ void headers_include_nothing_that_is_not_installed(const Package& package) {
       EXPECT_TRUE(fs::exists(package.prefix + "/include/ricochet/" + (*found)[1].str())) << (*found)[1];
     }
   }
-  EXPECT_EQ(headers, 3);
+  EXPECT_EQ(headers, 4);
 }
 
 void python_participant_runs_from_its_place(const Package& package) {

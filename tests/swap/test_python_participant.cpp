@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "common/wire/lifecycle.hpp"
 #include "tests/support/run.hpp"
@@ -57,6 +58,45 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
 
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonBars, testing::Values("hughes_liu", "kim"),
                          [](const auto& test) { return std::string(test.param); });
+
+/// explicit_bar.py with what it takes to tell its axial stress.
+std::string telling_bar(const TemporaryFolder& folder) {
+  auto text = file_text(python_folder + "/explicit_bar.py");
+  text = replaced(text, "import numpy", "import sys; sys.path.insert(0, \"" + python_folder + "\")\nimport numpy");
+  text = replaced(text, "self.step = ", "self.modulus, self.step = modulus, ");
+  text =
+      replaced(text, "record_columns=[",
+               "axial_stress_columns=[f'{self.body}/{low:.9g}/{high:.9g}/1' for low, high in zip(self.x, self.x[1:])],"
+               " record_columns=[");
+  text = replaced(text, "main(ExplicitBar)", R"(    def axial_stress(self):
+        return self.modulus * np.diff(self.u) / np.diff(self.x)
+
+main(ExplicitBar))");
+  const auto path = folder.write(text, "telling_bar.py");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+/// What nobody but the participant itself knows reaches axial_stress.csv; layers of which nobody tells are not in it.
+TEST(PythonBar, TellsItsAxialStressLikeOurs) {
+  TemporaryFolder folder;
+  const auto stress = [&folder](const std::string& executable, const std::string& name) {
+    const auto text = with_key(two_bars("hughes_liu", executable), "output", "axial_stress_every", "3");
+    return read_history(run_text(text, folder, name).folder + "/axial_stress.csv");
+  };
+  const History ours = stress("", "ours"), told = stress(telling_bar(folder), "told"),
+                silent = stress(python_folder + "/explicit_bar.py", "silent");
+  EXPECT_EQ(ours.size(), 41U);
+  EXPECT_LT(silent.size(), 41U) << "only the layers of the implicit participant";
+  for (const auto& [column, values] : ours) {
+    ASSERT_EQ(told.count(column), 1U) << column;
+    const auto& other = told.at(column);
+    ASSERT_EQ(other.size(), values.size());
+    for (std::size_t row = 0; row < values.size(); ++row) {
+      EXPECT_NEAR(other[row], values[row], column == "time_s" ? 0.0 : 1e-5 * 206.9e6) << column << " row " << row;
+    }
+  }
+}
 
 TEST(PythonBar, ConsistsOfAtMostSixtyLines) {
   const std::string text = file_text(python_folder + "/explicit_bar.py");

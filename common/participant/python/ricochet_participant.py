@@ -28,6 +28,7 @@ class Description:
     critical_time_step_s: float = 0.0  # of its own explicit integration; 0: none needed
     capabilities: tuple = ("repeat_window",)
     record_columns: tuple = ()        # names of what `record` returns
+    axial_stress_columns: tuple = ()  # "BODY/LOW/HIGH/SHARE" of what `axial_stress` returns; may stay empty
     contact_owner: bool = False
 
 
@@ -59,6 +60,10 @@ class Participant:
 
     def record(self):
         """One history row after the last accepted window, in the order of `record_columns`."""
+        return []
+
+    def axial_stress(self):
+        """Its share of the mean axial stress of each layer [Pa], in the order of `axial_stress_columns`."""
         return []
 
     def write_fields(self, window):

@@ -22,7 +22,7 @@ class Session:
         self.state, self.run_id, self.sequence, self.asked = "greeting", "", 0, 0
         self.window = self.accepted = 0
         self.input = self.accepted_input = self.output = self.accepted_output = np.zeros(self.shape)
-        self.rates, self.rows, self.spans = (EMPTY, EMPTY), [], []
+        self.rates, self.rows, self.stresses, self.spans = (EMPTY, EMPTY), [], [], []
         self.drift = self.compute_s = self.wait_s = 0.0
         self.fields_window, self.timeout_s, self.setup = -1, 60.0, {}
 
@@ -70,7 +70,8 @@ class Session:
             "description", components=d.components, bodies=list(d.bodies), interface_body=array(d.interface_body, 1),
             interface_position_m=array(d.interface_position_m, d.components), capabilities=list(d.capabilities),
             interface_mass_kg=array(d.interface_mass_kg, 1), critical_time_step_s=float(d.critical_time_step_s),
-            record_columns=["window", *d.record_columns], contact_owner=d.contact_owner)
+            record_columns=["window", *d.record_columns], contact_owner=d.contact_owner,
+            axial_stress_columns=["window", *d.axial_stress_columns] if d.axial_stress_columns else [])
 
     def initialize(self, request):
         self.require(request["window_size_s"] > 0 and request["history_every"] >= 1, "a wrong 'initialize'")
@@ -86,8 +87,9 @@ class Session:
         self.output = self.accepted_output = self.value
         self.state = "ready"
         if self.accepted == 0:
-            self.rows = []  # the coupler may synchronise the start more than once
+            self.rows, self.stresses = [], []  # the coupler may synchronise the start more than once
             self.record(self.setup["fields_every"] > 0)
+            self.record_axial_stress()
         return self.message("synchronised", absolute=self.full(self.value), **self.motion())
 
     def advance(self, request):
@@ -138,7 +140,7 @@ class Session:
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
                             spans_s=array(self.spans, 3), records=self.records(True),
-                            departures=array([], 9))
+                            axial_stress=self.axial_stress(True), departures=array([], 9))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -158,6 +160,7 @@ class Session:
             self.record(fields)
         elif fields:
             self.write_fields()
+        self.record_axial_stress()
 
     def record(self, fields):
         row = list(self.participant.record())
@@ -166,6 +169,15 @@ class Session:
         self.rows.append([self.accepted, *row])
         if fields:
             self.write_fields()
+
+    def record_axial_stress(self):
+        every, columns = self.setup["axial_stress_every"], self.description.axial_stress_columns
+        if every == 0 or not columns or self.accepted % every:
+            return
+        row = list(self.participant.axial_stress())
+        if len(row) != len(columns):
+            raise RunError(f"told {len(row)} axial stresses, announced {len(columns)} columns")
+        self.stresses.append([self.accepted, *row])
 
     def write_fields(self):
         self.participant.write_fields(self.accepted)
@@ -194,10 +206,15 @@ class Session:
         rows, self.rows = (self.rows, []) if requested else ([], self.rows)
         return array(rows, 1 + len(self.description.record_columns))
 
+    def axial_stress(self, requested):
+        rows, self.stresses = (self.stresses, []) if requested else ([], self.stresses)
+        return array(rows, 1 + len(self.description.axial_stress_columns))
+
     def motion(self):
         velocity, acceleration = map(self.full, self.rates)
         return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration}
 
     def answer(self, records_requested):  # it does not look for what leaves the model
-        return {"records": self.records(records_requested), "departures": array([], 9),
+        return {"records": self.records(records_requested), "axial_stress": self.axial_stress(records_requested),
+                "departures": array([], 9),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

@@ -163,7 +163,7 @@ TEST_F(Serve, RefusesAnotherVersion) {
   const auto message = failure();
   EXPECT_EQ(message.error_code, 5);
   EXPECT_THAT(message.error_text,
-              HasSubstr("the coupler speaks version 4 of the wire protocol, this program speaks version 3"));
+              HasSubstr("the coupler speaks version 5 of the wire protocol, this program speaks version 4"));
   EXPECT_EQ(end(), 5);
 }
 

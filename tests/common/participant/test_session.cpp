@@ -56,6 +56,33 @@ TEST(Session, HandsTheSetupOver) {
   EXPECT_EQ(spring.setup.last_window, 1000);
 }
 
+TEST(Session, TellsTheAxialStressOfTheWindowsThatAreAskedFor) {
+  for (const bool tells : {true, false}) {
+    SpringMass spring(0);
+    if (tells) spring.axial_stress_columns = {"rod/0/1/1"};
+    InProcess run(spring, 0);
+    const auto& description = run.coupler.ask(Kind::describe);
+    EXPECT_THAT(description.axial_stress_columns, testing::SizeIs(tells ? 2 : 0));
+    auto request = run.coupler.initialize();
+    request.axial_stress_every = 4;
+    run.coupler.ask(request);
+    run.coupler.ask(run.coupler.synchronise());
+    for (int n = 1; n <= 9; ++n) {
+      auto window = run.coupler.advance(0.0);
+      window.records_requested = n == 9;
+      const auto& reply = run.coupler.ask(window);
+      EXPECT_EQ(reply.axial_stress.rows, tells && n == 9 ? 3 : 0);
+      if (reply.axial_stress.rows == 0) continue;
+      for (int row = 0; row < 3; ++row) {
+        const auto& values = reply.axial_stress.data;
+        EXPECT_EQ(values[static_cast<std::size_t>(2 * row)], 4 * row);
+        EXPECT_EQ(values[static_cast<std::size_t>(2 * row + 1)],
+                  1e9 * reply.records.data[static_cast<std::size_t>(3 * 4 * row + 1)]);
+      }
+    }
+  }
+}
+
 TEST(Session, RunsManyWindowsAtOnceWithoutInterface) {
   SpringMass spring(0);
   InProcess run(spring, 0);

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/fem/axial_stress.hpp"
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::solver {
+
+/// What a participant knows of the mean axial stress in the layers of its bodies, for output.axial_stress_every of the
+/// scene: its share of the layer's mean axial stress [Pa], tension positive, for each layer in which it has elements.
+class AxialStressShares {
+ public:
+  /// Most layers of one body.
+  static constexpr int most_layers = 100;
+
+  AxialStressShares() = default;  ///< of no layer
+  /// Of no layer, too, if the scene does not ask. `states`: as they will be given to `append`.
+  AxialStressShares(const scene::Problem& problem, const std::vector<BodyState>& states);
+
+  /// See participant::Description::axial_stress_columns.
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  /// Throws as `require_finite` does. `window`: for the error text.
+  void append(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row);
+
+ private:
+  struct Body {
+    fem::SparseMatrix shares;  ///< layers with own elements x dofs
+    Eigen::VectorXd stress;
+  };
+  void add_body(const scene::Problem& problem, const BodyState& state);
+
+  std::vector<std::string> columns_;
+  std::vector<Body> bodies_;
+};
+
+}  // namespace ricochet::solver
