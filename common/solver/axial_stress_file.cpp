@@ -42,7 +42,7 @@ std::string AxialStressFile::add_body(const scene::Problem& problem, const BodyS
     }
   }
   shares.finalize();
-  bodies_.push_back({std::move(shares), {}});
+  bodies_.push_back({shares, {}});
   return names;
 }
 
