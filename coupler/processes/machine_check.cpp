@@ -69,14 +69,14 @@ std::string memory_text(const scene::Scene& scene) {
 }
 
 scene::Problem load_problem(const std::string& path) {
-  auto scene = scene::load_scene(path);
+  const auto scene = scene::load_scene(path);
   require_proc();
   constexpr unsigned long own_descriptors = 256, per_participant = 8;  // 128 of them for connections of strangers
   require_descriptors(own_descriptors + per_participant * scene.participants.size());
   if (memory_need_bytes(scene) > memory_available_bytes()) {
     throw MachineError(fmt::format("{}: {}; fewer elements need less", scene.path, memory_text(scene)));
   }
-  return scene::build_problem(std::move(scene));
+  return scene::build_problem(scene);
 }
 
 std::string address_warning(const scene::Scene& scene) {

@@ -7,7 +7,7 @@ export CCACHE_DISABLE=1
 for unity in OFF ON; do
   folder=$(mktemp -d)
   trap 'rm -rf "$folder"' EXIT
-  cmake -S "$root" -B "$folder" -G Ninja -DBUILD_TESTING=OFF -DRICOCHET_UNITY=$unity > /dev/null
+  cmake -S "$root" -B "$folder" -G Ninja -DBUILD_TESTING=OFF -DRICOCHET_NATIVE=ON -DRICOCHET_UNITY=$unity > /dev/null
   TIMEFORMAT="RICOCHET_UNITY=$unity: %U s + %S s of a processor, %R s wall"
   time ninja -C "$folder" --quiet ricochet explicit_solver implicit_solver
   rm -rf "$folder"

@@ -1,61 +1,25 @@
 #pragma once
 
-#include <filesystem>
-#include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
-
-#include "tests/support/process.hpp"
 
 /// Pages of the documentation as the tests read them.
 namespace ricochet::test {
 
 /// README.md and everything in docs/, relative to the root.
-inline std::vector<std::string> pages() {
-  std::vector<std::string> names = {"README.md", "CHANGELOG.md"};
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/docs")) {
-    if (entry.path().extension() == ".md") names.push_back(std::filesystem::path("docs") / entry.path().filename());
-  }
-  return names;
-}
+std::vector<std::string> pages();
 
-inline std::string page_text(const std::string& name) {
-  return file_text(std::filesystem::path(RICOCHET_SOURCE) / name);
-}
+std::string page_text(const std::string& name);
 
 /// "Suite.Name" of every test under tests/.
-inline std::set<std::string> all_tests() {
-  std::set<std::string> names;
-  const std::regex test("TEST(?:_P|_F)?\\((\\w+), (\\w+)\\)");
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
-    if (entry.path().extension() != ".cpp") continue;
-    const std::string text = file_text(entry.path().string());
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
-      names.insert((*it)[1].str() + "." + (*it)[2].str());
-  }
-  return names;
-}
+std::set<std::string> all_tests();
 
 /// A fenced block; `language` is what stands behind its opening fence.
 struct Block {
   std::string language, text;
 };
 
-inline std::vector<Block> blocks_of(const std::string& page) {
-  std::vector<Block> blocks;
-  std::istringstream lines(page);
-  bool inside = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("```", 0) != 0) {
-      if (inside) blocks.back().text += line + "\n";
-      continue;
-    }
-    inside = !inside;
-    if (inside) blocks.push_back({line.substr(3), ""});
-  }
-  return blocks;
-}
+std::vector<Block> blocks_of(const std::string& page);
 
 }  // namespace ricochet::test

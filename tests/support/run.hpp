@@ -2,39 +2,22 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
+extern template class nlohmann::basic_json<>;  // compiled once, in run.cpp
+
 /// Whole runs: `ricochet run SCENE` with its three processes, and what it leaves behind.
 namespace ricochet::test {
 
 using History = std::map<std::string, std::vector<double>>;
 
-inline History read_history(const std::string& path) {
-  std::ifstream file(path);
-  std::string line, cell;
-  std::vector<std::string> names;
-  History history;
-  std::getline(file, line);
-  for (std::istringstream header(line); std::getline(header, cell, ',');) names.push_back(cell);
-  while (std::getline(file, line)) {
-    std::istringstream row(line);
-    for (const auto& name : names) {
-      std::getline(row, cell, ',');
-      history[name].push_back(std::strtod(cell.c_str(), nullptr));  // std::stod refuses what is nearly zero
-    }
-  }
-  return history;
-}
+History read_history(const std::string& path);
 
 struct RunResult {
   Outcome outcome;
@@ -42,95 +25,30 @@ struct RunResult {
   History history;
   nlohmann::json summary;
 
-  [[nodiscard]] const std::vector<double>& column(const std::string& name) const {
-    const auto found = history.find(name);
-    if (found == history.end()) throw std::runtime_error("history.csv has no column " + name);
-    return found->second;
-  }
+  [[nodiscard]] const std::vector<double>& column(const std::string& name) const;
   [[nodiscard]] double last(const std::string& name) const { return column(name).back(); }
   /// Mean of a column over begin <= t <= end.
-  [[nodiscard]] double mean(const std::string& name, double begin_s, double end_s) const {
-    const auto& time = column("time_s");
-    const auto& values = column(name);
-    double sum = 0.0;
-    int count = 0;
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      if (time[i] < begin_s || time[i] > end_s) continue;
-      sum += values[i];
-      ++count;
-    }
-    return count ? sum / count : std::nan("");
-  }
-  [[nodiscard]] double deviation(const std::string& name, double begin_s, double end_s) const {
-    const double average = mean(name, begin_s, end_s);
-    const auto& time = column("time_s");
-    const auto& values = column(name);
-    double sum = 0.0;
-    int count = 0;
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      if (time[i] < begin_s || time[i] > end_s) continue;
-      sum += (values[i] - average) * (values[i] - average);
-      ++count;
-    }
-    return count ? std::sqrt(sum / count) : std::nan("");
-  }
-  [[nodiscard]] double smallest(const std::string& name) const {
-    const auto& values = column(name);
-    return *std::min_element(values.begin(), values.end());
-  }
-  [[nodiscard]] double largest(const std::string& name) const {
-    const auto& values = column(name);
-    return *std::max_element(values.begin(), values.end());
-  }
+  [[nodiscard]] double mean(const std::string& name, double begin_s, double end_s) const;
+  [[nodiscard]] double deviation(const std::string& name, double begin_s, double end_s) const;
+  [[nodiscard]] double smallest(const std::string& name) const;
+  [[nodiscard]] double largest(const std::string& name) const;
 };
 
-inline std::string ricochet_binary() { return std::string(RICOCHET_BUILD) + "/ricochet"; }
+std::string ricochet_binary();
 
 /// Runs a scene file into `folder`/out and reads what it left, whether it succeeded or not.
-inline RunResult run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out = "out",
-                          double timeout_s = 120.0) {
-  RunResult run;
-  run.folder = (folder.path() / out).string();
-  run.outcome = run_command({ricochet_binary(), "run", scene, "--out", run.folder}, folder.path().string(), timeout_s);
-  run.history = read_history(run.folder + "/history.csv");
-  const std::string text = file_text(run.folder + "/summary.json");
-  if (!text.empty()) run.summary = nlohmann::json::parse(text);
-  return run;
-}
+RunResult run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out = "out",
+                   double timeout_s = 120.0);
 
 /// Runs a scene given as text and expects it to be done.
-inline RunResult run_text(const std::string& text, const TemporaryFolder& folder, const std::string& name = "scene") {
-  RunResult run = run_file(folder.write(text, name + ".toml"), folder, name);
-  EXPECT_EQ(run.outcome.code, 0) << run.outcome.error;
-  return run;
-}
+RunResult run_text(const std::string& text, const TemporaryFolder& folder, const std::string& name = "scene");
 
-inline std::string config_text(const std::string& name) {
-  const std::string text = file_text(std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml");
-  if (text.empty()) throw std::runtime_error("no configs/" + name + ".toml");
-  return text;
-}
+std::string config_text(const std::string& name);
 
 /// A scene's text with one key of one table set; the table is added if the scene lacks it.
-inline std::string with_key(const std::string& text, const std::string& table, const std::string& key,
-                            const std::string& value) {
-  const std::string header = "[" + table + "]", entry = key + " = " + value + "\n";
-  std::istringstream lines(text);
-  std::string result, line;
-  bool inside = false, done = false;
-  while (std::getline(lines, line)) {
-    if (!line.empty() && line[0] == '[') inside = line == header;
-    if (inside && line.rfind(key + " ", 0) == 0) continue;  // the old value
-    result += line + "\n";
-    if (!inside || line != header) continue;
-    result += entry;
-    done = true;
-  }
-  return done ? result : result + header + "\n" + entry;
-}
+std::string with_key(const std::string& text, const std::string& table, const std::string& key,
+                     const std::string& value);
 
-inline std::string with_protocol(const std::string& text, const std::string& protocol) {
-  return with_key(text, "coupling", "protocol", "\"" + protocol + "\"");
-}
+std::string with_protocol(const std::string& text, const std::string& protocol);
 
 }  // namespace ricochet::test
