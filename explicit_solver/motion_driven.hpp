@@ -25,7 +25,7 @@ class MotionDriven {
   MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s,
                bool all_rows);
 
-  /// P at the shared nodes, of the trial or of the accepted window.
+  /// P at the shared nodes, of the trial or of the accepted window; what is sent is its change, Delta P (Eq. 6).
   void answer(participant::LinkOutput& output) const;
   /// `window`: the accepted one here, the one to come in all others.
   void synchronise(std::int64_t window, const std::vector<double>& link_input);

@@ -131,7 +131,8 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
   add_interface_force(trial.end.link);  // S du is in the operator
   if (link_in_root_) {
     root_rhs_ = factor_->root_rhs();
-    for (const auto& [dof, root] : shared_roots_) root_rhs_[root] -= quarter * (trial.end.link[dof] - last.link[dof]);
+    for (const auto& [dof, root] : shared_roots_)
+      root_rhs_[root] -= quarter * (trial.end.link[dof] - last.link[dof]);  // Delta P
   } else {
     rhs_with_link_ = rhs_;
     for (const int dof : parts_.shared_dofs) rhs_with_link_[dof] -= quarter * (trial.end.link[dof] - last.link[dof]);

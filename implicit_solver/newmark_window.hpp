@@ -14,7 +14,7 @@ namespace ricochet::implicit_solver {
 /// One window of the trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2) on the implicit elements, the shared nodes
 /// (with the summed mass, Eq. 28) and the contact nodes, in increments (Eq. 16). With q_n the elastic residual and L of
 /// WindowState, one window is
-///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r
+///   (M + dt^2/4 K) du = M (dt v_n + dt^2/4 a_n) + dt^2/4 (q_n + df - dL) + kappa dt^2/4 G^T r,   dL = Delta P
 ///   a*_{n+1} = 4/dt^2 (du - dt v_n) - a_n,   v_{n+1} = v_n + dt/2 (a_n + a*_{n+1}),   q_{n+1} = M a*_{n+1} - kappa G^T
 ///   r
 /// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and

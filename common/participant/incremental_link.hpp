@@ -7,8 +7,8 @@
 namespace ricochet::participant {
 
 /// LinkOutput input and output of one participant: absolute here, increments since the last accepted window on the wire
-/// (Eq. 6). With x the link input, y the link output, and X, Y what both ends have accumulated up to the last accepted
-/// window:
+/// (Eq. 6: Delta P). With x the link input, y the link output, and X, Y what both ends have accumulated up to the last
+/// accepted window:
 ///   received:  x = X + d,             X = x when the window is accepted
 ///   sent:      d = y - Y,  y' = Y + d,  Y = y' when the window is accepted    (the coupler does the same sum)
 /// so that no rounding piles up, and a repeated window starts from the same values. A resynchronisation replaces x or

@@ -87,13 +87,13 @@ struct Message {
   Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
   Array link_increment;       ///< to a participant: change of its link input since its last accepted window [m or N]
   Array link_absolute;        ///< the same, absolute; empty (0 x components) unless resynchronising
-  Array increment;            ///< from a participant: change of its link output since its last accepted window [N or m]
-  Array absolute;             ///< the same, absolute; empty unless requested
-  Array velocity_m_s;         ///< who is driven by force: n x components; by displacement: empty
-  Array acceleration_m_s2;    ///< as velocity
-  Array state, state_scale;   ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
-  Array records;              ///< history rows (rows x record_columns)
-  Array axial_stress;         ///< rows x axial_stress_columns
+  Array increment;  ///< from a participant: change of its link output since its last accepted window [N or m]; Delta P
+  Array absolute;   ///< the same, absolute; empty unless requested
+  Array velocity_m_s;        ///< who is driven by force: n x components; by displacement: empty
+  Array acceleration_m_s2;   ///< as velocity
+  Array state, state_scale;  ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
+  Array records;             ///< history rows (rows x record_columns)
+  Array axial_stress;        ///< rows x axial_stress_columns
   Array departures;  ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
                      ///< window, x, y
   Array outline;     ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]

@@ -51,7 +51,8 @@ class Coupling {
   /// forces at the shared nodes [N], added in the scene's order.
   const std::vector<double>& advance_explicit(const Step& step, const std::vector<double>& displacement,
                                               Acceptance acceptance);
-  /// The implicit participant: internal force of all explicit elements in [N], new motion of the shared nodes out.
+  /// The implicit participant: internal force of all explicit elements in [N], sent as Delta P, new motion of the
+  /// shared nodes out.
   void advance_implicit(const Step& step, const std::vector<double>& force,
                         Acceptance acceptance = Acceptance::at_once);
   /// force -= S u, u the present displacement of the shared nodes.

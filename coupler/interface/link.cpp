@@ -126,7 +126,7 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
 
 void Link::wait_advanced() {
   const auto& answer = wait(wire::Kind::advanced);
-  require_rows(answer.increment, "increment");
+  require_rows(answer.increment, "increment");  // driven by displacement: Delta P
   for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
   if (answer.absolute.rows > 0) {
     require_rows(answer.absolute, "absolute");

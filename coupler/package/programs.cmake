@@ -9,7 +9,7 @@ install(TARGETS ricochet explicit_solver implicit_solver COMPONENT programs)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet COMPONENT programs)
 
 # Licences: ours, and those of the libraries that consist of headers, whose code is within the programs.
-install(FILES package/copyright LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
+install(FILES coupler/package/copyright LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 foreach(package cppzmq-dev libcli11-dev libeigen3-dev libmsgpack-cxx-dev libspectra-dev libtoml11-dev nlohmann-json3-dev)
   install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}/licences RENAME ${package}
     COMPONENT programs)
