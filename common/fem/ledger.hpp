@@ -2,9 +2,11 @@
 
 #include <array>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-/// What every run reports of each body: energy, momentum and what changed them.
+/// What every run reports of each body and of its contact: one list of names and members, which participants write
+/// their history rows by and the coupler reads them by.
 namespace ricochet::fem {
 
 /// Totals of one body's nodes that one participant integrates; sums over participants give the body.
@@ -24,24 +26,67 @@ struct BodyTotals {
   double angular_impulse_kg_m2_s = 0.0;
 };
 
-inline constexpr std::array<std::string_view, 11> body_quantities = {"mass_kg",
-                                                                     "energy_kinetic_j",
-                                                                     "energy_strain_j",
-                                                                     "energy_external_j",
-                                                                     "energy_interface_j",
-                                                                     "momentum_n_kg_m_s",
-                                                                     "momentum_t_kg_m_s",
-                                                                     "impulse_n_kg_m_s",
-                                                                     "impulse_t_kg_m_s",
-                                                                     "angular_momentum_kg_m2_s",
-                                                                     "angular_impulse_kg_m2_s"};
+/// What the owner of the contact reports. A contact force is the impulse that acted over the window, divided by its
+/// size: the only force that all laws and integrators share, and the one for which sum F dt = change of momentum holds
+/// exactly.
+struct ContactRecord {
+  double gap_min_m = 0.0;
+  double contact_force_n = 0.0;           ///< on B along +n, over the window
+  double contact_pressure_mean_pa = 0.0;  ///< that over the area of all pairs
+  double principal_stress_mean_pa = 0.0;
+  double friction_force_n = 0.0;                                 ///< on B along +t, over the window
+  double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
+  double energy_contact_j = 0.0;   ///< work so far of the normal contact forces: what impacts cost (a loss is negative)
+  double energy_friction_j = 0.0;  ///< dissipated so far by friction
+  double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
+  // Of the contact problems since the row before; all zero where they have a closed form.
+  double contact_iterations = 0.0;
+  double contact_residual = 0.0;     ///< largest violation of their conditions, relative to the largest normal force
+  double contact_unconverged = 0.0;  ///< windows so far in which that was above what counts as converged
+};
 
-/// Appends the totals in the order of `body_quantities`.
+/// A quantity's name in history columns and its member; a body's column is "NAME/BODY".
+template <class Totals>
+using Quantity = std::pair<std::string_view, double Totals::*>;
+
+inline constexpr std::array<Quantity<BodyTotals>, 11> body_quantities = {{
+    {"mass_kg", &BodyTotals::mass_kg},
+    {"energy_kinetic_j", &BodyTotals::energy_kinetic_j},
+    {"energy_strain_j", &BodyTotals::energy_strain_j},
+    {"energy_external_j", &BodyTotals::energy_external_j},
+    {"energy_interface_j", &BodyTotals::energy_interface_j},
+    {"momentum_n_kg_m_s", &BodyTotals::momentum_n_kg_m_s},
+    {"momentum_t_kg_m_s", &BodyTotals::momentum_t_kg_m_s},
+    {"impulse_n_kg_m_s", &BodyTotals::impulse_n_kg_m_s},
+    {"impulse_t_kg_m_s", &BodyTotals::impulse_t_kg_m_s},
+    {"angular_momentum_kg_m2_s", &BodyTotals::angular_momentum_kg_m2_s},
+    {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
+}};
+
+inline constexpr std::array<Quantity<ContactRecord>, 15> contact_quantities = {{
+    {"gap_min_m", &ContactRecord::gap_min_m},
+    {"contact_force_n", &ContactRecord::contact_force_n},
+    {"contact_pressure_mean_pa", &ContactRecord::contact_pressure_mean_pa},
+    {"principal_stress_mean_pa", &ContactRecord::principal_stress_mean_pa},
+    {"friction_force_n", &ContactRecord::friction_force_n},
+    {"pairs_stick", &ContactRecord::pairs_stick},
+    {"pairs_slip", &ContactRecord::pairs_slip},
+    {"pairs_open", &ContactRecord::pairs_open},
+    {"energy_contact_j", &ContactRecord::energy_contact_j},
+    {"energy_friction_j", &ContactRecord::energy_friction_j},
+    {"contact_impulse_n_s", &ContactRecord::contact_impulse_n_s},
+    {"friction_impulse_n_s", &ContactRecord::friction_impulse_n_s},
+    {"contact_iterations", &ContactRecord::contact_iterations},
+    {"contact_residual", &ContactRecord::contact_residual},
+    {"contact_unconverged", &ContactRecord::contact_unconverged},
+}};
+
+/// Appends the quantities in the order of their table.
 inline void append(const BodyTotals& totals, std::vector<double>& row) {
-  row.insert(row.end(),
-             {totals.mass_kg, totals.energy_kinetic_j, totals.energy_strain_j, totals.energy_external_j,
-              totals.energy_interface_j, totals.momentum_n_kg_m_s, totals.momentum_t_kg_m_s, totals.impulse_n_kg_m_s,
-              totals.impulse_t_kg_m_s, totals.angular_momentum_kg_m2_s, totals.angular_impulse_kg_m2_s});
+  for (const auto& [name, member] : body_quantities) row.push_back(totals.*member);
+}
+inline void append(const ContactRecord& record, std::vector<double>& row) {
+  for (const auto& [name, member] : contact_quantities) row.push_back(record.*member);
 }
 
 }  // namespace ricochet::fem

@@ -30,7 +30,7 @@ void AxialStressShares::add_body(const scene::Problem& problem, const BodyState&
     }
   }
   shares.finalize();
-  bodies_.push_back({std::move(shares), {}});
+  bodies_.push_back({shares, {}});
 }
 
 void AxialStressShares::append(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) {

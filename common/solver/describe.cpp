@@ -42,11 +42,11 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
       for (int c = 0; c < d.components; ++c) d.interface_position_m.push_back(x[c]);
       d.interface_mass_kg.push_back(state.part.lumped_mass[node]);
     }
-    for (const auto quantity : fem::body_quantities)
-      d.record_columns.push_back(fmt::format("{}/{}", quantity, state.name));
+    for (const auto& quantity : fem::body_quantities)
+      d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
   }
   if (contact_owner) {
-    for (auto& column : report_columns()) d.record_columns.push_back(std::move(column));
+    for (const auto& quantity : fem::contact_quantities) d.record_columns.emplace_back(quantity.first);
   }
   return d;
 }

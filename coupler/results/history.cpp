@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -13,38 +12,6 @@
 namespace ricochet::coupler {
 namespace {
 
-constexpr std::array<std::pair<const char*, double BodyRow::*>, 11> body_columns = {{
-    {"mass_kg", &BodyRow::mass_kg},
-    {"energy_kinetic_j", &BodyRow::energy_kinetic_j},
-    {"energy_strain_j", &BodyRow::energy_strain_j},
-    {"energy_external_j", &BodyRow::energy_external_j},
-    {"momentum_n_kg_m_s", &BodyRow::momentum_n_kg_m_s},
-    {"momentum_t_kg_m_s", &BodyRow::momentum_t_kg_m_s},
-    {"impulse_n_kg_m_s", &BodyRow::impulse_n_kg_m_s},
-    {"impulse_t_kg_m_s", &BodyRow::impulse_t_kg_m_s},
-    {"energy_interface_j", &BodyRow::energy_interface_j},
-    {"angular_momentum_kg_m2_s", &BodyRow::angular_momentum_kg_m2_s},
-    {"angular_impulse_kg_m2_s", &BodyRow::angular_impulse_kg_m2_s},
-}};
-
-constexpr std::array<std::pair<const char*, double ContactRow::*>, 15> contact_columns = {{
-    {"gap_min_m", &ContactRow::gap_min_m},
-    {"contact_force_n", &ContactRow::contact_force_n},
-    {"contact_pressure_mean_pa", &ContactRow::contact_pressure_mean_pa},
-    {"principal_stress_mean_pa", &ContactRow::principal_stress_mean_pa},
-    {"friction_force_n", &ContactRow::friction_force_n},
-    {"pairs_stick", &ContactRow::pairs_stick},
-    {"pairs_slip", &ContactRow::pairs_slip},
-    {"pairs_open", &ContactRow::pairs_open},
-    {"energy_contact_j", &ContactRow::energy_contact_j},
-    {"energy_friction_j", &ContactRow::energy_friction_j},
-    {"contact_impulse_n_s", &ContactRow::contact_impulse_n_s},
-    {"friction_impulse_n_s", &ContactRow::friction_impulse_n_s},
-    {"contact_iterations", &ContactRow::contact_iterations},
-    {"contact_residual", &ContactRow::contact_residual},
-    {"contact_unconverged", &ContactRow::contact_unconverged},
-}};
-
 template <class Table>
 auto member_of(const Table& table, const std::string& name) -> decltype(table[0].second) {
   for (const auto& [known, member] : table) {
@@ -53,8 +20,8 @@ auto member_of(const Table& table, const std::string& name) -> decltype(table[0]
   return nullptr;
 }
 
-void add_to(BodyRow& sum, const BodyRow& row) {
-  for (const auto& [name, member] : body_columns) sum.*member += row.*member;
+void add_to(fem::BodyTotals& sum, const fem::BodyTotals& row) {
+  for (const auto& [name, member] : fem::body_quantities) sum.*member += row.*member;
 }
 
 /// Everyone says the angular momentum of each body that it says the momentum of.
@@ -138,15 +105,15 @@ History::Column History::parse(const std::string& column, const std::string& par
   const auto slash = column.find('/');
   if (slash != std::string::npos) {
     const auto body = std::find(bodies_.begin(), bodies_.end(), column.substr(slash + 1));
-    parsed.of_body = member_of(body_columns, column.substr(0, slash));
+    parsed.of_body = member_of(fem::body_quantities, column.substr(0, slash));
     if (body != bodies_.end() && parsed.of_body) {
       parsed.body = static_cast<int>(body - bodies_.begin());
       return parsed;
     }
   } else if (column == "energy_interface_j") {
-    parsed.of_body = &BodyRow::energy_interface_j;
+    parsed.of_body = &fem::BodyTotals::energy_interface_j;
     return parsed;
-  } else if ((parsed.of_contact = member_of(contact_columns, column))) {
+  } else if ((parsed.of_contact = member_of(fem::contact_quantities, column))) {
     return parsed;
   }
   throw ProtocolError(fmt::format("participant '{}' announces the unknown history column \"{}\" (bodies: {})",
@@ -195,13 +162,13 @@ std::optional<HistoryRow> History::next() {
 void History::merge(Stream& stream, HistoryRow& row) const {
   const auto values = std::move(stream.rows.front());
   stream.rows.pop_front();
-  BodyRow own;  // of this participant
+  fem::BodyTotals own;  // of this participant
   double friction = 0;
   for (std::size_t c = 1; c < values.size(); ++c) {
     const auto& column = stream.columns[c];
     if (column.of_contact) {
       row.contact.*column.of_contact = values[c];
-      if (column.of_contact == &ContactRow::energy_friction_j) friction = values[c];
+      if (column.of_contact == &fem::ContactRecord::energy_friction_j) friction = values[c];
       continue;
     }
     own.*column.of_body += values[c];

@@ -8,32 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "common/fem/ledger.hpp"
+
 namespace ricochet::coupler {
-
-/// Totals of one body over all participants at the end of a window.
-struct BodyRow {
-  double mass_kg = 0, energy_kinetic_j = 0, energy_strain_j = 0, energy_external_j = 0;
-  double momentum_n_kg_m_s = 0, momentum_t_kg_m_s = 0, impulse_n_kg_m_s = 0, impulse_t_kg_m_s = 0;
-  double energy_interface_j = 0;
-  double angular_momentum_kg_m2_s = 0, angular_impulse_kg_m2_s = 0;
-};
-
-/// What the owner of the contact reports.
-struct ContactRow {
-  double gap_min_m = 0, contact_force_n = 0, contact_pressure_mean_pa = 0, principal_stress_mean_pa = 0,
-         friction_force_n = 0;
-  double pairs_stick = 0, pairs_slip = 0, pairs_open = 0;
-  double energy_contact_j = 0, energy_friction_j = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
-  double contact_iterations = 0, contact_residual = 0, contact_unconverged = 0;
-};
 
 /// One window of the whole structure.
 struct HistoryRow {
   std::int64_t window = 0;
   double time_s = 0;
-  std::vector<BodyRow> bodies;  ///< in the scene's order
-  BodyRow sum;                  ///< over the bodies; momentum and impulse too
-  ContactRow contact;
+  std::vector<fem::BodyTotals> bodies;  ///< over all participants, in the scene's order
+  fem::BodyTotals sum;                  ///< over the bodies; momentum and impulse too
+  fem::ContactRecord contact;
   /// Energy that a participant holds beyond what it was given through loads and its link, since the first row [J]:
   /// E - E_0 + friction - external - interface. Zero for an exact method; says where energy is made when a run blows
   /// up.
@@ -90,9 +75,9 @@ class Errors {
 /// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
 /// body over the participants in the scene's order, so that they do not depend on how bodies are spread over processes.
 ///
-/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyRow as quantities;
+/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of fem::BodyTotals as quantities;
 /// "energy_interface_j", the work its link did on it, if it is not given per body; of the contact's owner the members
-/// of ContactRow.
+/// of fem::ContactRecord.
 class History {
  public:
   struct Source {
@@ -112,8 +97,8 @@ class History {
  private:
   struct Column {
     int body = -1;  ///< -1: of the participant
-    double BodyRow::*of_body = nullptr;
-    double ContactRow::*of_contact = nullptr;
+    double fem::BodyTotals::*of_body = nullptr;
+    double fem::ContactRecord::*of_contact = nullptr;
   };
   struct Stream {
     std::string participant;

@@ -160,9 +160,9 @@ TEST(Architecture, TheReadmeMapsEveryFloor) {
 }
 
 TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {
-  const std::set<std::string> expected = {
-      "CMakeLists.txt",  "README.md",       "LICENSE", "CHANGELOG.md", "ricochet", "docs",   "common",
-      "explicit_solver", "implicit_solver", "coupler", "tests",        "configs",  "package"};
+  const std::set<std::string> expected = {"CMakeLists.txt",  "README.md", "LICENSE", "CHANGELOG.md",
+                                          "ricochet",        "docs",      "common",  "explicit_solver",
+                                          "implicit_solver", "coupler",   "tests",   "configs"};
   for (const auto& entry : fs::directory_iterator(RICOCHET_SOURCE)) {
     const std::string name = entry.path().filename().string();
     if (name[0] == '.' || name.rfind("build", 0) == 0 || name == "out") continue;

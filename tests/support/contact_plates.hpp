@@ -9,7 +9,8 @@ namespace ricochet::test {
 
 /// Two plates of 2 x 2 elements that touch, lower (part 0) on [0, 0.2] x [-0.2, 0] and upper (part 1) on
 /// [0, 0.2] x [0, 0.4] m, as the only participant of a scene has them; and their contact as one row: the middle node of
-/// the lower surface against the middle of the first edge of the upper one, which no pair of nodes is. Masses of its nodes: 5, and 5 and 10 kg.
+/// the lower surface against the middle of the first edge of the upper one, which no pair of nodes is. Masses of its
+/// nodes: 5, and 5 and 10 kg.
 struct ContactPlates {
   scene::Problem problem;
   std::vector<solver::BodyState> states;

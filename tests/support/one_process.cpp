@@ -82,7 +82,9 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
   }
   coupling_ = couple(participants_, plan_.window_size_s);
   protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
-  protocol_->start(*coupling_, coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, ""));
+  wire::Message initialize = coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, "");
+  initialize.fields_every = 0;  // no result files: there is no folder for them
+  protocol_->start(*coupling_, initialize);
 }
 
 OneProcess::~OneProcess() = default;

@@ -102,8 +102,8 @@ TEST(AutomaticRule, TakesFromAGradedMeshWhatTheElementsOwnFrequenciesSay) {
       const auto& nodes = body.mesh.elements[static_cast<std::size_t>(e)];
       const bool touches =
           std::any_of(nodes.begin(), nodes.end(), [&](int n) { return contact[static_cast<std::size_t>(n)]; });
-      const double critical = 2.0 / std::sqrt(fem::element_max_frequency_squared(
-                                        body.section, body.material, fem::element_geometry(body.mesh, e)));
+      const double critical = 2.0 / std::sqrt(fem::element_max_frequency_squared(body.section, body.material,
+                                                                                 fem::element_geometry(body.mesh, e)));
       ASSERT_EQ(body.implicit_element[static_cast<std::size_t>(e)], touches || critical < *scene.time.step_s) << e;
     }
   }
