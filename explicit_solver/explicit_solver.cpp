@@ -55,17 +55,13 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     // The shared nodes become this participant's own: with the mass of its own elements, held by their supports.
     states_ = solver::initial_states(problem_, *spec_, true);
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
-    drive_.emplace(std::in_place_type<ForceDriven>, states_, setup_, all_rows_);
+    drive_.emplace(std::in_place_type<ForceDriven>, states_, setup_);
   } else {
-    drive_.emplace(std::in_place_type<MotionDriven>, states_, make_contact(), setup_.window_size_s, all_rows_);
+    drive_.emplace(std::in_place_type<MotionDriven>, states_, make_contact(), setup_.window_size_s);
   }
   std::visit([&](const auto& drive) { drive.answer(output); }, *drive_);
   model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
-}
-
-int ExplicitSolver::rows_computed() const {
-  return std::visit([](const auto& drive) { return drive.rows_computed(); }, *drive_);
 }
 
 void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, LinkOutput& output) {

@@ -57,12 +57,6 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
-  [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
-  /// Rows of K u that a step computes at present, all parts together.
-  [[nodiscard]] int rows_computed() const;
-  /// Computes all rows from `initialize` on: what the tests and the benchmark compare with.
-  void compute_all_rows() { all_rows_ = true; }
-
  private:
   /// The only participant: it owns every element and enforces the contact.
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
@@ -80,7 +74,6 @@ class ExplicitSolver final : public participant::Participant {
   solver::ModelWatch model_watch_;
   solver::WatchedOutline outline_;
   std::int64_t window_ = 0;
-  bool all_rows_ = false;
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;
 };

@@ -13,11 +13,10 @@ Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const
 
 }  // namespace
 
-ForceDriven::ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup, bool all_rows)
+ForceDriven::ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup)
     : states_(states), window_size_s_(setup.window_size_s), substeps_(setup.substeps) {
   for (const auto& state : states_) {
     parts_.emplace_back(state, substeps_, window_size_s_ / substeps_);
-    if (all_rows) parts_.back().reach_all();
   }
 }
 
@@ -79,12 +78,10 @@ void ForceDriven::restore(const State& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].restore(state.parts[b]);
 }
 
-void ForceDriven::freeze(participant::FrozenContact) { restore(state()); }
-
-int ForceDriven::rows_computed() const {
-  int sum = 0;
-  for (const auto& part : parts_) sum += part.rows_computed();
-  return sum;
+void ForceDriven::freeze(participant::FrozenContact) {
+  State state = this->state();
+  for (auto& part : state.parts) part.front.reach_all();  // the motion may be any
+  restore(state);
 }
 
 }  // namespace ricochet::explicit_solver

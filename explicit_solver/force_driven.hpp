@@ -15,8 +15,8 @@ namespace ricochet::explicit_solver {
 /// the answer is the shared nodes' motion.
 class ForceDriven {
  public:
-  /// At t = 0. `states` must outlive this object unmoved; `all_rows`: computes rows that no wave has reached, too.
-  ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup, bool all_rows);
+  /// At t = 0. `states` must outlive this object unmoved.
+  ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup);
 
   /// Motion of the shared nodes, of the trial or of the accepted window.
   void answer(participant::LinkOutput& output) const;
@@ -40,7 +40,6 @@ class ForceDriven {
 
   [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return parts_[part].state().internal; }
   [[nodiscard]] const ExplicitContact* contact() const { return nullptr; }  ///< the implicit side's
-  [[nodiscard]] int rows_computed() const;
 
  private:
   void run(double begin_s, int steps, const std::vector<double>& force);

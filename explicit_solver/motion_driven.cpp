@@ -7,7 +7,7 @@
 namespace ricochet::explicit_solver {
 
 MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact,
-                           double window_size_s, bool all_rows)
+                           double window_size_s)
     : states_(states), dt_(window_size_s), contact_(std::move(contact)) {
   state_.parts.resize(states_.size());
   shared_.resize(states_.size());
@@ -29,10 +29,7 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
     trial_external_.push_back(&trial.forces.external);
   }
   if (contact_) settle_at_start();
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    fronts_.emplace_back(states_[b], driven_nodes(b));
-    if (all_rows) fronts_.back().reach_all();
-  }
+  for (std::size_t b = 0; b < states_.size(); ++b) state_.fronts.emplace_back(states_[b], driven_nodes(b));
 }
 
 /// Massless contact nodes begin in balance with the others.
@@ -80,12 +77,6 @@ void MotionDriven::set_shared_columns(std::size_t b) {
   trials_[b].shared_moved.setZero(columns);
 }
 
-int MotionDriven::rows_computed() const {
-  int sum = 0;
-  for (const auto& front : fronts_) sum += front.rows_computed();
-  return sum;
-}
-
 void MotionDriven::answer(participant::LinkOutput& output) const {
   output.value.clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -102,7 +93,7 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
     auto& trial = trials_[b];
     trial.u = state.u;
     for (const int dof : state.shared_dofs) state.u[dof] = link_input[next++];
-    fronts_[b].multiply(state.stiffness, state.u, trial.forces.internal);
+    state_.fronts[b].multiply(state.stiffness, state.u, trial.forces.internal);
     state.external.at(time_s, trial.forces.external);
     account_interface(b);
   }
@@ -137,7 +128,7 @@ void MotionDriven::predict(double time_s) {
   if (contact_) contact_->settle(states_, trial_external_, trial_u_);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& trial = trials_[b];
-    fronts_[b].multiply(states_[b].stiffness, trial.u, trial.forces.internal);
+    state_.fronts[b].multiply(states_[b].stiffness, trial.u, trial.forces.internal);
     const auto& near = shared_[b].near_rows;
     for (std::size_t i = 0; i < near.size(); ++i) {
       trial.near_internal[static_cast<Eigen::Index>(i)] = trial.forces.internal[near[i]];
@@ -202,7 +193,7 @@ void MotionDriven::set_shared_velocity(std::size_t b) {
 /// v += dt/2 a, where there is an acceleration.
 void MotionDriven::half_a_step(std::size_t b) {
   auto& state = states_[b];
-  for (const auto& [first, last] : fronts_[b].rows()) {
+  for (const auto& [first, last] : state_.fronts[b].rows()) {
     const auto count = last - first;
     state.v.segment(first, count) += (0.5 * dt_) * state.a.segment(first, count);
   }
@@ -213,7 +204,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto& [internal, external] = trials_[b].forces;
-    fronts_[b].grow(internal);
+    state_.fronts[b].grow(internal);
     if (velocity == Velocity::now) {
       for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
     } else {
@@ -221,7 +212,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
       solver::add_dashpot_forces(
           state, dt_, [&](int dof) { return state.v[dof]; }, others, external);
     }
-    for (const auto& [first, last] : fronts_[b].rows()) {
+    for (const auto& [first, last] : state_.fronts[b].rows()) {
       const auto count = last - first;
       state.a.segment(first, count) =
           state.inverse_mass.segment(first, count)
@@ -262,10 +253,8 @@ MotionDriven::State MotionDriven::state() const {
 void MotionDriven::restore(const State& state) {
   state_ = state;
   if (contact_) contact_->restore(*state.contact);
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    trials_[b].forces.external = state_.parts[b].external;
-    fronts_[b].reach_all();  // the motion may be any
-  }
+  // Rows beyond the front are never written: they must hold what they held then.
+  for (std::size_t b = 0; b < states_.size(); ++b) trials_[b].forces = state_.parts[b];
   predicted_ = answered_with_trial_ = false;
 }
 
@@ -273,7 +262,8 @@ void MotionDriven::freeze(participant::FrozenContact contact) {
   if (contact_) contact_->freeze(contact);
   State state = this->state();
   for (auto& forces : state.parts) forces.external.setZero();
-  state.contact_started = false;  // a_n contains the contact force that closes the gap at n + 1
+  for (auto& front : state.fronts) front.reach_all();  // the motion may be any
+  state.contact_started = false;                       // a_n contains the contact force that closes the gap at n + 1
   restore(state);
 }
 

@@ -20,10 +20,8 @@ namespace ricochet::explicit_solver {
 /// repeated with another link input, or given up.
 class MotionDriven {
  public:
-  /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved. `all_rows`: computes rows that no
-  /// wave has reached, too.
-  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s,
-               bool all_rows);
+  /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved.
+  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s);
 
   /// P at the shared nodes, of the trial or of the accepted window; what is sent is its change, Delta P (Eq. 6).
   void answer(participant::LinkOutput& output) const;
@@ -40,6 +38,7 @@ class MotionDriven {
       Eigen::VectorXd internal, external;  ///< K u; f, reactions included, at the end of the window [N]
     };
     std::vector<Forces> parts;
+    std::vector<WaveFront> fronts;  ///< per part
     std::optional<ExplicitContact::State> contact;
     bool contact_started = false;  ///< the contact has made the accelerations of the first window
   };
@@ -50,7 +49,6 @@ class MotionDriven {
 
   [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return state_.parts[part].internal; }
   [[nodiscard]] const ExplicitContact* contact() const { return contact_ ? &*contact_ : nullptr; }
-  [[nodiscard]] int rows_computed() const;
 
  private:
   /// Per part: the window being tried.
@@ -82,7 +80,6 @@ class MotionDriven {
   double dt_;  ///< of a window [s]
   State state_;
   std::optional<ExplicitContact> contact_;
-  std::vector<WaveFront> fronts_;
   std::vector<Shared> shared_;
   std::vector<Trial> trials_;
   std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_

@@ -61,7 +61,7 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
   for (int node = 0; node < state.part.nodes(); ++node) {
     if (reached[static_cast<std::size_t>(node)]) near_nodes.push_back(node);
   }
-  front_ = WaveFront(state, near_nodes);
+  accepted_.front = WaveFront(state, near_nodes);
   for (const auto& d : state.dashpots) near_dashpots_ = near_dashpots_ || index[static_cast<std::size_t>(d.dof)] >= 0;
   for (const int dof : state.shared_dofs) near_of_shared_.push_back(index[static_cast<std::size_t>(dof)]);
   for (const auto& c : state.constrained) {
@@ -87,8 +87,8 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
   accepted_.force = force;
-  front_.multiply(state.stiffness, state.u, accepted_.internal);
-  front_.grow(accepted_.internal);
+  accepted_.front.multiply(state.stiffness, state.u, accepted_.internal);
+  accepted_.front.grow(accepted_.internal);
   state.external.at(time_s, accepted_.external);
   for (const auto& d : state.dashpots) accepted_.external[d.dof] += d.force(state.v[d.dof]);
   state.a = state.inverse_mass.cwiseProduct(accepted_.external - accepted_.internal);
@@ -141,8 +141,8 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     solver::step_displacement(state, time_s, dt_, u_, v_, a_, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
-    front_.multiply(state.stiffness, u_, trial_internal_);
-    front_.grow(trial_internal_);
+    accepted_.front.multiply(state.stiffness, u_, trial_internal_);
+    accepted_.front.grow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
     solver::add_dashpot_forces(
         state, dt_, [this](int dof) { return v_[dof] + 0.5 * dt_ * a_[dof]; },
@@ -204,8 +204,8 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
 
 void SubcycledWindow::restore(const State& state) {
   accepted_ = state;
+  trial_internal_ = accepted_.internal;  // rows beyond the front are never written
   tried_ = false;
-  front_.reach_all();  // the motion may be any
 }
 
 SubcycledWindow::Motion SubcycledWindow::shared_motion(const BodyState& state, std::size_t i) const {

@@ -39,12 +39,10 @@ class SubcycledWindow {
   /// With the part's motion all that the next window is computed from.
   struct State {
     Eigen::VectorXd internal, external, force;  ///< K u; f with reactions; lambda per shared dof [N]
+    WaveFront front;
   };
   [[nodiscard]] const State& state() const { return accepted_; }
   void restore(const State& state);
-
-  void reach_all() { front_.reach_all(); }
-  [[nodiscard]] int rows_computed() const { return front_.rows_computed(); }
 
  private:
   /// What the surroundings did during a trial.
@@ -58,7 +56,6 @@ class SubcycledWindow {
   [[nodiscard]] double interface_work() const;
 
   double dt_ = 0.0;
-  WaveFront front_;
   State accepted_;
   // the trial that was computed in full
   bool tried_ = false;

@@ -174,19 +174,15 @@ void ImplicitSolver::accept() {
 /// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise
 /// add up like window^(3/2) in the momentum.
 void ImplicitSolver::resynchronise_residual() {
-  double drift = 0.0, scale = 0.0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
     state.stiffness.multiply(state.u, internal_[b]);
     for (int i = 0; i < state.part.dofs(); ++i) {
       const auto dof = parts_.offsets[b] + i;
-      const double residual = forces_.external[dof] - internal_[b][i] - forces_.link[dof];
-      scale = std::max(scale, std::abs(internal_[b][i]));
-      drift = std::max(drift, std::abs(residual - forces_.residual[dof]));
-      if (state.free[static_cast<std::size_t>(i)]) forces_.residual[dof] = residual;
+      if (!state.free[static_cast<std::size_t>(i)]) continue;
+      forces_.residual[dof] = forces_.external[dof] - internal_[b][i] - forces_.link[dof];
     }
   }
-  if (scale > 0.0) largest_drift_ = std::max(largest_drift_, drift / scale);
 }
 
 void ImplicitSolver::account() {

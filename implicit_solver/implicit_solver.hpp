@@ -55,10 +55,6 @@ class ImplicitSolver final : public participant::Participant {
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
-  [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
-  /// Largest |f - K u - L - q| over the largest |K u| that a resynchronisation has found so far.
-  [[nodiscard]] double largest_drift() const { return largest_drift_; }
-
  private:
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(participant::LinkOutput& output) const;
@@ -84,7 +80,6 @@ class ImplicitSolver final : public participant::Participant {
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
-  double largest_drift_ = 0.0;
   solver::SeparationWatch separation_;
   participant::ContactStatus status_;
 };

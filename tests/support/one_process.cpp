@@ -8,19 +8,18 @@
 #include "coupler/run/time_loop.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
+#include "tests/support/all_rows.hpp"
 
 namespace ricochet::test {
 
 /// A solver and its end of the conversation.
 class LocalParticipant {
  public:
-  LocalParticipant(const scene::Problem& problem, const scene::ParticipantSpec& spec, bool all_rows) : spec_(spec) {
+  LocalParticipant(const scene::Problem& problem, const scene::ParticipantSpec& spec) : spec_(spec) {
     if (spec.role == scene::Role::implicit_solver) {
       solver_ = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
     } else {
-      auto solver = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
-      if (all_rows) solver->compute_all_rows();
-      solver_ = std::move(solver);
+      solver_ = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
     }
     session_ = std::make_unique<participant::Session>(*solver_);
     session_->hello(answer_);
@@ -45,6 +44,10 @@ class LocalParticipant {
     description.participant = spec_.name;
     description.role = name_of(spec_.role);
     return description;
+  }
+  /// Once initialised.
+  void compute_all_rows() {
+    if (auto* solver = dynamic_cast<explicit_solver::ExplicitSolver*>(solver_.get())) test::compute_all_rows(*solver);
   }
   [[nodiscard]] coupler::Peer peer() {
     return {spec_.name, [this](wire::Message& request) { ask(request); },
@@ -78,13 +81,15 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
     : problem_(scene::build_problem(scene::load_scene(scene_path))), plan_(scene::plan(problem_)) {
   const auto& scene = problem_.scene;
   for (const auto& spec : scene.participants) {
-    participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec, all_rows));
+    participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec));
   }
   coupling_ = couple(participants_, plan_.window_size_s);
   protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
   wire::Message initialize = coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, "");
   initialize.fields_every = 0;  // no result files: there is no folder for them
   protocol_->start(*coupling_, initialize);
+  for (auto& participant : participants_)
+    if (all_rows) participant->compute_all_rows();
 }
 
 OneProcess::~OneProcess() = default;
