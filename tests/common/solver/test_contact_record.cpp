@@ -1,0 +1,53 @@
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "common/solver/contact_record.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
+  ContactRecord record;
+  record.gap_min_m = 1;
+  record.contact_force_n = 2;
+  record.contact_pressure_mean_pa = 3;
+  record.principal_stress_mean_pa = 4;
+  record.friction_force_n = 5;
+  record.pairs_stick = 6;
+  record.pairs_slip = 7;
+  record.pairs_open = 8;
+  record.energy_contact_j = 9;
+  record.energy_friction_j = 10;
+  record.contact_impulse_n_s = 11;
+  record.friction_impulse_n_s = 12;
+  record.contact_iterations = 13;
+  record.contact_residual = 14;
+  record.contact_unconverged = 15;
+  const std::map<std::string, double> expected = {{"gap_min_m", 1},
+                                                  {"contact_force_n", 2},
+                                                  {"contact_pressure_mean_pa", 3},
+                                                  {"principal_stress_mean_pa", 4},
+                                                  {"friction_force_n", 5},
+                                                  {"pairs_stick", 6},
+                                                  {"pairs_slip", 7},
+                                                  {"pairs_open", 8},
+                                                  {"energy_contact_j", 9},
+                                                  {"energy_friction_j", 10},
+                                                  {"contact_impulse_n_s", 11},
+                                                  {"friction_impulse_n_s", 12},
+                                                  {"contact_iterations", 13},
+                                                  {"contact_residual", 14},
+                                                  {"contact_unconverged", 15}};
+  std::vector<double> row = {-1.0};
+  append(record, row);
+  const auto columns = report_columns();
+  ASSERT_EQ(row.size(), 1 + columns.size());
+  EXPECT_EQ(row[0], -1.0) << "what was there stays";
+  std::map<std::string, double> found;
+  for (std::size_t i = 0; i < columns.size(); ++i) found[columns[i]] = row[i + 1];
+  EXPECT_EQ(found, expected);
+}
+
+}  // namespace
+}  // namespace ricochet::solver

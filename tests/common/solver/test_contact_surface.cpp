@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "common/solver/contact_surface.hpp"
+#include "tests/support/contact_plates.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// Moves the plates apart along the normal, by `at_x(x)` at a node of the upper one.
+template <class AtX>
+void open(test::ContactPlates& plates, Eigen::VectorXd BodyMotion::*values, const AtX& at_x) {
+  auto& plate = plates.states[1];
+  for (int node = 0; node < plate.part.nodes(); ++node)
+    (plate.*values)[2 * node + 1] = at_x(plate.part.mesh.position[static_cast<std::size_t>(node)][0]);
+}
+
+TEST(ContactSurface, HasTheGapOfItsClosestPairAndTheRateOfItsFastest) {
+  test::ContactPlates plates("all_implicit");
+  open(plates, &BodyMotion::u, [](double x) { return 5e-3 - 0.02 * x; });
+  open(plates, &BodyMotion::v, [](double x) { return -3.0 + 10.0 * x; });
+  EXPECT_NEAR(plates.surface.gap_min(plates.states), 1e-3, 1e-17) << "at x = 0.2 m";
+  EXPECT_NEAR(plates.surface.gap_rate_min(plates.states), -3.0, 1e-14) << "at x = 0";
+}
+
+TEST(ContactSurface, CountsItsInitialGap) {
+  test::ContactPlates plates("all_implicit", "initial_gap_m = 2e-3\n");
+  open(plates, &BodyMotion::u, [](double) { return -3e-3; });
+  EXPECT_NEAR(plates.surface.gap_min(plates.states), -1e-3, 1e-17);
+}
+
+// The lower plate is squeezed by 1e-3 along y and kept from spreading along x, so that its end moves by -0.2 mm: its
+// stress is lambda + 2 mu = 1.2 E for a Poisson ratio of 1/4.
+TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
+  test::ContactPlates plates("all_implicit");
+  auto& plate = plates.states[0];
+  for (int node = 0; node < plate.part.nodes(); ++node)
+    plate.u[2 * node + 1] = -1e-3 * (plate.part.mesh.position[static_cast<std::size_t>(node)][1] + 0.2);
+  const std::vector<PairForce> forces = {
+      {3.0, 1.0, ContactState::stick}, {0.0, 0.0, ContactState::open}, {5.0, -2.5, ContactState::slip}};
+  ContactRecord report = plates.surface.report(plates.states, forces);
+  EXPECT_EQ(report.contact_force_n, 8.0);
+  EXPECT_EQ(report.friction_force_n, -1.5);
+  EXPECT_EQ(report.pairs_stick, 1);
+  EXPECT_EQ(report.pairs_slip, 1);
+  EXPECT_EQ(report.pairs_open, 1);
+  EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
+  EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
+  EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-6);
+  report = plates.surface.report(plates.states, {forces[0], forces[0], forces[1]});
+  EXPECT_EQ(report.pairs_stick, 2);
+  EXPECT_EQ(report.pairs_slip, 0);
+  EXPECT_EQ(report.pairs_open, 1);
+}
+
+/// Status of two plates whose gap is given window by window from the first on, in windows of 0.5 s; a pair is closed
+/// while it is 0.
+participant::ContactStatus after(const std::vector<double>& gaps, double until_separated_plus_s) {
+  test::ContactPlates plates("all_implicit");
+  participant::Setup setup;
+  setup.window_size_s = 0.5;
+  setup.until_separated_plus_s = until_separated_plus_s;
+  SeparationWatch separation(1, setup.window_size_s);
+  participant::ContactStatus status;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    open(plates, &BodyMotion::u, [&](double) { return gaps[i]; });
+    open(plates, &BodyMotion::v, [&](double) { return 2.0; });
+    status = contact_status(plates.surface, plates.states, gaps[i] == 0.0 ? 3 : 0, static_cast<std::int64_t>(i + 1),
+                            setup, separation);
+  }
+  return status;
+}
+
+TEST(ContactStatus, SaysWhatTheGapsAreAndWhenTheyOpened) {
+  auto status = after({0.0}, -1.0);
+  EXPECT_EQ(status.pairs_closed, 3);
+  EXPECT_FALSE(status.separated);
+  status = after({0.0, 0.125, 0.25}, -1.0);
+  EXPECT_EQ(status.pairs_closed, 0);
+  EXPECT_EQ(status.gap_min_m, 0.25);
+  EXPECT_EQ(status.gap_rate_min_m_s, 2.0);
+  EXPECT_TRUE(status.separated);
+  EXPECT_EQ(status.separation_time_s, 1.0) << "the end of the second window";
+}
+
+TEST(ContactStatus, IsFinishedTheStatedTimeAfterSeparation) {
+  EXPECT_FALSE(after({0.0, 0.1, 0.2, 0.3}, 1.5).finished) << "2 s, 1 s after it";
+  EXPECT_TRUE(after({0.0, 0.1, 0.2, 0.3, 0.4}, 1.5).finished) << "2.5 s";
+  EXPECT_TRUE(after({0.0, 0.1}, 0.0).finished) << "at once";
+}
+
+TEST(ContactStatus, IsNotFinishedWithoutThatTimeWithoutAContactOrInTheNextOne) {
+  EXPECT_FALSE(after({0.0, 0.1, 0.2, 0.3, 0.4}, -1.0).finished);
+  EXPECT_FALSE(after({0.1, 0.2, 0.3, 0.4, 0.5}, 0.0).finished) << "the plates have not met";
+  EXPECT_FALSE(after({0.0, 0.1, 0.2, 0.3, 0.0}, 1.5).finished) << "they have met again";
+}
+
+}  // namespace
+}  // namespace ricochet::solver

@@ -1,0 +1,86 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/solver/contact_record.hpp"
+#include "common/solver/describe.hpp"
+#include "tests/support/rods.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+using testing::ElementsAre;
+
+participant::Description described(const test::SceneStates& scene, bool contact_owner) {
+  return describe(scene.problem, scene.participant, scene.states, contact_owner);
+}
+
+// The rods touch at x = 0 and the element of each beside it is implicit: 1 kg of the node at -1 and 1 m is of either
+// participant.
+TEST(Describe, NamesTheInterfaceBodyByBodyWithPlacesAndOwnMasses) {
+  for (const char* name : {"explicit", "implicit"}) {
+    const test::SceneStates scene(test::two_rods("hughes_liu"), name);
+    const auto d = described(scene, false);
+    EXPECT_EQ(d.name, name);
+    EXPECT_EQ(d.role, scene.participant.role);
+    EXPECT_EQ(d.scene_sha256, scene.problem.scene.sha256);
+    EXPECT_EQ(d.components, 1);
+    EXPECT_THAT(d.bodies, ElementsAre("left", "right"));
+    EXPECT_THAT(d.interface_body, ElementsAre(0, 1)) << name;
+    EXPECT_THAT(d.interface_position_m, ElementsAre(-1.0, 1.0)) << name;
+    EXPECT_THAT(d.interface_mass_kg, ElementsAre(1.0, 1.0)) << name;
+  }
+}
+
+TEST(Describe, HasAColumnForEveryNumberOfARow) {
+  test::SceneStates scene(test::two_rods("all_explicit"));
+  for (std::size_t b = 0; b < 2; ++b) scene.states[b].totals.energy_strain_j = 5.0 + static_cast<double>(b);
+  const auto d = described(scene, false);
+  std::vector<double> row;
+  record_bodies(scene.states, row);
+  ASSERT_EQ(d.record_columns.size(), row.size());
+  for (const auto& [column, value] :
+       {std::pair{"mass_kg/left", 8.0}, {"energy_strain_j/left", 5.0}, {"energy_strain_j/right", 6.0}}) {
+    const auto at = std::find(d.record_columns.begin(), d.record_columns.end(), column) - d.record_columns.begin();
+    ASSERT_LT(static_cast<std::size_t>(at), row.size()) << column;
+    EXPECT_EQ(row[static_cast<std::size_t>(at)], value) << column;
+  }
+}
+
+TEST(Describe, OfTheContactsOwnerHasItsColumnsAfterThoseOfTheBodies) {
+  const test::SceneStates scene(test::two_rods("all_explicit"));
+  const auto other = described(scene, false), owner = described(scene, true);
+  EXPECT_FALSE(other.contact_owner);
+  EXPECT_TRUE(owner.contact_owner);
+  auto expected = other.record_columns;
+  for (const auto& column : report_columns()) expected.push_back(column);
+  EXPECT_EQ(owner.record_columns, expected);
+}
+
+// Two masses of 1 kg on a spring of 8 N/m swing against each other at omega = 4 rad/s.
+TEST(Describe, TellsTheCriticalStepOfItsElements) {
+  const test::SceneStates scene(test::rod(1));
+  EXPECT_NEAR(described(scene, false).critical_time_step_s, 2.0 / 4.0, 1e-6);
+}
+
+TEST(InterfaceMass, IsTakenNodeByNodeInTheOrderOfTheInterface) {
+  test::SceneStates scene(test::two_rods("hughes_liu"), "implicit");
+  take_interface_mass({5.0, 7.0}, scene.states);
+  const auto& left = scene.states[0];
+  const auto& right = scene.states[1];
+  EXPECT_EQ(left.mass[left.shared_dofs.at(0)], 5.0);
+  EXPECT_EQ(right.mass[right.shared_dofs.at(0)], 7.0);
+  EXPECT_EQ(left.totals.mass_kg, 6.0) << "with the contact node's 1 kg";
+  EXPECT_EQ(right.totals.mass_kg, 8.0);
+}
+
+TEST(Fields, AreOneFilePerParticipantAndWindow) {
+  const test::SceneStates scene(test::two_rods("all_explicit"));
+  const test::TemporaryFolder folder;
+  write_fields(folder.path().string(), "outside", 12, scene.states);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "outside_00000012.vtu"));
+}
+
+}  // namespace
+}  // namespace ricochet::solver
