@@ -218,8 +218,8 @@ void ExplicitContact::restore(const State& state) {
   if (massless_) massless_->restore(*state.massless);
 }
 
-solver::ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) const {
-  solver::ContactRecord report = surface_.report(states, state_.mean_forces);
+ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) const {
+  ContactRecord report = surface_.report(states, state_.mean_forces);
   report.contact_impulse_n_s = state_.impulse_normal_n_s;
   report.friction_impulse_n_s = state_.impulse_tangential_n_s;
   report.energy_contact_j = state_.work_normal_j;

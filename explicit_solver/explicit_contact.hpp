@@ -41,7 +41,7 @@ class ExplicitContact {
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
   /// Contact quantities at the present displacement (principal stress and energies included).
-  [[nodiscard]] solver::ContactRecord report(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 

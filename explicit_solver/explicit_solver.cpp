@@ -120,7 +120,7 @@ void ExplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_strain_j = 0.5 * state.u.dot(internal);
   }
   solver::record_bodies(states_, row);
-  if (const auto* c = contact()) fem::append(c->report(states_), row);
+  if (const auto* c = contact()) append_quantities(c->report(states_), row);
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {

@@ -235,7 +235,7 @@ void ImplicitSolver::record(std::vector<double>& row) {
                           parts_.segment(forces_.link, b));
   }
   solver::record_bodies(states_, row);
-  if (contact_) fem::append(contact_->report(states_), row);
+  if (contact_) append_quantities(contact_->report(states_), row);
 }
 
 ImplicitSolver::State ImplicitSolver::state() const {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/fem/ledger.hpp"
+#include "common/base/ledger.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
 
@@ -54,7 +54,7 @@ struct Dashpot {
 /// What changes of a body from window to window: its last accepted motion [m, m/s, m/s^2] and what was booked so far.
 struct BodyMotion {
   Eigen::VectorXd u, v, a;
-  fem::BodyTotals totals;
+  BodyTotals totals;
 };
 
 struct BodyState : BodyMotion {

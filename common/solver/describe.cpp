@@ -42,11 +42,11 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
       for (int c = 0; c < d.components; ++c) d.interface_position_m.push_back(x[c]);
       d.interface_mass_kg.push_back(state.part.lumped_mass[node]);
     }
-    for (const auto& quantity : fem::body_quantities)
+    for (const auto& quantity : body_quantities)
       d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
   }
   if (contact_owner) {
-    for (const auto& quantity : fem::contact_quantities) d.record_columns.emplace_back(quantity.first);
+    for (const auto& quantity : contact_quantities) d.record_columns.emplace_back(quantity.first);
   }
   return d;
 }
@@ -61,7 +61,7 @@ void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vect
 }
 
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row) {
-  for (const auto& state : states) fem::append(state.totals, row);
+  for (const auto& state : states) append_quantities(state.totals, row);
 }
 
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,

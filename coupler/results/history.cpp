@@ -20,8 +20,8 @@ auto member_of(const Table& table, const std::string& name) -> decltype(table[0]
   return nullptr;
 }
 
-void add_to(fem::BodyTotals& sum, const fem::BodyTotals& row) {
-  for (const auto& [name, member] : fem::body_quantities) sum.*member += row.*member;
+void add_to(BodyTotals& sum, const BodyTotals& row) {
+  for (const auto& [name, member] : body_quantities) sum.*member += row.*member;
 }
 
 /// Everyone says the angular momentum of each body that it says the momentum of.
@@ -105,15 +105,15 @@ History::Column History::parse(const std::string& column, const std::string& par
   const auto slash = column.find('/');
   if (slash != std::string::npos) {
     const auto body = std::find(bodies_.begin(), bodies_.end(), column.substr(slash + 1));
-    parsed.of_body = member_of(fem::body_quantities, column.substr(0, slash));
+    parsed.of_body = member_of(body_quantities, column.substr(0, slash));
     if (body != bodies_.end() && parsed.of_body) {
       parsed.body = static_cast<int>(body - bodies_.begin());
       return parsed;
     }
   } else if (column == "energy_interface_j") {
-    parsed.of_body = &fem::BodyTotals::energy_interface_j;
+    parsed.of_body = &BodyTotals::energy_interface_j;
     return parsed;
-  } else if ((parsed.of_contact = member_of(fem::contact_quantities, column))) {
+  } else if ((parsed.of_contact = member_of(contact_quantities, column))) {
     return parsed;
   }
   throw ProtocolError(fmt::format("participant '{}' announces the unknown history column \"{}\" (bodies: {})",
@@ -162,13 +162,13 @@ std::optional<HistoryRow> History::next() {
 void History::merge(Stream& stream, HistoryRow& row) const {
   const auto values = std::move(stream.rows.front());
   stream.rows.pop_front();
-  fem::BodyTotals own;  // of this participant
+  BodyTotals own;  // of this participant
   double friction = 0;
   for (std::size_t c = 1; c < values.size(); ++c) {
     const auto& column = stream.columns[c];
     if (column.of_contact) {
       row.contact.*column.of_contact = values[c];
-      if (column.of_contact == &fem::ContactRecord::energy_friction_j) friction = values[c];
+      if (column.of_contact == &ContactRecord::energy_friction_j) friction = values[c];
       continue;
     }
     own.*column.of_body += values[c];

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/fem/ledger.hpp"
+#include "common/base/ledger.hpp"
 
 namespace ricochet::coupler {
 
@@ -16,9 +16,9 @@ namespace ricochet::coupler {
 struct HistoryRow {
   std::int64_t window = 0;
   double time_s = 0;
-  std::vector<fem::BodyTotals> bodies;  ///< over all participants, in the scene's order
-  fem::BodyTotals sum;                  ///< over the bodies; momentum and impulse too
-  fem::ContactRecord contact;
+  std::vector<BodyTotals> bodies;  ///< over all participants, in the scene's order
+  BodyTotals sum;                  ///< over the bodies; momentum and impulse too
+  ContactRecord contact;
   /// Energy that a participant holds beyond what it was given through loads and its link, since the first row [J]:
   /// E - E_0 + friction - external - interface. Zero for an exact method; says where energy is made when a run blows
   /// up.
@@ -75,9 +75,9 @@ class Errors {
 /// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
 /// body over the participants in the scene's order, so that they do not depend on how bodies are spread over processes.
 ///
-/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of fem::BodyTotals as quantities;
+/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyTotals as quantities;
 /// "energy_interface_j", the work its link did on it, if it is not given per body; of the contact's owner the members
-/// of fem::ContactRecord.
+/// of ContactRecord.
 class History {
  public:
   struct Source {
@@ -97,8 +97,8 @@ class History {
  private:
   struct Column {
     int body = -1;  ///< -1: of the participant
-    double fem::BodyTotals::*of_body = nullptr;
-    double fem::ContactRecord::*of_contact = nullptr;
+    double BodyTotals::*of_body = nullptr;
+    double ContactRecord::*of_contact = nullptr;
   };
   struct Stream {
     std::string participant;

@@ -75,7 +75,7 @@ class CoupledRun {
   std::unique_ptr<AxialStress> axial_stress_;  ///< null if the scene does not ask
   std::unique_ptr<EnergyWatch> watch_;
   OutsideModel outside_;
-  fem::ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
+  ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;
 };
 

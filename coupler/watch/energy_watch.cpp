@@ -13,7 +13,7 @@ namespace {
 
 constexpr double smallest_strain = 1e-12;
 
-double energy(const fem::BodyTotals& body) { return body.energy_kinetic_j + body.energy_strain_j; }
+double energy(const BodyTotals& body) { return body.energy_kinetic_j + body.energy_strain_j; }
 
 bool finite(const HistoryRow& row) {
   const auto& c = row.contact;

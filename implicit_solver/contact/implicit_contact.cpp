@@ -419,13 +419,13 @@ void ImplicitContact::restore(const State& state) {
   if (massless_) massless_->restore(*state.massless);
 }
 
-solver::ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
+ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
   reported_ = state_.impulse;
   for (auto& force : reported_) {
     force.normal /= dt_;
     force.tangential /= dt_;
   }
-  solver::ContactRecord report = surface_.report(states, reported_);
+  ContactRecord report = surface_.report(states, reported_);
   report.contact_impulse_n_s = state_.impulse_normal_n_s;
   report.friction_impulse_n_s = state_.impulse_tangential_n_s;
   report.contact_iterations = std::exchange(state_.iterations, 0);

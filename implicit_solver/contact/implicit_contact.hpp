@@ -91,7 +91,7 @@ class ImplicitContact {
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
-  [[nodiscard]] solver::ContactRecord report(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 

@@ -124,13 +124,11 @@ TEST_P(ContactForce, TimesTheWindowIsTheMomentumThatEachOfTwoBodiesGets) {
   for (const double v_t : {1.0, 20.0}) {
     const auto history = rows(two_plates(law(), protocol(), v_t));
     const Impulses sum(history);
-    const auto change = [&](std::size_t body, double fem::BodyTotals::*momentum) {
+    const auto change = [&](std::size_t body, double BodyTotals::*momentum) {
       return history.back().bodies[body].*momentum - history.front().bodies[body].*momentum;
     };
-    const double on_a_n = change(0, &fem::BodyTotals::momentum_n_kg_m_s),
-                 on_b_n = change(1, &fem::BodyTotals::momentum_n_kg_m_s);
-    const double on_a_t = change(0, &fem::BodyTotals::momentum_t_kg_m_s),
-                 on_b_t = change(1, &fem::BodyTotals::momentum_t_kg_m_s);
+    const double on_a_n = change(0, &BodyTotals::momentum_n_kg_m_s), on_b_n = change(1, &BodyTotals::momentum_n_kg_m_s);
+    const double on_a_t = change(0, &BodyTotals::momentum_t_kg_m_s), on_b_t = change(1, &BodyTotals::momentum_t_kg_m_s);
     const double scale = 18.75 * std::hypot(10.0, v_t), allowed = protocol().momentum_error * scale;
     ASSERT_GT(sum.normal, 0.5 * 18.75 * 10.0) << "they are to hit each other";
     ASSERT_GT(std::abs(sum.tangential), 1.0);

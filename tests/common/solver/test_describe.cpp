@@ -54,7 +54,7 @@ TEST(Describe, OfTheContactsOwnerHasItsColumnsAfterThoseOfTheBodies) {
   EXPECT_FALSE(other.contact_owner);
   EXPECT_TRUE(owner.contact_owner);
   auto expected = other.record_columns;
-  for (const auto& column : report_columns()) expected.push_back(column);
+  for (const auto& quantity : contact_quantities) expected.emplace_back(quantity.first);
   EXPECT_EQ(owner.record_columns, expected);
 }
 

@@ -1,10 +1,11 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <string>
 
-#include "common/solver/contact_record.hpp"
+#include "common/base/ledger.hpp"
 
-namespace ricochet::solver {
+namespace ricochet {
 namespace {
 
 TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
@@ -40,14 +41,14 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
                                                   {"contact_residual", 14},
                                                   {"contact_unconverged", 15}};
   std::vector<double> row = {-1.0};
-  append(record, row);
-  const auto columns = report_columns();
-  ASSERT_EQ(row.size(), 1 + columns.size());
+  append_quantities(record, row);
+  ASSERT_EQ(row.size(), 1 + contact_quantities.size());
   EXPECT_EQ(row[0], -1.0) << "what was there stays";
   std::map<std::string, double> found;
-  for (std::size_t i = 0; i < columns.size(); ++i) found[columns[i]] = row[i + 1];
+  for (std::size_t i = 0; i < contact_quantities.size(); ++i)
+    found[std::string(contact_quantities[i].first)] = row[i + 1];
   EXPECT_EQ(found, expected);
 }
 
 }  // namespace
-}  // namespace ricochet::solver
+}  // namespace ricochet

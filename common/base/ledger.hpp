@@ -7,7 +7,7 @@
 
 /// What every run reports of each body and of its contact: one list of names and members, which participants write
 /// their history rows by and the coupler reads them by.
-namespace ricochet::fem {
+namespace ricochet {
 
 /// Totals of one body's nodes that one participant integrates; sums over participants give the body.
 struct BodyTotals {
@@ -82,11 +82,11 @@ inline constexpr std::array<Quantity<ContactRecord>, 15> contact_quantities = {{
 }};
 
 /// Appends the quantities in the order of their table.
-inline void append(const BodyTotals& totals, std::vector<double>& row) {
+inline void append_quantities(const BodyTotals& totals, std::vector<double>& row) {
   for (const auto& [name, member] : body_quantities) row.push_back(totals.*member);
 }
-inline void append(const ContactRecord& record, std::vector<double>& row) {
+inline void append_quantities(const ContactRecord& record, std::vector<double>& row) {
   for (const auto& [name, member] : contact_quantities) row.push_back(record.*member);
 }
 
-}  // namespace ricochet::fem
+}  // namespace ricochet
