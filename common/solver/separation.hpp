@@ -6,11 +6,11 @@
 namespace ricochet::solver {
 
 /// Separated: after a contact, every pair open and the smallest gap growing for a stated number of windows
-/// (`coupling.separation_windows` of the scene). The separation time is the end of the first window of that streak.
+/// (`coupling.separation_windows` of the scene). The separation window is the first of that streak.
 class SeparationWatch {
  public:
   SeparationWatch() = default;
-  SeparationWatch(int windows, double window_size_s) : needed_(windows), window_size_s_(window_size_s) {}
+  explicit SeparationWatch(int windows) : needed_(windows) {}
 
   /// Call once per accepted window.
   void update(std::int64_t window, int pairs_closed, double gap_min_m) {
@@ -28,23 +28,22 @@ class SeparationWatch {
     if (touched_ && streak_ >= needed_) {
       separated_ = true;
       touched_ = false;
-      separation_time_s_ = static_cast<double>(window - streak_ + 1) * window_size_s_;
+      separation_window_ = window - streak_ + 1;
     }
   }
 
   /// True from the end of a streak until the next contact.
   [[nodiscard]] bool separated() const { return separated_; }
-  /// Of the last separation; negative before the first [s].
-  [[nodiscard]] double separation_time_s() const { return separation_time_s_; }
+  /// At whose end the bodies last separated; negative before the first time.
+  [[nodiscard]] std::int64_t separation_window() const { return separation_window_; }
 
  private:
   int needed_ = 1;
-  double window_size_s_ = 0.0;
   double last_gap_m_ = 0.0;
   int streak_ = 0;
   bool touched_ = false;
   bool separated_ = false;
-  double separation_time_s_ = -1.0;
+  std::int64_t separation_window_ = -1;
 };
 
 }  // namespace ricochet::solver

@@ -46,7 +46,7 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
       progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
       set_(make_process_set(problem, executables, results, plan.window_size_s, summary_.run_id)),
-      outside_(problem, plan.window_size_s) {
+      outside_(problem) {
   reserve_summary();
 }
 
@@ -142,12 +142,8 @@ bool CoupledRun::may_switch() {
 }
 
 void CoupledRun::step() {
-  const LoopSettings settings{plan_.windows,
-                              plan_.window_size_s,
-                              scene_.coupling.resynchronise_every,
-                              scene_.coupling.protocol.coupled(),
-                              may_switch(),
-                              outside_.watches_overlaps()};
+  const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
+                              may_switch(), outside_.watches_overlaps()};
   loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
                                      [this](std::int64_t window) { take_records(window); });
   loop_->run();

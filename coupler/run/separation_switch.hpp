@@ -14,13 +14,11 @@ namespace ricochet::coupler {
 /// fro.
 class SeparationSwitch {
  public:
-  explicit SeparationSwitch(double window_size_s) : window_size_s_(window_size_s) {}
-
   /// Call after every accepted window; returns whether the implicit participant is to integrate explicitly from here
   /// on.
-  bool update(const ContactReport& contact) {
+  bool update(const ContactReport& contact, double window_size_s) {
     fastest_closing_m_s_ = std::max(fastest_closing_m_s_, -contact.gap_rate_min_m_s);
-    const double one_window_m = fastest_closing_m_s_ * window_size_s_;
+    const double one_window_m = fastest_closing_m_s_ * window_size_s;
     if (explicit_now_) {
       explicit_now_ = contact.pairs_closed == 0 && contact.gap_min_m > 2.0 * one_window_m;
     } else {
@@ -30,7 +28,6 @@ class SeparationSwitch {
   }
 
  private:
-  double window_size_s_;
   double fastest_closing_m_s_ = 0.0;
   bool explicit_now_ = false;
 };

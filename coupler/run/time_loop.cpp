@@ -17,11 +17,7 @@ constexpr std::int64_t largest_chunk = 4096;
 
 TimeLoop::TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
                    std::function<void(std::int64_t)> on_records)
-    : coupling_(coupling),
-      protocol_(protocol),
-      settings_(settings),
-      on_records_(std::move(on_records)),
-      separation_(settings.window_size_s) {}
+    : coupling_(coupling), protocol_(protocol), settings_(settings), on_records_(std::move(on_records)) {}
 
 void TimeLoop::run() {
   on_records_(window_);
@@ -63,10 +59,10 @@ void TimeLoop::adapt_chunk(double elapsed_s) {
 }
 
 void TimeLoop::switch_integration() {
-  const bool to_explicit = separation_.update(coupling_.contact());
+  const bool to_explicit = separation_.update(coupling_.contact(), coupling_.window_size_s());
   if (to_explicit == coupling_.all_explicit()) return;
   coupling_.synchronise(to_explicit ? Integration::explicit_central : Integration::implicit_newmark);
-  switches_.push_back({static_cast<double>(window_) * settings_.window_size_s,
+  switches_.push_back({static_cast<double>(window_) * coupling_.window_size_s(),
                        to_explicit ? Role::explicit_solver : Role::implicit_solver});
 }
 

@@ -13,7 +13,6 @@ namespace ricochet::coupler {
 
 struct LoopSettings {
   std::int64_t last_window = 0;
-  double window_size_s = 0.0;
   int resynchronise_every = 0;    ///< windows; 0: never
   bool coupled = true;            ///< false: baseline, many windows at a request
   bool may_switch = false;        ///< the implicit participant may integrate explicitly after separation

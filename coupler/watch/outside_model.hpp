@@ -14,8 +14,8 @@ namespace ricochet::coupler {
 /// Collects what the participants tell of what has left the model, and sees for itself whether bodies overlap.
 class OutsideModel {
  public:
-  OutsideModel(const scene::Problem& problem, double window_size_s)
-      : window_size_s_(window_size_s), overlaps_(problem, window_size_s) {}
+  /// `problem` must outlive it.
+  explicit OutsideModel(const scene::Problem& problem) : problem_(problem), overlaps_(problem) {}
 
   /// Call when the links have brought history rows; `window`: the last that all have accepted. Returns the texts of
   /// what was not known before.
@@ -32,7 +32,7 @@ class OutsideModel {
   void take(const Link& link, std::vector<std::string>& news);
   void add(Departed departed, std::vector<std::string>& news);
 
-  double window_size_s_;
+  const scene::Problem& problem_;
   OverlapWatch overlaps_;
   std::vector<Departed> found_;
 };

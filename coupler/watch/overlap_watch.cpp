@@ -24,8 +24,8 @@ Eigen::Vector2d mean(const std::vector<Eigen::Vector2d>& values) {
 
 }  // namespace
 
-OverlapWatch::OverlapWatch(const scene::Problem& problem, double window_size_s)
-    : window_size_s_(window_size_s), pairs_(scene::pairs_without_contact(problem)) {
+OverlapWatch::OverlapWatch(const scene::Problem& problem)
+    : problem_(problem), pairs_(scene::pairs_without_contact(problem)) {
   if (pairs_.empty()) return;
   for (const auto& body : problem.bodies) {
     Body watched{body.name, scene::Shape(body), {}, {}, {}};
@@ -108,8 +108,8 @@ std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& l
     const double share = first_overlap(a, b);
     if (share > 1.0) continue;
     const auto overlap = overlap_at(a, b, share);
-    const double begin_s = static_cast<double>(last_window_) * window_size_s_,
-                 end_s = static_cast<double>(window) * window_size_s_;
+    const double begin_s = static_cast<double>(last_window_) * problem_.window_size_s,
+                 end_s = static_cast<double>(window) * problem_.window_size_s;
     found.push_back({a.name, b.name, overlap.depth_m, begin_s + share * (end_s - begin_s), begin_s, overlap.place});
   }
   for (auto& body : bodies_) body.before = body.now;

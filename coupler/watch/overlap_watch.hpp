@@ -15,7 +15,8 @@ namespace ricochet::coupler {
 /// missed in. A body that not all participants tell the outline of is not watched.
 class OverlapWatch {
  public:
-  OverlapWatch(const scene::Problem& problem, double window_size_s);
+  /// `problem` must outlive it.
+  explicit OverlapWatch(const scene::Problem& problem);
 
   struct Found {
     std::string body, other;
@@ -41,7 +42,7 @@ class OverlapWatch {
   static scene::Shape::Overlap overlap_at(Body& a, Body& b, double share);
   [[nodiscard]] double first_overlap(Body& a, Body& b) const;
 
-  double window_size_s_;
+  const scene::Problem& problem_;
   std::vector<scene::BodyPair> pairs_;
   std::vector<Body> bodies_;
   std::int64_t last_window_ = 0;

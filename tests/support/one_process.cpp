@@ -96,8 +96,7 @@ OneProcess::~OneProcess() = default;
 
 double OneProcess::run(std::function<void(std::int64_t)> on_records) {
   const auto& coupling = problem_.scene.coupling;
-  const coupler::LoopSettings settings{plan_.windows, plan_.window_size_s, coupling.resynchronise_every,
-                                       coupling.protocol.coupled(), false};
+  const coupler::LoopSettings settings{plan_.windows, coupling.resynchronise_every, coupling.protocol.coupled(), false};
   coupler::TimeLoop loop(*coupling_, *protocol_, settings, std::move(on_records));
   const auto begin = std::chrono::steady_clock::now();
   loop.run();

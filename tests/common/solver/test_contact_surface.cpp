@@ -59,7 +59,7 @@ participant::ContactStatus after(const std::vector<double>& gaps, double until_s
   participant::Setup setup;
   setup.window_size_s = 0.5;
   setup.until_separated_plus_s = until_separated_plus_s;
-  SeparationWatch separation(1, setup.window_size_s);
+  SeparationWatch separation(1);
   participant::ContactStatus status;
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     open(plates, &BodyMotion::u, [&](double) { return gaps[i]; });

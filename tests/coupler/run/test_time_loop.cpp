@@ -21,7 +21,7 @@ struct Setting {
 TEST(TimeLoop, RunsToTheLastWindowAndBringsRecords) {
   Setting s;
   std::vector<std::int64_t> brought;
-  TimeLoop loop(*s.coupling, *s.protocol, {100, 0.1, 10, true, false}, [&](std::int64_t window) {
+  TimeLoop loop(*s.coupling, *s.protocol, {100, 10, true, false}, [&](std::int64_t window) {
     brought.push_back(window);
     for (auto& link : s.coupling->links()) (void)link.take_records();
   });
@@ -48,7 +48,7 @@ class Recorder final : public Protocol {
 TEST(TimeLoop, ExchangesAbsoluteValuesEverySoManyWindows) {
   Setting s;
   Recorder recorder;
-  TimeLoop loop(*s.coupling, recorder, {25, 0.1, 10, true, false}, [](std::int64_t) {});
+  TimeLoop loop(*s.coupling, recorder, {25, 10, true, false}, [](std::int64_t) {});
   loop.run();
   EXPECT_THAT(recorder.absolute_at, ElementsAre(10, 20));
 }
@@ -56,7 +56,7 @@ TEST(TimeLoop, ExchangesAbsoluteValuesEverySoManyWindows) {
 TEST(TimeLoop, EndsEarlyWhenTheContactIsOver) {
   Setting s;
   s.implicit_side.finish_at = 17;
-  TimeLoop loop(*s.coupling, *s.protocol, {100, 0.1, 0, true, false}, [](std::int64_t) {});
+  TimeLoop loop(*s.coupling, *s.protocol, {100, 0, true, false}, [](std::int64_t) {});
   loop.run();
   EXPECT_EQ(loop.window(), 17);
 }
@@ -65,7 +65,7 @@ TEST(TimeLoop, BaselineIsAskedForManyWindowsAtOnce) {
   FakeParticipant alone("implicit", true, Chain::of({1.0}, {1.0}, 0.0), {}, Eigen::VectorXd::Zero(2));
   auto coupling = couple({&alone}, 0.1);
   const auto protocol = make_protocol("all_implicit", {});
-  TimeLoop loop(*coupling, *protocol, {1000, 0.1, 10, false, false}, [](std::int64_t) {});
+  TimeLoop loop(*coupling, *protocol, {1000, 10, false, false}, [](std::int64_t) {});
   alone.asked.clear();
   loop.run();
   EXPECT_EQ(loop.window(), 1000);
@@ -77,7 +77,7 @@ TEST(TimeLoop, ABaselineWhoseBodiesCouldMeetIsAskedForFew) {
   auto coupling = couple({&alone}, 0.1);
   const auto protocol = make_protocol("all_implicit", {});
   std::vector<std::int64_t> brought;
-  TimeLoop loop(*coupling, *protocol, {1000, 0.1, 10, false, false, true},
+  TimeLoop loop(*coupling, *protocol, {1000, 10, false, false, true},
                 [&](std::int64_t window) { brought.push_back(window); });
   loop.run();
   ASSERT_GT(brought.size(), 2U);
@@ -90,7 +90,7 @@ TEST(Departures, WrongOnesAreRefusedByName) {
     Setting s;
     s.implicit_side.departures = departures;
     s.implicit_side.outline = outline;
-    TimeLoop loop(*s.coupling, *s.protocol, {40, 0.1, 0, true, false}, [](std::int64_t) {});
+    TimeLoop loop(*s.coupling, *s.protocol, {40, 0, true, false}, [](std::int64_t) {});
     try {
       loop.run();
     } catch (const ProtocolError& error) {
@@ -115,7 +115,7 @@ TEST(TimeLoop, SwitchesAwayAfterSeparationAndBackBeforeContact) {
   status.separated = true;
   status.gap_min_m = 1.0;
   std::vector<bool> all_explicit;
-  TimeLoop loop(*s.coupling, *s.protocol, {200, 0.1, 0, true, true}, [&](std::int64_t window) {
+  TimeLoop loop(*s.coupling, *s.protocol, {200, 0, true, true}, [&](std::int64_t window) {
     if (window == 0) return;
     all_explicit.push_back(s.coupling->all_explicit());
     status.gap_rate_min_m_s = -1.0;  // closes 0.1 m a window
@@ -135,24 +135,24 @@ ContactReport report(bool separated, double gap, double rate, int closed = 0) {
 }
 
 TEST(SeparationSwitch, WaitsForSeparationAndForRoom) {
-  SeparationSwitch s(0.1);
-  EXPECT_FALSE(s.update(report(false, 1.0, -10.0)));
-  EXPECT_FALSE(s.update(report(true, 3.9, 1.0)));  // four windows of the fastest closing are 4 m
-  EXPECT_TRUE(s.update(report(true, 4.1, 1.0)));
+  SeparationSwitch s;
+  EXPECT_FALSE(s.update(report(false, 1.0, -10.0), 0.1));
+  EXPECT_FALSE(s.update(report(true, 3.9, 1.0), 0.1));  // four windows of the fastest closing are 4 m
+  EXPECT_TRUE(s.update(report(true, 4.1, 1.0), 0.1));
 }
 
 TEST(SeparationSwitch, GoesBackWhileAWholeWindowStillFits) {
-  SeparationSwitch s(0.1);
-  EXPECT_TRUE(s.update(report(true, 5.0, -10.0)));
-  EXPECT_TRUE(s.update(report(true, 2.1, -1.0)));
-  EXPECT_FALSE(s.update(report(true, 1.9, -1.0)));
-  EXPECT_FALSE(s.update(report(true, 3.0, 1.0)));  // hysteresis
+  SeparationSwitch s;
+  EXPECT_TRUE(s.update(report(true, 5.0, -10.0), 0.1));
+  EXPECT_TRUE(s.update(report(true, 2.1, -1.0), 0.1));
+  EXPECT_FALSE(s.update(report(true, 1.9, -1.0), 0.1));
+  EXPECT_FALSE(s.update(report(true, 3.0, 1.0), 0.1));  // hysteresis
 }
 
 TEST(SeparationSwitch, AClosedPairAlwaysEndsIt) {
-  SeparationSwitch s(0.1);
-  EXPECT_TRUE(s.update(report(true, 5.0, 1.0)));
-  EXPECT_FALSE(s.update(report(true, 5.0, 1.0, 1)));
+  SeparationSwitch s;
+  EXPECT_TRUE(s.update(report(true, 5.0, 1.0), 0.1));
+  EXPECT_FALSE(s.update(report(true, 5.0, 1.0, 1), 0.1));
 }
 
 }  // namespace
