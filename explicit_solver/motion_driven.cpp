@@ -203,7 +203,8 @@ void MotionDriven::half_a_step(std::size_t b) {
 void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
-    auto& [internal, external] = trials_[b].forces;
+    const Eigen::VectorXd& internal = trials_[b].forces.internal;
+    Eigen::VectorXd& external = trials_[b].forces.external;
     state_.fronts[b].grow(internal);
     if (velocity == Velocity::now) {
       for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
