@@ -64,43 +64,44 @@ void AxialStress::add_column(const History::Source& source, const std::string& c
 }
 
 void AxialStress::add(std::size_t participant, const std::vector<double>& values) {
-  auto& stream = streams_[participant];
-  const std::size_t width = 1 + stream.places.size();
-  for (std::size_t begin = 0; begin + width <= values.size(); begin += width) {
-    const auto first = values.begin() + static_cast<std::ptrdiff_t>(begin);
-    stream.rows.emplace_back(first, first + static_cast<std::ptrdiff_t>(width));
-  }
-  while (next_is_told()) add_up();
+  auto& told = streams_[participant].values;
+  told.insert(told.end(), values.begin(), values.end());
 }
 
-bool AxialStress::next_is_told() const {
-  return told() && std::all_of(streams_.begin(), streams_.end(),
-                               [](const Stream& stream) { return stream.places.empty() || !stream.rows.empty(); });
-}
-
-void AxialStress::add_up() {
-  double window = 0.0;
-  std::map<Place, double> sum;
-  for (const auto& [place, layer] : layers_) {
-    sum[place] = std::abs(layer.share - 1.0) < 1e-6 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+/// Rows that all who tell any have told.
+std::size_t AxialStress::rows() const {
+  std::size_t rows = std::numeric_limits<std::size_t>::max();
+  for (const auto& stream : streams_) {
+    if (!stream.places.empty()) rows = std::min(rows, stream.values.size() / stream.width());
   }
-  for (auto& stream : streams_) {
-    if (stream.places.empty()) continue;
-    const auto& row = stream.rows.front();
-    window = row[0];
-    for (std::size_t c = 0; c < stream.places.size(); ++c) sum[stream.places[c]] += row[c + 1];
-    stream.rows.pop_front();
-  }
-  auto out = std::back_inserter(rows_);
-  out = fmt::format_to(out, "{:.17g}", window * window_size_s_);
-  for (const auto& [place, stress] : sum) out = fmt::format_to(out, ",{:.6g}", stress);
-  rows_ += '\n';
+  return told() ? rows : 0;
 }
 
 std::string AxialStress::csv() const {
   std::string text = "time_s";
-  for (const auto& [place, layer] : layers_) text += "," + layer.name;
-  return text + "\n" + rows_;
+  std::map<Place, std::size_t> position;
+  std::vector<double> nothing;
+  for (const auto& [place, layer] : layers_) {
+    text += "," + layer.name;
+    position[place] = nothing.size();
+    nothing.push_back(std::abs(layer.share - 1.0) < 1e-6 ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  }
+  text += '\n';
+  auto out = std::back_inserter(text);
+  for (std::size_t row = 0, last = rows(); row < last; ++row) {
+    std::vector<double> sum = nothing;
+    double window = 0.0;
+    for (const auto& stream : streams_) {
+      if (stream.places.empty()) continue;
+      const double* values = stream.values.data() + row * stream.width();
+      window = values[0];
+      for (std::size_t c = 0; c < stream.places.size(); ++c) sum[position.at(stream.places[c])] += values[c + 1];
+    }
+    out = fmt::format_to(out, "{:.17g}", window * window_size_s_);
+    for (const double stress : sum) out = fmt::format_to(out, ",{:.6g}", stress);
+    text += '\n';
+  }
+  return text;
 }
 
 }  // namespace ricochet::coupler

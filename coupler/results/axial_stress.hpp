@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <string>
 #include <utility>
@@ -27,7 +26,7 @@ class AxialStress {
   void add(std::size_t participant, const std::vector<double>& values);
   /// Whether any stress is told at all.
   [[nodiscard]] bool told() const { return !layers_.empty(); }
-  /// The text of axial_stress.csv.
+  /// The text of axial_stress.csv. All adding up is left to it, after the last window.
   [[nodiscard]] std::string csv() const;
 
  private:
@@ -37,17 +36,17 @@ class AxialStress {
   };
   using Place = std::pair<std::size_t, double>;  ///< body, low border [m]
   struct Stream {
-    std::vector<Place> places;  ///< of its columns
-    std::deque<std::vector<double>> rows;
+    std::vector<Place> places;   ///< of its columns
+    std::vector<double> values;  ///< rows as told: window, then its columns
+
+    [[nodiscard]] std::size_t width() const { return 1 + places.size(); }
   };
   void add_column(const History::Source& source, const std::string& column, const std::vector<std::string>& bodies);
-  [[nodiscard]] bool next_is_told() const;
-  void add_up();
+  [[nodiscard]] std::size_t rows() const;
 
   double window_size_s_;
   std::map<Place, Layer> layers_;
   std::vector<Stream> streams_;
-  std::string rows_;
 };
 
 }  // namespace ricochet::coupler
