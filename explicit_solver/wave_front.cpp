@@ -97,12 +97,6 @@ void WaveFront::collect_rows() {
   }
 }
 
-int WaveFront::rows_computed() const {
-  int sum = 0;
-  for (const auto& rows : rows_) sum += rows.last - rows.first;
-  return sum;
-}
-
 void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u,
                          Eigen::VectorXd& force) const {
   for (const auto& rows : rows_) stiffness.multiply(u, force, rows.first, rows.last);

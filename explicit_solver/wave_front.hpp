@@ -28,7 +28,6 @@ class WaveFront {
   };
   /// The rows to compute, ascending, none touching the next; all others have no force and no acceleration.
   [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
-  [[nodiscard]] int rows_computed() const;
 
   /// force = K u [N] in these rows; the others are left alone.
   void multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u, Eigen::VectorXd& force) const;

@@ -4,7 +4,6 @@
 #include <array>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "common/fem/model.hpp"
 
@@ -43,7 +42,6 @@ using NodePair = std::array<int, 2>;  ///< an element's own node numbers
 /// One row per kind: all that the rest of the program asks of a kind. A new kind is a file with its functions, a row in
 /// element_kind.cpp, and nothing else, while its faces are nodes or straight edges.
 struct ElementTraits {
-  std::string_view name;
   int dimension;                    ///< of the space it fills
   int nodes;                        ///< most Element::most_nodes
   std::span<const NodePair> edges;  ///< pairs of neighbouring nodes

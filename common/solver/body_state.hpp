@@ -106,10 +106,6 @@ struct BodyState : BodyMotion {
     totals.impulse_t_kg_m_s += tangent.dot(impulse);
     totals.angular_impulse_kg_m2_s += angular;
   }
-  /// Accounts an impulse on a node [kg m/s].
-  void add_angular_impulse(int node, const Eigen::Vector2d& impulse) {
-    if (arm.size() > 0) totals.angular_impulse_kg_m2_s += arm[2 * node] * impulse[0] + arm[2 * node + 1] * impulse[1];
-  }
   /// Momentum of the integrated nodes from v.
   void update_momentum();
 };

@@ -40,11 +40,14 @@ bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 /// Rows of K u that a step computes at present.
 int rows_computed(const ExplicitSolver& solver) {
   int sum = 0;
+  const auto count = [&sum](const WaveFront& front) {
+    for (const auto& [first, last] : front.rows()) sum += last - first;
+  };
   const auto state = solver.state();
   if (const auto* motion = std::get_if<MotionDriven::State>(&state.drive)) {
-    for (const auto& front : motion->fronts) sum += front.rows_computed();
+    for (const auto& front : motion->fronts) count(front);
   } else {
-    for (const auto& part : std::get<ForceDriven::State>(state.drive).parts) sum += part.front.rows_computed();
+    for (const auto& part : std::get<ForceDriven::State>(state.drive).parts) count(part.front);
   }
   return sum;
 }
