@@ -52,7 +52,7 @@ std::optional<wire::ParticipantKey> key_of(const ServeOptions& options) {
 void converse(Session& session, wire::Channel& channel, const ServeOptions& options, wire::Message& reply) {
   wire::Message request;
   session.hello(reply);
-  channel.offer_shared_memory(reply);
+  channel.offer_shared_memory(reply.as<wire::Hello>());
   channel.send(reply);
   while (!session.over()) {
     const auto begin = wire::Clock::now();

@@ -63,27 +63,27 @@ bool Session::can(Capability capability) const {
 }
 
 void Session::hello(Message& message) {
-  wire::clear(message);
-  message.participant = description_.name;
-  message.role = name_of(description_.role);
-  message.solver = description_.solver;
-  message.solver_version = description_.solver_version;
-  message.scene_sha256 = description_.scene_sha256;
-  message.process_id = getpid();
-  send(Kind::hello, message);
+  auto& hello = message.make<wire::Hello>();
+  hello.participant = description_.name;
+  hello.role = name_of(description_.role);
+  hello.solver = description_.solver;
+  hello.solver_version = description_.solver_version;
+  hello.scene_sha256 = description_.scene_sha256;
+  hello.process_id = getpid();
+  send(message);
 }
 
 void Session::failure(ExitCode code, const std::string& text, Message& message) {
-  wire::clear(message);
-  message.error_code = static_cast<std::int64_t>(code);
-  message.error_culprit = description_.name;
-  message.error_text = text;
-  send(Kind::failure, message);
+  auto& failure = message.make<wire::Failure>();
+  failure.error_code = static_cast<std::int64_t>(code);
+  failure.error_culprit = description_.name;
+  failure.error_text = text;
+  send(message);
 }
 
 /// Completes a message of this end.
-void Session::send(Kind kind, Message& message) {
-  message.kind = kind;
+void Session::send(Message& message) {
+  message.version = wire::protocol_version;
   message.run_id = run_id_;
   message.sequence = sequence_;
   message.window = window_;
@@ -96,20 +96,20 @@ void Session::send(Kind kind, Message& message) {
 bool Session::handle(const Message& request, Message& reply) {
   lifecycle_.step(wire::Side::coupler, request, description_.name);
   if (request.kind == Kind::failure) {
-    throw Error(exit_code(request.error_code), fmt::format("the coupler ended the run: {}", request.error_text));
+    const auto& failure = request.as<wire::Failure>();
+    throw Error(exit_code(failure.error_code), fmt::format("the coupler ended the run: {}", failure.error_text));
   }
   if (request.kind == Kind::welcome) {
-    welcome(request);
+    welcome(request.as<wire::Welcome>(), request.run_id);
     return false;
   }
   check_run(request);
-  wire::clear(reply);
   const auto begin = Clock::now();
   finish_window();
-  const Kind kind = answer(request, reply);
+  answer(request, reply);
   note_time(begin);
-  if (kind == Kind::finished) put_times(reply);
-  send(kind, reply);
+  if (reply.kind == Kind::finished) put_times(reply.as<wire::Finished>());
+  send(reply);
   return true;
 }
 
@@ -121,7 +121,7 @@ void Session::work_ahead() {
   note_time(begin);
 }
 
-void Session::welcome(const Message& request) {
+void Session::welcome(const wire::Welcome& request, const std::string& run_id) {
   if (request.participant != description_.name) {
     throw ProtocolError(
         fmt::format("the coupler welcomed participant '{}', this is '{}'", request.participant, description_.name));
@@ -129,11 +129,11 @@ void Session::welcome(const Message& request) {
   if (!(request.timeout_s > 0)) {
     throw ProtocolError(fmt::format("the coupler set the timeout {} s, expected more than 0", request.timeout_s));
   }
-  run_id_ = request.run_id;
+  run_id_ = run_id;
   timeout_s_ = request.timeout_s;
 }
 
-void Session::check_run(const Message& request) const {
+void Session::check_run(const wire::Header& request) const {
   if (request.run_id == run_id_) return;
   throw ProtocolError(fmt::format("the coupler sent '{}' of run '{}', this is run '{}'", wire::name(request.kind),
                                   request.run_id, run_id_));
@@ -149,20 +149,20 @@ void Session::note_time(Instant begin) {
   spans_.push_back(seconds(end.time_since_epoch()));
 }
 
-Kind Session::answer(const Message& request, Message& reply) {
+void Session::answer(const Message& request, Message& reply) {
   switch (request.kind) {
-    case Kind::describe: describe(reply); return Kind::description;
-    case Kind::initialize: initialize(request, reply); return Kind::initialized;
-    case Kind::synchronise: synchronise(request, reply); return Kind::synchronised;
-    case Kind::advance: advance(request, reply); return Kind::advanced;
-    case Kind::accept: accept(request, reply); return Kind::accepted;
-    case Kind::load_state: load_state(request); return Kind::state_loaded;
-    case Kind::read_state: read_state(reply); return Kind::state;
-    default: finish(reply); return Kind::finished;  // the lifecycle lets nothing else through
+    case Kind::describe: return describe(reply.make<wire::Description>());
+    case Kind::initialize: return initialize(request.as<wire::Initialize>(), reply.make<wire::Initialized>());
+    case Kind::synchronise: return synchronise(request.as<wire::Synchronise>(), reply.make<wire::Synchronised>());
+    case Kind::advance: return advance(request, request.as<wire::Advance>(), reply.make<wire::Advanced>());
+    case Kind::accept: return accept(request, request.as<wire::Accept>(), reply.make<wire::Accepted>());
+    case Kind::load_state: reply.make<wire::StateLoaded>(); return load_state(request.as<wire::LoadState>());
+    case Kind::read_state: return read_state(reply.make<wire::State>());
+    default: return finish(reply.make<wire::Finished>());  // the lifecycle lets nothing else through
   }
 }
 
-void Session::put_times(Message& reply) const {
+void Session::put_times(wire::Finished& reply) const {
   reply.compute_s = compute_s_;
   reply.wait_s = wait_s_;
   reply.spans_s.resize(static_cast<int>(spans_.size() / 3), 3);

@@ -50,26 +50,26 @@ class Session {
  private:
   using Instant = std::chrono::steady_clock::time_point;
 
-  void send(wire::Kind kind, wire::Message& message);
-  void check_run(const wire::Message& request) const;
-  /// Calls the participant and fills in the reply except its header; returns the kind of the reply.
-  wire::Kind answer(const wire::Message& request, wire::Message& reply);
+  void send(wire::Message& message);
+  void check_run(const wire::Header& request) const;
+  /// Calls the participant and fills in the reply except its header.
+  void answer(const wire::Message& request, wire::Message& reply);
   void note_time(Instant begin);
 
-  void welcome(const wire::Message& request);
-  void describe(wire::Message& reply) const;
-  void initialize(const wire::Message& request, wire::Message& reply);
-  void synchronise(const wire::Message& request, wire::Message& reply);
-  void advance(const wire::Message& request, wire::Message& reply);
-  void accept(const wire::Message& request, wire::Message& reply);
-  void load_state(const wire::Message& request);
-  void read_state(wire::Message& reply);
-  void finish(wire::Message& reply);
+  void welcome(const wire::Welcome& request, const std::string& run_id);
+  void describe(wire::Description& reply) const;
+  void initialize(const wire::Initialize& request, wire::Initialized& reply);
+  void synchronise(const wire::Synchronise& request, wire::Synchronised& reply);
+  void advance(const wire::Header& header, const wire::Advance& request, wire::Advanced& reply);
+  void accept(const wire::Header& header, const wire::Accept& request, wire::Accepted& reply);
+  void load_state(const wire::LoadState& request);
+  void read_state(wire::State& reply);
+  void finish(wire::Finished& reply);
 
   void take_interface_stiffness(const wire::Array& stiffness);
   [[nodiscard]] bool can(Capability capability) const;
-  void check_advance(const wire::Message& request) const;
-  void check_substep(const wire::Message& request) const;
+  void check_advance(const wire::Header& header, const wire::Advance& request) const;
+  void check_substep(const wire::Header& header, std::int64_t windows) const;
   void accept_trial();
   void accept();
   void finish_window();
@@ -80,12 +80,12 @@ class Session {
   [[nodiscard]] bool wants_axial_stress(std::int64_t window) const;
   void write_fields();
   void put_absolute(wire::Array& absolute) const;
-  void put_rates(wire::Message& reply) const;
-  void put_contact(wire::Message& reply) const;
+  void put_rates(wire::Rates& reply) const;
+  void put_accepted_window(bool records_requested, wire::AcceptedWindow& reply);
   void put_departures(wire::Array& array);
   void put_outline(wire::Array& array);
-  void put_records(bool requested, wire::Message& reply);
-  void put_times(wire::Message& reply) const;
+  void put_records(bool requested, wire::Records& reply);
+  void put_times(wire::Finished& reply) const;
   void require_rows(const wire::Array& array, std::string_view field, int columns) const;
   void require_output(bool rates_needed) const;
 

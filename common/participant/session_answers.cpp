@@ -7,25 +7,15 @@
 #include "common/participant/session.hpp"
 
 namespace ricochet::participant {
-using wire::Message;
 
 void Session::put_absolute(wire::Array& absolute) const {
   absolute.set(output_.value, nodes_, description_.components);
 }
 
-void Session::put_rates(Message& reply) const {
+void Session::put_rates(wire::Rates& reply) const {
   const int rows = moves_ ? nodes_ : 0;
   reply.velocity_m_s.set(output_.velocity_m_s, rows, description_.components);
   reply.acceleration_m_s2.set(output_.acceleration_m_s2, rows, description_.components);
-}
-
-void Session::put_contact(Message& reply) const {
-  reply.pairs_closed = contact_.pairs_closed;
-  reply.gap_min_m = contact_.gap_min_m;
-  reply.gap_rate_min_m_s = contact_.gap_rate_min_m_s;
-  reply.separated = contact_.separated;
-  reply.separation_time_s = contact_.separation_time_s;
-  reply.finished_early = contact_.finished;
 }
 
 void Session::put_departures(wire::Array& array) {
@@ -74,7 +64,7 @@ void Session::append_row(Tell tell, std::size_t columns, std::vector<double>& ro
                                      rows.size() - before, expected));
 }
 
-void Session::put_records(bool requested, Message& reply) {
+void Session::put_records(bool requested, wire::Records& reply) {
   const auto put = [requested](wire::Array& array, std::size_t columns, std::vector<double>& rows) {
     array.resize(0, static_cast<int>(columns));
     if (!requested || rows.empty()) return;
@@ -84,10 +74,17 @@ void Session::put_records(bool requested, Message& reply) {
   put(reply.records, description_.record_columns.size(), rows_);
   put(reply.axial_stress, description_.axial_stress_columns.size(), stress_rows_);
   reply.departures.resize(0, wire::departure_columns);
+  if (requested) put_departures(reply.departures);
+}
+
+void Session::put_accepted_window(bool records_requested, wire::AcceptedWindow& reply) {
+  if (records_requested) finish_window();
+  static_cast<wire::ContactReport&>(reply) = {contact_.pairs_closed,      contact_.gap_min_m,
+                                              contact_.gap_rate_min_m_s,  contact_.separated,
+                                              contact_.separation_time_s, contact_.finished};
+  put_records(records_requested, reply);
   reply.outline.resize(0, 2 + description_.components);
-  if (!requested) return;
-  put_departures(reply.departures);
-  put_outline(reply.outline);
+  if (records_requested) put_outline(reply.outline);
 }
 
 }  // namespace ricochet::participant

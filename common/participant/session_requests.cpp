@@ -11,8 +11,6 @@
 namespace ricochet::participant {
 namespace {
 
-using wire::Message;
-
 /// The text is made only if it is needed: the stepping loop comes by here.
 template <class... Values>
 void require(bool holds, fmt::format_string<Values...> text, Values&&... values) {
@@ -34,7 +32,7 @@ void require_count(const char* field, std::int64_t value, int least) {
   require(value >= least && value <= most, "the coupler set {} = {}, expected {} to {}", field, value, least, most);
 }
 
-void check_setup(const Message& request) {
+void check_setup(const wire::Initialize& request) {
   require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
   require_count("history_every", request.history_every, 1);
   require_count("fields_every", request.fields_every, 0);
@@ -55,7 +53,7 @@ Drive drive_of(const std::string& text, const Description& description, bool can
 
 }  // namespace
 
-void Session::describe(Message& reply) const {
+void Session::describe(wire::Description& reply) const {
   const auto& d = description_;
   reply.components = d.components;
   reply.bodies = d.bodies;
@@ -70,7 +68,7 @@ void Session::describe(Message& reply) const {
   reply.contact_owner = d.contact_owner;
 }
 
-void Session::initialize(const Message& request, Message& reply) {
+void Session::initialize(const wire::Initialize& request, wire::Initialized& reply) {
   check_setup(request);
   require_rows(request.interface_mass_kg, "interface_mass_kg", 1);
   setup_.run_id = run_id_;
@@ -107,7 +105,7 @@ void Session::take_interface_stiffness(const wire::Array& stiffness) {
   setup_.interface_stiffness = stiffness.data;
 }
 
-void Session::synchronise(const Message& request, Message& reply) {
+void Session::synchronise(const wire::Synchronise& request, wire::Synchronised& reply) {
   const auto integration = named<Integration>("asked for the integration", request.integration);
   require_rows(request.link_absolute, "link_absolute", description_.components);
   link_.set_input(request.link_absolute);
@@ -126,10 +124,10 @@ void Session::synchronise(const Message& request, Message& reply) {
   if (setup_.fields_every > 0) write_fields();
 }
 
-void Session::check_advance(const Message& request) const {
+void Session::check_advance(const wire::Header& header, const wire::Advance& request) const {
   const auto next = accepted_window_ + 1;
-  require(request.window == next, "the coupler asked for window {}, the next one is window {}", request.window, next);
-  check_substep(request);
+  require(header.window == next, "the coupler asked for window {}, the next one is window {}", header.window, next);
+  check_substep(header, request.windows);
   require(next <= setup_.last_window, "the coupler asked for window {}, the last one is window {}", next,
           setup_.last_window);
   require(request.windows >= 1, "the coupler asked for {} windows, expected >= 1", request.windows);
@@ -145,28 +143,28 @@ void Session::check_advance(const Message& request) const {
   if (request.link_absolute.rows != 0) require_rows(request.link_absolute, "link_absolute", description_.components);
 }
 
-void Session::check_substep(const Message& request) const {
-  if (request.substep == 0) {
+void Session::check_substep(const wire::Header& header, std::int64_t windows) const {
+  if (header.substep == 0) {
     require(accepted_substep_ == 0, "the coupler asked for the whole window {}, of which substep {} is accepted",
-            request.window, accepted_substep_);
+            header.window, accepted_substep_);
     return;
   }
   require(can(Capability::single_substep),
           "the coupler asked for substep {}, but participant '{}' lacks the capability 'single_substep'",
-          request.substep, description_.name);
+          header.substep, description_.name);
   require(setup_.driven_by == Drive::force,
-          "the coupler asked for substep {}, but drives participant '{}' by displacement", request.substep,
+          "the coupler asked for substep {}, but drives participant '{}' by displacement", header.substep,
           description_.name);
-  require(request.substep == accepted_substep_ + 1 && request.substep <= setup_.substeps && request.windows == 1,
-          "the coupler asked for substep {} of {} in window {}, the next one is substep {}", request.substep,
-          setup_.substeps, request.window, accepted_substep_ + 1);
+  require(header.substep == accepted_substep_ + 1 && header.substep <= setup_.substeps && windows == 1,
+          "the coupler asked for substep {} of {} in window {}, the next one is substep {}", header.substep,
+          setup_.substeps, header.window, accepted_substep_ + 1);
 }
 
-void Session::advance(const Message& request, Message& reply) {
-  check_advance(request);
+void Session::advance(const wire::Header& header, const wire::Advance& request, wire::Advanced& reply) {
+  check_advance(header, request);
   const auto last = accepted_window_ + std::min(request.windows, setup_.last_window - accepted_window_);
   link_.receive(request.link_increment, request.link_absolute);
-  substep_ = request.substep;
+  substep_ = header.substep;
   do {
     window_ = accepted_window_ + 1;
     if (substep_ == 0) {
@@ -181,18 +179,14 @@ void Session::advance(const Message& request, Message& reply) {
     if (request.windows > 1) finish_window();
   } while (request.accept_at_once && window_ < last && !contact_.finished);
   put_rates(reply);
-  if (request.records_requested) finish_window();
-  put_contact(reply);
-  put_records(request.records_requested, reply);
+  put_accepted_window(request.records_requested, reply);
 }
 
-void Session::accept(const Message& request, Message& reply) {
-  require(request.window == window_, "the coupler accepted window {}, the trial was of window {}", request.window,
+void Session::accept(const wire::Header& header, const wire::Accept& request, wire::Accepted& reply) {
+  require(header.window == window_, "the coupler accepted window {}, the trial was of window {}", header.window,
           window_);
   accept_trial();
-  if (request.records_requested) finish_window();
-  put_contact(reply);
-  put_records(request.records_requested, reply);
+  put_accepted_window(request.records_requested, reply);
 }
 
 /// Only the contact's state is needed in the reply; everything else can wait until that is on its way.
@@ -223,7 +217,7 @@ void Session::finish_window() {
   if (std::exchange(fields_due_, false)) write_fields();
 }
 
-void Session::load_state(const Message& request) {
+void Session::load_state(const wire::LoadState& request) {
   require(can(Capability::load_state),
           "the coupler asked to load a state, but participant '{}' lacks the capability 'load_state'",
           description_.name);
@@ -236,7 +230,7 @@ void Session::load_state(const Message& request) {
   participant_.load_state(request.state.data, contact);
 }
 
-void Session::read_state(Message& reply) {
+void Session::read_state(wire::State& reply) {
   require(can(Capability::load_state),
           "the coupler asked for a state, but participant '{}' lacks the capability 'load_state'", description_.name);
   std::vector<double> state, scale;
@@ -252,7 +246,7 @@ void Session::read_state(Message& reply) {
   reply.state_scale.set(scale, static_cast<int>(scale.size()), 1);
 }
 
-void Session::finish(Message& reply) {
+void Session::finish(wire::Finished& reply) {
   if (setup_.fields_every > 0 && fields_window_ != accepted_window_)
     write_fields();  // the run ended before its last window
   participant_.finish();

@@ -57,7 +57,7 @@ struct Channel::Impl {
 
   void receive_frame_of(Message& message, Clock::time_point begin, Deadline deadline);
   void receive_shared(Message& message, Clock::time_point begin, Deadline deadline);
-  void take_answer_to_offer(const Message& welcome);
+  void take_answer_to_offer(const Welcome& welcome);
 
   /// What broke the connection, by the last poll; null if nothing did.
   [[nodiscard]] const char* broken() const {
@@ -94,7 +94,7 @@ Channel::Channel(const std::string& endpoint, const std::optional<ParticipantKey
 
 Channel::~Channel() = default;
 
-void Channel::offer_shared_memory(Message& hello) {
+void Channel::offer_shared_memory(Hello& hello) {
   impl_->offered = SharedMemory::make();
   if (!impl_->offered) return;
   hello.shared_memory_path = impl_->offered->path();
@@ -118,7 +118,7 @@ void Channel::receive(Message& message, Deadline deadline, bool watch_stdin) {
     impl_->receive_shared(message, Clock::now(), deadline);
   } else {
     impl_->receive_frame_of(message, Clock::now(), deadline);
-    if (message.kind == Kind::welcome) impl_->take_answer_to_offer(message);
+    if (message.kind == Kind::welcome) impl_->take_answer_to_offer(message.as<Welcome>());
   }
 }
 
@@ -151,7 +151,7 @@ void Channel::Impl::receive_shared(Message& message, Clock::time_point begin, De
   decode(shared->receiver().message(), coupler, message);
 }
 
-void Channel::Impl::take_answer_to_offer(const Message& welcome) {
+void Channel::Impl::take_answer_to_offer(const Welcome& welcome) {
   if (welcome.shared_memory && !offered) {
     throw ProtocolError("the coupler sent 'welcome' with shared memory, which 'hello' has not offered");
   }

@@ -40,7 +40,7 @@ class Channel {
   ~Channel();
   /// Adds to `hello` the offer of shared memory, if this system has any; the coupler's `welcome` says whether it is
   /// used.
-  void offer_shared_memory(Message& hello);
+  void offer_shared_memory(Hello& hello);
   /// Throws SolverError if a number of the message is not finite (`encode`).
   void send(const Message& message);
   /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and

@@ -148,11 +148,11 @@ void read(const Object& object, Array& array) {
 
 void read_field(const Object& object, const Field& field, Message& message) {
   std::visit(
-      [&](auto member) {
-        read(object, message.*member);
-        if (const auto found = not_finite(message.*member)) throw WrongValue{"is not finite: " + *found};
+      [&](auto* value) {
+        read(object, *value);
+        if (const auto found = not_finite(*value)) throw WrongValue{"is not finite: " + *found};
       },
-      field.member);
+      field.in(message));
 }
 
 /// Fields of the header and of one kind as one list.
@@ -188,7 +188,7 @@ class Decoder {
   Object unpack(std::string_view bytes, msgpack::zone& zone) const;
   void check_version(const Object& map) const;
   [[nodiscard]] Kind kind_of(const Object& map) const;
-  void read_all(const Object& map, Kind kind, Message& message) const;
+  void read_all(const Object& map, Message& message) const;
 
  private:
   [[noreturn]] void refuse(const std::string& what) const {
@@ -248,7 +248,8 @@ Kind Decoder::kind_of(const Object& map) const {
   return kind;
 }
 
-void Decoder::read_all(const Object& map, Kind kind, Message& message) const {
+void Decoder::read_all(const Object& map, Message& message) const {
+  const Kind kind = message.kind;
   const FieldList fields(kind);
   std::uint64_t seen = 0;
   std::size_t next = 0;
@@ -284,9 +285,8 @@ void decode(std::string_view bytes, std::string_view sender, Message& message) {
   const Decoder decoder(sender);
   const Object map = decoder.unpack(bytes, zone);
   decoder.check_version(map);
-  const Kind kind = decoder.kind_of(map);
-  clear(message);
-  decoder.read_all(map, kind, message);
+  message.kind = decoder.kind_of(map);
+  decoder.read_all(map, message);  // all of its fields: nothing that was there before is left
 }
 
 }  // namespace ricochet::wire

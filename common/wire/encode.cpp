@@ -78,7 +78,7 @@ std::optional<std::string> not_finite(const Array& array) {
 
 void require_finite(const Message& message) {
   for (const auto& field : fields_of(message.kind)) {
-    const auto found = std::visit([&](auto member) { return not_finite(message.*member); }, field.member);
+    const auto found = std::visit([](const auto* value) { return not_finite(*value); }, field.of(message));
     if (!found) continue;
     throw SolverError(fmt::format("'{}' of '{}' is not finite: {}", field.name, name(message.kind), *found));
   }
@@ -94,7 +94,7 @@ void encode(const Message& message, msgpack::sbuffer& buffer) {
   for (const auto* list : {&header, &fields}) {
     for (const auto& field : *list) {
       pack(packer, field.name);
-      std::visit([&](auto member) { pack(packer, message.*member); }, field.member);
+      std::visit([&](const auto* value) { pack(packer, *value); }, field.of(message));
     }
   }
 }

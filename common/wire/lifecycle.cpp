@@ -36,7 +36,7 @@ constexpr StateText state_texts[] = {
 
 bool fits(const Transition& row, LifecycleState state, Side sender, const Message& message) {
   if (row.state != state || row.sender != sender || row.kind != message.kind) return false;
-  return row.form == AdvanceForm::any || (row.form == AdvanceForm::at_once) == message.accept_at_once;
+  return row.form == AdvanceForm::any || (row.form == AdvanceForm::at_once) == message.as<Advance>().accept_at_once;
 }
 
 std::string who(Side sender, std::string_view participant) {

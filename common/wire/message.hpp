@@ -3,13 +3,15 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <variant>
 #include <vector>
 
 #include "common/base/vocabulary.hpp"
 
-/// THE message schema. Everything that passes between a coupler and a participant is a `Message`; which fields a kind
-/// carries stands in one table, `fields_of`, that the codec, the docs and the tests read.
+/// THE message schema. Everything that passes between a coupler and a participant is a `Message`: a header, and a body
+/// of its kind. Name, unit and meaning of every field stand in one table, `fields_of`, that the codec, the docs and the
+/// tests read.
 namespace ricochet::wire {
 
 inline constexpr std::int64_t protocol_version = 4;
@@ -56,65 +58,213 @@ enum class Kind {
 /// Numbers in a row of `departures`.
 inline constexpr int departure_columns = 9;
 
-/// Which members a message of a kind carries says `fields_of`; what they mean, the table behind it (and docs/wire.md).
-struct Message {
-  // header, in every message
+struct Header {
   Kind kind = Kind::failure;
   std::int64_t version = protocol_version;
   std::string run_id;
   std::int64_t sequence = 0, window = 0, substep = 0;
+};
 
-  // names and texts
-  std::string participant, role, solver, solver_version, scene_sha256, output_directory, protocol, integration;
-  std::string driven_by, frozen_contact, shared_memory_path, error_text, error_culprit;
-  std::vector<std::string> bodies, capabilities, record_columns, axial_stress_columns;
+// Arrays below have one row per interface node (n, in the participant's own order) unless said otherwise.
 
-  // numbers
-  bool shared_memory = false, contact_owner = false;
-  bool accept_at_once = false, absolute_requested = false, records_requested = false;
-  bool separated = false, finished_early = false;
-  std::int64_t process_id = 0, shared_memory_key = 0, components = 0;
-  std::int64_t windows = 1, substeps = 1, history_every = 1, fields_every = 0, axial_stress_every = 0, last_window = 0;
-  std::int64_t separation_windows = 0, pairs_closed = 0, error_code = 0;
-  double window_size_s = 0, critical_time_step_s = 0, timeout_s = 0, until_separated_plus_s = 0;
-  double gap_min_m = 0, gap_rate_min_m_s = 0, separation_time_s = 0, setup_s = 0, compute_s = 0, wait_s = 0;
-  double largest_drift = 0;
+struct Hello {
+  static constexpr Kind kind = Kind::hello;
+  std::string participant, role, solver, solver_version, scene_sha256;
+  std::int64_t process_id = 0;
+  std::string shared_memory_path;
+  std::int64_t shared_memory_key = 0;
+};
 
-  // arrays, one row per interface node (in the participant's own order) unless said otherwise
+struct Welcome {
+  static constexpr Kind kind = Kind::welcome;
+  std::string participant;
+  double timeout_s = 0;
+  bool shared_memory = false;
+};
+
+struct Describe {
+  static constexpr Kind kind = Kind::describe;
+};
+
+struct Description {
+  static constexpr Kind kind = Kind::description;
+  std::int64_t components = 0;
+  std::vector<std::string> bodies;
   Array interface_body;        ///< n x 1, index into `bodies`
   Array interface_position_m;  ///< n x components
-  Array interface_mass_kg;  ///< n x 1: own lumped mass in `description`, the sum over all participants in `initialize`
+  Array interface_mass_kg;     ///< n x 1: own lumped mass
+  double critical_time_step_s = 0;
+  std::vector<std::string> capabilities, record_columns, axial_stress_columns;
+  bool contact_owner = false;
+
+  /// Whether it names the capability.
+  [[nodiscard]] bool has(Capability capability) const;
+};
+
+struct Initialize {
+  static constexpr Kind kind = Kind::initialize;
+  std::string protocol, output_directory;
+  double window_size_s = 0;
+  std::int64_t substeps = 1;
+  std::string driven_by;
+  Array interface_mass_kg;    ///< n x 1: the mass to integrate with
   Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
-  Array link_increment;       ///< to a participant: change of its link input since its last accepted window [m or N]
-  Array link_absolute;        ///< the same, absolute; empty (0 x components) unless resynchronising
-  Array increment;  ///< from a participant: change of its link output since its last accepted window [N or m]; Delta P
-  Array absolute;   ///< the same, absolute; empty unless requested
-  Array velocity_m_s;        ///< who is driven by force: n x components; by displacement: empty
-  Array acceleration_m_s2;   ///< as velocity
-  Array state, state_scale;  ///< k x 1: a participant's own motion, and what makes energies of its numbers comparable
-  Array records;             ///< history rows (rows x record_columns)
-  Array axial_stress;        ///< rows x axial_stress_columns
-  Array departures;  ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
-                     ///< window, x, y
-  Array outline;     ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
-  Array spans_s;     ///< rows x 3: window, begin, end of each computing span on the steady clock
+  std::int64_t history_every = 1, fields_every = 0, axial_stress_every = 0;
+  double until_separated_plus_s = 0;
+  std::int64_t separation_windows = 0, last_window = 0;
+};
+
+struct Initialized {
+  static constexpr Kind kind = Kind::initialized;
+  double setup_s = 0;
+  Array absolute;
+};
+
+struct Synchronise {
+  static constexpr Kind kind = Kind::synchronise;
+  std::string integration;
+  Array link_absolute;  ///< link input [m or N]
+};
+
+/// Motion of the interface nodes, besides the displacement.
+struct Rates {
+  Array velocity_m_s;       ///< who is driven by force: n x components; by displacement: 0 rows
+  Array acceleration_m_s2;  ///< as velocity
+};
+
+struct Synchronised : Rates {
+  static constexpr Kind kind = Kind::synchronised;
+  Array absolute;  ///< link output [N or m]
+};
+
+struct Advance {
+  static constexpr Kind kind = Kind::advance;
+  std::int64_t windows = 1;
+  Array link_increment;  ///< change of the link input since the last accepted window [m or N]
+  Array link_absolute;   ///< the same, absolute; 0 rows unless resynchronising
+  bool accept_at_once = false, absolute_requested = false, records_requested = false;
+};
+
+/// Rows that were not sent before.
+struct Records {
+  Array records;       ///< history, rows x record_columns
+  Array axial_stress;  ///< rows x axial_stress_columns
+  Array departures;    ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
+                       ///< window, x, y
+};
+
+/// State of the contact after the last accepted window, as its owner reports it.
+struct ContactReport {
+  std::int64_t pairs_closed = 0;
+  double gap_min_m = 0, gap_rate_min_m_s = 0;
+  bool separated = false;
+  double separation_time_s = -1.0;  ///< < 0: none so far
+  bool finished_early = false;
+};
+
+/// What is told of windows when they are final.
+struct AcceptedWindow : Records, ContactReport {
+  Array outline;  ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
+};
+
+struct Advanced : Rates, AcceptedWindow {
+  static constexpr Kind kind = Kind::advanced;
+  Array increment;  ///< change of the link output since the last accepted window [N or m]; Delta P
+  Array absolute;   ///< the same, absolute; 0 rows unless requested
+};
+
+struct Accept {
+  static constexpr Kind kind = Kind::accept;
+  bool records_requested = false;
+};
+
+struct Accepted : AcceptedWindow {
+  static constexpr Kind kind = Kind::accepted;
+};
+
+struct LoadState {
+  static constexpr Kind kind = Kind::load_state;
+  Array state;  ///< k x 1: a participant's own motion
+  std::string frozen_contact;
+};
+
+struct StateLoaded {
+  static constexpr Kind kind = Kind::state_loaded;
+};
+
+struct ReadState {
+  static constexpr Kind kind = Kind::read_state;
+};
+
+struct State {
+  static constexpr Kind kind = Kind::state;
+  Array state;        ///< k x 1: a participant's own motion
+  Array state_scale;  ///< k x 1: what makes energies of its numbers comparable
+};
+
+struct Finish {
+  static constexpr Kind kind = Kind::finish;
+};
+
+struct Finished : Records {
+  static constexpr Kind kind = Kind::finished;
+  double compute_s = 0, wait_s = 0;
+  double largest_drift = 0;
+  Array spans_s;  ///< rows x 3: window, begin, end of each computing span on the steady clock
+};
+
+struct Failure {
+  static constexpr Kind kind = Kind::failure;
+  std::int64_t error_code = 0;
+  std::string error_culprit, error_text;
+};
+
+/// A header, and room for a body of every kind, so that a message that is used again for another kind allocates
+/// nothing.
+struct Message : Header {
+  /// Makes it a message of that kind, all of whose fields are as in a new one; vectors and strings keep their capacity.
+  template <class Body>
+  Body& make();
+  /// Its body. Throws std::logic_error for a message of another kind.
+  template <class Body>
+  [[nodiscard]] const Body& as() const {
+    require(Body::kind);
+    return std::get<Body>(bodies_);
+  }
+  template <class Body>
+  [[nodiscard]] Body& as() {
+    require(Body::kind);
+    return std::get<Body>(bodies_);
+  }
+
+ private:
+  void require(Kind wanted) const {
+    if (kind != wanted) refuse(wanted);
+  }
+  [[noreturn]] void refuse(Kind wanted) const;
+
+  std::tuple<Hello, Welcome, Describe, Description, Initialize, Initialized, Synchronise, Synchronised, Advance,
+             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, Finish, Finished, Failure>
+      bodies_;
 };
 
 [[nodiscard]] std::string_view name(Kind kind);
 
-/// What a participant says of itself in `hello`, and in a `description` into which its role was filled.
-[[nodiscard]] bool has_role(const Message& message, Role role);
-/// Whether a `description` names the capability.
-[[nodiscard]] bool has_capability(const Message& description, Capability capability);
+/// Where one field of a message is.
+template <template <class> class Pointer>
+using FieldPointer = std::variant<Pointer<Kind>, Pointer<bool>, Pointer<std::int64_t>, Pointer<double>,
+                                  Pointer<std::string>, Pointer<std::vector<std::string>>, Pointer<Array>>;
+template <class Value>
+using Writable = Value*;
+template <class Value>
+using Readable = const Value*;
 
-/// One field of the schema: its name on the wire, where it lives, its unit and meaning (for the docs).
+/// One field of the schema: its name on the wire, its unit and meaning (for the docs), where it lives in a message of
+/// its kind.
 struct Field {
-  std::string_view name;
-  std::variant<Kind Message::*, bool Message::*, std::int64_t Message::*, double Message::*, std::string Message::*,
-               std::vector<std::string> Message::*, Array Message::*>
-      member;
-  std::string_view unit;
-  std::string_view meaning;
+  std::string_view name, unit, meaning;
+  FieldPointer<Writable> (*in)(Message&);
+  FieldPointer<Readable> (*of)(const Message&);
 };
 
 /// Fields of the header and of one kind, in the order in which they are encoded.
@@ -122,8 +272,14 @@ struct Field {
 [[nodiscard]] const std::vector<Field>& fields_of(Kind kind);
 [[nodiscard]] const std::vector<Kind>& all_kinds();
 
-/// Every member as in a new message; vectors and strings keep their capacity, so that a message can be used again
-/// without allocating.
-void clear(Message& message);
+/// Every field of the message's kind as in a new message; vectors and strings keep their capacity.
+void clear_body(Message& message);
+
+template <class Body>
+Body& Message::make() {
+  kind = Body::kind;
+  clear_body(*this);
+  return std::get<Body>(bodies_);
+}
 
 }  // namespace ricochet::wire

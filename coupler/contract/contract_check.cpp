@@ -132,7 +132,7 @@ void Contract::is_deterministic() {
 }
 
 void Contract::repeats_a_window() {
-  if (!wire::has_capability(first_.description, Capability::repeat_window)) {
+  if (!first_.description.has(Capability::repeat_window)) {
     throw NotApplicable{"it does not announce \"repeat_window\" (protocol \"kim\" will refuse it)"};
   }
   auto drive = drive_;
@@ -204,17 +204,16 @@ void Contract::reports_its_work() {
 
 void Contract::refuses_another_version() {
   ContractPeer peer(command_);
-  wire::Message welcome;
-  welcome.kind = wire::Kind::welcome;
-  welcome.participant = peer.meet().participant;
-  welcome.timeout_s = command_.timeout_s;
-  peer.tell(welcome, wire::protocol_version + 1);
+  peer.welcome(peer.meet().participant, command_.timeout_s, wire::protocol_version + 1);
   const auto* answer = peer.hear();
   const int expected = static_cast<int>(ExitCode::protocol);
-  if (answer && answer->kind == wire::Kind::failure && answer->error_code == expected) return;
-  if (answer)
+  if (answer) {
+    const bool failed = answer->kind == wire::Kind::failure;
+    const auto code = failed ? answer->as<wire::Failure>().error_code : 0;
+    if (failed && code == expected) return;
     fail(fmt::format("it answered '{}' with code {} to version {}, expected 'failure' with code {}",
-                     wire::name(answer->kind), answer->error_code, wire::protocol_version + 1, expected));
+                     wire::name(answer->kind), code, wire::protocol_version + 1, expected));
+  }
   const auto end = peer.wait_end();
   if (end->signal != 0 || end->exit_status != expected) {
     fail(fmt::format("it {}, expected 'failure' or exit code {}", end->text(), expected));

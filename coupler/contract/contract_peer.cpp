@@ -37,11 +37,20 @@ ContractPeer::~ContractPeer() {
   std::filesystem::remove(log_, ignored);
 }
 
-const wire::Message& ContractPeer::meet() {
+const wire::Hello& ContractPeer::meet() {
   if (!hear()) throw_ended("before it said hello");
-  if (inbox_.kind == wire::Kind::failure) throw ParticipantError("it failed at start: " + inbox_.error_text);
+  if (inbox_.kind == wire::Kind::failure)
+    throw ParticipantError("it failed at start: " + inbox_.as<wire::Failure>().error_text);
   set_.listener().limit(identity_, wire::default_largest_message);
-  return inbox_;
+  return inbox_.as<wire::Hello>();
+}
+
+void ContractPeer::welcome(const std::string& name, double timeout_s, std::int64_t version) {
+  wire::Message message;
+  auto& welcome = message.make<wire::Welcome>();
+  welcome.participant = name;
+  welcome.timeout_s = timeout_s;
+  tell(message, version);
 }
 
 void ContractPeer::tell(wire::Message& message, std::int64_t version) {
@@ -53,10 +62,11 @@ void ContractPeer::tell(wire::Message& message, std::int64_t version) {
 }
 
 const wire::Message& ContractPeer::ask(wire::Message& message) {
-  tell(message);
+  tell(message, wire::protocol_version);
   if (!hear()) throw_ended(fmt::format("asked to '{}'", wire::name(message.kind)));
   if (inbox_.kind == wire::Kind::failure) {
-    throw ParticipantError(fmt::format("asked to '{}' it failed: {}", wire::name(message.kind), inbox_.error_text));
+    throw ParticipantError(
+        fmt::format("asked to '{}' it failed: {}", wire::name(message.kind), inbox_.as<wire::Failure>().error_text));
   }
   if (inbox_.run_id != run_id_) throw ProtocolError("it sent a message of another run");
   return inbox_;

@@ -28,10 +28,11 @@ class ContractPeer {
   ~ContractPeer();
 
   /// Waits for `hello`.
-  const wire::Message& meet();
-  /// Header and sequence number are filled in here; `version` may be a wrong one.
-  void tell(wire::Message& message, std::int64_t version = wire::protocol_version);
-  /// Tells and waits for the answer, which lives until the next one.
+  const wire::Hello& meet();
+  /// Lets it take part under this name, in this version of the wire protocol, which may be a wrong one.
+  void welcome(const std::string& name, double timeout_s, std::int64_t version = wire::protocol_version);
+  /// Sends `message`, of which the rest of the header is filled in here, and waits for the answer, which lives until
+  /// the next one.
   const wire::Message& ask(wire::Message& message);
   /// The next message; unlike `ask` it hands over a `failure`, too. Null if the process ended without one.
   const wire::Message* hear();
@@ -43,6 +44,7 @@ class ContractPeer {
   [[nodiscard]] std::string log_tail() const;
 
  private:
+  void tell(wire::Message& message, std::int64_t version);
   [[noreturn]] void throw_ended(const std::string& when);
   std::string run_id_;
   double timeout_s_;

@@ -13,21 +13,20 @@
 namespace ricochet::coupler {
 namespace {
 
-using wire::Kind;
-using wire::Message;
-
 void require(bool holds, const std::string& text) {
   if (!holds) throw ProtocolError(text);
 }
 
-Message request(Kind kind, std::int64_t window = 0) {
-  Message message;
-  message.kind = kind;
+/// Asks, and takes the answer as one of that kind: the order of messages lets no other through.
+template <class Answer, class Request>
+const Answer& ask(ContractPeer& peer, Request request, std::int64_t window = 0) {
+  wire::Message message;
+  message.make<Request>() = std::move(request);
   message.window = window;
-  return message;
+  return peer.ask(message).template as<Answer>();
 }
 
-void check_interface(const Message& d) {
+void check_interface(const wire::Description& d) {
   const int count = d.interface_position_m.rows;
   require(d.components >= 1 && d.components <= 3,
           fmt::format("it has {} components, allowed are 1 to 3", d.components));
@@ -45,7 +44,7 @@ void check_interface(const Message& d) {
   }
 }
 
-void check_description(const Message& hello, const Message& d) {
+void check_description(const wire::Hello& hello, const wire::Description& d) {
   require(!hello.participant.empty(), "it has no name");
   require(find_named<Role>(hello.role).has_value(),
           fmt::format("its role is '{}', allowed are '{}'", hello.role, fmt::join(all_names<Role>(), "', '")));
@@ -61,7 +60,7 @@ void check_description(const Message& hello, const Message& d) {
 }
 
 /// Largest extent of the interface [m]; for a single point its distance from the origin, or 1 m there.
-double length_scale(const Message& d) {
+double length_scale(const wire::Description& d) {
   double scale = 0.0;
   for (int c = 0; c < d.interface_position_m.columns; ++c) {
     double low = INFINITY, high = -INFINITY;
@@ -95,11 +94,11 @@ void append(const std::vector<double>& values, std::vector<double>& to) {
   to.insert(to.end(), values.begin(), values.end());
 }
 
-void take_rates(const Message& answer, ContractRun& run) {
+void take_rates(const wire::Rates& answer, wire::Kind kind, ContractRun& run) {
   const std::size_t expected = run.implicit() ? run.size() : 0;
   for (const auto* rates : {&answer.velocity_m_s, &answer.acceleration_m_s2}) {
     require(rates->data.size() == expected, fmt::format("'{}' has {} velocities or accelerations, expected {}",
-                                                        wire::name(answer.kind), rates->data.size(), expected));
+                                                        wire::name(kind), rates->data.size(), expected));
   }
   append(answer.velocity_m_s.data, run.velocity);
   append(answer.acceleration_m_s2.data, run.acceleration);
@@ -112,8 +111,8 @@ std::vector<double> output_of(const wire::Array& array, const char* field, const
   return array.data;
 }
 
-Message initialize_request(const ContractRun& run, const ContractDrive& drive) {
-  auto message = request(Kind::initialize);
+wire::Initialize initialize_request(const ContractRun& run, const ContractDrive& drive) {
+  wire::Initialize message;
   message.protocol = "hughes_liu";
   message.output_directory = "/tmp";
   message.window_size_s = run.window_size_s;
@@ -129,52 +128,49 @@ Message initialize_request(const ContractRun& run, const ContractDrive& drive) {
 void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
   const double critical = run.description.critical_time_step_s;
   run.window_size_s = drive.window_size_s > 0 ? drive.window_size_s : critical > 0 ? 0.5 * critical : 1e-6;
-  auto initialize = initialize_request(run, drive);
-  run.first_output = output_of(peer.ask(initialize).absolute, "absolute", run);
-  auto synchronise = request(Kind::synchronise);
+  run.first_output = output_of(ask<wire::Initialized>(peer, initialize_request(run, drive)).absolute, "absolute", run);
+  wire::Synchronise synchronise;
   synchronise.integration = name_of(run.implicit() ? Integration::implicit_newmark : Integration::explicit_central);
   synchronise.link_absolute = run.description.interface_position_m;
   synchronise.link_absolute.data.assign(run.size(), 0.0);
-  const auto& answer = peer.ask(synchronise);
+  const auto& answer = ask<wire::Synchronised>(peer, synchronise);
   run.input.assign(run.size(), 0.0);
   run.output = output_of(answer.absolute, "absolute", run);
-  take_rates(answer, run);
-  append(answer.records.data, run.records);
+  take_rates(answer, wire::Synchronised::kind, run);
 }
 
 /// One `advance` with the input as increment to the last accepted one.
-const Message& advance_by(ContractPeer& peer, const ContractRun& run, int window, const std::vector<double>& input,
-                          bool accept_at_once) {
-  auto message = request(Kind::advance, window);
+const wire::Advanced& advance_by(ContractPeer& peer, const ContractRun& run, int window,
+                                 const std::vector<double>& input, bool accept_at_once) {
+  wire::Advance message;
   message.link_increment = run.description.interface_position_m;
   for (std::size_t i = 0; i < input.size(); ++i) {
     message.link_increment.data[i] = input[i] - run.input[run.input.size() - input.size() + i];
   }
   message.link_absolute.resize(0, static_cast<int>(run.description.components));
   message.accept_at_once = accept_at_once;
-  return peer.ask(message);
+  return ask<wire::Advanced>(peer, std::move(message), window);
 }
 
-bool same_answer(const Message& a, const Message& b) {
+bool same_answer(const wire::Advanced& a, const wire::Advanced& b) {
   return a.increment.data == b.increment.data && a.velocity_m_s.data == b.velocity_m_s.data &&
          a.acceleration_m_s2.data == b.acceleration_m_s2.data;
 }
 
 void one_window(ContractPeer& peer, const ContractDrive& drive, int window, ContractRun& run) {
   const auto input = input_at(run, drive, window, false);
-  Message answer = advance_by(peer, run, window, input, !drive.try_first);
+  const wire::Advanced answer = advance_by(peer, run, window, input, !drive.try_first);
   if (drive.try_first) {
     advance_by(peer, run, window, input_at(run, drive, window, true), false);
-    const Message again = advance_by(peer, run, window, input, false);
+    const wire::Advanced again = advance_by(peer, run, window, input, false);
     if (!same_answer(answer, again)) run.forgotten.push_back(window);
-    auto accept = request(Kind::accept, window);
-    peer.ask(accept);
+    ask<wire::Accepted>(peer, wire::Accept{}, window);
   }
   auto output = output_of(answer.increment, "increment", run);
   for (std::size_t i = 0; i < output.size(); ++i) output[i] += run.output[run.output.size() - output.size() + i];
   append(input, run.input);
   run.output.insert(run.output.end(), output.begin(), output.end());
-  take_rates(answer, run);
+  take_rates(answer, wire::Advanced::kind, run);
 }
 
 }  // namespace
@@ -194,12 +190,8 @@ std::vector<double> ContractRun::column(const std::string& name) const {
 
 void describe(ContractPeer& peer, double timeout_s, ContractRun& run) {
   run.hello = peer.meet();
-  auto welcome = request(Kind::welcome);
-  welcome.participant = run.hello.participant;
-  welcome.timeout_s = timeout_s;
-  peer.tell(welcome);
-  auto describe = request(Kind::describe);
-  run.description = peer.ask(describe);
+  peer.welcome(run.hello.participant, timeout_s);
+  run.description = ask<wire::Description>(peer, wire::Describe{});
   check_description(run.hello, run.description);
 }
 
@@ -212,8 +204,7 @@ void run_contract(const ContractCommand& command, const ContractDrive& drive, Co
   ContractPeer peer(command);
   describe(peer, command.timeout_s, run);
   advance(peer, drive, run);
-  auto finish = request(Kind::finish, drive.windows);
-  append(peer.ask(finish).records.data, run.records);
+  append(ask<wire::Finished>(peer, wire::Finish{}, drive.windows).records.data, run.records);
   const auto end = peer.wait_end();
   if (!end) throw ParticipantError(fmt::format("after 'finish' it still ran {} s later", command.timeout_s));
   if (end->signal != 0 || end->exit_status != 0) {

@@ -17,7 +17,8 @@ struct ContractDrive {
 
 /// What came of it. Vectors are concatenated over the windows, from the first synchronisation on.
 struct ContractRun {
-  wire::Message hello, description;
+  wire::Hello hello;
+  wire::Description description;
   double window_size_s = 0;
   std::vector<double> first_output;   ///< of `initialized`
   std::vector<double> input, output;  ///< absolute link values, (windows + 1) x nodes x components
@@ -25,7 +26,7 @@ struct ContractRun {
   std::vector<double> records;          ///< rows x record_columns
   std::vector<std::int64_t> forgotten;  ///< windows whose repeated trial differed from the first
 
-  [[nodiscard]] bool implicit() const { return wire::has_role(hello, Role::implicit_solver); }
+  [[nodiscard]] bool implicit() const { return hello.role == name_of(Role::implicit_solver); }
   /// Numbers of one link vector.
   [[nodiscard]] std::size_t size() const { return description.interface_position_m.data.size(); }
   /// A record column, summed over bodies, at each row: "name" or "name/<body>". Empty if there is none.

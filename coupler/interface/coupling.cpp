@@ -7,7 +7,7 @@
 
 namespace ricochet::coupler {
 
-Coupling::Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& descriptions, double window_size_s)
+Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s)
     : map_(descriptions), window_size_s_(window_size_s) {
   for (std::size_t p = 0; p < peers.size(); ++p)
     links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
@@ -17,7 +17,7 @@ Coupling::Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& de
   if (found != links_.end()) implicit_ = &*found;
 }
 
-void Coupling::initialize(const wire::Message& request) {
+void Coupling::initialize(const wire::Initialize& request) {
   initialize_explicit(request, Masses::summed);
   initialize_implicit(request, Masses::summed);
   synchronise(Integration::implicit_newmark);
@@ -28,7 +28,7 @@ std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
   return link.rows().per_node(map_.mass_kg());
 }
 
-void Coupling::initialize_explicit(const wire::Message& request, Masses masses) {
+void Coupling::initialize_explicit(const wire::Initialize& request, Masses masses) {
   for (auto& link : links_) {
     if (!link.implicit()) link.post_initialize(request, masses_of(link, masses));
   }
@@ -37,7 +37,7 @@ void Coupling::initialize_explicit(const wire::Message& request, Masses masses) 
   }
 }
 
-void Coupling::initialize_implicit(wire::Message request, Masses masses, Eigen::MatrixXd interface_stiffness) {
+void Coupling::initialize_implicit(wire::Initialize request, Masses masses, Eigen::MatrixXd interface_stiffness) {
   if (!implicit_) return;
   interface_stiffness_ = std::move(interface_stiffness);
   if (interface_stiffness_.size() > 0) {
@@ -51,9 +51,9 @@ void Coupling::initialize_implicit(wire::Message request, Masses masses, Eigen::
   implicit_->rows().scatter(implicit_->output(), displacement_);
 }
 
-std::vector<wire::Message> Coupling::finish() {
+std::vector<wire::Finished> Coupling::finish() {
   for (auto& link : links_) link.post_finish();
-  std::vector<wire::Message> last_words;
+  std::vector<wire::Finished> last_words;
   for (auto& link : links_) last_words.push_back(link.wait_finished());
   return last_words;
 }
@@ -178,8 +178,8 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
 const Link* Coupling::implicit_link() const { return implicit_; }
 Link* Coupling::implicit_link() { return implicit_; }
 
-const ContactReport& Coupling::contact() const {
-  static const ContactReport none;
+const wire::ContactReport& Coupling::contact() const {
+  static const wire::ContactReport none;
   for (const auto& link : links_) {
     if (link.description().contact_owner) return link.contact();
   }

@@ -18,18 +18,18 @@ enum class Masses {
 class Coupling {
  public:
   /// Peers in the scene's order of participants, with what they answered to `describe`. Throws as InterfaceMap does.
-  Coupling(std::vector<Peer> peers, const std::vector<wire::Message>& descriptions, double window_size_s);
+  Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s);
   Coupling(const Coupling&) = delete;
   Coupling& operator=(const Coupling&) = delete;
 
   /// `initialize` to everyone with the summed masses, then the first synchronisation: the start of the primal
   /// protocols. `request`: see Link::post_initialize.
-  void initialize(const wire::Message& request);
+  void initialize(const wire::Initialize& request);
   /// The two halves of it, for protocols that ask the explicit participants something in between. `interface_stiffness`
   /// S [N/m], shared numbering, symmetric: the force on the shared nodes then is what advance_implicit is given plus S
   /// u.
-  void initialize_explicit(const wire::Message& request, Masses masses);
-  void initialize_implicit(wire::Message request, Masses masses, Eigen::MatrixXd interface_stiffness = {});
+  void initialize_explicit(const wire::Initialize& request, Masses masses);
+  void initialize_implicit(wire::Initialize request, Masses masses, Eigen::MatrixXd interface_stiffness = {});
   /// At the present time: the explicit participants take u_Gamma and answer their forces, the implicit one takes their
   /// sum and answers u, v, a; from here on it integrates so.
   void synchronise(Integration integration);
@@ -63,7 +63,7 @@ class Coupling {
   void advance_alone(const Step& step);
 
   /// Tells everyone that the last window was the last; returns their answers, in the scene's order.
-  std::vector<wire::Message> finish();
+  std::vector<wire::Finished> finish();
 
   /// Values in the shared numbering as a link's own rows; valid until the next call.
   const std::vector<double>& rows_of(const Link& link, const std::vector<double>& shared);
@@ -81,7 +81,7 @@ class Coupling {
   [[nodiscard]] const Link* implicit_link() const;
   [[nodiscard]] Link* implicit_link();
   /// Contact as its owner reports it; all zero without a contact.
-  [[nodiscard]] const ContactReport& contact() const;
+  [[nodiscard]] const wire::ContactReport& contact() const;
   /// The last window that every participant has accepted.
   [[nodiscard]] std::int64_t window() const;
   [[nodiscard]] double largest_drift() const;

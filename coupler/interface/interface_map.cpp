@@ -29,11 +29,11 @@ void require(bool condition, const std::string& text) {
   if (!condition) throw ProtocolError(text);
 }
 
-std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant) {
-  const int components = static_cast<int>(message.components);
-  const int count = message.interface_position_m.rows;
+std::vector<Node> nodes_of(const PeerDescription& description, std::size_t participant) {
+  const int components = static_cast<int>(description.components);
+  const int count = description.interface_position_m.rows;
   const auto says = [&](const std::string& what) {
-    return fmt::format("participant '{}' {}", message.participant, what);
+    return fmt::format("participant '{}' {}", description.participant, what);
   };
   require(components >= 1 && components <= 3,
           says(fmt::format("has {} components per node, allowed are 1 to 3", components)));
@@ -44,26 +44,26 @@ std::vector<Node> nodes_of(const wire::Message& message, std::size_t participant
         says(fmt::format("describes its interface with arrays of different shapes: '{}' is {} x {}, expected {} x {}",
                          field, array.rows, array.columns, count, columns)));
   };
-  require_shape(message.interface_position_m, "interface_position_m", components);
-  require_shape(message.interface_body, "interface_body", 1);
-  require_shape(message.interface_mass_kg, "interface_mass_kg", 1);
-  const bool implicit = wire::has_role(message, Role::implicit_solver);
+  require_shape(description.interface_position_m, "interface_position_m", components);
+  require_shape(description.interface_body, "interface_body", 1);
+  require_shape(description.interface_mass_kg, "interface_mass_kg", 1);
+  const bool implicit = description.role == Role::implicit_solver;
   std::vector<Node> nodes(count);
   for (int i = 0; i < count; ++i) {
     Node& node = nodes[i];
-    const double body = message.interface_body.data[i];
-    require(body >= 0 && body < static_cast<double>(message.bodies.size()) && body == std::floor(body),
+    const double body = description.interface_body.data[i];
+    require(body >= 0 && body < static_cast<double>(description.bodies.size()) && body == std::floor(body),
             says(fmt::format("gives interface node {} the body number {}, it has {} bodies", i, body,
-                             message.bodies.size())));
+                             description.bodies.size())));
     node.participant = participant;
     node.row = i;
-    node.body = message.bodies[static_cast<std::size_t>(body)];
-    node.mass_kg = message.interface_mass_kg.data[i];
+    node.body = description.bodies[static_cast<std::size_t>(body)];
+    node.mass_kg = description.interface_mass_kg.data[i];
     node.implicit = implicit;
-    std::copy_n(message.interface_position_m.data.begin() + static_cast<std::ptrdiff_t>(i) * components, components,
+    std::copy_n(description.interface_position_m.data.begin() + static_cast<std::ptrdiff_t>(i) * components, components,
                 node.position);
     const auto* begin = node.position;
-    node.where = fmt::format("participant '{}', body '{}', node {} at ({}) m", message.participant, node.body, i,
+    node.where = fmt::format("participant '{}', body '{}', node {} at ({}) m", description.participant, node.body, i,
                              fmt::join(begin, begin + components, ", "));
     require(node.mass_kg >= 0, fmt::format("{}: its lumped mass {} kg is negative", node.where, node.mass_kg));
     require(node.mass_kg <= largest_mass_kg,
@@ -186,11 +186,11 @@ void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shar
   shared_matrix(to, to) += own;
 }
 
-InterfaceMap::InterfaceMap(const std::vector<wire::Message>& descriptions) : rows_(descriptions.size()) {
+InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) : rows_(descriptions.size()) {
   std::vector<Node> nodes;  // the implicit participant's first, then the scene's order
   for (const bool implicit : {true, false}) {
     for (std::size_t p = 0; p < descriptions.size(); ++p) {
-      if (wire::has_role(descriptions[p], Role::implicit_solver) != implicit) continue;
+      if ((descriptions[p].role == Role::implicit_solver) != implicit) continue;
       const auto own = nodes_of(descriptions[p], p);
       nodes.insert(nodes.end(), own.begin(), own.end());
     }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/wire/message.hpp"
+#include "coupler/interface/peer.hpp"
 
 namespace ricochet::coupler {
 
@@ -36,7 +36,7 @@ class InterfaceMap {
   /// `descriptions`: one message of kind `description` per participant, in the scene's order.
   /// Throws ProtocolError naming participant, body and position where a node has no partner, two nodes of one
   /// participant coincide, no participant (or more than one) integrates it, or components differ.
-  explicit InterfaceMap(const std::vector<wire::Message>& descriptions);
+  explicit InterfaceMap(const std::vector<PeerDescription>& descriptions);
 
   [[nodiscard]] int nodes() const { return static_cast<int>(mass_kg_.size()); }
   [[nodiscard]] int components() const { return components_; }

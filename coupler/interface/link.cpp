@@ -29,15 +29,25 @@ void clear(wire::Array& array, int columns) {
 
 }  // namespace
 
-Link::Link(Peer peer, const wire::Message& description, const InterfaceRows& rows)
+Link::Link(Peer peer, const PeerDescription& description, const InterfaceRows& rows)
     : peer_(std::move(peer)),
       description_(description),
       rows_(rows),
-      implicit_(wire::has_role(description, Role::implicit_solver)),
       records_("records", "history row", description.record_columns.size()),
       axial_stress_("axial_stress", "axial stress row", description.axial_stress_columns.size()) {
   const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
+}
+
+template <class Body>
+const Body& Link::wait() {
+  const auto& answer = peer_.wait();
+  if (answer.kind != Body::kind) {
+    throw ProtocolError(fmt::format("participant '{}' answered '{}' in window {}, expected '{}'", name(),
+                                    wire::name(answer.kind), request_.window, wire::name(Body::kind)));
+  }
+  answer_window_ = answer.window;
+  return answer.template as<Body>();
 }
 
 std::vector<double> Link::own_mass_kg() const {
@@ -48,52 +58,52 @@ std::vector<double> Link::own_mass_kg() const {
   return masses;
 }
 
-void Link::post_initialize(wire::Message request, const std::vector<double>& own_masses) {
-  request.kind = wire::Kind::initialize;
+void Link::post_initialize(wire::Initialize request, const std::vector<double>& own_masses) {
   records_.expect_every(request.history_every);
   axial_stress_.expect_every(request.axial_stress_every);
   if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
   driven_by_force_ = request.driven_by == name_of(Drive::force);
   set(request.interface_mass_kg, own_masses, 1);
-  peer_.post(request);
+  request_.make<wire::Initialize>() = std::move(request);
+  peer_.post(request_);
 }
 
 void Link::wait_initialized() {
-  const auto& answer = wait(wire::Kind::initialized);
+  const auto& answer = wait<wire::Initialized>();
   setup_s_ = answer.setup_s;
-  take_absolute(answer);
+  take_absolute(answer.absolute);
 }
 
 void Link::post_synchronise(Integration integration, const std::vector<double>& input) {
   received_input_ = input;
-  request_.kind = wire::Kind::synchronise;
-  request_.integration = name_of(integration);
-  set(request_.link_absolute, received_input_, rows_.components);
+  auto& request = request_.make<wire::Synchronise>();
+  request.integration = name_of(integration);
+  set(request.link_absolute, received_input_, rows_.components);
   peer_.post(request_);
 }
 
 void Link::wait_synchronised() {
-  const auto& answer = wait(wire::Kind::synchronised);
-  take_absolute(answer);
+  const auto& answer = wait<wire::Synchronised>();
+  take_absolute(answer.absolute);
   take_rates(answer);
 }
 
 void Link::post_load_state(const std::vector<double>& state, FrozenContact frozen_contact) {
-  request_.kind = wire::Kind::load_state;
-  request_.frozen_contact = name_of(frozen_contact);
-  set(request_.state, state, 1);
+  auto& request = request_.make<wire::LoadState>();
+  request.frozen_contact = name_of(frozen_contact);
+  set(request.state, state, 1);
   peer_.post(request_);
 }
 
-void Link::wait_state_loaded() { wait(wire::Kind::state_loaded); }
+void Link::wait_state_loaded() { wait<wire::StateLoaded>(); }
 
 void Link::post_read_state() {
-  request_.kind = wire::Kind::read_state;
+  request_.make<wire::ReadState>();
   peer_.post(request_);
 }
 
-const wire::Message& Link::wait_state() {
-  const auto& answer = wait(wire::Kind::state);
+const wire::State& Link::wait_state() {
+  const auto& answer = wait<wire::State>();
   if (answer.state.data.size() == answer.state_scale.data.size()) return answer;
   throw ProtocolError(fmt::format("participant '{}' told a state of {} numbers with {} scales", name(),
                                   answer.state.data.size(), answer.state_scale.data.size()));
@@ -102,30 +112,32 @@ const wire::Message& Link::wait_state() {
 void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
   acceptance_ = acceptance;
   ends_window_ = step.ends_window;
-  request_.kind = wire::Kind::advance;
+  auto& request = request_.make<wire::Advance>();
   request_.window = step.accepted_window + 1;
-  request_.windows = step.windows;
   request_.substep = step.substep;
-  request_.accept_at_once = acceptance == Acceptance::at_once;
-  request_.absolute_requested = step.absolute;
-  request_.records_requested = step.records;
-  set(request_.link_increment, input, rows_.components);
+  last_requested_ = step.accepted_window + step.windows;
+  records_requested_ = step.records;
+  request.windows = step.windows;
+  request.accept_at_once = acceptance == Acceptance::at_once;
+  request.absolute_requested = step.absolute;
+  request.records_requested = step.records;
+  set(request.link_increment, input, rows_.components);
   trial_input_ = input;
   for (std::size_t i = 0; i < input.size(); ++i) {
-    double& increment = request_.link_increment.data[i];
+    double& increment = request.link_increment.data[i];
     increment -= received_input_[i];
     if (!step.absolute) trial_input_[i] = received_input_[i] + increment;
   }
   if (step.absolute) {
-    set(request_.link_absolute, input, rows_.components);
+    set(request.link_absolute, input, rows_.components);
   } else {
-    clear(request_.link_absolute, rows_.components);
+    clear(request.link_absolute, rows_.components);
   }
   peer_.post(request_);
 }
 
 void Link::wait_advanced() {
-  const auto& answer = wait(wire::Kind::advanced);
+  const auto& answer = wait<wire::Advanced>();
   require_rows(answer.increment, "increment");  // driven by displacement: Delta P
   for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
   if (answer.absolute.rows > 0) {
@@ -138,62 +150,52 @@ void Link::wait_advanced() {
 }
 
 void Link::post_accept(const Step& step) {
-  request_.kind = wire::Kind::accept;
-  request_.window = step.accepted_window + 1;
+  request_.make<wire::Accept>().records_requested = step.records;
+  request_.window = last_requested_ = step.accepted_window + 1;
   request_.substep = step.substep;
-  request_.records_requested = step.records;
+  records_requested_ = step.records;
   peer_.post(request_);
 }
 
-void Link::wait_accepted() { take_acceptance(wait(wire::Kind::accepted)); }
+void Link::wait_accepted() { take_acceptance(wait<wire::Accepted>()); }
 
-void Link::take_acceptance(const wire::Message& answer) {
+void Link::take_acceptance(const wire::AcceptedWindow& answer) {
   received_input_.swap(trial_input_);
   output_accepted_ = output_;
-  if (ends_window_) window_ = window_of(answer);
-  contact_ = {answer.pairs_closed, answer.gap_min_m,         answer.gap_rate_min_m_s,
-              answer.separated,    answer.separation_time_s, answer.finished_early};
+  if (ends_window_) window_ = answered_window(answer.finished_early);
+  contact_ = answer;
+  take_outline(answer.outline);
   take_records_of(answer);
 }
 
 /// The window that an answer says it has come to: the one that was asked for, or of several the last, unless the run is
 /// over.
-std::int64_t Link::window_of(const wire::Message& answer) const {
-  const auto last = request_.window + request_.windows - 1;
-  const bool early = answer.finished_early && answer.window >= request_.window && answer.window < last;
-  if (answer.window == last || early) return answer.window;
+std::int64_t Link::answered_window(bool finished_early) const {
+  const bool early = finished_early && answer_window_ >= request_.window && answer_window_ < last_requested_;
+  if (answer_window_ == last_requested_ || early) return answer_window_;
   throw ProtocolError(fmt::format("participant '{}' answered 'window' = {}, it was asked to compute windows {} to {}",
-                                  name(), answer.window, request_.window, last));
+                                  name(), answer_window_, request_.window, last_requested_));
 }
 
 void Link::post_finish() {
-  request_.kind = wire::Kind::finish;
+  request_.make<wire::Finish>();
   peer_.post(request_);
 }
 
-const wire::Message& Link::wait_finished() {
-  const auto& answer = wait(wire::Kind::finished);
+const wire::Finished& Link::wait_finished() {
+  const auto& answer = wait<wire::Finished>();
   take_records_of(answer);
   largest_drift_ = std::max(largest_drift_, answer.largest_drift);
   return answer;
 }
 
-const wire::Message& Link::wait(wire::Kind expected) {
-  const auto& answer = peer_.wait();
-  if (answer.kind != expected) {
-    throw ProtocolError(fmt::format("participant '{}' answered '{}' in window {}, expected '{}'", name(),
-                                    wire::name(answer.kind), request_.window, wire::name(expected)));
-  }
-  return answer;
-}
-
-void Link::take_absolute(const wire::Message& answer) {
-  require_rows(answer.absolute, "absolute");
-  output_ = answer.absolute.data;
+void Link::take_absolute(const wire::Array& absolute) {
+  require_rows(absolute, "absolute");
+  output_ = absolute.data;
   output_accepted_ = output_;
 }
 
-void Link::take_rates(const wire::Message& answer) {
+void Link::take_rates(const wire::Rates& answer) {
   if (!driven_by_force_ || answer.velocity_m_s.rows == 0) return;
   require_rows(answer.velocity_m_s, "velocity_m_s");
   require_rows(answer.acceleration_m_s2, "acceleration_m_s2");
@@ -207,31 +209,35 @@ void Link::require_body(double body, const char* field) const {
                                   description_.bodies.size()));
 }
 
-void Link::take_departures(const wire::Message& answer) {
-  const auto require_columns = [&](const wire::Array& array, int columns, const char* field) {
-    if (array.rows == 0 || array.columns == columns) return;
-    throw ProtocolError(fmt::format("participant '{}' sent '{}' with rows of {} numbers, expected {}", name(), field,
-                                    array.columns, columns));
-  };
-  require_columns(answer.departures, wire::departure_columns, "departures");
-  require_columns(answer.outline, 2 + rows_.components, "outline");
-  for (int row = 0; row < answer.departures.rows; ++row) {
-    const double* values = &answer.departures.data[static_cast<std::size_t>(row * wire::departure_columns)];
+void Link::require_columns(const wire::Array& array, int columns, const char* field) const {
+  if (array.rows == 0 || array.columns == columns) return;
+  throw ProtocolError(fmt::format("participant '{}' sent '{}' with rows of {} numbers, expected {}", name(), field,
+                                  array.columns, columns));
+}
+
+void Link::take_departures(const wire::Array& departures) {
+  require_columns(departures, wire::departure_columns, "departures");
+  for (int row = 0; row < departures.rows; ++row) {
+    const double* values = &departures.data[static_cast<std::size_t>(row * wire::departure_columns)];
     if (!(values[0] >= 1 && values[0] <= departure_kinds && values[0] == std::floor(values[0]))) {
       throw ProtocolError(fmt::format("participant '{}' sent the unknown kind {} in 'departures'", name(), values[0]));
     }
     require_body(values[1], "departures");
   }
-  for (int row = 0; row < answer.outline.rows; ++row) {
-    require_body(answer.outline.data[static_cast<std::size_t>(row * answer.outline.columns)], "outline");
-  }
-  if (answer.departures.rows > 0) departures_ = answer.departures;  // what has left once stays told
-  if (answer.outline.rows > 0) outline_ = answer.outline;
+  if (departures.rows > 0) departures_ = departures;  // what has left once stays told
 }
 
-void Link::take_records_of(const wire::Message& answer) {
-  take_departures(answer);
-  const std::int64_t requested = request_.records_requested ? window_ : -1;
+void Link::take_outline(const wire::Array& outline) {
+  require_columns(outline, 2 + rows_.components, "outline");
+  for (int row = 0; row < outline.rows; ++row) {
+    require_body(outline.data[static_cast<std::size_t>(row * outline.columns)], "outline");
+  }
+  if (outline.rows > 0) outline_ = outline;
+}
+
+void Link::take_records_of(const wire::Records& answer) {
+  take_departures(answer.departures);
+  const std::int64_t requested = records_requested_ ? window_ : -1;
   records_.take(answer.records, name(), window_, requested);
   axial_stress_.take(answer.axial_stress, name(), window_, requested);
 }

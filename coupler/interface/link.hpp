@@ -22,16 +22,6 @@ struct Step {
 
 enum class Acceptance { trial, at_once };
 
-/// State of the contact after the last accepted window, as its owner reports it.
-struct ContactReport {
-  std::int64_t pairs_closed = 0;
-  double gap_min_m = 0.0;
-  double gap_rate_min_m_s = 0.0;
-  bool separated = false;
-  double separation_time_s = -1.0;  ///< < 0: none so far
-  bool finished_early = false;
-};
-
 /// One participant as a protocol sees it: absolute interface values in the shared numbering. On the wire travel
 /// increments since the participant's last accepted window (Eq. 6); this class keeps, for either direction, the
 /// absolute values that the receiving end has accumulated, so that an increment never carries the rounding of the one
@@ -41,18 +31,17 @@ struct ContactReport {
 /// A resynchronisation replaces both by the absolute values and keeps the largest relative difference.
 class Link {
  public:
-  /// `description`: the participant's own, with `participant` and `role` filled in.
-  Link(Peer peer, const wire::Message& description, const InterfaceRows& rows);
+  Link(Peer peer, const PeerDescription& description, const InterfaceRows& rows);
 
   [[nodiscard]] const std::string& name() const { return peer_.name; }
-  [[nodiscard]] bool implicit() const { return implicit_; }
+  [[nodiscard]] bool implicit() const { return description_.role == Role::implicit_solver; }
   /// Its link input is a force, and it answers its motion.
   [[nodiscard]] bool driven_by_force() const { return driven_by_force_; }
-  [[nodiscard]] const wire::Message& description() const { return description_; }
+  [[nodiscard]] const PeerDescription& description() const { return description_; }
   [[nodiscard]] const InterfaceRows& rows() const { return rows_; }
 
-  /// `request`: a message of kind `initialize` without its masses. `own_masses` per own interface node [kg].
-  void post_initialize(wire::Message request, const std::vector<double>& own_masses);
+  /// `request`: without its masses. `own_masses` per own interface node [kg].
+  void post_initialize(wire::Initialize request, const std::vector<double>& own_masses);
   void wait_initialized();
   /// `input` (here and below) in own rows.
   void post_synchronise(Integration integration, const std::vector<double>& input);
@@ -60,9 +49,9 @@ class Link {
   /// A synchronisation must follow.
   void post_load_state(const std::vector<double>& state, FrozenContact frozen_contact);
   void wait_state_loaded();
-  /// The answer has the fields `state` and `state_scale`; it is valid until the next message.
+  /// The answer is valid until the next message.
   void post_read_state();
-  const wire::Message& wait_state();
+  const wire::State& wait_state();
   /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
   void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
   void wait_advanced();
@@ -70,7 +59,7 @@ class Link {
   void post_accept(const Step& step);
   void wait_accepted();
   void post_finish();
-  const wire::Message& wait_finished();
+  const wire::Finished& wait_finished();
 
   /// Link input that the participant has accepted last, own rows.
   [[nodiscard]] const std::vector<double>& input() const { return received_input_; }
@@ -80,7 +69,7 @@ class Link {
   [[nodiscard]] std::vector<double> own_mass_kg() const;
   [[nodiscard]] const std::vector<double>& velocity_m_s() const { return velocity_; }
   [[nodiscard]] const std::vector<double>& acceleration_m_s2() const { return acceleration_; }
-  [[nodiscard]] const ContactReport& contact() const { return contact_; }
+  [[nodiscard]] const wire::ContactReport& contact() const { return contact_; }
   /// Largest difference between accumulated and absolute values so far, relative to the largest absolute value.
   [[nodiscard]] double largest_drift() const { return largest_drift_; }
   [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
@@ -95,23 +84,28 @@ class Link {
   [[nodiscard]] std::vector<double> take_axial_stress() { return axial_stress_.taken(); }
 
  private:
-  const wire::Message& wait(wire::Kind expected);
-  void take_acceptance(const wire::Message& answer);
-  void take_absolute(const wire::Message& answer);
-  void take_rates(const wire::Message& answer);
-  void take_records_of(const wire::Message& answer);
-  void take_departures(const wire::Message& answer);
+  template <class Body>
+  const Body& wait();
+  void take_acceptance(const wire::AcceptedWindow& answer);
+  void take_absolute(const wire::Array& absolute);
+  void take_rates(const wire::Rates& answer);
+  void take_records_of(const wire::Records& answer);
+  void take_departures(const wire::Array& departures);
+  void take_outline(const wire::Array& outline);
+  void require_columns(const wire::Array& array, int columns, const char* field) const;
   void require_body(double body, const char* field) const;
-  [[nodiscard]] std::int64_t window_of(const wire::Message& answer) const;
+  [[nodiscard]] std::int64_t answered_window(bool finished_early) const;
   void require_rows(const wire::Array& array, const char* field) const;
 
   Peer peer_;
-  wire::Message description_, request_;
+  PeerDescription description_;
+  wire::Message request_;
+  std::int64_t answer_window_ = 0, last_requested_ = 0;  ///< of the last answer; that was asked for
   InterfaceRows rows_;
   std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_;
   Acceptance acceptance_ = Acceptance::at_once;
-  bool implicit_, driven_by_force_ = false, ends_window_ = true;
-  ContactReport contact_;
+  bool driven_by_force_ = false, ends_window_ = true, records_requested_ = false;
+  wire::ContactReport contact_;
   wire::Array departures_, outline_;
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;

@@ -7,6 +7,12 @@
 
 namespace ricochet::coupler {
 
+/// What a participant says of itself, under the name and in the role that the scene gives it.
+struct PeerDescription : wire::Description {
+  std::string participant;
+  Role role = Role::explicit_solver;
+};
+
 /// The other end of one link, wherever it runs: another process behind a socket, or an object in this one. At most one
 /// message is under way: `post`, then `wait`.
 struct Peer {

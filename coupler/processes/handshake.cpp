@@ -34,50 +34,51 @@ void Peers::handshake() {
 void Peers::admit() {
   const int config = static_cast<int>(ExitCode::config);
   const int protocol = static_cast<int>(ExitCode::protocol);
-  if (scratch_.kind == wire::Kind::failure) return;
-  if (scratch_.kind != wire::Kind::hello) {
-    refuse(fmt::format("the first message must be 'hello', not '{}'", wire::name(scratch_.kind)), protocol);
+  if (scratch_->kind == wire::Kind::failure) return;
+  if (scratch_->kind != wire::Kind::hello) {
+    refuse(fmt::format("the first message must be 'hello', not '{}'", wire::name(scratch_->kind)), protocol);
     return;
   }
   std::vector<std::string> names;
   for (const auto& peer : peers_) names.push_back(peer.expected.name);
-  const auto found = std::find(names.begin(), names.end(), scratch_.participant);
+  const auto& hello = scratch_->as<wire::Hello>();
+  const auto found = std::find(names.begin(), names.end(), hello.participant);
   if (found == names.end()) {
-    refuse(fmt::format("this run has no participant '{}', allowed are {}{}", scratch_.participant,
-                       fmt::join(names, ", "), did_you_mean(scratch_.participant, names)),
+    refuse(fmt::format("this run has no participant '{}', allowed are {}{}", hello.participant, fmt::join(names, ", "),
+                       did_you_mean(hello.participant, names)),
            config);
     return;
   }
   auto& peer = peers_[static_cast<std::size_t>(found - names.begin())];
-  std::string objection = objection_to_hello(peer);
-  auto memory = objection.empty() ? open_shared_memory(objection) : nullptr;
+  std::string objection = objection_to_hello(hello, peer);
+  auto memory = objection.empty() ? open_shared_memory(hello, objection) : nullptr;
   if (!objection.empty()) {
     const bool launched_here =
-        peer.identity.empty() && launcher_.launched(*found) && scratch_.process_id == launcher_.process_id(*found);
+        peer.identity.empty() && launcher_.launched(*found) && hello.process_id == launcher_.process_id(*found);
     refuse(objection, config);
     if (peer.identity.empty()) peer.refusal = objection;
     if (launched_here) throw ConfigError(objection);  // no second one will come
     return;
   }
-  peer.lifecycle.step(wire::Side::participant, scratch_, peer.expected.name);
+  peer.lifecycle.step(wire::Side::participant, *scratch_, peer.expected.name);
   peer.identity = scratch_identity_;
-  peer.process_id = scratch_.process_id;
+  peer.process_id = hello.process_id;
   peer.last_heard = Clock::now();
-  wire::Message welcome;
-  welcome.kind = wire::Kind::welcome;
+  wire::Message message;
+  auto& welcome = message.make<wire::Welcome>();
   welcome.participant = peer.expected.name;
   // The coupler may wait for one peer after another while this one has nothing to do.
   welcome.timeout_s = 2.0 * run_.timeout_s;
   welcome.shared_memory = memory != nullptr;
   peer.transport = memory ? Transport::shm : run_.transport == Transport::tcp ? Transport::tcp : Transport::zmq;
-  post(peer, welcome);
+  post(peer, message);
   peer.busy = false;
   listener_.limit(peer.identity, run_.largest_message);
   if (memory) listener_.share(peer.identity, std::move(memory));
 }
 
 /// Why who said hello as `peer` must not take part; empty if nothing speaks against it.
-std::string Peers::objection_to_hello(const Remote& peer) const {
+std::string Peers::objection_to_hello(const wire::Hello& hello, const Remote& peer) const {
   const auto& name = peer.expected.name;
   if (!listener_.sender().empty() && listener_.sender() != name) {
     return fmt::format("participant '{}' says it is '{}': it has the key of the one, not of the other",
@@ -86,35 +87,35 @@ std::string Peers::objection_to_hello(const Remote& peer) const {
   if (!peer.identity.empty()) {
     return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
   }
-  if (!wire::has_role(scratch_, peer.expected.role)) {
-    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, scratch_.role,
+  if (hello.role != name_of(peer.expected.role)) {
+    return fmt::format("participant '{}' says it is {}, the scene wants {}", name, hello.role,
                        name_of(peer.expected.role));
   }
-  if (!scratch_.scene_sha256.empty() && scratch_.scene_sha256 != run_.scene_sha256) {
+  if (!hello.scene_sha256.empty() && hello.scene_sha256 != run_.scene_sha256) {
     return fmt::format(
         "participant '{}' read another scene (SHA-256 {:.12}..., this run has {:.12}...); give both the "
         "same file",
-        name, scratch_.scene_sha256, run_.scene_sha256);
+        name, hello.scene_sha256, run_.scene_sha256);
   }
   return "";
 }
 
 /// The memory that the hello offers, if the scene lets it be used. With transport "auto" ZeroMQ takes its place where
 /// it cannot be had; with "shm" that is an objection.
-std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(std::string& objection) const {
+std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(const wire::Hello& hello, std::string& objection) const {
   const bool required = run_.transport == Transport::shm;
   if (!required && run_.transport != Transport::automatic) return nullptr;
   std::string why = "it offers no shared memory";
-  if (!scratch_.shared_memory_path.empty()) {
+  if (!hello.shared_memory_path.empty()) {
     try {
-      return wire::SharedMemory::open(scratch_.shared_memory_path, scratch_.shared_memory_key);
+      return wire::SharedMemory::open(hello.shared_memory_path, hello.shared_memory_key);
     } catch (const ConfigError& error) {
       why = error.what();
     }
   }
   if (required) {
     objection = fmt::format("{}: found \"shm\", which participant '{}' cannot have: {}; \"auto\" allows ZeroMQ for it",
-                            run_.transport_where, scratch_.participant, why);
+                            run_.transport_where, hello.participant, why);
   }
   return nullptr;
 }
@@ -122,11 +123,11 @@ std::unique_ptr<wire::SharedMemory> Peers::open_shared_memory(std::string& objec
 void Peers::refuse(const std::string& text, int code) {
   last_refusal_ = text;
   wire::Message message;
-  message.kind = wire::Kind::failure;
   message.run_id = run_.run_id;
-  message.error_code = code;
-  message.error_text = text;
-  message.error_culprit = scratch_.kind == wire::Kind::hello ? scratch_.participant : "";
+  auto& failure = message.make<wire::Failure>();
+  failure.error_code = code;
+  failure.error_text = text;
+  failure.error_culprit = scratch_->kind == wire::Kind::hello ? scratch_->as<wire::Hello>().participant : "";
   listener_.send(scratch_identity_, message);
 }
 

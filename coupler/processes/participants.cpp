@@ -45,9 +45,9 @@ ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling) {
   return {coupling.substeps, coupling.acceleration, coupling.relaxation, coupling.tolerance, coupling.max_iterations};
 }
 
-wire::Message initialize_request(const scene::Scene& scene, double window_size_s, std::int64_t last_window,
-                                 const std::string& output_directory) {
-  wire::Message request;
+wire::Initialize initialize_request(const scene::Scene& scene, double window_size_s, std::int64_t last_window,
+                                    const std::string& output_directory) {
+  wire::Initialize request;
   request.window_size_s = window_size_s;
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol.name;
@@ -59,7 +59,6 @@ wire::Message initialize_request(const scene::Scene& scene, double window_size_s
   request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
   request.separation_windows = scene.coupling.separation_windows;
   request.last_window = last_window;
-  request.timeout_s = scene.coupling.timeout_s;
   return request;
 }
 
@@ -77,20 +76,20 @@ std::vector<std::string> participant_names(const scene::Scene& scene) {
   return names;
 }
 
-void require_capability(const wire::Message& description, Capability needed, const std::string& activity) {
-  if (wire::has_capability(description, needed)) return;
+void require_capability(const PeerDescription& description, Capability needed, const std::string& activity) {
+  if (description.has(needed)) return;
   const auto& has = description.capabilities;
   throw ConfigError(
       fmt::format("participant '{}' ({}) cannot take part in {}: it lacks the capability \"{}\" (it has: "
                   "{}); choose another protocol or another solver",
-                  description.participant, description.solver, activity, name_of(needed),
+                  description.participant, name_of(description.role), activity, name_of(needed),
                   has.empty() ? "none" : fmt::format("{}", fmt::join(has, ", "))));
 }
 
-void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<wire::Message>& descriptions) {
+void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<PeerDescription>& descriptions) {
   int implicit = 0;
   for (const auto& description : descriptions) {
-    const bool is_implicit = wire::has_role(description, Role::implicit_solver);
+    const bool is_implicit = description.role == Role::implicit_solver;
     implicit += is_implicit ? 1 : 0;
     for (const auto needed : is_implicit ? protocol.implicit_capabilities : protocol.explicit_capabilities) {
       require_capability(description, needed, fmt::format("protocol {}", protocol.name));

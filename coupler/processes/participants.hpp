@@ -15,9 +15,9 @@ namespace ricochet::coupler {
 /// What the scene says to its protocol.
 [[nodiscard]] ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling);
 
-/// What the scene says to its participants: a message of kind `initialize`, but for what is told to each one alone.
-[[nodiscard]] wire::Message initialize_request(const scene::Scene& scene, double window_size_s,
-                                               std::int64_t last_window, const std::string& output_directory);
+/// What the scene says to its participants, but for what is told to each one alone.
+[[nodiscard]] wire::Initialize initialize_request(const scene::Scene& scene, double window_size_s,
+                                                  std::int64_t last_window, const std::string& output_directory);
 
 /// Program per participant, in the scene's order; empty for one that is started by hand.
 [[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
@@ -32,10 +32,10 @@ namespace ricochet::coupler {
                                           const std::string& run_id);
 
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
-void require_capability(const wire::Message& description, Capability needed, const std::string& activity);
+void require_capability(const PeerDescription& description, Capability needed, const std::string& activity);
 
 /// Refuses a participant that lacks what the protocol needs: ConfigError naming the participant, the capability and the
 /// protocol. Coupled protocols also need exactly one implicit participant.
-void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<wire::Message>& descriptions);
+void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<PeerDescription>& descriptions);
 
 }  // namespace ricochet::coupler

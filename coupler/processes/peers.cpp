@@ -70,7 +70,7 @@ const wire::Message& Peers::wait(std::size_t index) {
   }
   peer.has_message = false;
   note_wait(index, begin);
-  return peer.inbox;
+  return *peer.inbox;
 }
 
 void Peers::note_wait(std::size_t index, Clock::time_point begin) {
@@ -119,7 +119,7 @@ bool Peers::receive_into_scratch(wire::Deadline deadline, const std::string& awa
   for (;;) {
     scratch_identity_ = awaited;
     try {
-      return listener_.receive(scratch_identity_, scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
+      return listener_.receive(scratch_identity_, *scratch_, deadline, watch_processes ? descriptors_ : nothing, ready);
     } catch (const ProtocolError& error) {
       const auto* peer = find(scratch_identity_);
       if (peer) throw_broken(*peer, error);
@@ -135,14 +135,14 @@ void Peers::deliver() {
     admit();
     return;
   }
-  peer->lifecycle.step(wire::Side::participant, scratch_, peer->expected.name);
-  if (scratch_.kind != wire::Kind::failure && scratch_.run_id != run_.run_id) {
+  peer->lifecycle.step(wire::Side::participant, *scratch_, peer->expected.name);
+  if (scratch_->kind != wire::Kind::failure && scratch_->run_id != run_.run_id) {
     throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'",
-                                    peer->expected.name, scratch_.run_id, run_.run_id));
+                                    peer->expected.name, scratch_->run_id, run_.run_id));
   }
   std::swap(peer->inbox, scratch_);
   peer->last_heard = Clock::now();
-  if (peer->inbox.kind == wire::Kind::failure) throw_failure(*peer);
+  if (peer->inbox->kind == wire::Kind::failure) throw_failure(*peer);
   peer->has_message = true;
 }
 
@@ -201,12 +201,12 @@ void Peers::check_connections() {
   }
 }
 
-void Peers::limit(std::size_t index, const wire::Message& description) {
+void Peers::limit(std::size_t index, const wire::Description& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
   constexpr std::size_t most_rows = 4200;  // of each kind in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() +
                        most_rows * (description.record_columns.size() + description.axial_stress_columns.size());
-  const bool tells_state = wire::has_capability(description, Capability::load_state);
+  const bool tells_state = description.has(Capability::load_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }
@@ -215,10 +215,10 @@ void Peers::announce_failure(int code, const std::string& text, const std::strin
   for (auto& peer : peers_) {
     if (peer.identity.empty() || peer.lifecycle.done()) continue;
     wire::Message message;
-    message.kind = wire::Kind::failure;
-    message.error_code = code;
-    message.error_text = text;
-    message.error_culprit = culprit;
+    auto& failure = message.make<wire::Failure>();
+    failure.error_code = code;
+    failure.error_text = text;
+    failure.error_culprit = culprit;
     message.window = peer.window;
     try {
       post(peer, message);
@@ -233,13 +233,13 @@ void Peers::throw_broken(const Remote& peer, const ProtocolError& error) const {
 }
 
 void Peers::throw_failure(const Remote& peer) const {
-  const auto& message = peer.inbox;
-  const bool known = message.error_code == static_cast<int>(ExitCode::config) ||
-                     message.error_code == static_cast<int>(ExitCode::unstable) ||
-                     message.error_code == static_cast<int>(ExitCode::protocol) ||
-                     message.error_code == static_cast<int>(ExitCode::machine);
-  const auto code = known ? static_cast<ExitCode>(message.error_code) : ExitCode::participant;
-  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), message.error_text));
+  const auto& failure = peer.inbox->as<wire::Failure>();
+  const bool known = failure.error_code == static_cast<int>(ExitCode::config) ||
+                     failure.error_code == static_cast<int>(ExitCode::unstable) ||
+                     failure.error_code == static_cast<int>(ExitCode::protocol) ||
+                     failure.error_code == static_cast<int>(ExitCode::machine);
+  const auto code = known ? static_cast<ExitCode>(failure.error_code) : ExitCode::participant;
+  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), failure.error_text));
 }
 
 void Peers::throw_silent(const Remote& peer) const {

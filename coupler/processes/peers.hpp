@@ -50,7 +50,7 @@ class Peers {
   /// Waits until every expected participant has said hello and welcomes it.
   void handshake();
   /// Takes no message from the participant that is larger than what it has described of itself needs.
-  void limit(std::size_t index, const wire::Message& description);
+  void limit(std::size_t index, const wire::Description& description);
   /// The participant in the form the protocols use; refers to this object.
   [[nodiscard]] Peer peer(std::size_t index);
   [[nodiscard]] std::vector<Peer> all();
@@ -77,7 +77,7 @@ class Peers {
     ExpectedPeer expected;
     std::string identity;  ///< routing identity; empty until its hello
     wire::Lifecycle lifecycle;
-    wire::Message inbox;
+    std::unique_ptr<wire::Message> inbox = std::make_unique<wire::Message>();
     std::string asked;  ///< what it was asked last, for error texts
     std::optional<Transport> transport;
     std::string refusal;  ///< why a peer of this name was turned away
@@ -97,8 +97,8 @@ class Peers {
   bool receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes);
   void deliver();
   void admit();
-  [[nodiscard]] std::string objection_to_hello(const Remote& peer) const;
-  std::unique_ptr<wire::SharedMemory> open_shared_memory(std::string& objection) const;
+  [[nodiscard]] std::string objection_to_hello(const wire::Hello& hello, const Remote& peer) const;
+  std::unique_ptr<wire::SharedMemory> open_shared_memory(const wire::Hello& hello, std::string& objection) const;
   void refuse(const std::string& text, int code);
   bool attend();
   void check_end(Remote& peer);
@@ -118,7 +118,7 @@ class Peers {
   RunIdentity run_;
   std::vector<Remote> peers_;
   std::vector<int> descriptors_;
-  wire::Message scratch_;
+  std::unique_ptr<wire::Message> scratch_ = std::make_unique<wire::Message>();  ///< what came last
   std::uint64_t seen_closings_ = 0;
   wire::Clock::time_point next_look_at_logs_;
   std::string scratch_identity_;

@@ -26,7 +26,7 @@ std::vector<ExpectedPeer> expected_peers(const std::vector<Member>& members) {
 }
 
 /// What each says of itself, and that they do not contradict each other.
-void check_descriptions(const std::vector<wire::Message>& descriptions) {
+void check_descriptions(const std::vector<PeerDescription>& descriptions) {
   std::string owner;
   for (const auto& description : descriptions) {
     const auto& name = description.participant;
@@ -99,19 +99,18 @@ void ProcessSet::meet() {
   remove_keys();
 }
 
-std::vector<wire::Message> ProcessSet::describe() {
+std::vector<PeerDescription> ProcessSet::describe() {
   auto asked = peers_.all();
   for (const auto& peer : asked) {
     wire::Message request;
-    request.kind = wire::Kind::describe;
+    request.make<wire::Describe>();
     peer.post(request);
   }
-  std::vector<wire::Message> descriptions;
+  std::vector<PeerDescription> descriptions;
   for (std::size_t p = 0; p < asked.size(); ++p) {
-    auto& description = descriptions.emplace_back(asked[p].wait());
-    description.participant = members_[p].name;
-    description.role = name_of(members_[p].role);
-    peers_.limit(p, description);
+    const auto& said = asked[p].wait().as<wire::Description>();
+    peers_.limit(p, said);
+    descriptions.push_back({said, members_[p].name, members_[p].role});
   }
   check_descriptions(descriptions);
   return descriptions;

@@ -50,7 +50,7 @@ class ProcessSet {
   void meet();
   /// What every participant says of itself, in the order of the members, with `participant` and `role` filled in; from
   /// here on nobody may send more than follows from it. ProtocolError if what they say cannot be.
-  [[nodiscard]] std::vector<wire::Message> describe();
+  [[nodiscard]] std::vector<PeerDescription> describe();
   /// Waits until the launched processes have ended; ParticipantError naming the first that does not, or not with exit
   /// code 0.
   void check_exit_codes();

@@ -4,7 +4,7 @@
 
 namespace ricochet::coupler {
 
-void BelytschkoMullen::start(Coupling& coupling, const wire::Message& request) {
+void BelytschkoMullen::start(Coupling& coupling, const wire::Initialize& request) {
   coupling.initialize_explicit(request, Masses::summed);
   const auto size = static_cast<Eigen::Index>(coupling.displacement().size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);

@@ -14,7 +14,7 @@ namespace ricochet::coupler {
 /// held, which is not below that of `hughes_liu`.
 class BelytschkoMullen final : public Protocol {
  public:
-  void start(Coupling& coupling, const wire::Message& request) override;
+  void start(Coupling& coupling, const wire::Initialize& request) override;
   void step(Coupling& coupling, const Step& step) override;
 
  private:

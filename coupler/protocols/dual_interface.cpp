@@ -38,8 +38,8 @@ Eigen::MatrixXd inverse_where_free(const Eigen::MatrixXd& h, const std::string& 
 
 }  // namespace
 
-void DualInterface::start(Coupling& coupling, const wire::Message& request, const Step& probe) {
-  wire::Message by_force = request;
+void DualInterface::start(Coupling& coupling, const wire::Initialize& request, const Step& probe) {
+  wire::Initialize by_force = request;
   by_force.driven_by = name_of(Drive::force);
   coupling.initialize_explicit(by_force, Masses::own);
   const auto size = static_cast<Eigen::Index>(coupling.displacement().size());

@@ -26,7 +26,7 @@ class DualInterface {
   /// Initialises everyone with its own masses, measures the operators by one `probe` step each, chooses the multipliers
   /// at t = 0 so that accelerations agree there, and synchronises. Throws ConfigError for a participant without mass at
   /// an interface node or with an operator that is not positive definite.
-  void start(Coupling& coupling, const wire::Message& request, const Step& probe);
+  void start(Coupling& coupling, const wire::Initialize& request, const Step& probe);
 
   /// Trial of all explicit participants with the multipliers held; finds v_free.
   void advance_free(const Step& step);

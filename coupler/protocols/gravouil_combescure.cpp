@@ -5,7 +5,7 @@
 
 namespace ricochet::coupler {
 
-void GravouilCombescure::start(Coupling& coupling, const wire::Message& request) {
+void GravouilCombescure::start(Coupling& coupling, const wire::Initialize& request) {
   interface_.start(coupling, request, Step{.substep = 1, .ends_window = substeps_ == 1});
   auto& implicit = *coupling.implicit_link();
   // The response to a force includes the answer of the link's stiffness, R = (I + H_i Z)^-1 H_i; H_i = R (I - Z R)^-1.

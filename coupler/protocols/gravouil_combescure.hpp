@@ -18,7 +18,7 @@ namespace ricochet::coupler {
 class GravouilCombescure final : public Protocol {
  public:
   explicit GravouilCombescure(const ProtocolSettings& settings) : substeps_(settings.substeps) {}
-  void start(Coupling& coupling, const wire::Message& request) override;
+  void start(Coupling& coupling, const wire::Initialize& request) override;
   void step(Coupling& coupling, const Step& step) override;
 
  private:

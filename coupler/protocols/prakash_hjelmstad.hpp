@@ -11,7 +11,9 @@ namespace ricochet::coupler {
 /// exactly; displacements of the two sides drift apart by dt^2/4 of the change of acceleration. m = 1 is `hughes_liu`.
 class PrakashHjelmstad final : public Protocol {
  public:
-  void start(Coupling& coupling, const wire::Message& request) override { interface_.start(coupling, request, Step{}); }
+  void start(Coupling& coupling, const wire::Initialize& request) override {
+    interface_.start(coupling, request, Step{});
+  }
   void step(Coupling& coupling, const Step& step) override;
 
  private:

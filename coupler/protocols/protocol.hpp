@@ -16,7 +16,7 @@ class Protocol {
  public:
   virtual ~Protocol() = default;
   /// Initialises all participants and synchronises them at t = 0. `request`: see Link::post_initialize.
-  virtual void start(Coupling& coupling, const wire::Message& request) { coupling.initialize(request); }
+  virtual void start(Coupling& coupling, const wire::Initialize& request) { coupling.initialize(request); }
   /// Computes and accepts the windows after `step.accepted_window` on every participant.
   virtual void step(Coupling& coupling, const Step& step) = 0;
   /// What is worth knowing after the run, for its summary; empty: nothing.

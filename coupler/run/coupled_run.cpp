@@ -104,7 +104,7 @@ void CoupledRun::setup() {
   protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
 }
 
-void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
+void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
   suspicion_.step_s = plan_.window_size_s / scene_.coupling.substeps;
@@ -112,7 +112,7 @@ void CoupledRun::prepare_watch(const std::vector<wire::Message>& descriptions) {
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
     names.push_back(description.participant);
-    if (wire::has_role(description, Role::explicit_solver))
+    if (description.role == Role::explicit_solver)
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
@@ -129,7 +129,7 @@ bool CoupledRun::may_switch() {
   std::string obstacle;
   if (!scene_.coupling.protocol.may_switch) {
     obstacle = fmt::format("protocol {} couples it implicitly only", scene_.coupling.protocol.name);
-  } else if (!wire::has_capability(implicit->description(), Capability::switch_integration)) {
+  } else if (!implicit->description().has(Capability::switch_integration)) {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;

@@ -42,14 +42,14 @@ class CoupledRun {
   void phases();
   void start();
   void setup();
-  void prepare_watch(const std::vector<wire::Message>& descriptions);
+  void prepare_watch(const std::vector<PeerDescription>& descriptions);
   [[nodiscard]] bool may_switch();
   void step();
   void take_records(std::int64_t window);
   void count_contact(const HistoryRow& row);
   void note_departures(std::int64_t window);
   void finish();
-  void take_times(const std::vector<wire::Message>& last_words);
+  void take_times(const std::vector<wire::Finished>& last_words);
   void write_files();
   void write_fields_and_trace();
   void write_summary();

@@ -41,7 +41,7 @@ void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error)
 }
 
 /// `last_words`: the participants' `finished` messages; empty if the run did not come that far.
-void CoupledRun::take_times(const std::vector<wire::Message>& last_words) {
+void CoupledRun::take_times(const std::vector<wire::Finished>& last_words) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
   const auto& peers = set_.peers();
   ProcessTimes coupler{"coupler", {}, static_cast<std::int64_t>(getpid()), {}, wall_s, 0.0, 0.0, {}};

@@ -16,7 +16,7 @@ class SeparationSwitch {
  public:
   /// Call after every accepted window; returns whether the implicit participant is to integrate explicitly from here
   /// on.
-  bool update(const ContactReport& contact, double window_size_s) {
+  bool update(const wire::ContactReport& contact, double window_size_s) {
     fastest_closing_m_s_ = std::max(fastest_closing_m_s_, -contact.gap_rate_min_m_s);
     const double one_window_m = fastest_closing_m_s_ * window_size_s;
     if (explicit_now_) {

@@ -16,7 +16,7 @@ namespace ricochet::coupler {
 namespace {
 
 /// No end, no history, no fields: nobody asks for them.
-wire::Message endless_request(const scene::Problem& problem, const ResultsDirectory& results) {
+wire::Initialize endless_request(const scene::Problem& problem, const ResultsDirectory& results) {
   constexpr auto never = std::numeric_limits<std::int64_t>::max();
   auto request = initialize_request(problem.scene, problem.window_size_s, never, results.file("fields"));
   request.history_every = std::numeric_limits<int>::max();

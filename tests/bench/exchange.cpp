@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <utility>
 #include <vector>
 #include <zmq.hpp>
 
@@ -17,15 +18,20 @@ namespace {
 
 constexpr int components = 2, warm_up = 200, timeout_ms = 30'000;
 
-/// Bytes of one message of that kind with these arrays filled in.
-std::size_t encoded_bytes(wire::Kind kind, int nodes, const std::vector<wire::Array wire::Message::*>& filled) {
-  wire::Message message;
-  message.kind = kind;
+std::size_t encoded_bytes(wire::Message message) {
   message.run_id = "20000101T000000-00000-00000000";
-  for (const auto member : filled) (message.*member).resize(nodes, components);
   msgpack::sbuffer buffer;
   wire::encode(message, buffer);
   return buffer.size();
+}
+
+/// Bytes of the answer of a participant that moves the nodes, or of one that is moved.
+std::size_t bytes_of_advanced(int nodes, bool moves) {
+  wire::Message message;
+  auto& answer = message.make<wire::Advanced>();
+  answer.increment.resize(nodes, components);
+  for (auto* rates : {&answer.velocity_m_s, &answer.acceleration_m_s2}) rates->resize(moves ? nodes : 0, components);
+  return encoded_bytes(std::move(message));
 }
 
 struct Bytes {
@@ -33,10 +39,9 @@ struct Bytes {
 };
 
 Bytes bytes_of_a_window(int nodes) {
-  using M = wire::Message;
-  return {2 * encoded_bytes(wire::Kind::advance, nodes, {&M::link_increment}),
-          encoded_bytes(wire::Kind::advanced, nodes, {&M::increment}) +
-              encoded_bytes(wire::Kind::advanced, nodes, {&M::increment, &M::velocity_m_s, &M::acceleration_m_s2})};
+  wire::Message advance;
+  advance.make<wire::Advance>().link_increment.resize(nodes, components);
+  return {2 * encoded_bytes(std::move(advance)), bytes_of_advanced(nodes, false) + bytes_of_advanced(nodes, true)};
 }
 
 /// Answers every message until an empty one, or none, comes.

@@ -41,9 +41,9 @@ class Line {
   }
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
   [[nodiscard]] const wire::ParticipantKey& key() const { return key_; }
-  void offer_shared_memory(Message& hello) {
-    hello.shared_memory_path = memory_->path();
-    hello.shared_memory_key = memory_->key();
+  void offer_shared_memory(Message& message) {
+    message.as<wire::Hello>().shared_memory_path = memory_->path();
+    message.as<wire::Hello>().shared_memory_key = memory_->key();
   }
   void say_bytes(std::string_view bytes, zmq::send_flags flags = zmq::send_flags::none) {
     if (shared_) memory_->sender().send(bytes);
@@ -75,7 +75,7 @@ class Line {
     zmq::message_t frame;
     if (!socket_.recv(frame)) throw std::runtime_error("no message");
     wire::decode({frame.data<char>(), frame.size()}, "the coupler", message);
-    shared_ = message.kind == Kind::welcome && message.shared_memory;
+    shared_ = message.kind == Kind::welcome && message.as<wire::Welcome>().shared_memory;
   }
 
  private:
@@ -92,19 +92,20 @@ constexpr int bad_window = 40;
 /// `encode` refuses what is not finite: a number is exchanged in the bytes.
 void say_nan(Line& line, Message message) {
   const double mark = 1.2345e300, nan = std::numeric_limits<double>::quiet_NaN();
-  message.increment.data[0] = mark;
+  message.as<wire::Advanced>().increment.data[0] = mark;
   std::string bytes = Line::encoded(message);
   std::memcpy(bytes.data() + bytes.find({reinterpret_cast<const char*>(&mark), sizeof mark}), &nan, sizeof nan);
   line.say_bytes(bytes);
 }
 
 void say_short(Line& line, Message message) {
-  message.increment.resize(message.increment.rows - 1, message.increment.columns);
+  message.as<wire::Advanced>().increment.resize(message.as<wire::Advanced>().increment.rows - 1,
+                                                message.as<wire::Advanced>().increment.columns);
   line.say(message);
 }
 
 void say_other_kind(Line& line, Message message) {
-  message.kind = Kind::accepted;
+  message.make<wire::Accepted>();
   line.say(message);
 }
 
@@ -136,13 +137,13 @@ void claim_too_much(Line& line, const Message&) { line.claim_bytes(1'000'000); }
 void claim_what_is_not_there(Line& line, const Message&) { line.claim_bytes(24); }
 
 void offer_nothing(Line& line, Message message) {
-  message.shared_memory_path.clear();
-  message.shared_memory_key = 0;
+  message.as<wire::Hello>().shared_memory_path.clear();
+  message.as<wire::Hello>().shared_memory_key = 0;
   line.say(message);
 }
 
 void offer_what_is_another_process(Line& line, Message message) {
-  ++message.shared_memory_key;
+  ++message.as<wire::Hello>().shared_memory_key;
   line.say(message);
 }
 
@@ -157,17 +158,17 @@ void say_another_version(Line& line, Message message) {
 }
 
 void say_another_role(Line& line, Message message) {
-  message.role = "implicit";
+  message.as<wire::Hello>().role = "implicit";
   line.say(message);
 }
 
 void say_another_scene(Line& line, Message message) {
-  message.scene_sha256 = std::string(64, 'f');
+  message.as<wire::Hello>().scene_sha256 = std::string(64, 'f');
   line.say(message);
 }
 
 void say_first_thing_wrong(Line& line, Message message) {
-  message.kind = Kind::description;
+  message.make<wire::Description>();
   line.say(message);
 }
 
@@ -179,9 +180,9 @@ void bring_a_flood(Line& line, const Message& message) {
 }
 
 void give_up(Line& line, Message message, ExitCode code, const std::string& why) {
-  message.kind = Kind::failure;
-  message.error_code = static_cast<std::int64_t>(code);
-  message.error_text = why;
+  auto& failure = message.make<wire::Failure>();
+  failure.error_code = static_cast<std::int64_t>(code);
+  failure.error_text = why;
   line.say(message);
   usleep(100'000);  // time for the message to get out
   _exit(static_cast<int>(code));
@@ -200,7 +201,7 @@ void exit_badly_after(Line& line, const Message& message) {
 }
 
 void say_transposed(Line& line, Message message) {
-  std::swap(message.increment.rows, message.increment.columns);
+  std::swap(message.as<wire::Advanced>().increment.rows, message.as<wire::Advanced>().increment.columns);
   line.say(message);
 }
 
@@ -210,33 +211,35 @@ void say_far_window(Line& line, Message message) {
 }
 
 void say_no_rows(Line& line, Message message) {
-  message.records.resize(0, message.records.columns);
+  auto& records = message.as<wire::Finished>().records;
+  records.resize(0, records.columns);
   line.say(message);
 }
 
 void say_far_row(Line& line, Message message) {
-  message.records.resize(1, message.records.columns);
-  message.records.data[0] = 1e300;
+  message.as<wire::Advanced>().records.resize(1, message.as<wire::Advanced>().records.columns);
+  message.as<wire::Advanced>().records.data[0] = 1e300;
   line.say(message);
 }
 
 void describe_negative_step(Line& line, Message message) {
-  message.critical_time_step_s = -1.0;
+  message.as<wire::Description>().critical_time_step_s = -1.0;
   line.say(message);
 }
 
 void describe_second_owner(Line& line, Message message) {
-  message.contact_owner = true;
+  message.as<wire::Description>().contact_owner = true;
   line.say(message);
 }
 
 void describe_huge_mass(Line& line, Message message) {
-  message.interface_mass_kg.data[0] = 1e300;
+  message.as<wire::Description>().interface_mass_kg.data[0] = 1e300;
   line.say(message);
 }
 
 void describe_transposed(Line& line, Message message) {
-  std::swap(message.interface_mass_kg.rows, message.interface_mass_kg.columns);
+  std::swap(message.as<wire::Description>().interface_mass_kg.rows,
+            message.as<wire::Description>().interface_mass_kg.columns);
   line.say(message);
 }
 

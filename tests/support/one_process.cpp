@@ -24,9 +24,9 @@ class LocalParticipant {
     session_ = std::make_unique<participant::Session>(*solver_);
     session_->hello(answer_);
     wire::Message welcome;
-    welcome.kind = wire::Kind::welcome;
-    welcome.participant = spec.name;
-    welcome.timeout_s = problem.scene.coupling.timeout_s;
+    welcome.make<wire::Welcome>();
+    welcome.as<wire::Welcome>().participant = spec.name;
+    welcome.as<wire::Welcome>().timeout_s = problem.scene.coupling.timeout_s;
     ask(welcome);
   }
   void ask(wire::Message& request) {
@@ -36,14 +36,11 @@ class LocalParticipant {
     session_->handle(request, answer_);
     if (!session_->over()) session_->work_ahead();
   }
-  [[nodiscard]] wire::Message description() {
+  [[nodiscard]] coupler::PeerDescription description() {
     wire::Message request;
-    request.kind = wire::Kind::describe;
+    request.make<wire::Describe>();
     ask(request);
-    wire::Message description = answer_;
-    description.participant = spec_.name;
-    description.role = name_of(spec_.role);
-    return description;
+    return {answer_.as<wire::Description>(), spec_.name, spec_.role};
   }
   /// Once initialised.
   void compute_all_rows() {
@@ -66,7 +63,7 @@ namespace {
 
 std::unique_ptr<coupler::Coupling> couple(std::vector<std::unique_ptr<LocalParticipant>>& participants,
                                           double window_size_s) {
-  std::vector<wire::Message> descriptions;
+  std::vector<coupler::PeerDescription> descriptions;
   std::vector<coupler::Peer> peers;
   for (auto& participant : participants) {
     descriptions.push_back(participant->description());
@@ -85,7 +82,7 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
   }
   coupling_ = couple(participants_, plan_.window_size_s);
   protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
-  wire::Message initialize = coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, "");
+  wire::Initialize initialize = coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, "");
   initialize.fields_every = 0;  // no result files: there is no folder for them
   protocol_->start(*coupling_, initialize);
   for (auto& participant : participants_)

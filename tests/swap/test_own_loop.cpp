@@ -84,7 +84,8 @@ TEST(OwnLoop, TellsTheCouplerIfItIsLeftEarly) {
   const auto answer = run.coupler.ask(run.coupler.synchronise());
   solver.join();
   EXPECT_EQ(answer.kind, wire::Kind::failure);
-  EXPECT_THAT(answer.error_text, testing::HasSubstr("the solver left its time loop before the run was over"));
+  EXPECT_THAT(answer.as<wire::Failure>().error_text,
+              testing::HasSubstr("the solver left its time loop before the run was over"));
 }
 
 TEST(OwnLoop, ThrowsIfThereIsNoCoupler) {

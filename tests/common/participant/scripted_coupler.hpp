@@ -30,38 +30,38 @@ class ScriptedCoupler {
 
   wire::Message welcome() {
     auto message = request(wire::Kind::welcome);
-    message.participant = "spring";
-    message.timeout_s = timeout_s;
+    message.as<wire::Welcome>().participant = "spring";
+    message.as<wire::Welcome>().timeout_s = timeout_s;
     return message;
   }
   wire::Message initialize() {
     auto message = request(wire::Kind::initialize);
-    message.protocol = "hughes_liu";
-    message.output_directory = "/results";
-    message.window_size_s = 0.01;
-    message.driven_by = driven_by;
-    message.interface_mass_kg.resize(nodes_, 1);
-    message.interface_mass_kg.data.assign(static_cast<std::size_t>(nodes_), 2.5);
-    message.history_every = history_every;
-    message.fields_every = fields_every;
-    message.last_window = last_window;
+    message.as<wire::Initialize>().protocol = "hughes_liu";
+    message.as<wire::Initialize>().output_directory = "/results";
+    message.as<wire::Initialize>().window_size_s = 0.01;
+    message.as<wire::Initialize>().driven_by = driven_by;
+    message.as<wire::Initialize>().interface_mass_kg.resize(nodes_, 1);
+    message.as<wire::Initialize>().interface_mass_kg.data.assign(static_cast<std::size_t>(nodes_), 2.5);
+    message.as<wire::Initialize>().history_every = history_every;
+    message.as<wire::Initialize>().fields_every = fields_every;
+    message.as<wire::Initialize>().last_window = last_window;
     return message;
   }
   wire::Message synchronise(double link = 0.0) {
     auto message = request(wire::Kind::synchronise);
-    message.integration = "explicit_central";
-    message.link_absolute.resize(nodes_, 1);
-    for (auto& value : message.link_absolute.data) value = link;
+    message.as<wire::Synchronise>().integration = "explicit_central";
+    message.as<wire::Synchronise>().link_absolute.resize(nodes_, 1);
+    for (auto& value : message.as<wire::Synchronise>().link_absolute.data) value = link;
     return message;
   }
   /// The next window, by an increment of all link inputs. `window` is the last accepted one.
   wire::Message advance(double increment, bool accept_at_once = true) {
     auto message = request(wire::Kind::advance);
     message.window = window + 1;
-    message.link_increment.resize(nodes_, 1);
-    for (auto& value : message.link_increment.data) value = increment;
-    message.link_absolute.resize(0, 1);
-    message.accept_at_once = accept_at_once;
+    message.as<wire::Advance>().link_increment.resize(nodes_, 1);
+    for (auto& value : message.as<wire::Advance>().link_increment.data) value = increment;
+    message.as<wire::Advance>().link_absolute.resize(0, 1);
+    message.as<wire::Advance>().accept_at_once = accept_at_once;
     if (accept_at_once) ++window;
     return message;
   }

@@ -35,7 +35,7 @@ TEST(Session, StepsWithoutAllocating) {
   run.coupler.history_every = 1'000'000;
   run.coupler.start();
   auto request = run.coupler.advance(1e-6);
-  request.absolute_requested = true;
+  request.as<wire::Advance>().absolute_requested = true;
   wire::Message reply;
   const auto step = [&] {
     run.session.handle(request, reply);
@@ -65,15 +65,15 @@ TEST(SharedMemory, PassesMessagesWithoutAllocating) {
   wire::Channel channel(coupler.listener.endpoint());
   wire::Message message;
   participant::Session(spring).hello(message);
-  channel.offer_shared_memory(message);
+  channel.offer_shared_memory(message.as<wire::Hello>());
   channel.send(message);
   const auto hello = coupler.hear();
   auto welcome = coupler.coupler.welcome();
-  welcome.shared_memory = true;
+  welcome.as<wire::Welcome>().shared_memory = true;
   coupler.say(welcome);
   channel.receive(message, wire::deadline_in(10), false);
-  coupler.listener.share(coupler.identity(),
-                         wire::SharedMemory::open(hello.shared_memory_path, hello.shared_memory_key));
+  coupler.listener.share(coupler.identity(), wire::SharedMemory::open(hello.as<wire::Hello>().shared_memory_path,
+                                                                      hello.as<wire::Hello>().shared_memory_key));
   const auto request = coupler.coupler.advance(1e-6);
   const auto exchange = [&] {
     coupler.say(request);

@@ -30,17 +30,17 @@ TEST(Session, IncrementsAddUpToTheAbsoluteValues) {
   for (std::int64_t window = 1; window <= 1000; ++window) {
     const double increment = motion(window) - input;
     auto request = run.coupler.advance(increment);
-    request.absolute_requested = window % 10 == 0;
+    request.as<wire::Advance>().absolute_requested = window % 10 == 0;
     const auto& reply = run.coupler.ask(request);
     input += increment;
-    force += reply.increment.data.at(0);
+    force += reply.as<wire::Advanced>().increment.data.at(0);
     direct.advance(window, {motion(window)}, output);
     direct.accept();
     EXPECT_NEAR(force, output.value[0], 1e-12);
-    ASSERT_EQ(reply.absolute.rows, window % 10 == 0 ? 1 : 0);
-    if (reply.absolute.rows == 0) continue;
-    EXPECT_NEAR(reply.absolute.data[0], force, 1e-15);
-    force = reply.absolute.data[0];
+    ASSERT_EQ(reply.as<wire::Advanced>().absolute.rows, window % 10 == 0 ? 1 : 0);
+    if (reply.as<wire::Advanced>().absolute.rows == 0) continue;
+    EXPECT_NEAR(reply.as<wire::Advanced>().absolute.data[0], force, 1e-15);
+    force = reply.as<wire::Advanced>().absolute.data[0];
   }
   EXPECT_GT(std::abs(force), 1e-2);
 }
@@ -54,16 +54,16 @@ TEST(Session, AbsoluteInputReplacesTheAccumulatedOne) {
   direct.synchronise(Integration::explicit_central, {0.0}, output);
   for (std::int64_t window = 1; window <= 20; ++window) {
     auto request = run.coupler.advance(1e-4 * 1.25);  // a coupler that accumulates wrongly
-    request.absolute_requested = true;
-    request.link_absolute.resize(1, 1);
-    request.link_absolute.data = {1e-4 * static_cast<double>(window)};
+    request.as<wire::Advance>().absolute_requested = true;
+    request.as<wire::Advance>().link_absolute.resize(1, 1);
+    request.as<wire::Advance>().link_absolute.data = {1e-4 * static_cast<double>(window)};
     const auto reply = run.coupler.ask(request);
     direct.advance(window, {1e-4 * static_cast<double>(window)}, output);
     direct.accept();
-    EXPECT_EQ(reply.absolute.data, output.value);
+    EXPECT_EQ(reply.as<wire::Advanced>().absolute.data, output.value);
   }
   // Largest at the first window: 1.25e-4 accumulated, 1e-4 told.
-  EXPECT_NEAR(run.coupler.ask(Kind::finish).largest_drift, 0.25, 1e-12);
+  EXPECT_NEAR(run.coupler.ask(Kind::finish).as<wire::Finished>().largest_drift, 0.25, 1e-12);
 }
 
 TEST(Session, DriftOfAnHonestCouplerIsRounding) {
@@ -76,13 +76,13 @@ TEST(Session, DriftOfAnHonestCouplerIsRounding) {
     auto request = run.coupler.advance(increment);
     input += increment;
     if (window % 100 == 0) {
-      request.link_absolute.resize(1, 1);
-      request.link_absolute.data = {motion(window)};
+      request.as<wire::Advance>().link_absolute.resize(1, 1);
+      request.as<wire::Advance>().link_absolute.data = {motion(window)};
       input = motion(window);
     }
     run.coupler.ask(request);
   }
-  EXPECT_LT(run.coupler.ask(Kind::finish).largest_drift, 1e-15);
+  EXPECT_LT(run.coupler.ask(Kind::finish).as<wire::Finished>().largest_drift, 1e-15);
 }
 
 TEST(Session, ARepeatedWindowIsTheSameBitByBit) {
@@ -91,10 +91,14 @@ TEST(Session, ARepeatedWindowIsTheSameBitByBit) {
   run.coupler.start();
   for (std::int64_t window = 1; window <= 50; ++window) {
     const double increment = motion(window) - motion(window - 1);
-    const double first = run.coupler.ask(run.coupler.advance(increment, false)).increment.data.at(0);
-    const double other = run.coupler.ask(run.coupler.advance(2.0 * increment + 1e-6, false)).increment.data.at(0);
-    const double again = run.coupler.ask(run.coupler.advance(increment, false)).increment.data.at(0);
-    const double final = run.coupler.ask(run.coupler.advance(increment, true)).increment.data.at(0);
+    const double first =
+        run.coupler.ask(run.coupler.advance(increment, false)).as<wire::Advanced>().increment.data.at(0);
+    const double other =
+        run.coupler.ask(run.coupler.advance(2.0 * increment + 1e-6, false)).as<wire::Advanced>().increment.data.at(0);
+    const double again =
+        run.coupler.ask(run.coupler.advance(increment, false)).as<wire::Advanced>().increment.data.at(0);
+    const double final =
+        run.coupler.ask(run.coupler.advance(increment, true)).as<wire::Advanced>().increment.data.at(0);
     EXPECT_EQ(first, again);
     EXPECT_EQ(first, final);
     EXPECT_NE(first, other);
@@ -109,20 +113,23 @@ TEST(Session, ATrialThatIsAcceptedEqualsOneAcceptedAtOnce) {
   for (std::int64_t window = 1; window <= 20; ++window) {
     const double increment = motion(window) - motion(window - 1);
     auto request = at_once.coupler.advance(increment);
-    request.records_requested = true;
+    request.as<wire::Advance>().records_requested = true;
     auto expected = at_once.coupler.ask(request);
     request = on_request.coupler.advance(increment, false);
-    request.records_requested = true;
+    request.as<wire::Advance>().records_requested = true;
     const auto trial = on_request.coupler.ask(request);
-    EXPECT_EQ(trial.increment.data, expected.increment.data);
-    EXPECT_EQ(trial.records.rows, window == 1 ? 1 : 0) << "the row of the start; a trial leaves none";
-    if (window == 1) expected.records.data.erase(expected.records.data.begin(), expected.records.data.begin() + 3);
+    EXPECT_EQ(trial.as<wire::Advanced>().increment.data, expected.as<wire::Advanced>().increment.data);
+    EXPECT_EQ(trial.as<wire::Advanced>().records.rows, window == 1 ? 1 : 0)
+        << "the row of the start; a trial leaves none";
+    if (window == 1)
+      expected.as<wire::Advanced>().records.data.erase(expected.as<wire::Advanced>().records.data.begin(),
+                                                       expected.as<wire::Advanced>().records.data.begin() + 3);
     ++on_request.coupler.window;
     request = on_request.coupler.request(Kind::accept);
-    request.records_requested = true;
+    request.as<wire::Accept>().records_requested = true;
     const auto& accepted = on_request.coupler.ask(request);
     EXPECT_EQ(accepted.kind, Kind::accepted);
-    EXPECT_EQ(accepted.records.data, expected.records.data);
+    EXPECT_EQ(accepted.as<wire::Accepted>().records.data, expected.as<wire::Advanced>().records.data);
   }
 }
 
@@ -168,16 +175,19 @@ TEST(Session, TwoInOneProcessMakeACoupledOscillator) {
   implicit_side.coupler.ask(Kind::describe);
   implicit_side.coupler.driven_by = "force";
   implicit_side.coupler.ask(implicit_side.coupler.initialize());
-  auto motion_of = implicit_side.coupler.ask(implicit_side.coupler.synchronise(0.0));
-  ASSERT_EQ(motion_of.velocity_m_s.rows, 1);
-  double u = motion_of.absolute.data[0], v = motion_of.velocity_m_s.data[0], a = motion_of.acceleration_m_s2.data[0];
+  const auto& start = implicit_side.coupler.ask(implicit_side.coupler.synchronise(0.0)).as<wire::Synchronised>();
+  ASSERT_EQ(start.velocity_m_s.rows, 1);
+  double u = start.absolute.data[0], v = start.velocity_m_s.data[0], a = start.acceleration_m_s2.data[0];
   double sent_u = 0.0, sent_force = 0.0, force = 0.0;
   constexpr double dt = 0.01;
   for (int n = 0; n < 400; ++n) {
     const double predicted = u + dt * v + 0.5 * dt * dt * a;
-    force += explicit_side.coupler.ask(explicit_side.coupler.advance(predicted - sent_u)).increment.data[0];
+    force += explicit_side.coupler.ask(explicit_side.coupler.advance(predicted - sent_u))
+                 .as<wire::Advanced>()
+                 .increment.data[0];
     sent_u = predicted;
-    motion_of = implicit_side.coupler.ask(implicit_side.coupler.advance(force - sent_force));
+    const auto& reply = implicit_side.coupler.ask(implicit_side.coupler.advance(force - sent_force));
+    const auto& motion_of = reply.as<wire::Advanced>();
     sent_force = force;
     u += motion_of.increment.data[0];
     v = motion_of.velocity_m_s.data[0];

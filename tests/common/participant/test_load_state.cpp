@@ -26,8 +26,8 @@ class LoadState : public testing::Test {
 
   Message load(std::vector<double> state, const std::string& frozen_contact = "open") {
     auto request = run_.coupler.request(Kind::load_state);
-    request.state = {static_cast<int>(state.size()), 1, std::move(state)};
-    request.frozen_contact = frozen_contact;
+    request.as<wire::LoadState>().state = {static_cast<int>(state.size()), 1, std::move(state)};
+    request.as<wire::LoadState>().frozen_contact = frozen_contact;
     return request;
   }
   template <class ErrorType>
@@ -51,10 +51,10 @@ TEST_F(LoadState, TakesTheMotionAndGoesOnFromIt) {
   EXPECT_EQ(reply.kind, Kind::state);
   // One central difference step of 0.01 s from there: a = 100 (2e-3 - 1e-3) = 0.1.
   const double u = 1e-3 + 0.01 * 0.5 + 0.5e-4 * 0.1;
-  EXPECT_DOUBLE_EQ(reply.state.data[0], u);
-  EXPECT_DOUBLE_EQ(reply.state.data[1], 0.5 + 0.005 * (0.1 + 100.0 * (2e-3 - u)));
-  EXPECT_THAT(reply.state_scale.data, ElementsAre(100.0, 1.0));
-  EXPECT_EQ(reply.state.columns, 1);
+  EXPECT_DOUBLE_EQ(reply.as<wire::State>().state.data[0], u);
+  EXPECT_DOUBLE_EQ(reply.as<wire::State>().state.data[1], 0.5 + 0.005 * (0.1 + 100.0 * (2e-3 - u)));
+  EXPECT_THAT(reply.as<wire::State>().state_scale.data, ElementsAre(100.0, 1.0));
+  EXPECT_EQ(reply.as<wire::State>().state.columns, 1);
 }
 
 TEST_F(LoadState, WantsASynchronisationNext) {
@@ -94,8 +94,10 @@ TEST_F(LoadState, IsRefusedWithoutTheCapability) {
     InProcess run(spring, 1);
     run.coupler.start();
     auto request = run.coupler.request(kind);
-    request.state = {2, 1, {0.0, 0.0}};
-    request.frozen_contact = "open";
+    if (kind == Kind::load_state) {
+      request.as<wire::LoadState>().state = {2, 1, {0.0, 0.0}};
+      request.as<wire::LoadState>().frozen_contact = "open";
+    }
     try {
       run.coupler.ask(request);
       ADD_FAILURE() << wire::name(kind);

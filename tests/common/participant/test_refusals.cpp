@@ -52,16 +52,19 @@ TEST_F(Refusal, OfASetupWithoutMeaning) {
     spoil(request);
     return error_of([&] { run.coupler.ask(request); });
   };
-  EXPECT_THAT(spoiled([](Message& m) { m.window_size_s = 0; }), HasSubstr("window_size_s = 0, expected > 0"));
-  EXPECT_THAT(spoiled([](Message& m) { m.history_every = 0; }),
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().window_size_s = 0; }),
+              HasSubstr("window_size_s = 0, expected > 0"));
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().history_every = 0; }),
               HasSubstr("history_every = 0, expected 1 to 2147483647"));
-  EXPECT_THAT(spoiled([](Message& m) { m.history_every = std::int64_t{1} << 62; }),
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().history_every = std::int64_t{1} << 62; }),
               HasSubstr("history_every = 4611686018427387904, expected 1 to 2147483647"));
-  EXPECT_THAT(spoiled([](Message& m) { m.fields_every = -1; }),
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().fields_every = -1; }),
               HasSubstr("fields_every = -1, expected 0 to 2147483647"));
-  EXPECT_THAT(spoiled([](Message& m) { m.last_window = -1; }), HasSubstr("last_window = -1, expected >= 0"));
-  EXPECT_THAT(spoiled([](Message& m) { m.separation_windows = -1; }), HasSubstr("separation_windows = -1"));
-  EXPECT_THAT(spoiled([](Message& m) { m.interface_mass_kg.resize(2, 1); }),
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().last_window = -1; }),
+              HasSubstr("last_window = -1, expected >= 0"));
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().separation_windows = -1; }),
+              HasSubstr("separation_windows = -1"));
+  EXPECT_THAT(spoiled([](Message& m) { m.as<wire::Initialize>().interface_mass_kg.resize(2, 1); }),
               HasSubstr("'interface_mass_kg' with 2 x 1 numbers, the interface of participant 'spring' has 1 x 1"));
 }
 
@@ -69,7 +72,7 @@ TEST_F(Refusal, OfAnUnknownIntegration) {
   run_.coupler.ask(Kind::describe);
   run_.coupler.ask(run_.coupler.initialize());
   auto request = run_.coupler.synchronise();
-  request.integration = "runge_kutta";
+  request.as<wire::Synchronise>().integration = "runge_kutta";
   EXPECT_THAT(refused(request), HasSubstr("the integration 'runge_kutta', expected one of 'implicit_newmark'"));
 }
 
@@ -90,7 +93,7 @@ TEST_F(Refusal, OfWindowsAfterTheLast) {
 TEST_F(Refusal, OfSeveralWindowsWithAnInterface) {
   run_.coupler.start();
   auto request = run_.coupler.advance(0.0);
-  request.windows = 2;
+  request.as<wire::Advance>().windows = 2;
   EXPECT_THAT(refused(request),
               HasSubstr("2 windows at once: that needs a participant without interface nodes (this one has 1)"));
 }
@@ -98,14 +101,14 @@ TEST_F(Refusal, OfSeveralWindowsWithAnInterface) {
 TEST_F(Refusal, OfNoWindows) {
   run_.coupler.start();
   auto request = run_.coupler.advance(0.0);
-  request.windows = 0;
+  request.as<wire::Advance>().windows = 0;
   EXPECT_THAT(refused(request), HasSubstr("asked for 0 windows"));
 }
 
 TEST_F(Refusal, OfArraysOfTheWrongShape) {
   run_.coupler.start();
   auto request = run_.coupler.advance(0.0);
-  request.link_increment.resize(1, 2);
+  request.as<wire::Advance>().link_increment.resize(1, 2);
   EXPECT_THAT(refused(request),
               HasSubstr("'link_increment' with 1 x 2 numbers, the interface of participant 'spring' has 1 x 1"));
 }
@@ -113,7 +116,7 @@ TEST_F(Refusal, OfArraysOfTheWrongShape) {
 TEST_F(Refusal, OfAbsoluteValuesOfTheWrongShape) {
   run_.coupler.start();
   auto request = run_.coupler.advance(0.0);
-  request.link_absolute.resize(3, 1);
+  request.as<wire::Advance>().link_absolute.resize(3, 1);
   EXPECT_THAT(refused(request), HasSubstr("'link_absolute' with 3 x 1"));
 }
 
@@ -148,14 +151,15 @@ TEST(Session, RefusesAStrangeWelcome) {
     session.hello(reply);
     Message welcome;
     welcome.kind = Kind::welcome;
-    welcome.participant = "spring";
-    welcome.timeout_s = 1.0;
+    welcome.as<wire::Welcome>().participant = "spring";
+    welcome.as<wire::Welcome>().timeout_s = 1.0;
     spoil(welcome);
     return error_of([&] { session.handle(welcome, reply); });
   };
-  EXPECT_THAT(refused([](Message& m) { m.participant = "rod"; }),
+  EXPECT_THAT(refused([](Message& m) { m.as<wire::Welcome>().participant = "rod"; }),
               HasSubstr("welcomed participant 'rod', this is 'spring'"));
-  EXPECT_THAT(refused([](Message& m) { m.timeout_s = 0; }), HasSubstr("the timeout 0 s, expected more than 0"));
+  EXPECT_THAT(refused([](Message& m) { m.as<wire::Welcome>().timeout_s = 0; }),
+              HasSubstr("the timeout 0 s, expected more than 0"));
   EXPECT_EQ(refused([](Message&) {}), "no error of that kind");
 }
 
@@ -253,12 +257,12 @@ TEST(Refusals, OfAnInterfaceStiffnessItDoesNotKnowOrOfAWrongSize) {
   InProcess run(spring, 1);
   run.coupler.ask(Kind::describe);
   auto request = run.coupler.initialize();
-  request.interface_stiffness.resize(1, 1);
+  request.as<wire::Initialize>().interface_stiffness.resize(1, 1);
   expect_refused(run, request, "lacks the capability 'interface_stiffness'");
   InProcess again(spring, 1);
   again.coupler.ask(Kind::describe);
   request = again.coupler.initialize();
-  request.interface_stiffness.resize(2, 2);
+  request.as<wire::Initialize>().interface_stiffness.resize(2, 2);
   expect_refused(again, request, "'interface_stiffness' with 2 x 2 numbers");
 }
 
@@ -276,7 +280,7 @@ TEST(Refusals, OfSubsteps) {
   InProcess run(spring, 1);
   run.coupler.ask(Kind::describe);
   auto request = run.coupler.initialize();
-  request.substeps = 0;
+  request.as<wire::Initialize>().substeps = 0;
   expect_refused(run, request, "substeps = 0, expected 1 to 2147483647");
   InProcess again(spring, 1);
   again.coupler.start();

@@ -64,9 +64,9 @@ TEST_F(Serve, RunsToTheEnd) {
   }
   const auto& last = peer_.coupler.ask(Kind::finish);
   EXPECT_EQ(last.kind, Kind::finished);
-  EXPECT_EQ(last.records.rows, 101) << "the start and each window";
-  EXPECT_GT(last.compute_s, 0.0);
-  EXPECT_GT(last.wait_s, 0.0);
+  EXPECT_EQ(last.as<wire::Finished>().records.rows, 101) << "the start and each window";
+  EXPECT_GT(last.as<wire::Finished>().compute_s, 0.0);
+  EXPECT_GT(last.as<wire::Finished>().wait_s, 0.0);
   EXPECT_EQ(end(), 0);
   EXPECT_EQ(said_, "");
 }
@@ -80,9 +80,10 @@ TEST_F(Serve, OverTheWireEqualsInOneProcess) {
     const double increment = 1e-4 * std::sin(n) / 3.0;
     auto request = peer_.coupler.advance(increment);
     auto same = direct.coupler.advance(increment);
-    request.absolute_requested = same.absolute_requested = true;
+    request.as<wire::Advance>().absolute_requested = same.as<wire::Advance>().absolute_requested = true;
     const auto expected = direct.coupler.ask(same);
-    EXPECT_EQ(peer_.coupler.ask(request).absolute.data, expected.absolute.data);
+    EXPECT_EQ(peer_.coupler.ask(request).as<wire::Advanced>().absolute.data,
+              expected.as<wire::Advanced>().absolute.data);
   }
   peer_.coupler.ask(Kind::finish);
   EXPECT_EQ(end(), 0);
@@ -96,9 +97,9 @@ TEST_F(Serve, TellsWhenTheSolverFails) {
   peer_.coupler.ask(peer_.coupler.advance(0.0));
   peer_.say(peer_.coupler.advance(0.0));
   const auto message = failure();
-  EXPECT_EQ(message.error_code, 2);
-  EXPECT_EQ(message.error_culprit, "spring");
-  EXPECT_EQ(message.error_text, "window 2: the friction coefficient is missing");
+  EXPECT_EQ(message.as<wire::Failure>().error_code, 2);
+  EXPECT_EQ(message.as<wire::Failure>().error_culprit, "spring");
+  EXPECT_EQ(message.as<wire::Failure>().error_text, "window 2: the friction coefficient is missing");
   EXPECT_EQ(message.window, 2);
   EXPECT_EQ(message.run_id, "run-1");
   EXPECT_EQ(end(), 2);
@@ -120,10 +121,10 @@ TEST_P(ServeThrown, BecomesAFailureMessageAndAnExitCode) {
   start();
   peer_.say(peer_.coupler.advance(0.0));
   const auto message = failure();
-  EXPECT_EQ(message.error_code, GetParam().code);
-  EXPECT_THAT(message.error_text, HasSubstr(GetParam().says));
+  EXPECT_EQ(message.as<wire::Failure>().error_code, GetParam().code);
+  EXPECT_THAT(message.as<wire::Failure>().error_text, HasSubstr(GetParam().says));
   EXPECT_EQ(end(), GetParam().code);
-  EXPECT_EQ(said_, "spring: error: " + message.error_text + "\n");
+  EXPECT_EQ(said_, "spring: error: " + message.as<wire::Failure>().error_text + "\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -148,9 +149,10 @@ TEST_F(Serve, NamesTheFieldThatIsNotFinite) {
   peer_.coupler.ask(peer_.coupler.advance(0.0));
   peer_.say(peer_.coupler.advance(0.0));
   const auto message = failure();
-  EXPECT_EQ(message.error_code, 3);
-  EXPECT_EQ(message.error_culprit, "spring");
-  EXPECT_EQ(message.error_text, "window 3: 'increment' of 'advanced' is not finite: nan at row 0, column 0");
+  EXPECT_EQ(message.as<wire::Failure>().error_code, 3);
+  EXPECT_EQ(message.as<wire::Failure>().error_culprit, "spring");
+  EXPECT_EQ(message.as<wire::Failure>().error_text,
+            "window 3: 'increment' of 'advanced' is not finite: nan at row 0, column 0");
   EXPECT_EQ(end(), 3);
 }
 
@@ -161,8 +163,8 @@ TEST_F(Serve, RefusesAnotherVersion) {
   welcome.version = wire::protocol_version + 1;
   peer_.say(welcome);
   const auto message = failure();
-  EXPECT_EQ(message.error_code, 5);
-  EXPECT_THAT(message.error_text,
+  EXPECT_EQ(message.as<wire::Failure>().error_code, 5);
+  EXPECT_THAT(message.as<wire::Failure>().error_text,
               HasSubstr("the coupler speaks version 5 of the wire protocol, this program speaks version 4"));
   EXPECT_EQ(end(), 5);
 }
@@ -171,14 +173,15 @@ TEST_F(Serve, RefusesAnIllegalOrder) {
   launch();
   peer_.meet();
   peer_.say(peer_.coupler.initialize());
-  EXPECT_THAT(failure().error_text, HasSubstr("sent 'initialize' to participant 'spring' while 'describe' was due"));
+  EXPECT_THAT(failure().as<wire::Failure>().error_text,
+              HasSubstr("sent 'initialize' to participant 'spring' while 'describe' was due"));
   EXPECT_EQ(end(), 5);
 }
 
 TEST_F(Serve, WaitsForTheWelcomeAsLongAsToldAtTheStart) {
   launch(0.2);
   peer_.hear();
-  EXPECT_THAT(failure().error_text, HasSubstr("the coupler has not answered within 0.2 s"));
+  EXPECT_THAT(failure().as<wire::Failure>().error_text, HasSubstr("the coupler has not answered within 0.2 s"));
   EXPECT_EQ(end(), 4);
   EXPECT_THAT(said_, testing::StartsWith("spring: error: the coupler has not answered within 0.2 s"));
 }
@@ -189,7 +192,8 @@ TEST_F(Serve, WaitsAfterwardsAsLongAsTheCouplerSays) {
   peer_.meet();
   peer_.coupler.start();
   peer_.coupler.ask(peer_.coupler.advance(0.0));
-  EXPECT_THAT(failure().error_text, HasSubstr("window 1: the coupler has not answered within 0.3 s"));
+  EXPECT_THAT(failure().as<wire::Failure>().error_text,
+              HasSubstr("window 1: the coupler has not answered within 0.3 s"));
   EXPECT_EQ(end(), 4);
 }
 

@@ -35,7 +35,7 @@ TEST(ServeAlone, RefusesBytesThatAreNoMessage) {
   Message message;
   wire::decode(failure.to_string_view(), "spring", message);
   EXPECT_EQ(message.kind, Kind::failure);
-  EXPECT_THAT(message.error_text, HasSubstr("the coupler sent an integer, expected a message"));
+  EXPECT_THAT(message.as<wire::Failure>().error_text, HasSubstr("the coupler sent an integer, expected a message"));
   EXPECT_EQ(exit_code.get(), 5);
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("spring: error: the coupler sent an integer"));
 }
@@ -51,9 +51,9 @@ TEST(ServeAlone, EndsAtTheFailureOfTheCouplerWithItsCode) {
     peer.meet();
     peer.coupler.start();
     auto message = peer.coupler.request(Kind::failure);
-    message.error_code = code;
-    message.error_culprit = "other";
-    message.error_text = "participant 'other' was killed";
+    message.as<wire::Failure>().error_code = code;
+    message.as<wire::Failure>().error_culprit = "other";
+    message.as<wire::Failure>().error_text = "participant 'other' was killed";
     peer.say(message);
     EXPECT_EQ(exit_code.get(), code);
     EXPECT_EQ(testing::internal::GetCapturedStderr(),

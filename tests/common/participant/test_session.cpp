@@ -19,21 +19,21 @@ TEST(Session, DescribesTheParticipant) {
   Message message;
   session.hello(message);
   EXPECT_EQ(message.kind, Kind::hello);
-  EXPECT_EQ(message.participant, "spring");
-  EXPECT_EQ(message.role, "explicit");
-  EXPECT_EQ(message.solver, "spring_mass");
-  EXPECT_GT(message.process_id, 0);
+  EXPECT_EQ(message.as<wire::Hello>().participant, "spring");
+  EXPECT_EQ(message.as<wire::Hello>().role, "explicit");
+  EXPECT_EQ(message.as<wire::Hello>().solver, "spring_mass");
+  EXPECT_GT(message.as<wire::Hello>().process_id, 0);
   InProcess run(spring, 2);
   message = run.coupler.ask(Kind::describe);
   EXPECT_EQ(message.kind, Kind::description);
   EXPECT_EQ(message.run_id, "run-1");
-  EXPECT_EQ(message.components, 1);
-  EXPECT_THAT(message.bodies, ElementsAre("rod"));
-  EXPECT_THAT(message.interface_body.data, ElementsAre(0, 0));
-  EXPECT_THAT(message.interface_position_m.data, ElementsAre(0.0, 0.1));
-  EXPECT_THAT(message.interface_mass_kg.data, ElementsAre(0.5, 0.5));
-  EXPECT_THAT(message.record_columns, ElementsAre("window", "displacement_m", "velocity_m_s"));
-  EXPECT_THAT(message.capabilities, ElementsAre("repeat_window"));
+  EXPECT_EQ(message.as<wire::Description>().components, 1);
+  EXPECT_THAT(message.as<wire::Description>().bodies, ElementsAre("rod"));
+  EXPECT_THAT(message.as<wire::Description>().interface_body.data, ElementsAre(0, 0));
+  EXPECT_THAT(message.as<wire::Description>().interface_position_m.data, ElementsAre(0.0, 0.1));
+  EXPECT_THAT(message.as<wire::Description>().interface_mass_kg.data, ElementsAre(0.5, 0.5));
+  EXPECT_THAT(message.as<wire::Description>().record_columns, ElementsAre("window", "displacement_m", "velocity_m_s"));
+  EXPECT_THAT(message.as<wire::Description>().capabilities, ElementsAre("repeat_window"));
 }
 
 TEST(Session, HandsTheSetupOver) {
@@ -41,11 +41,11 @@ TEST(Session, HandsTheSetupOver) {
   InProcess run(spring, 2);
   run.coupler.ask(Kind::describe);
   auto request = run.coupler.initialize();
-  request.until_separated_plus_s = 0.5;
-  request.separation_windows = 7;
+  request.as<wire::Initialize>().until_separated_plus_s = 0.5;
+  request.as<wire::Initialize>().separation_windows = 7;
   const auto& reply = run.coupler.ask(request);
   EXPECT_EQ(reply.kind, Kind::initialized);
-  EXPECT_THAT(reply.absolute.data, ElementsAre(0, 0));
+  EXPECT_THAT(reply.as<wire::Initialized>().absolute.data, ElementsAre(0, 0));
   EXPECT_EQ(spring.setup.run_id, "run-1");
   EXPECT_EQ(spring.setup.protocol, "hughes_liu");
   EXPECT_EQ(spring.setup.output_directory, "/results");
@@ -62,22 +62,22 @@ TEST(Session, TellsTheAxialStressOfTheWindowsThatAreAskedFor) {
     if (tells) spring.axial_stress_columns = {"rod/0/1/1"};
     InProcess run(spring, 0);
     const auto& description = run.coupler.ask(Kind::describe);
-    EXPECT_THAT(description.axial_stress_columns, testing::SizeIs(tells ? 2 : 0));
+    EXPECT_THAT(description.as<wire::Description>().axial_stress_columns, testing::SizeIs(tells ? 2 : 0));
     auto request = run.coupler.initialize();
-    request.axial_stress_every = 4;
+    request.as<wire::Initialize>().axial_stress_every = 4;
     run.coupler.ask(request);
     run.coupler.ask(run.coupler.synchronise());
     for (int n = 1; n <= 9; ++n) {
       auto window = run.coupler.advance(0.0);
-      window.records_requested = n == 9;
+      window.as<wire::Advance>().records_requested = n == 9;
       const auto& reply = run.coupler.ask(window);
-      EXPECT_EQ(reply.axial_stress.rows, tells && n == 9 ? 3 : 0);
-      if (reply.axial_stress.rows == 0) continue;
+      EXPECT_EQ(reply.as<wire::Advanced>().axial_stress.rows, tells && n == 9 ? 3 : 0);
+      if (reply.as<wire::Advanced>().axial_stress.rows == 0) continue;
       for (int row = 0; row < 3; ++row) {
-        const auto& values = reply.axial_stress.data;
+        const auto& values = reply.as<wire::Advanced>().axial_stress.data;
         EXPECT_EQ(values[static_cast<std::size_t>(2 * row)], 4 * row);
         EXPECT_EQ(values[static_cast<std::size_t>(2 * row + 1)],
-                  1e9 * reply.records.data[static_cast<std::size_t>(3 * 4 * row + 1)]);
+                  1e9 * reply.as<wire::Advanced>().records.data[static_cast<std::size_t>(3 * 4 * row + 1)]);
       }
     }
   }
@@ -90,17 +90,17 @@ TEST(Session, RunsManyWindowsAtOnceWithoutInterface) {
   run.coupler.history_every = 10;
   run.coupler.start();
   auto request = run.coupler.advance(0.0);
-  request.windows = 300;
-  request.records_requested = true;
+  request.as<wire::Advance>().windows = 300;
+  request.as<wire::Advance>().records_requested = true;
   auto reply = run.coupler.ask(request);
   EXPECT_EQ(reply.window, 300);
-  ASSERT_EQ(reply.records.rows, 31) << "with that of the start";
+  ASSERT_EQ(reply.as<wire::Advanced>().records.rows, 31) << "with that of the start";
   // Period 2 pi sqrt(m/k) = 0.628 s: after 300 steps of 0.01 s nearly five of them.
-  EXPECT_NEAR(reply.records.data[30 * 3 + 1], 1e-3 * std::cos(10.0 * 3.0), 2e-5);
-  EXPECT_EQ(reply.records.data[30 * 3], 300);
+  EXPECT_NEAR(reply.as<wire::Advanced>().records.data[30 * 3 + 1], 1e-3 * std::cos(10.0 * 3.0), 2e-5);
+  EXPECT_EQ(reply.as<wire::Advanced>().records.data[30 * 3], 300);
   run.coupler.window = 300;
   request = run.coupler.advance(0.0);
-  request.windows = 4000;
+  request.as<wire::Advance>().windows = 4000;
   EXPECT_EQ(run.coupler.ask(request).window, 314) << "the last window";
 }
 
@@ -114,13 +114,13 @@ TEST(Session, StopsWithinAChunkWhenTheContactOwnerHasFinished) {
   InProcess run(spring, 0);
   run.coupler.start();
   auto request = run.coupler.advance(0.0);
-  request.windows = 100;
+  request.as<wire::Advance>().windows = 100;
   const auto& reply = run.coupler.ask(request);
   EXPECT_EQ(reply.window, 25);
-  EXPECT_TRUE(reply.finished_early);
-  EXPECT_TRUE(reply.separated);
-  EXPECT_EQ(reply.pairs_closed, 3);
-  EXPECT_EQ(reply.separation_time_s, 0.17);
+  EXPECT_TRUE(reply.as<wire::Advanced>().finished_early);
+  EXPECT_TRUE(reply.as<wire::Advanced>().separated);
+  EXPECT_EQ(reply.as<wire::Advanced>().pairs_closed, 3);
+  EXPECT_EQ(reply.as<wire::Advanced>().separation_time_s, 0.17);
 }
 
 TEST(Session, SendsEveryHistoryRowOnce) {
@@ -130,22 +130,20 @@ TEST(Session, SendsEveryHistoryRowOnce) {
   run.coupler.ask(Kind::describe);
   run.coupler.ask(run.coupler.initialize());
   std::vector<double> windows;
-  const auto take = [&](const Message& reply) {
-    for (int row = 0; row < reply.records.rows; ++row)
-      windows.push_back(reply.records.data[3 * static_cast<std::size_t>(row)]);
-    return reply.records.rows;
+  const auto take = [&](const wire::Records& told) {
+    for (int row = 0; row < told.records.rows; ++row)
+      windows.push_back(told.records.data[3 * static_cast<std::size_t>(row)]);
+    return told.records.rows;
   };
-  EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0);
-  EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0) << "the start may be synchronised again";
+  run.coupler.ask(run.coupler.synchronise());
+  run.coupler.ask(run.coupler.synchronise());  // the start may be synchronised again
   for (int n = 1; n <= 11; ++n) {
     auto request = run.coupler.advance(1e-5);
-    request.records_requested = n == 5;
-    EXPECT_EQ(take(run.coupler.ask(request)), n == 5 ? 3 : 0);
-    if (n == 7) {
-      EXPECT_EQ(take(run.coupler.ask(run.coupler.synchronise())), 0);
-    }
+    request.as<wire::Advance>().records_requested = n == 5;
+    EXPECT_EQ(take(run.coupler.ask(request).as<wire::Advanced>()), n == 5 ? 3 : 0);
+    if (n == 7) run.coupler.ask(run.coupler.synchronise());
   }
-  take(run.coupler.ask(Kind::finish));
+  take(run.coupler.ask(Kind::finish).as<wire::Finished>());
   EXPECT_THAT(windows, ElementsAre(0, 2, 4, 6, 8, 10));
 }
 
@@ -177,19 +175,20 @@ TEST(Session, TellsTimesAndSpans) {
   run.session.add_wait(2.0);
   const auto& reply = run.coupler.ask(Kind::finish);
   EXPECT_TRUE(run.session.over());
-  EXPECT_EQ(reply.wait_s, 3.5);
-  ASSERT_EQ(reply.spans_s.rows, static_cast<int>(Session::max_spans));
+  EXPECT_EQ(reply.as<wire::Finished>().wait_s, 3.5);
+  ASSERT_EQ(reply.as<wire::Finished>().spans_s.rows, static_cast<int>(Session::max_spans));
   double sum = 0.0, last_end = 0.0;
-  for (int i = 0; i < reply.spans_s.rows; ++i) {
-    const double* span = &reply.spans_s.data[3 * static_cast<std::size_t>(i)];
+  for (int i = 0; i < reply.as<wire::Finished>().spans_s.rows; ++i) {
+    const double* span = &reply.as<wire::Finished>().spans_s.data[3 * static_cast<std::size_t>(i)];
     EXPECT_GE(span[1], last_end);
     EXPECT_GE(span[2], span[1]);
     last_end = span[2];
     sum += span[2] - span[1];
   }
-  EXPECT_EQ(reply.spans_s.data[0], 0) << "the first is about the start";
-  EXPECT_EQ(reply.spans_s.data[3 * 100], 98) << "describe, initialize, synchronise, then one window each";
-  EXPECT_GE(reply.compute_s, 0.99 * sum);
+  EXPECT_EQ(reply.as<wire::Finished>().spans_s.data[0], 0) << "the first is about the start";
+  EXPECT_EQ(reply.as<wire::Finished>().spans_s.data[3 * 100], 98)
+      << "describe, initialize, synchronise, then one window each";
+  EXPECT_GE(reply.as<wire::Finished>().compute_s, 0.99 * sum);
 }
 
 /// Moves freely under the link force; keeps what it was asked for.
@@ -226,16 +225,16 @@ TEST(Session, DrivesAnExplicitParticipantByForceInSubsteps) {
   run.coupler.driven_by = "force";
   run.coupler.ask(Kind::describe);
   auto initialize = run.coupler.initialize();
-  initialize.substeps = 3;
+  initialize.as<wire::Initialize>().substeps = 3;
   run.coupler.ask(initialize);
   EXPECT_EQ(mass.setup.driven_by, Drive::force);
   EXPECT_EQ(mass.setup.substeps, 3);
   const auto synchronised = run.coupler.ask(run.coupler.synchronise());
-  EXPECT_EQ(synchronised.velocity_m_s.rows, 1);
+  EXPECT_EQ(synchronised.as<wire::Synchronised>().velocity_m_s.rows, 1);
   for (int substep = 1; substep <= 3; ++substep) {
     auto request = run.coupler.advance(0.5, false);
     request.substep = substep;
-    EXPECT_THAT(run.coupler.ask(request).velocity_m_s.data, ElementsAre(substep));
+    EXPECT_THAT(run.coupler.ask(request).as<wire::Advanced>().velocity_m_s.data, ElementsAre(substep));
     request = run.coupler.advance(0.5, true);
     request.substep = substep;
     const auto reply = run.coupler.ask(request);

@@ -59,8 +59,8 @@ Message good() {
   Message message;
   message.kind = Kind::synchronise;
   message.run_id = "run";
-  message.integration = "implicit_newmark";
-  message.link_absolute.resize(2, 1);
+  message.as<Synchronise>().integration = "implicit_newmark";
+  message.as<Synchronise>().link_absolute.resize(2, 1);
   return message;
 }
 

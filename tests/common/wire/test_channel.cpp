@@ -27,7 +27,7 @@ bool receive(Listener& listener, std::string& identity, Message& message, double
 /// `sample`, but nobody here has offered shared memory.
 Message over_socket(Kind kind) {
   Message message = sample(kind);
-  message.shared_memory = false;
+  if (kind == Kind::welcome) message.as<Welcome>().shared_memory = false;
   return message;
 }
 
@@ -122,23 +122,23 @@ TEST(Listener, TellsParticipantsApart) {
   Message message = sample(Kind::hello);
   std::map<std::string, std::string> identity_of;
   for (auto* channel : {&a, &b}) {
-    message.participant = channel == &a ? "a" : "b";
+    message.as<Hello>().participant = channel == &a ? "a" : "b";
     channel->send(message);
   }
   for (int n = 0; n < 2; ++n) {
     std::string identity;
     ASSERT_TRUE(receive(listener, identity, message));
-    identity_of[message.participant] = identity;
+    identity_of[message.as<Hello>().participant] = identity;
   }
   for (const std::string name : {"b", "a"}) {
     message = over_socket(Kind::welcome);
-    message.participant = name;
+    message.as<Welcome>().participant = name;
     listener.send(identity_of.at(name), message);
   }
   a.receive(message, deadline_in(10), false);
-  EXPECT_EQ(message.participant, "a");
+  EXPECT_EQ(message.as<Welcome>().participant, "a");
   b.receive(message, deadline_in(10), false);
-  EXPECT_EQ(message.participant, "b");
+  EXPECT_EQ(message.as<Welcome>().participant, "b");
 }
 
 TEST(Listener, SendingToWhoIsGoneDoesNothing) {
@@ -266,7 +266,7 @@ TEST(Channel, RefusesAddressesThatAreNone) {
 TEST(Channel, DoesNotSendNumbersThatAreNotFinite) {
   Channel channel(private_endpoint());
   Message message = sample(Kind::welcome);
-  message.timeout_s = HUGE_VAL;
+  message.as<Welcome>().timeout_s = HUGE_VAL;
   EXPECT_THROW(channel.send(message), SolverError);
 }
 

@@ -33,16 +33,19 @@ void expect_section(const std::string& name, const std::string& expected) {
   if (section(name) != expected) std::ofstream(fmt::format("{}/wire_{}.md", RICOCHET_BUILD, name)) << expected;
 }
 
-std::string type_of(const Field& field) {
+std::string type_of(const Field& field, Message& message) {
   const char* names[] = {"text", "boolean", "integer", "float", "text", "texts", "array"};
-  return names[field.member.index()];
+  return names[field.in(message).index()];
 }
 
-std::string table(const std::vector<Field>& fields) {
+/// `kind`: of a message that has the fields.
+std::string table(const std::vector<Field>& fields, Kind kind) {
   if (fields.empty()) return "No fields besides the header.\n";
   std::string text = "| field | type | unit | meaning |\n|---|---|---|---|\n";
+  Message message;
+  message.kind = kind;
   for (const auto& field : fields) {
-    text += fmt::format("| `{}` | {} | {} | {} |\n", field.name, type_of(field), field.unit, field.meaning);
+    text += fmt::format("| `{}` | {} | {} | {} |\n", field.name, type_of(field, message), field.unit, field.meaning);
   }
   return text;
 }
@@ -55,9 +58,9 @@ std::string sender_of(Kind kind) {
 }
 
 TEST(WirePage, HasTheFieldsOfEveryMessage) {
-  std::string text = "### Header\n\nIn every message.\n\n" + table(header_fields());
+  std::string text = "### Header\n\nIn every message.\n\n" + table(header_fields(), Kind::hello);
   for (const Kind kind : all_kinds()) {
-    text += fmt::format("\n### `{}`\n\n{}\n\n{}", name(kind), sender_of(kind), table(fields_of(kind)));
+    text += fmt::format("\n### `{}`\n\n{}\n\n{}", name(kind), sender_of(kind), table(fields_of(kind), kind));
   }
   expect_section("messages", text);
 }
@@ -107,9 +110,9 @@ TEST(WirePage, HasAnExampleThatIsTrue) {
   message.kind = Kind::synchronise;
   message.run_id = "20260101-7f3a";
   message.sequence = 3;
-  message.integration = "explicit_central";
-  message.link_absolute.resize(2, 1);
-  message.link_absolute.data = {0.0, 1.5};
+  message.as<Synchronise>().integration = "explicit_central";
+  message.as<Synchronise>().link_absolute.resize(2, 1);
+  message.as<Synchronise>().link_absolute.data = {0.0, 1.5};
   const std::string bytes = encoded(message);
   std::string text = "```\n" + json(msgpack::unpack(bytes.data(), bytes.size()).get()) + "\n```\n\n```\n";
   for (std::size_t i = 0; i < bytes.size(); ++i) {

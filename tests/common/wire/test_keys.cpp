@@ -41,8 +41,8 @@ std::string error_of(Action action) {
 Message hello(std::size_t text_size = 0) {
   Message message;
   message.kind = Kind::hello;
-  message.participant = "a";
-  message.solver = std::string(text_size, 'x');
+  message.as<Hello>().participant = "a";
+  message.as<Hello>().solver = std::string(text_size, 'x');
   return message;
 }
 

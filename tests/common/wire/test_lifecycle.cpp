@@ -37,7 +37,7 @@ class Conversation {
     auto& sequence = sequence_[static_cast<std::size_t>(said.sender)];
     Message message;
     message.kind = said.kind;
-    message.accept_at_once = said.accept_at_once;
+    if (said.kind == Kind::advance) message.as<Advance>().accept_at_once = said.accept_at_once;
     message.sequence = sequence;
     lifecycle.step(said.sender, message, "rod");
     ++sequence;

@@ -31,30 +31,48 @@ TEST(Schema, FieldNamesAreUniqueInAMessageAndTellTheirUnit) {
   }
 }
 
-TEST(Schema, AFieldOfSeveralKindsIsTheSameMember) {
-  std::map<std::string_view, Field> known;
+TEST(Schema, AFieldOfSeveralKindsHasOneTypeAndUnit) {
+  std::map<std::string_view, std::pair<std::size_t, std::string_view>> known;
   for (const Kind kind : all_kinds()) {
+    Message message;
+    message.kind = kind;
     for (const auto& field : fields_of(kind)) {
-      const auto [found, added] = known.emplace(field.name, field);
-      EXPECT_TRUE(found->second.member == field.member) << name(kind) << "." << field.name;
+      const std::pair type_and_unit{field.in(message).index(), field.unit};
+      const auto [found, added] = known.emplace(field.name, type_and_unit);
+      EXPECT_EQ(found->second, type_and_unit) << name(kind) << "." << field.name;
     }
   }
 }
 
-TEST(Clear, LeavesANewMessageButKeepsTheMemory) {
-  for (const Kind kind : all_kinds()) {
-    Message message = sample(kind);
-    message.increment.resize(50, 2);
-    message.error_text.assign(500, 'x');
-    const auto* numbers = message.increment.data.data();
-    const auto* text = message.error_text.data();
-    clear(message);
-    expect_same(message, Message{});
-    message.increment.resize(50, 2);
-    message.error_text.assign(500, 'x');
-    EXPECT_EQ(message.increment.data.data(), numbers);
-    EXPECT_EQ(message.error_text.data(), text);
+TEST(Message, IsReadAsWhatItIs) {
+  Message message;
+  message.make<Advanced>().increment.resize(1, 1);
+  EXPECT_EQ(message.as<Advanced>().increment.rows, 1);
+  try {
+    (void)message.as<Accepted>();
+    FAIL();
+  } catch (const std::logic_error& error) {
+    EXPECT_STREQ(error.what(), "a message 'advanced' is read as 'accepted'");
   }
+}
+
+TEST(Message, MadeAnewHasTheFieldsOfANewOneAndKeepsItsMemory) {
+  for (const Kind kind : all_kinds()) {
+    Message message = sample(kind), fresh;
+    clear_body(message);
+    fresh.kind = kind;
+    static_cast<Header&>(fresh) = message;
+    expect_same(message, fresh);
+  }
+  Message message = sample(Kind::advanced);
+  message.as<Advanced>().increment.resize(50, 2);
+  const auto* numbers = message.as<Advanced>().increment.data.data();
+  EXPECT_TRUE(message.make<Advanced>().increment.data.empty());
+  message.make<Accepted>();
+  auto& again = message.make<Advanced>();
+  again.increment.resize(50, 2);
+  EXPECT_EQ(again.increment.data.data(), numbers);
+  EXPECT_EQ(again.separation_time_s, -1.0);
 }
 
 }  // namespace

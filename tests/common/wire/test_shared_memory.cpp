@@ -268,15 +268,15 @@ class OverSharedMemory : public testing::Test {
     listener_ = std::make_unique<Listener>(private_endpoint());
     channel_ = std::make_unique<Channel>(listener_->endpoint());
     Message message = sample(Kind::hello);
-    channel_->offer_shared_memory(message);
+    channel_->offer_shared_memory(message.as<Hello>());
     channel_->send(message);
     ASSERT_TRUE(receive(identity_, message));
-    auto memory = SharedMemory::open(message.shared_memory_path, message.shared_memory_key);
+    auto memory = SharedMemory::open(message.as<Hello>().shared_memory_path, message.as<Hello>().shared_memory_key);
     listener_->send(identity_, sample(Kind::welcome));
     listener_->limit(identity_, default_largest_message);
     listener_->share(identity_, std::move(memory));
     channel_->receive(message, deadline_in(10), false);
-    ASSERT_TRUE(message.shared_memory);
+    ASSERT_TRUE(message.as<Welcome>().shared_memory);
   }
   bool receive(std::string& identity, Message& message, double timeout_s = 10.0) {
     return listener_->receive(identity, message, deadline_in(timeout_s), {}, [](std::size_t) { return true; });
@@ -290,8 +290,8 @@ class OverSharedMemory : public testing::Test {
 
 Message large_message() {
   Message message = sample(Kind::advance);
-  message.link_increment.resize(100'000, 3);
-  auto& numbers = message.link_increment.data;
+  message.as<Advance>().link_increment.resize(100'000, 3);
+  auto& numbers = message.as<Advance>().link_increment.data;
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = 0.1 * static_cast<double>(i);
   return message;
 }

@@ -16,10 +16,10 @@ struct Node {
   double x, y, mass;
 };
 
-wire::Message description(const std::string& name, const std::string& role, const std::vector<Node>& nodes) {
-  wire::Message message;
+PeerDescription description(const std::string& name, const std::string& role, const std::vector<Node>& nodes) {
+  PeerDescription message;
   message.participant = name;
-  message.role = role;
+  message.role = *find_named<Role>(role);
   message.components = 2;
   message.bodies = {"striker", "target"};
   const int n = static_cast<int>(nodes.size());
@@ -34,7 +34,7 @@ wire::Message description(const std::string& name, const std::string& role, cons
   return message;
 }
 
-std::string refusal(const std::vector<wire::Message>& descriptions) {
+std::string refusal(const std::vector<PeerDescription>& descriptions) {
   try {
     InterfaceMap map(descriptions);
   } catch (const ProtocolError& error) {

@@ -42,13 +42,13 @@ class Client {
   void hello(const std::string& name, const std::string& role, const std::string& sha = "",
              Offer offer = Offer::nothing) {
     Message message;
-    if (offer != Offer::nothing) channel_.offer_shared_memory(message);
-    if (offer == Offer::wrong_memory) ++message.shared_memory_key;
-    message.kind = Kind::hello;
-    message.participant = name;
-    message.role = role;
-    message.scene_sha256 = sha;
-    message.process_id = 4711;
+    auto& hello = message.make<wire::Hello>();
+    if (offer != Offer::nothing) channel_.offer_shared_memory(hello);
+    if (offer == Offer::wrong_memory) ++hello.shared_memory_key;
+    hello.participant = name;
+    hello.role = role;
+    hello.scene_sha256 = sha;
+    hello.process_id = 4711;
     send(message);
   }
   Message receive() {
@@ -112,14 +112,14 @@ TEST_F(PeersTest, EveryoneIsWelcomedAndStrangersAreTurnedAwayWithTheReason) {
   wrong_role.hello("explicit", "implicit");
   std::string trouble;
   std::jthread meeting([&] { trouble = failure([&] { peers_.handshake(); }).second; });
-  EXPECT_THAT(stranger.receive().error_text,
+  EXPECT_THAT(stranger.receive().as<wire::Failure>().error_text,
               AllOf(HasSubstr("'explict'"), HasSubstr("explicit, implicit"), HasSubstr("did you mean \"explicit\"")));
-  EXPECT_THAT(other_scene.receive().error_text, HasSubstr("another scene"));
-  EXPECT_THAT(wrong_role.receive().error_text, HasSubstr("says it is implicit"));
+  EXPECT_THAT(other_scene.receive().as<wire::Failure>().error_text, HasSubstr("another scene"));
+  EXPECT_THAT(wrong_role.receive().as<wire::Failure>().error_text, HasSubstr("says it is implicit"));
   first.hello("explicit", "explicit", this_scene);
   EXPECT_EQ(first.receive().kind, Kind::welcome);
   twin.hello("explicit", "explicit");
-  EXPECT_THAT(twin.receive().error_text, HasSubstr("already takes part"));
+  EXPECT_THAT(twin.receive().as<wire::Failure>().error_text, HasSubstr("already takes part"));
   second.hello("implicit", "implicit");
   const auto welcome = second.receive();
   meeting.join();
@@ -164,8 +164,8 @@ TEST_F(PeersTest, SharedMemoryIsTakenWhereItIsOfferedAndWanted) {
       peers.handshake();
       EXPECT_EQ(peers.transport(0), expected_first);
       EXPECT_EQ(peers.transport(1), expected_second);
-      EXPECT_EQ(first.receive().shared_memory, peers.transport(0) == Transport::shm);
-      EXPECT_FALSE(second.receive().shared_memory);
+      EXPECT_EQ(first.receive().as<wire::Welcome>().shared_memory, peers.transport(0) == Transport::shm);
+      EXPECT_FALSE(second.receive().as<wire::Welcome>().shared_memory);
     }
   }
 }
@@ -177,11 +177,12 @@ TEST_F(PeersTest, WhoCannotHaveTheSharedMemoryThatIsRequiredIsTurnedAway) {
   std::jthread meeting([&] { peers.handshake(); });
   without.hello("explicit", "explicit");
   EXPECT_EQ(
-      without.receive().error_text,
+      without.receive().as<wire::Failure>().error_text,
       "a.toml:7: x: found \"shm\", which participant 'explicit' cannot have: it offers no shared memory; \"auto\" "
       "allows ZeroMQ for it");
   with_another.hello("explicit", "explicit", "", Client::Offer::wrong_memory);
-  EXPECT_THAT(with_another.receive().error_text, HasSubstr("cannot be opened: it is that of another process"));
+  EXPECT_THAT(with_another.receive().as<wire::Failure>().error_text,
+              HasSubstr("cannot be opened: it is that of another process"));
   with.hello("explicit", "explicit", "", Client::Offer::memory);
   EXPECT_EQ(with.receive().kind, Kind::welcome);
 }
@@ -225,8 +226,8 @@ TEST_P(Connected, FailureMessageKeepsItsExitCodeAlsoFromAnotherPeer) {
   describe(0);
   Message message;
   message.kind = Kind::failure;
-  message.error_code = 3;
-  message.error_text = "body 'rod': not finite";
+  message.as<wire::Failure>().error_code = 3;
+  message.as<wire::Failure>().error_text = "body 'rod': not finite";
   implicit_->send(message);
   const auto [code, text] = failure([&] { (void)peers_.peer(0).wait(); });
   EXPECT_EQ(code, 3);
@@ -256,8 +257,8 @@ TEST_P(Connected, LastWordsOfADyingProcessCount) {
   launch("implicit", "exit 3");
   Message message;
   message.kind = Kind::failure;
-  message.error_code = 3;
-  message.error_text = "diverged";
+  message.as<wire::Failure>().error_code = 3;
+  message.as<wire::Failure>().error_text = "diverged";
   describe(0);
   usleep(100000);
   implicit_->send(message);
@@ -307,8 +308,8 @@ TEST_P(Connected, FailureIsAnnouncedToEveryone) {
   for (auto* client : {explicit_.get(), implicit_.get()}) {
     const auto message = client->receive();
     EXPECT_EQ(message.kind, Kind::failure);
-    EXPECT_EQ(message.error_code, 4);
-    EXPECT_EQ(message.error_text, "participant 'x' died");
+    EXPECT_EQ(message.as<wire::Failure>().error_code, 4);
+    EXPECT_EQ(message.as<wire::Failure>().error_text, "participant 'x' died");
   }
 }
 

@@ -47,8 +47,8 @@ void take_part(const std::string& endpoint, const std::string& key, double criti
   wire::Channel channel(endpoint, wire::read_key(key, 10.0));
   Message message;
   message.kind = Kind::hello;
-  message.participant = "spring";
-  message.role = "explicit";
+  message.as<wire::Hello>().participant = "spring";
+  message.as<wire::Hello>().role = "explicit";
   channel.send(message);
   Message heard;
   channel.receive(heard, wire::deadline_in(10.0), false);
@@ -56,7 +56,7 @@ void take_part(const std::string& endpoint, const std::string& key, double criti
   message.kind = Kind::description;
   message.run_id = heard.run_id;
   message.sequence = 1;
-  message.critical_time_step_s = critical_time_step_s;
+  message.as<wire::Description>().critical_time_step_s = critical_time_step_s;
   channel.send(message);
 }
 
@@ -78,7 +78,8 @@ TEST_F(ProcessSetTest, WhoComesByHandFindsItsKeyUntilEverybodyIsThere) {
   EXPECT_FALSE(fs::exists(folder_ + "/keys"));
   const auto descriptions = set.describe();
   ASSERT_EQ(descriptions.size(), 1U);
-  EXPECT_EQ(descriptions[0].participant + " " + descriptions[0].role, "spring explicit");
+  EXPECT_EQ(descriptions[0].participant, "spring");
+  EXPECT_EQ(descriptions[0].role, Role::explicit_solver);
   EXPECT_EQ(descriptions[0].critical_time_step_s, 0.5);
   set.check_exit_codes();  // nobody was launched, so nobody is waited for
 }

@@ -52,11 +52,10 @@ class FakeParticipant {
     link_accepted_ = link_trial_ = output_accepted_ = output_ = Eigen::VectorXd::Zero(n);
   }
 
-  [[nodiscard]] wire::Message description() const {
-    wire::Message d;
-    d.kind = wire::Kind::description;
+  [[nodiscard]] PeerDescription description() const {
+    PeerDescription d;
     d.participant = name_;
-    d.role = implicit_ ? "implicit" : "explicit";
+    d.role = implicit_ ? Role::implicit_solver : Role::explicit_solver;
     d.components = 1;
     d.bodies = {"chain"};
     d.record_columns = {"window"};
@@ -99,7 +98,7 @@ class FakeParticipant {
   }
 
   double corrupt_increment = 0.0;   ///< added to every answered increment: a drift that a resynchronisation must find
-  wire::Message status;             ///< contact fields of the next answers
+  wire::ContactReport status;       ///< of the next answers
   std::vector<std::string> asked;   ///< kinds of messages, in order
   wire::Array departures, outline;  ///< what it tells with its history rows
   std::int64_t finish_at = -1;
@@ -108,36 +107,41 @@ class FakeParticipant {
  private:
   void handle(const wire::Message& m) {
     asked.emplace_back(wire::name(m.kind));
-    answer_ = status;
-    answer_.absolute = {0, 1, {}};
     if (m.kind == wire::Kind::initialize) {
-      dt_ = m.window_size_s;
-      driven_by_force_ = m.driven_by == "force";
-      substeps_ = static_cast<int>(m.substeps);
-      const auto& s = m.interface_stiffness;
-      interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(s.data.data(), s.rows, s.columns);
-      for (std::size_t i = 0; i < shared_.size(); ++i) chain_.mass[shared_[i]] = m.interface_mass_kg.data[i];
-      output_ = own_output();
-      answer_absolute(wire::Kind::initialized);
+      initialize(m.as<wire::Initialize>(), answer_.make<wire::Initialized>());
     } else if (m.kind == wire::Kind::synchronise) {
-      synchronise(m);
+      synchronise(m.as<wire::Synchronise>(), answer_.make<wire::Synchronised>());
     } else if (m.kind == wire::Kind::advance) {
-      advance(m);
+      advance(m, m.as<wire::Advance>(), answer_.make<wire::Advanced>());
     } else if (m.kind == wire::Kind::accept) {
-      answer_.kind = wire::Kind::accepted;
+      static_cast<wire::ContactReport&>(answer_.make<wire::Accepted>()) = status;
       answer_.window = m.window;
       accept();
     } else if (m.kind == wire::Kind::load_state) {
-      answer_.kind = wire::Kind::state_loaded;
-      exchange_motion([next = m.state.data.begin()](double& value, double) mutable { value = *next++; });
+      answer_.make<wire::StateLoaded>();
+      exchange_motion(
+          [next = m.as<wire::LoadState>().state.data.begin()](double& value, double) mutable { value = *next++; });
     } else if (m.kind == wire::Kind::read_state) {
-      answer_.kind = wire::Kind::state;
-      answer_.state = answer_.state_scale = {0, 1, {}};
-      exchange_motion([this](double& value, double scale) {
-        answer_.state.data.push_back(value);
-        answer_.state_scale.data.push_back(scale);
+      auto& answer = answer_.make<wire::State>();
+      answer.state = answer.state_scale = {0, 1, {}};
+      exchange_motion([&answer](double& value, double scale) {
+        answer.state.data.push_back(value);
+        answer.state_scale.data.push_back(scale);
       });
+    } else if (m.kind == wire::Kind::finish) {
+      answer_.make<wire::Finished>();
     }
+  }
+
+  void initialize(const wire::Initialize& m, wire::Initialized& answer) {
+    dt_ = m.window_size_s;
+    driven_by_force_ = m.driven_by == "force";
+    substeps_ = static_cast<int>(m.substeps);
+    const auto& s = m.interface_stiffness;
+    interface_stiffness_ = Eigen::Map<const Eigen::MatrixXd>(s.data.data(), s.rows, s.columns);
+    for (std::size_t i = 0; i < shared_.size(); ++i) chain_.mass[shared_[i]] = m.interface_mass_kg.data[i];
+    output_accepted_ = output_ = own_output();
+    set(answer.absolute, output_);
   }
 
   /// u, then v of what it integrates, each with its scale.
@@ -151,18 +155,18 @@ class FakeParticipant {
     }
   }
 
-  void synchronise(const wire::Message& m) {
+  void synchronise(const wire::Synchronise& m, wire::Synchronised& answer) {
     explicit_now_ = m.integration == "explicit_central";
     link_accepted_ = Eigen::Map<const Eigen::VectorXd>(m.link_absolute.data.data(), link_accepted_.size());
     if (!moves()) put_shared(u, link_accepted_);
     acceleration_from(u, link_accepted_ + stiffness_force(u), a);
-    output_ = own_output();
-    answer_absolute(wire::Kind::synchronised);
-    if (moves()) answer_motion(v, a);
+    output_accepted_ = output_ = own_output();
+    set(answer.absolute, output_);
+    if (moves()) answer_motion(v, a, answer);
     u1 = u, v1 = v, a1 = a;
   }
 
-  void advance(const wire::Message& m) {
+  void advance(const wire::Header& header, const wire::Advance& m, wire::Advanced& answer) {
     const Eigen::VectorXd increment =
         Eigen::Map<const Eigen::VectorXd>(m.link_increment.data.data(), link_accepted_.size());
     link_trial_ = link_accepted_ + increment;
@@ -173,7 +177,7 @@ class FakeParticipant {
     if (implicit_) {
       step_implicit();
     } else if (driven_by_force_) {
-      subcycle(m.substep == 0 ? substeps_ : 1);
+      subcycle(header.substep == 0 ? substeps_ : 1);
     } else {
       u1 = u + dt_ * v + 0.5 * dt_ * dt_ * a;
       put_shared(u1, link_trial_);
@@ -182,19 +186,20 @@ class FakeParticipant {
       for (const int node : shared_) v1[node] = a1[node] = 0.0;
     }
     output_ = moves() ? shared_part(u1) : shared_part(chain_.stiffness * u1);
-    if (moves()) answer_motion(v1, a1);
-    answer_.kind = wire::Kind::advanced;
-    answer_.window = m.window + m.windows - 1;
-    set(answer_.increment, output_ - output_accepted_);
-    for (auto& value : answer_.increment.data) value += corrupt_increment;
-    if (m.absolute_requested) set(answer_.absolute, output_);
-    answer_.finished_early = finish_at >= 0 && answer_.window >= finish_at;
-    answer_.records.resize(0, 1);
+    static_cast<wire::ContactReport&>(answer) = status;
+    if (moves()) answer_motion(v1, a1, answer);
+    answer_.window = header.window + m.windows - 1;
+    set(answer.increment, output_ - output_accepted_);
+    for (auto& value : answer.increment.data) value += corrupt_increment;
+    answer.absolute = {0, 1, {}};
+    if (m.absolute_requested) set(answer.absolute, output_);
+    answer.finished_early = finish_at >= 0 && answer_.window >= finish_at;
+    answer.records.resize(0, 1);
     for (; m.records_requested && next_row_ <= answer_.window; ++next_row_) {
-      answer_.records.resize(answer_.records.rows + 1, 1);
-      answer_.records.data.back() = static_cast<double>(next_row_);
+      answer.records.resize(answer.records.rows + 1, 1);
+      answer.records.data.back() = static_cast<double>(next_row_);
     }
-    if (m.records_requested) answer_.departures = departures, answer_.outline = outline;
+    if (m.records_requested) answer.departures = departures, answer.outline = outline;
     if (m.accept_at_once) accept();
   }
 
@@ -204,9 +209,9 @@ class FakeParticipant {
     output_accepted_ = output_;
   }
 
-  void answer_motion(const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration) {
-    set(answer_.velocity_m_s, shared_part(velocity));
-    set(answer_.acceleration_m_s2, shared_part(acceleration));
+  void answer_motion(const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration, wire::Rates& answer) const {
+    set(answer.velocity_m_s, shared_part(velocity));
+    set(answer.acceleration_m_s2, shared_part(acceleration));
   }
 
   void subcycle(int steps) {
@@ -268,11 +273,6 @@ class FakeParticipant {
   static void set(wire::Array& array, const Eigen::VectorXd& values) {
     array = {static_cast<int>(values.size()), 1, std::vector<double>(values.data(), values.data() + values.size())};
   }
-  void answer_absolute(wire::Kind kind) {
-    output_accepted_ = output_;
-    answer_.kind = kind;
-    set(answer_.absolute, output_);
-  }
 
   std::string name_;
   bool implicit_;
@@ -293,7 +293,7 @@ class FakeParticipant {
 
 /// Fakes coupled in this process, not started yet.
 inline std::unique_ptr<Coupling> unstarted(const std::vector<FakeParticipant*>& participants, double dt) {
-  std::vector<wire::Message> descriptions;
+  std::vector<PeerDescription> descriptions;
   for (const auto* p : participants) descriptions.push_back(p->description());
   std::vector<Peer> peers;
   for (auto* p : participants) peers.push_back(p->peer());
@@ -303,7 +303,7 @@ inline std::unique_ptr<Coupling> unstarted(const std::vector<FakeParticipant*>& 
 /// The same, started as the primal protocols do.
 inline std::unique_ptr<Coupling> couple(const std::vector<FakeParticipant*>& participants, double dt) {
   auto coupling = unstarted(participants, dt);
-  wire::Message request;
+  wire::Initialize request;
   request.window_size_s = dt;
   coupling->initialize(request);
   return coupling;

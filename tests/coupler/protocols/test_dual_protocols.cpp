@@ -28,7 +28,7 @@ struct Coupled {
     settings.substeps = substeps;
     protocol = make_protocol(name, settings);
     coupling = unstarted({&explicit_side, &implicit_side}, dt);
-    wire::Message request;
+    wire::Initialize request;
     request.window_size_s = dt;
     request.substeps = substeps;
     protocol->start(*coupling, request);
@@ -110,7 +110,7 @@ TEST(DualProtocols, SeveralExplicitParticipantsMayMeetAtANode) {
     FakeParticipant a("a", false, left, {4}, v.head(5)), b("b", false, branch, {0}, v.tail(3));
     FakeParticipant middle_2("implicit", true, middle, {0}, wave(4));
     auto single = unstarted({&one, &middle_1}, dt), twice = unstarted({&b, &middle_2, &a}, dt);
-    wire::Message request;
+    wire::Initialize request;
     request.window_size_s = dt;
     request.substeps = m;
     const auto first = make_protocol("prakash_hjelmstad", {}), second = make_protocol("prakash_hjelmstad", {});
@@ -132,7 +132,7 @@ TEST(DualProtocols, RefuseAParticipantWithoutMassAtTheInterface) {
   FakeParticipant light("light", false, massless, {4}, wave(0)),
       heavy("implicit", true, Chain::of(stiff, stiff_masses, 4.0), {0}, wave(4));
   auto coupling = unstarted({&light, &heavy}, 0.1);
-  wire::Message request;
+  wire::Initialize request;
   request.window_size_s = 0.1;
   try {
     make_protocol("prakash_hjelmstad", {})->start(*coupling, request);
@@ -149,7 +149,7 @@ TEST(UnitResponses, OfASolverThatDoesNotStartAgainAreRefused) {
   FakeParticipant right("implicit", true, ends, {0, 4}, VectorXd::Zero(5));
   left.forgets_to_restore = true;
   auto coupling = unstarted({&left, &right}, 0.4);
-  wire::Message request;
+  wire::Initialize request;
   request.window_size_s = 0.4;
   request.substeps = 3;
   try {

@@ -234,7 +234,7 @@ TEST(Registry, UnknownProtocolSuggestsTheNearest) {
 
 TEST(Registry, MissingCapabilityIsRefusedByName) {
   Pair pair;
-  std::vector<wire::Message> descriptions = {pair.explicit_side.description(), pair.implicit_side.description()};
+  std::vector<PeerDescription> descriptions = {pair.explicit_side.description(), pair.implicit_side.description()};
   EXPECT_NO_THROW(check_capabilities(scene::protocol_traits("hughes_liu"), descriptions));
   try {
     check_capabilities(scene::protocol_traits("kim"), descriptions);
@@ -250,13 +250,12 @@ TEST(Link, WrongNumberOfRowsIsAProtocolError) {
   Pair pair;
   auto coupling = pair.coupling(0.1);
   wire::Message wrong;
-  wrong.kind = wire::Kind::advanced;
-  wrong.increment = {2, 1, {0.0, 0.0}};
+  wrong.make<wire::Advanced>().increment = {2, 1, {0.0, 0.0}};
   Peer peer{"explicit", [](wire::Message&) {}, [&wrong]() -> const wire::Message& { return wrong; }};
   Link link(peer, pair.explicit_side.description(), InterfaceRows{{0}, 1});
   link.post_advance(Step{}, {0.0}, Acceptance::at_once);
   EXPECT_THROW(link.wait_advanced(), ProtocolError);
-  wrong.kind = wire::Kind::accepted;
+  wrong.make<wire::Accepted>();
   link.post_advance(Step{}, {0.0}, Acceptance::at_once);
   EXPECT_THROW(link.wait_advanced(), ProtocolError);
 }

@@ -130,7 +130,7 @@ TEST(TimeLoop, SwitchesAwayAfterSeparationAndBackBeforeContact) {
   EXPECT_THAT(s.implicit_side.asked, Contains("synchronise").Times(3));
 }
 
-ContactReport report(bool separated, double gap, double rate, int closed = 0) {
+wire::ContactReport report(bool separated, double gap, double rate, int closed = 0) {
   return {closed, gap, rate, separated, 0.0, false};
 }
 
