@@ -135,7 +135,6 @@ double critical_time_step(const std::vector<ParticipantPlan>& participants) {
 Plan plan(const Problem& problem) {
   const Scene& scene = problem.scene;
   Plan plan;
-  plan.window_size_s = problem.window_size_s;
   plan.windows = count_windows(problem);
   plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
   const ProtocolTraits& protocol = scene.coupling.protocol;
@@ -156,7 +155,7 @@ Plan plan(const Problem& problem) {
   return plan;
 }
 
-std::string to_text(const Plan& plan) {
+std::string to_text(const Problem& problem, const Plan& plan) {
   std::string text = fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", "participant", "role", "nodes",
                                  "elements", "unknowns", "interface", "critical step [s]");
   for (const ParticipantPlan& p : plan.participants) {
@@ -165,7 +164,7 @@ std::string to_text(const Plan& plan) {
     text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, name_of(p.role), p.nodes, p.elements,
                         p.unknowns, p.interface_nodes, critical);
   }
-  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", plan.window_size_s, plan.windows,
+  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", problem.window_size_s, plan.windows,
                       plan.contact_pairs);
   if (plan.penalty_step_ratio > 0.0)
     text += fmt::format("penalty: sqrt(2 alpha_n/m) dt = {:.4g}, alpha_n/k = {:.4g}\n", plan.penalty_step_ratio,

@@ -17,7 +17,6 @@ struct ParticipantPlan {
 };
 struct Plan {
   std::vector<ParticipantPlan> participants;
-  double window_size_s = 0;
   long long windows = 0;
   int contact_pairs = 0;
   double penalty_step_ratio = 0;  ///< sqrt(2 alpha_n / m) dt, largest over the pairs; 0 without penalty
@@ -43,6 +42,6 @@ struct Plan {
 /// masses), trapezoidal or central-difference penalty beyond its bound, and everything build_problem refuses.
 [[nodiscard]] Plan plan(const Problem& problem);
 /// The plan as the text that `ricochet check` prints.
-[[nodiscard]] std::string to_text(const Plan& plan);
+[[nodiscard]] std::string to_text(const Problem& problem, const Plan& plan);
 
 }  // namespace ricochet::scene

@@ -62,7 +62,7 @@ void run_scene(const std::string& scene_path, const std::string& out) {
 
 void check_scene(const std::string& scene_path) {
   const auto problem = load_problem(scene_path);
-  fmt::print("{}{}\n", scene::to_text(scene::plan(problem)), memory_text(problem.scene));
+  fmt::print("{}{}\n", scene::to_text(problem, scene::plan(problem)), memory_text(problem.scene));
   if (const auto warning = address_warning(problem.scene); !warning.empty()) fmt::print("warning: {}\n", warning);
   if (problem.scene.time.largest_step_s) {
     fmt::print(

@@ -55,8 +55,8 @@ void check_description(const wire::Hello& hello, const wire::Description& d) {
             fmt::format("it has the unknown capability '{}'{}", capability,
                         did_you_mean(capability, all_names<Capability>())));
   }
-  const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, 1.0);
-  const AxialStress names_layers_rightly({{hello.participant, d.axial_stress_columns}}, d.bodies, 1.0);
+  const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies);
+  const AxialStress names_layers_rightly({{hello.participant, d.axial_stress_columns}}, d.bodies);
 }
 
 /// Largest extent of the interface [m]; for a single point its distance from the origin, or 1 m there.

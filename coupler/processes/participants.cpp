@@ -45,10 +45,11 @@ ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling) {
   return {coupling.substeps, coupling.acceleration, coupling.relaxation, coupling.tolerance, coupling.max_iterations};
 }
 
-wire::Initialize initialize_request(const scene::Scene& scene, double window_size_s, std::int64_t last_window,
+wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t last_window,
                                     const std::string& output_directory) {
+  const auto& scene = problem.scene;
   wire::Initialize request;
-  request.window_size_s = window_size_s;
+  request.window_size_s = problem.window_size_s;
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol.name;
   request.substeps = scene.coupling.substeps;
@@ -102,7 +103,7 @@ void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector
 }
 
 ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,
-                            const ResultsDirectory& results, double window_size_s, const std::string& run_id) {
+                            const ResultsDirectory& results, const std::string& run_id) {
   const auto& scene = problem.scene;
   std::vector<Member> members;
   for (std::size_t p = 0; p < executables.size(); ++p) {
@@ -111,7 +112,7 @@ ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std
   const RunIdentity run{run_id,
                         scene.sha256,
                         scene.coupling.timeout_s,
-                        window_size_s,
+                        problem.window_size_s,
                         scene.coupling.transport,
                         scene.where("coupling.transport"),
                         largest_message(problem)};

@@ -16,8 +16,8 @@ namespace ricochet::coupler {
 [[nodiscard]] ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling);
 
 /// What the scene says to its participants, but for what is told to each one alone.
-[[nodiscard]] wire::Initialize initialize_request(const scene::Scene& scene, double window_size_s,
-                                                  std::int64_t last_window, const std::string& output_directory);
+[[nodiscard]] wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t last_window,
+                                                  const std::string& output_directory);
 
 /// Program per participant, in the scene's order; empty for one that is started by hand.
 [[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
@@ -26,10 +26,9 @@ namespace ricochet::coupler {
 [[nodiscard]] std::vector<std::string> participant_names(const scene::Scene& scene);
 
 /// The processes of a scene, in its order; none is started yet. `executables`: what `find_executables` found. Logs and
-/// keys lie in the results folder; `window_size_s` is for error texts.
+/// keys lie in the results folder.
 [[nodiscard]] ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,
-                                          const ResultsDirectory& results, double window_size_s,
-                                          const std::string& run_id);
+                                          const ResultsDirectory& results, const std::string& run_id);
 
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
 void require_capability(const PeerDescription& description, Capability needed, const std::string& activity);

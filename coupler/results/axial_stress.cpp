@@ -30,9 +30,7 @@ bool read(std::string_view cell, double& value) {
 
 }  // namespace
 
-AxialStress::AxialStress(const std::vector<History::Source>& sources, const std::vector<std::string>& bodies,
-                         double window_size_s)
-    : window_size_s_(window_size_s) {
+AxialStress::AxialStress(const std::vector<History::Source>& sources, const std::vector<std::string>& bodies) {
   for (const auto& source : sources) {
     streams_.emplace_back();
     if (source.columns.empty()) continue;
@@ -77,7 +75,7 @@ std::size_t AxialStress::rows() const {
   return told() ? rows : 0;
 }
 
-std::string AxialStress::csv() const {
+std::string AxialStress::csv(double window_size_s) const {
   std::string text = "time_s";
   std::map<Place, std::size_t> position;
   std::vector<double> nothing;
@@ -97,7 +95,7 @@ std::string AxialStress::csv() const {
       window = values[0];
       for (std::size_t c = 0; c < stream.places.size(); ++c) sum[position.at(stream.places[c])] += values[c + 1];
     }
-    out = fmt::format_to(out, "{:.17g}", window * window_size_s_);
+    out = fmt::format_to(out, "{:.17g}", window * window_size_s);
     for (const double stress : sum) out = fmt::format_to(out, ",{:.6g}", stress);
     text += '\n';
   }

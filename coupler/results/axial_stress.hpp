@@ -19,15 +19,14 @@ class AxialStress {
   /// Columns of a participant: "window", then BODY/LOW/HIGH/SHARE for each layer in which it has elements, SHARE its
   /// share of the layer's volume; none: it tells nothing. Throws ProtocolError naming the participant and the column
   /// if one is something else.
-  AxialStress(const std::vector<History::Source>& sources, const std::vector<std::string>& bodies,
-              double window_size_s);
+  AxialStress(const std::vector<History::Source>& sources, const std::vector<std::string>& bodies);
 
   /// `values`: rows of this participant, row-major, every so many windows the same for all.
   void add(std::size_t participant, const std::vector<double>& values);
   /// Whether any stress is told at all.
   [[nodiscard]] bool told() const { return !layers_.empty(); }
   /// The text of axial_stress.csv. All adding up is left to it, after the last window.
-  [[nodiscard]] std::string csv() const;
+  [[nodiscard]] std::string csv(double window_size_s) const;
 
  private:
   struct Layer {
@@ -44,7 +43,6 @@ class AxialStress {
   void add_column(const History::Source& source, const std::string& column, const std::vector<std::string>& bodies);
   [[nodiscard]] std::size_t rows() const;
 
-  double window_size_s_;
   std::map<Place, Layer> layers_;
   std::vector<Stream> streams_;
 };

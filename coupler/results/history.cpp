@@ -76,9 +76,8 @@ void Errors::add(HistoryRow& row) {
   }
 }
 
-History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
-                 Conserved conserved)
-    : bodies_(bodies), window_size_s_(window_size_s) {
+History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved)
+    : bodies_(bodies) {
   if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
   errors_ = Errors(std::move(conserved));
   for (const auto& source : sources) {
@@ -144,14 +143,14 @@ void History::check_windows() const {
   }
 }
 
-std::optional<HistoryRow> History::next() {
+std::optional<HistoryRow> History::next(double window_size_s) {
   for (const auto& stream : streams_) {
     if (stream.rows.empty()) return std::nullopt;
   }
   check_windows();
   HistoryRow row;
   row.window = static_cast<std::int64_t>(streams_.front().rows.front()[0]);
-  row.time_s = static_cast<double>(row.window) * window_size_s_;
+  row.time_s = static_cast<double>(row.window) * window_size_s;
   row.bodies.resize(bodies_.size());
   for (auto& stream : streams_) merge(stream, row);
   for (const auto& body : row.bodies) add_to(row.sum, body);

@@ -86,13 +86,12 @@ class History {
   };
   /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing. Without
   /// "angular_momentum_kg_m2_s" of everyone that balance is none.
-  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, double window_size_s,
-          Conserved conserved = {});
+  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved = {});
 
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);
   /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
-  std::optional<HistoryRow> next();
+  std::optional<HistoryRow> next(double window_size_s);
 
  private:
   struct Column {
@@ -113,7 +112,6 @@ class History {
 
   std::vector<std::string> bodies_;
   std::vector<Stream> streams_;
-  double window_size_s_;
   Errors errors_;
 };
 

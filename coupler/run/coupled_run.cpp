@@ -21,7 +21,8 @@ std::vector<std::string> body_names(const scene::Scene& scene) {
   return names;
 }
 
-Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
+Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
+  const auto& scene = problem.scene;
   Summary summary;
   summary.scene_path = scene.path;
   summary.scene_sha256 = scene.sha256;
@@ -29,7 +30,7 @@ Summary first_summary(const scene::Scene& scene, const scene::Plan& plan) {
   summary.transport = scene.coupling.transport;
   summary.run_id = make_run_id();
   summary.windows = plan.windows;
-  summary.window_size_s = plan.window_size_s;
+  summary.window_size_s = problem.window_size_s;
   return summary;
 }
 
@@ -41,11 +42,11 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       scene_(problem.scene),
       plan_(plan),
       results_(results),
-      summary_(first_summary(scene_, plan)),
+      summary_(first_summary(problem, plan)),
       tally_(impact_theory(problem)),
       history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
-      progress_(plan.windows, plan.window_size_s, !problem.contact.pairs.empty()),
-      set_(make_process_set(problem, executables, results, plan.window_size_s, summary_.run_id)),
+      progress_(plan.windows, !problem.contact.pairs.empty()),
+      set_(make_process_set(problem, executables, results, summary_.run_id)),
       outside_(problem) {
   reserve_summary();
 }
@@ -95,19 +96,19 @@ void CoupledRun::setup() {
     stress_sources.push_back({description.participant, description.axial_stress_columns});
   }
   prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, body_names(scene_), plan_.window_size_s, conserved_by(problem_));
+  history_ = std::make_unique<History>(sources, body_names(scene_), conserved_by(problem_));
   if (scene_.output.axial_stress_every > 0) {
-    axial_stress_ = std::make_unique<AxialStress>(stress_sources, body_names(scene_), plan_.window_size_s);
+    axial_stress_ = std::make_unique<AxialStress>(stress_sources, body_names(scene_));
   }
-  coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, plan_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, problem_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
-  protocol_->start(*coupling_, initialize_request(scene_, plan_.window_size_s, plan_.windows, results_.file("fields")));
+  protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
 }
 
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
-  suspicion_.step_s = plan_.window_size_s / scene_.coupling.substeps;
+  suspicion_.step_s = problem_.window_size_s / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
@@ -133,8 +134,9 @@ bool CoupledRun::may_switch() {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
-  } else if (critical > 0 && critical < plan_.window_size_s) {  // of a solver that has elements we know nothing of
-    obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, plan_.window_size_s);
+  } else if (critical > 0 && critical < problem_.window_size_s) {  // of a solver that has elements we know nothing of
+    obstacle =
+        fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, problem_.window_size_s);
   }
   if (obstacle.empty()) return true;
   summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));
@@ -158,7 +160,7 @@ void CoupledRun::take_records(std::int64_t window) {
   }
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
-  while (auto row = history_->next()) {
+  while (auto row = history_->next(problem_.window_size_s)) {
     count_contact(*row);
     since_last_row_.contact_iterations += row->contact.contact_iterations;
     since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
@@ -168,7 +170,7 @@ void CoupledRun::take_records(std::int64_t window) {
       row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
       history_file_.add(*row);
       tally_.add(*row);
-      progress_.show(window, *row);
+      progress_.show(window, problem_.window_size_s, *row);
     }
     watch_->check(*row);
   }

@@ -7,15 +7,14 @@
 
 namespace ricochet::coupler {
 
-Progress::Progress(std::int64_t last_window, double window_size_s, bool has_contact)
+Progress::Progress(std::int64_t last_window, bool has_contact)
     : last_window_(last_window),
-      window_size_s_(window_size_s),
       has_contact_(has_contact),
       terminal_(isatty(STDERR_FILENO) == 1),
       begin_(Clock::now()),
       shown_(begin_) {}
 
-void Progress::show(std::int64_t window, const HistoryRow& row) {
+void Progress::show(std::int64_t window, double window_size_s, const HistoryRow& row) {
   const auto now = Clock::now();
   if (now - shown_ < (terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(2000))) return;
   shown_ = now;
@@ -23,7 +22,7 @@ void Progress::show(std::int64_t window, const HistoryRow& row) {
   const double left =
       window > 0 ? elapsed * static_cast<double>(last_window_ - window) / static_cast<double>(window) : 0.0;
   std::string line = fmt::format("step {}/{}  t {:.4g} s  dt {:.4g} s", window, last_window_,
-                                 static_cast<double>(window) * window_size_s_, window_size_s_);
+                                 static_cast<double>(window) * window_size_s, window_size_s);
   if (has_contact_) {
     line += fmt::format("  stick/slip/open {:.0f}/{:.0f}/{:.0f}", row.contact.pairs_stick, row.contact.pairs_slip,
                         row.contact.pairs_open);

@@ -10,16 +10,15 @@ namespace ricochet::coupler {
 /// The progress line on stderr: rewritten in place on a terminal, a plain line every 2 s otherwise.
 class Progress {
  public:
-  Progress(std::int64_t last_window, double window_size_s, bool has_contact);
-  /// `row`: the newest merged history row.
-  void show(std::int64_t window, const HistoryRow& row);
+  Progress(std::int64_t last_window, bool has_contact);
+  /// After `window` windows of `window_size_s` each; `row`: the newest merged history row.
+  void show(std::int64_t window, double window_size_s, const HistoryRow& row);
   /// Ends a line that was rewritten in place, so that what follows starts on a new one.
   void close();
 
  private:
   using Clock = std::chrono::steady_clock;
   std::int64_t last_window_;
-  double window_size_s_;
   bool has_contact_, terminal_, open_ = false;
   Clock::time_point begin_, shown_;
 };

@@ -18,7 +18,7 @@ namespace {
 /// No end, no history, no fields: nobody asks for them.
 wire::Initialize endless_request(const scene::Problem& problem, const ResultsDirectory& results) {
   constexpr auto never = std::numeric_limits<std::int64_t>::max();
-  auto request = initialize_request(problem.scene, problem.window_size_s, never, results.file("fields"));
+  auto request = initialize_request(problem, never, results.file("fields"));
   request.history_every = std::numeric_limits<int>::max();
   request.fields_every = 0;
   request.until_separated_plus_s = -1.0;
@@ -53,7 +53,7 @@ std::vector<ContactStability> measure_stability(const scene::Problem& problem,
                                                 const std::vector<FrozenContact>& frozen_contacts,
                                                 const ResultsDirectory& results) {
   const auto executables = find_executables(problem.scene);
-  auto set = make_process_set(problem, executables, results, problem.window_size_s, make_run_id());
+  auto set = make_process_set(problem, executables, results, make_run_id());
   try {
     return measure(problem, frozen_contacts, results, set);
   } catch (const std::exception& error) {

@@ -14,7 +14,7 @@ inline coupler::History history_of(OneProcess& run) {
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   std::vector<coupler::History::Source> sources;
   for (const auto& link : run.coupling().links()) sources.push_back({link.name(), link.description().record_columns});
-  return coupler::History(sources, bodies, run.problem().window_size_s, coupler::conserved_by(run.problem()));
+  return coupler::History(sources, bodies, coupler::conserved_by(run.problem()));
 }
 
 /// All rows of a scene computed in one process: what history.csv is written from, with the sums per body.
@@ -25,7 +25,7 @@ inline std::vector<coupler::HistoryRow> rows_of(const std::string& scene_path) {
   auto& links = run.coupling().links();
   const auto take_rows = [&](std::int64_t) {
     for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
-    while (auto row = history.next()) rows.push_back(*std::move(row));
+    while (auto row = history.next(run.problem().window_size_s)) rows.push_back(*std::move(row));
   };
   run.run(take_rows);
   for (auto& link : links) {  // a run that ends early has rows left

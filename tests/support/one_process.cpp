@@ -80,9 +80,9 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
   for (const auto& spec : scene.participants) {
     participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec));
   }
-  coupling_ = couple(participants_, plan_.window_size_s);
+  coupling_ = couple(participants_, problem_.window_size_s);
   protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
-  wire::Initialize initialize = coupler::initialize_request(scene, plan_.window_size_s, plan_.windows, "");
+  wire::Initialize initialize = coupler::initialize_request(problem_, plan_.windows, "");
   initialize.fields_every = 0;  // no result files: there is no folder for them
   protocol_->start(*coupling_, initialize);
   for (auto& participant : participants_)

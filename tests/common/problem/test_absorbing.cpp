@@ -142,8 +142,8 @@ TEST(UnreachedEnds, AreReportedByLengthAndElements) {
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_THAT(lines[0], HasSubstr("the 0.1397 m at the low end of \"left\" (11 of 20 elements) before 7e-05 s"));
   EXPECT_THAT(lines[1], HasSubstr("the 0.1397 m at the high end of \"right\" (11 of 20 elements)"));
-  EXPECT_THAT(to_text(plan(build_problem(load_text(replaced(bars, "end_s = 200e-6", "end_s = 70e-6"))))),
-              HasSubstr("\nnote: no wave"));
+  const auto problem = build_problem(load_text(replaced(bars, "end_s = 200e-6", "end_s = 70e-6")));
+  EXPECT_THAT(to_text(problem, plan(problem)), HasSubstr("\nnote: no wave"));
 }
 
 TEST(UnreachedEnds, AreNoneWhereEverythingIsReached) { EXPECT_TRUE(notes(bars).empty()); }

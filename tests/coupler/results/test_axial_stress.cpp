@@ -11,7 +11,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 AxialStress axial_stress(const std::vector<std::string>& of_explicit, const std::vector<std::string>& of_implicit) {
-  return {{{"explicit", of_explicit}, {"implicit", of_implicit}}, {"steel", "carbide"}, 0.5};
+  return {{{"explicit", of_explicit}, {"implicit", of_implicit}}, {"steel", "carbide"}};
 }
 
 std::string error(const std::vector<std::string>& columns) {
@@ -28,23 +28,23 @@ TEST(AxialStress, SharesOfALayerAddUpInTheOrderOfTheBodies) {
       axial_stress({"window", "carbide/0/1/1", "steel/-2/-1/0.25"}, {"window", "steel/-2/-1/0.75", "steel/-1/0/1"});
   sum.add(0, {0, 1, 2, 1, -3, 4e6});
   sum.add(1, {0, 10, 20, 1, 1e6, 40});
-  EXPECT_EQ(sum.csv(), "time_s,steel/-2/-1,steel/-1/0,carbide/0/1\n0,12,20,1\n0.5,5e+06,40,-3\n");
+  EXPECT_EQ(sum.csv(0.5), "time_s,steel/-2/-1,steel/-1/0,carbide/0/1\n0,12,20,1\n0.5,5e+06,40,-3\n");
 }
 
 TEST(AxialStress, ALayerOfWhichSomethingIsMissingIsNotANumber) {
   auto sum = axial_stress({}, {"window", "steel/-2/-1/0.75", "steel/-1/0/1"});
   sum.add(0, {});
   sum.add(1, {0, 10, 20});
-  EXPECT_EQ(sum.csv(), "time_s,steel/-2/-1,steel/-1/0\n0,nan,20\n");
+  EXPECT_EQ(sum.csv(0.5), "time_s,steel/-2/-1,steel/-1/0\n0,nan,20\n");
 }
 
 TEST(AxialStress, EndsWithTheLastTimeThatAllHaveTold) {
   auto sum = axial_stress({"window", "carbide/0/1/1"}, {"window", "steel/-1/0/1"});
   sum.add(0, {0, 1, 2, 2});
   sum.add(1, {0, 4, 2, 5, 4, 6});
-  EXPECT_EQ(sum.csv(), "time_s,steel/-1/0,carbide/0/1\n0,4,1\n1,5,2\n");
+  EXPECT_EQ(sum.csv(0.5), "time_s,steel/-1/0,carbide/0/1\n0,4,1\n1,5,2\n");
   sum.add(0, {4, 3});
-  EXPECT_THAT(sum.csv(), HasSubstr("\n2,6,3\n"));
+  EXPECT_THAT(sum.csv(0.5), HasSubstr("\n2,6,3\n"));
 }
 
 TEST(AxialStress, NobodyTells) { EXPECT_FALSE(axial_stress({}, {}).told()); }

@@ -40,15 +40,15 @@ History two_participants() {
                   {"implicit",
                    {"window", "energy_kinetic_j/striker", "momentum_n_kg_m_s/striker", "gap_min_m", "energy_friction_j",
                     "energy_interface_j"}}},
-                 bodies, 0.5);
+                 bodies);
 }
 
 TEST(History, MergesByWindowAndSumsOverBodiesAndParticipants) {
   History history = two_participants();
   history.add(0, {0, 10, 1, 0.0, 2, 11, 2, 0.5});
-  EXPECT_FALSE(history.next());
+  EXPECT_FALSE(history.next(0.5));
   history.add(1, {0, 4, 7, 1e-3, 0, 0.0});
-  const auto row = history.next();
+  const auto row = history.next(0.5);
   ASSERT_TRUE(row);
   EXPECT_EQ(row->window, 0);
   EXPECT_DOUBLE_EQ(row->bodies[0].energy_kinetic_j, 5.0);
@@ -56,9 +56,9 @@ TEST(History, MergesByWindowAndSumsOverBodiesAndParticipants) {
   EXPECT_DOUBLE_EQ(row->sum.energy_kinetic_j, 15.0);
   EXPECT_DOUBLE_EQ(row->sum.momentum_n_kg_m_s, 7.0);
   EXPECT_DOUBLE_EQ(row->contact.gap_min_m, 1e-3);
-  EXPECT_FALSE(history.next());
+  EXPECT_FALSE(history.next(0.5));
   history.add(1, {2, 4, 7, 0.0, 0, -0.25});
-  const auto second = history.next();
+  const auto second = history.next(0.5);
   ASSERT_TRUE(second);
   EXPECT_DOUBLE_EQ(second->time_s, 1.0);
   EXPECT_DOUBLE_EQ(second->sum.energy_interface_j, 0.25);
@@ -68,8 +68,8 @@ TEST(History, CreatedEnergyIsPerParticipant) {
   History history = two_participants();
   history.add(0, {0, 10, 1, 0.0, 1, 10, 4, 2.0});
   history.add(1, {0, 4, 7, 0, 0, 0.0, 1, 2, 7, 0, 1.5, -2.0});
-  (void)history.next();
-  const auto row = history.next();
+  (void)history.next(0.5);
+  const auto row = history.next(0.5);
   ASSERT_TRUE(row);
   EXPECT_DOUBLE_EQ(row->created_j[0], 1.0);  // gained 3, was given 2
   EXPECT_DOUBLE_EQ(row->created_j[1], 1.5);  // lost 2, gave 2 away, yet dissipated 1.5
@@ -81,23 +81,23 @@ TEST(History, SumsDoNotDependOnHowBodiesAreSpread) {
                 {"window", "energy_strain_j/striker", "energy_strain_j/target", "energy_interface_j/striker",
                  "energy_interface_j/target"}},
                {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}}},
-              bodies, 1.0);
+              bodies);
   History two({{"b", {"window", "energy_strain_j/target", "energy_interface_j/target"}},
                {"implicit", {"window", "energy_strain_j/striker", "energy_strain_j/target"}},
                {"a", {"window", "energy_strain_j/striker", "energy_interface_j/striker"}}},
-              bodies, 1.0);
+              bodies);
   one.add(0, {0, e[0], e[1], 0.3, 1e-17});
   one.add(1, {0, e[2], e[3]});
   two.add(0, {0, e[1], 1e-17});
   two.add(1, {0, e[2], e[3]});
   two.add(2, {0, e[0], 0.3});
-  const auto row_1 = one.next(), row_2 = two.next();
+  const auto row_1 = one.next(0.5), row_2 = two.next(0.5);
   EXPECT_EQ(row_1->sum.energy_strain_j, row_2->sum.energy_strain_j);
   EXPECT_EQ(row_1->sum.energy_interface_j, row_2->sum.energy_interface_j);
 }
 
 TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
-  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies, 1.0); };
+  const auto make = [](const std::vector<std::string>& columns) { History({{"implicit", columns}}, bodies); };
   EXPECT_THAT(text_of([&] {
                 make({"window", "energy_kinetic_j/other"});
               }),
@@ -109,7 +109,7 @@ TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
   history.add(0, {3, 0, 0, 0});
   EXPECT_THAT(text_of([&] { history.add(0, {3, 0, 0, 0}); }), HasSubstr("after that of window 3"));
   history.add(1, {4, 0, 0, 0, 0, 0});
-  EXPECT_THAT(text_of([&] { (void)history.next(); }), AllOf(HasSubstr("window 3"), HasSubstr("window 4")));
+  EXPECT_THAT(text_of([&] { (void)history.next(0.5); }), AllOf(HasSubstr("window 3"), HasSubstr("window 4")));
 }
 
 HistoryRow row_of(double kinetic, double external, double friction, double momentum, double impulse) {
@@ -211,7 +211,7 @@ TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
   const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
   int documented = 0;
   for (const auto& column : history_columns({})) {
-    const bool known = text_of([&] { History({{"p", {"window", column}}}, {}, 1.0); }).empty();
+    const bool known = text_of([&] { History({{"p", {"window", column}}}, {}); }).empty();
     if (!known) continue;
     EXPECT_THAT(page, HasSubstr("`" + column + "`"));
     ++documented;
