@@ -20,7 +20,8 @@ namespace ricochet::implicit_solver {
 /// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
 /// dt^2/2 C v_n on the right.
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
-/// The operator is factored once; contact forces r come from a small dense problem (ImplicitContact, RootProblem).
+/// The operator is factored once; contact forces r come from a problem of their own (ImplicitContact,
+/// RootProblem), small and dense while few nodes may touch.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
@@ -54,6 +55,8 @@ class NewmarkWindow {
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);
   void solve_increment(WindowTrial& trial);
+  void solve_contact_outside_root(WindowTrial& trial);
+  void move_by(const Eigen::VectorXd& forces);
   void find_rates(const WindowState& state, WindowTrial& trial);
   void find_contact_rates(const WindowState& state, WindowTrial& trial);
   void set_dashpot_forces(WindowTrial& trial) const;
@@ -65,11 +68,12 @@ class NewmarkWindow {
   std::optional<CondensedFactor> factor_;
   std::vector<Root> roots_;
   std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
-  bool link_in_root_ = true;
+  bool link_in_root_ = true, contact_in_root_ = true;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
-  std::vector<std::vector<double>> dashpot_load_;   ///< per part and dashpot: other external force at n + 1 [N]
-  Eigen::VectorXd bracket_, jump_, mean_velocity_;  ///< work of the contact forces, see ImplicitContact::account
+  Eigen::VectorXd contact_force_, contact_increment_;  ///< of a contact outside the root, all dofs
+  std::vector<std::vector<double>> dashpot_load_;      ///< per part and dashpot: other external force at n + 1 [N]
+  Eigen::VectorXd bracket_, jump_, mean_velocity_;     ///< work of the contact forces, see ImplicitContact::account
 };
 
 }  // namespace ricochet::implicit_solver

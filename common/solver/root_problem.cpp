@@ -8,13 +8,11 @@
 
 #include "common/base/error.hpp"
 #include "common/solver/friction.hpp"
-#include "common/solver/lemke.hpp"
 
 namespace ricochet::solver {
 
 namespace {
 constexpr int max_state_iterations = 30;
-constexpr int max_sweeps = 5000;
 constexpr double round_off = 1e-12;
 /// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
 constexpr double residual_to_stop = 1e-3;
@@ -22,22 +20,25 @@ constexpr double residual_to_stop = 1e-3;
 constexpr double converged_residual = 1e-10;
 }  // namespace
 
-RootProblem::RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, std::vector<double> area_m2, double dt)
+RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::vector<double> area_m2, double dt)
     : law_(law),
       friction_(law.friction_coefficient > 0.0),
       regularised_(law.friction_law == scene::FrictionLaw::regularised),
       pairs_(static_cast<int>(area_m2.size())),
       dt_(dt),
       compliance_(std::move(compliance)),
-      matrix_(compliance_.rows(), compliance_.cols()),
       area_m2_(std::move(area_m2)),
       states_(static_cast<std::size_t>(pairs_)),
-      rhs_(compliance_.rows()),
-      motion_(compliance_.rows()),
-      solution_(open()) {}
+      rhs_(compliance_.size()),
+      motion_(compliance_.size()),
+      slip_slope_(Eigen::VectorXd::Zero(pairs_)),
+      cone_slope_(Eigen::VectorXd::Zero(pairs_)),
+      solution_(open()) {
+  if (compliance_.dense()) matrix_.resize(compliance_.size(), compliance_.size());
+}
 
 RootProblem::Solution RootProblem::open() const {
-  return {Eigen::VectorXd::Zero(compliance_.rows()),
+  return {Eigen::VectorXd::Zero(compliance_.size()),
           std::vector<ContactState>(static_cast<std::size_t>(pairs_), ContactState::open), 0, 0.0};
 }
 
@@ -46,7 +47,7 @@ double RootProblem::slack(int pair) const {
   return 1.0 / (law_.penalty_pa_m * area_m2_[static_cast<std::size_t>(pair)]);
 }
 
-double RootProblem::alone(int unknown) const { return compliance_(unknown, unknown) + slack(unknown % pairs_); }
+double RootProblem::alone(int unknown) const { return compliance_.alone(unknown) + slack(unknown % pairs_); }
 
 void RootProblem::start_from(const Solution& last) {
   for (int i = 0; i < pairs_; ++i) {
@@ -63,45 +64,11 @@ void RootProblem::start_from(const Solution& last) {
   }
 }
 
-bool RootProblem::held(int pair) const { return !friction_ || compliance_(pairs_ + pair, pairs_ + pair) <= 0.0; }
-
-/// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by their
-/// diagonal, so that they and the rows of forces [N] are of one size.
-void RootProblem::assemble() {
-  const double mu = law_.friction_coefficient;
-  for (int i = 0; i < pairs_; ++i) {
-    const auto& state = states_[static_cast<std::size_t>(i)];
-    if (state.closed) {
-      matrix_.row(i) = compliance_.row(i);
-      matrix_(i, i) += slack(i);
-      matrix_.row(i) /= alone(i);
-    } else {
-      matrix_.row(i).setZero();
-      matrix_(i, i) = 1.0;
-    }
-    if (!friction_) continue;
-    const int t = pairs_ + i;
-    matrix_.row(t).setZero();
-    matrix_(t, t) = 1.0;
-    switch (state.tangent) {
-      case Tangent::none: break;
-      case Tangent::stick:
-        matrix_.row(t) = compliance_.row(t);
-        matrix_(t, t) += slack(i);
-        matrix_.row(t) /= alone(t);
-        break;
-      case Tangent::slip_plus: matrix_(t, i) = -mu; break;
-      case Tangent::slip_minus: matrix_(t, i) = mu; break;
-      case Tangent::regularised: break;  // nonlinear: filled at each Newton iteration
-    }
-  }
-}
+bool RootProblem::held(int pair) const { return !friction_ || compliance_.alone(pairs_ + pair) <= 0.0; }
 
 void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  const bool nonlinear = friction_ && regularised_;
-  const bool refactor = nonlinear || factored_states_ != states_;
-  if (refactor) assemble();
+  if (friction_ && regularised_ && !compliance_.dense()) compliance_.times(solution_.force, motion_);
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
@@ -114,27 +81,25 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and
     // Newton's method cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
     const double xi = law_.friction_regularisation_s_m, mu = law_.friction_coefficient;
-    const double moved = compliance_.row(t).dot(solution_.force);
-    const double velocity = 2.0 * (slip_free[i] + moved) / dt_ - slip_velocity[i];
-    const double without = velocity - 2.0 / dt_ * compliance_(t, t) * solution_.force[t];
+    const double slipped = moved(t);
+    const double velocity = 2.0 * (slip_free[i] + slipped) / dt_ - slip_velocity[i];
+    const double without = velocity - 2.0 / dt_ * compliance_.alone(t) * solution_.force[t];
     const double about = velocity * without < 0.0 ? 0.0 : velocity;
     const double tanh = std::tanh(xi * about);
-    const double slope = mu * std::max(0.0, solution_.force[i]) * xi * (1.0 - tanh * tanh) * 2.0 / dt_;
-    matrix_.row(t) = slope * compliance_.row(t);
-    matrix_(t, t) += 1.0;
-    matrix_(t, i) += mu * tanh;
-    rhs_[t] = slope * (moved - 0.5 * dt_ * (velocity - about));
+    slip_slope_[i] = mu * std::max(0.0, solution_.force[i]) * xi * (1.0 - tanh * tanh) * 2.0 / dt_;
+    cone_slope_[i] = mu * tanh;
+    rhs_[t] = slip_slope_[i] * (slipped - 0.5 * dt_ * (velocity - about));
   }
-  if (refactor) {
-    factor_.compute(matrix_);
-    factored_states_ = states_;
-  }
-  solution_.force = factor_.solve(rhs_);
+  solve_states();
+}
+
+double RootProblem::moved(int unknown) const {
+  return compliance_.dense() ? compliance_.dense()->row(unknown).dot(solution_.force) : motion_[unknown];
 }
 
 bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
   const double mu = law_.friction_coefficient;
-  motion_.noalias() = compliance_ * solution_.force;
+  compliance_.times(solution_.force, motion_);
   const double force_scale = round_off * solution_.force.head(pairs_).cwiseAbs().maxCoeff();
   const double gap_scale = round_off * gap_free.cwiseAbs().maxCoeff();
   bool changed = false;
@@ -181,10 +146,10 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   }
   solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   if (solution_.residual > converged_residual) {
-    solution_.iterations += projected_gauss_seidel(gap_free, slip_free, slip_velocity, last);
+    solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
     solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   }
-  if (solution_.residual > converged_residual && !regularised_) {
+  if (solution_.residual > converged_residual && !regularised_ && compliance_.dense()) {
     before_ = solution_.force;
     const double of_sweeps = solution_.residual;
     solution_.iterations += lemke(gap_free, slip_free, last);
@@ -207,17 +172,12 @@ void RootProblem::stick_all() {
 
 const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
   stick_all();
-  if (factored_states_ != states_) {
-    assemble();
-    factor_.compute(matrix_);
-    factored_states_ = states_;
-  }
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
     rhs_[i] = -gap_free[i] / alone(i);
     if (!held(i)) rhs_[pairs_ + i] = -slip_free[i] / alone(pairs_ + i);
   }
-  solution_.force = factor_.solve(rhs_);
+  solve_states();
   solution_.iterations = 1;
   solution_.residual = 0.0;
   finish();
@@ -239,79 +199,8 @@ double RootProblem::tangential_alone(int pair, double slip, double slip_velocity
   const int t = pairs_ + pair;
   const double force = solution_.force[t], limit = law_.friction_coefficient * solution_.force[pair];
   if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
-  const double rate = 2.0 / dt_ * compliance_(t, t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
+  const double rate = 2.0 / dt_ * compliance_.alone(t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
   return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
-}
-
-/// Slow, but without friction it cannot cycle, and with little of it it does not.
-int RootProblem::projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                                        const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  auto& x = solution_.force;
-  int sweep = 0;
-  for (double change = 1.0, largest = 0.0; sweep < max_sweeps && change > 1e-13 * largest; ++sweep) {
-    change = 0.0;
-    for (int i = 0; i < pairs_; ++i) {
-      const double normal_before = x[i];
-      const double gap = gap_free[i] + compliance_.row(i).dot(x) + slack(i) * x[i];
-      x[i] = std::max(0.0, x[i] - gap / alone(i));
-      change = std::max(change, std::abs(x[i] - normal_before));
-      if (held(i)) continue;
-      const int t = pairs_ + i;
-      const double before = x[t];
-      x[t] = tangential_alone(i, slip_free[i] + compliance_.row(t).dot(x), slip_velocity[i], last.force[t]);
-      change = std::max(change, std::abs(x[t] - before));
-    }
-    largest = x.cwiseAbs().maxCoeff();
-  }
-  states_of_forces();
-  return sweep;
-}
-
-/// The unknowns are x_n, the two directions of x_t, and the slip against friction; the last row is the cone:
-///   gap >= 0 with x_n,   slip_against +- slip >= 0 with x_t+ and x_t-,   mu x_n - x_t+ - x_t- >= 0 with slip_against
-int RootProblem::lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last) {
-  std::vector<int> sliding;
-  for (int i = 0; i < pairs_; ++i)
-    if (!held(i)) sliding.push_back(i);
-  const int tangents = static_cast<int>(sliding.size()), size = pairs_ + 3 * tangents;
-  const double unit = compliance_.diagonal().head(pairs_).maxCoeff();  // forces are sought in units of length
-  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(size, size);
-  Eigen::VectorXd q = Eigen::VectorXd::Zero(size);
-  const auto compliance = [&](int row, int column) {
-    return (compliance_(row, column) + (row == column ? slack(row % pairs_) : 0.0)) / unit;
-  };
-  for (int i = 0; i < pairs_; ++i) {
-    q[i] = gap_free[i];
-    for (int j = 0; j < pairs_; ++j) m(i, j) = compliance(i, j);
-  }
-  for (int k = 0; k < tangents; ++k) {
-    const int i = sliding[static_cast<std::size_t>(k)], t = pairs_ + i;
-    for (const double sign : {1.0, -1.0}) {
-      const int row = pairs_ + (sign > 0.0 ? 0 : tangents) + k;
-      q[row] = sign * (slip_free[i] - slack(i) * last.force[t]);
-      for (int j = 0; j < pairs_; ++j) {
-        m(row, j) = sign * compliance(t, j);
-        m(j, row) = sign * compliance(j, t);
-      }
-      for (int l = 0; l < tangents; ++l) {
-        const double value = compliance(t, pairs_ + sliding[static_cast<std::size_t>(l)]);
-        m(row, pairs_ + l) = sign * value;
-        m(row, pairs_ + tangents + l) = -sign * value;
-      }
-      m(row, pairs_ + 2 * tangents + k) = 1.0;
-      m(pairs_ + 2 * tangents + k, row) = -1.0;
-    }
-    m(pairs_ + 2 * tangents + k, i) = law_.friction_coefficient;
-  }
-  Eigen::VectorXd z;
-  const int pivots = solve_lemke(m, q, z);
-  if (z.size() == 0) return pivots;
-  solution_.force.setZero();
-  solution_.force.head(pairs_) = z.head(pairs_) / unit;
-  for (int k = 0; k < tangents; ++k)
-    solution_.force[pairs_ + sliding[static_cast<std::size_t>(k)]] = (z[pairs_ + k] - z[pairs_ + tangents + k]) / unit;
-  states_of_forces();
-  return pivots;
 }
 
 void RootProblem::states_of_forces() {
@@ -331,7 +220,7 @@ void RootProblem::states_of_forces() {
 double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                              const Eigen::VectorXd& slip_velocity, const Solution& last) {
   const auto& x = solution_.force;
-  motion_.noalias() = compliance_ * x;
+  compliance_.times(x, motion_);
   double largest = 0.0;
   for (int i = 0; i < pairs_; ++i) {
     const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "common/scene/scene.hpp"
+#include "common/solver/compliance.hpp"
 #include "common/solver/contact_record.hpp"
 
 namespace ricochet::solver {
 
-/// The small dense contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with
+/// The contact problem of one window. Unknowns: normal force lambda_i >= 0 on B along +n and, with
 /// friction, tangential force tau_i on B along +t [N]. Ordering: all normals, then all tangentials.
 ///   gap_i  = gap_free_i  + (D x)_i          [m]   gap at n + 1
 ///   slip_i = slip_free_i + (D x)_{n+i}      [m]   slip increment of the window
@@ -18,15 +19,16 @@ namespace ricochet::solver {
 /// with s opposing the slip (Eq. 21-24).                            regularised: tau = -mu lambda tanh(xi v_t) (Eq. 14,
 /// 15), with v_t = 2 slip / dt - v_t,n the relative tangential velocity at n + 1.
 ///
-/// States are found by the criteria (17)-(24), starting from those of the last window; the matrix of a set of states is
-/// kept factored while the states do not change. Where they cycle (1 to 16 % of frictional problems drawn at random),
-/// projected Gauss-Seidel goes on, which treats both friction laws; where that does not converge, Lemke's method on the
-/// linear complementarity problem that Coulomb friction is in two dimensions (Lemke 1965; Klarbring 1986). What is left
-/// undone stands in Solution::residual.
+/// States are found by the criteria (17)-(24), starting from those of the last window. With a dense D the matrix of a
+/// set of states is kept factored while the states do not change; with one that only multiplies, BiCGSTAB (van der
+/// Vorst 1992) solves, starting from the forces of the last window. Where states cycle (1 to 16 % of frictional
+/// problems drawn at random), projected Gauss-Seidel goes on (Jacobi without rows of D), which treats both friction
+/// laws; where that does not converge, Lemke's method on the linear complementarity problem that Coulomb friction is in
+/// two dimensions (Lemke 1965; Klarbring 1986), for a dense D. What is left undone stands in Solution::residual.
 class RootProblem {
  public:
-  /// `compliance` D [m/N], symmetric positive definite, n x n without friction, 2n x 2n with; `area_m2` w per pair.
-  RootProblem(const scene::Contact& law, Eigen::MatrixXd compliance, std::vector<double> area_m2, double dt);
+  /// `compliance` D, n x n without friction, 2n x 2n with; `area_m2` w per pair.
+  RootProblem(const scene::Contact& law, Compliance compliance, std::vector<double> area_m2, double dt);
 
   struct Solution {
     Eigen::VectorXd force;             ///< x of the class comment
@@ -63,11 +65,19 @@ class RootProblem {
   void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                     const Eigen::VectorXd& slip_velocity, const Solution& last);
   void assemble();
+  void solve_states();
+  void times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+  /// What the present forces move an unknown's row by [m].
+  [[nodiscard]] double moved(int unknown) const;
   [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free);
   void stick_all();
   /// Number of sweeps.
-  int projected_gauss_seidel(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                             const Eigen::VectorXd& slip_velocity, const Solution& last);
+  int sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
+            const Solution& last);
+  double gauss_seidel_sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                            const Eigen::VectorXd& slip_velocity, const Solution& last);
+  double jacobi_sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                      const Eigen::VectorXd& slip_velocity, const Solution& last);
   /// Number of pivots; leaves the forces alone if it finds none.
   int lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
   void states_of_forces();
@@ -85,11 +95,14 @@ class RootProblem {
   bool friction_, regularised_;
   int pairs_;
   double dt_;
-  Eigen::MatrixXd compliance_, matrix_;
+  Compliance compliance_;
+  Eigen::MatrixXd matrix_;
   std::vector<double> area_m2_;
   std::vector<PairState> states_, factored_states_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::VectorXd rhs_, motion_, before_;
+  Eigen::VectorXd slip_slope_, cone_slope_;  ///< of regularised friction: d tau / d slip, d tau / d lambda
+
   Solution solution_;
 };
 

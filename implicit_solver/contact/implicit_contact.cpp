@@ -96,29 +96,87 @@ void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Ei
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
-  const int n = static_cast<int>(surface_.pairs.size());
-  dt_ = dt;
-  gather_.setZero(friction() ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));
-  std::vector<double> area;
+  const auto n = static_cast<int>(surface_.pairs.size());
+  Eigen::MatrixXd gather =
+      Eigen::MatrixXd::Zero(friction() ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));  // G
   for (int i = 0; i < n; ++i) {
     const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
-    area.push_back(pair.area_m2);
-    const auto gather = [&](int row, const ContactRow& of) {
+    const auto take = [&](int row, const ContactRow& of) {
       for (const auto& e : of.entries) {
         const int column = root_of_dof_[static_cast<std::size_t>(combined(e))];
-        if (column >= 0) gather_(row, column) = e.coefficient;
+        if (column >= 0) gather(row, column) = e.coefficient;
       }
     };
-    gather(i, pair.normal);
-    if (friction()) gather(n + i, pair.tangent);
+    take(i, pair.normal);
+    if (friction()) take(n + i, pair.tangent);
   }
-  const Eigen::MatrixXd compliance = (kappa() * 0.25 * dt * dt) * (gather_ * root_inverse * gather_.transpose());
-  root_.emplace(*law_, compliance, area, dt);
+  const Eigen::MatrixXd dense = (kappa() * 0.25 * dt * dt) * (gather * root_inverse * gather.transpose());
+  start(dense, dt);
+}
+
+void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
+  const double scale = kappa() * 0.25 * dt * dt;
+  Eigen::VectorXd bound(friction() ? 2 * n : n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
+    bound[i] = scale * pair.normal.inverse_mass(states);
+    if (friction()) bound[n + i] = scale * pair.tangent.inverse_mass(states);
+  }
+  const auto product = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
+                           const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
+    root_forces_of(x, forces);
+    forces *= scale;
+    solve(forces, motion);
+    motion_of_pairs(motion, y);
+  };
+  start({product, bound}, dt);
+}
+
+void ImplicitContact::start(solver::Compliance compliance, double dt) {
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
+  std::vector<double> area;
+  for (const auto& pair : surface_.pairs) area.push_back(pair.area_m2);
+  dt_ = dt;
+  root_.emplace(*law_, std::move(compliance), std::move(area), dt);
   trial_ = state_.solution = root_->open();
   gap_free_.setZero(n);
   slip_free_.setZero(n);
   slip_velocity_.setZero(n);
   root_force_.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
+}
+
+/// G^T x per root dof.
+void ImplicitContact::root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const {
+  const auto n = surface_.pairs.size();
+  forces.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
+  const auto push = [&](const ContactRow& row, double force) {
+    for (const auto& e : row.entries) {
+      const int root = root_of_dof_[static_cast<std::size_t>(combined(e))];
+      if (root >= 0) forces[root] += e.coefficient * force;
+    }
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    push(surface_.pairs[i].normal, x[static_cast<Eigen::Index>(i)]);
+    if (friction()) push(surface_.pairs[i].tangent, x[static_cast<Eigen::Index>(n + i)]);
+  }
+}
+
+/// G times the motion of the root dofs.
+void ImplicitContact::motion_of_pairs(const Eigen::VectorXd& motion, Eigen::VectorXd& y) const {
+  const auto n = surface_.pairs.size();
+  const auto times = [&](const ContactRow& row) {
+    double sum = 0.0;
+    for (const auto& e : row.entries) {
+      const int root = root_of_dof_[static_cast<std::size_t>(combined(e))];
+      if (root >= 0) sum += e.coefficient * motion[root];
+    }
+    return sum;
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    y[static_cast<Eigen::Index>(i)] = times(surface_.pairs[i].normal);
+    if (friction()) y[static_cast<Eigen::Index>(n + i)] = times(surface_.pairs[i].tangent);
+  }
 }
 
 /// Relative displacements at the end of the window without contact forces, from zero, of held pairs.
@@ -139,7 +197,7 @@ void ImplicitContact::hold_rates(const std::vector<BodyState>& states, Eigen::Ve
                                  Eigen::VectorXd& acceleration) {
   find_moved(states, Eigen::VectorXd::Zero(velocity.size()));
   trial_ = root_->spring(gap_free_, slip_free_);
-  root_force_.noalias() = gather_.transpose() * trial_.force;
+  root_forces_of(trial_.force, root_force_);
   for (std::size_t i = 0; i < root_dofs_.size(); ++i) {
     std::size_t part = offsets_.size() - 1;
     while (root_dofs_[i] < offsets_[part]) --part;
@@ -153,7 +211,7 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
   if (frozen_) {
     if (held()) find_moved(states, increment);
     trial_ = held() ? root_->hold(gap_free_, slip_free_) : root_->open();
-    root_force_.noalias() = gather_.transpose() * trial_.force;
+    root_forces_of(trial_.force, root_force_);
     return;
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
@@ -166,7 +224,7 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, state_.solution);
   solver::require_solved(trial_);
-  root_force_.noalias() = gather_.transpose() * trial_.force;
+  root_forces_of(trial_.force, root_force_);
 }
 
 ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::vector<BodyState>& states,

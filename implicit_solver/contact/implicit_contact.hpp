@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,9 @@ class ImplicitContact {
   [[nodiscard]] const std::vector<int>& root_dofs() const { return root_dofs_; }
   /// Sets up the root problem from S^-1 on the root dofs.
   void prepare(const Eigen::MatrixXd& root_inverse, double dt);
+  /// The same where that would be too large: S^-1 of forces on the root dofs is found when it is asked for.
+  using SolveFor = std::function<void(const Eigen::VectorXd& forces, Eigen::VectorXd& motion)>;
+  void prepare(const std::vector<solver::BodyState>& states, SolveFor solve, double dt);
 
   /// kappa of the class comment.
   [[nodiscard]] double kappa() const;
@@ -58,6 +62,8 @@ class ImplicitContact {
   /// (combined numbering); on return root_force() holds G^T r per root dof.
   void solve(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
   [[nodiscard]] const Eigen::VectorXd& root_force() const { return root_force_; }
+  /// Whether any of it is not zero.
+  [[nodiscard]] bool any_force() const { return !root_force_.isZero(0.0); }
   /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) as the law asks, and finds the
   /// impulses of all pairs. `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact forces in
   /// the trapezoidal sum.
@@ -137,6 +143,9 @@ class ImplicitContact {
                  const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
   void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                   Eigen::VectorXd& acceleration) const;
+  void start(solver::Compliance compliance, double dt);
+  void root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const;
+  void motion_of_pairs(const Eigen::VectorXd& motion, Eigen::VectorXd& y) const;
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
 
   const scene::Problem* problem_;  ///< materials for the impedances
@@ -147,7 +156,6 @@ class ImplicitContact {
   std::vector<int> root_dofs_;
   std::vector<int> root_of_dof_;  ///< per combined number: its place in root_dofs_, or -1
   double dt_ = 0.0;
-  Eigen::MatrixXd gather_;  ///< G: relative motion per root motion, rows as the unknowns of RootProblem
   std::optional<solver::RootProblem> root_;
   std::optional<solver::MasslessNodes> massless_;
   std::vector<double*> velocity_of_part_;

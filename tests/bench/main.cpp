@@ -13,6 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
 #include "tests/bench/calculix.hpp"
+#include "tests/bench/contact_growth_rows.hpp"
 #include "tests/bench/flood_rows.hpp"
 #include "tests/bench/kernel_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
@@ -26,7 +27,7 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "striker", "exchange", "flood", "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes", "striker", "contact", "exchange", "flood", "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -64,6 +65,7 @@ class Measurements {
     if (options.wants("kernels")) kernels_.emplace(folder_, options.refinements, options.repeats);
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("striker")) striker_.emplace(folder_);
+    if (options.wants("contact")) contacts_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
@@ -71,6 +73,7 @@ class Measurements {
   void repeat() {
     if (scenes_) scenes_->repeat();
     if (striker_) striker_->repeat();
+    if (contacts_) contacts_->repeat();
     if (exchanges_) exchanges_->repeat();
     if (floods_) floods_->repeat();
     if (calculix_) calculix_->repeat();
@@ -80,6 +83,7 @@ class Measurements {
     const auto add = [&rows](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
     if (striker_) add(striker_->rows());
+    if (contacts_) add(contacts_->rows());
     if (exchanges_) add(exchanges_->rows());
     if (floods_) add(floods_->rows());
     if (calculix_) add(calculix_->rows());
@@ -102,6 +106,7 @@ class Measurements {
   std::optional<Kernels> kernels_;
   std::optional<SceneRuns> scenes_;
   std::optional<RoundedStriker> striker_;
+  std::optional<ContactGrowth> contacts_;
   std::optional<Exchanges> exchanges_;
   std::optional<Floods> floods_;
   std::optional<CalculixRuns> calculix_;

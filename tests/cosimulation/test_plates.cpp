@@ -72,6 +72,43 @@ TEST_P(Plates, StickAndSlipWithAPenaltyToo) {
 INSTANTIATE_TEST_SUITE_P(Protocols, Plates, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
+/// `count` pairs across, of elements as large as those of the scene, on plates a tenth as thick.
+RunResult run_wide(const std::string& scene, int count, const char* protocol, const TemporaryFolder& folder) {
+  auto text = with_protocol(config_text(scene), protocol);
+  text = replaced(text, "start_m = -0.25, length_m = 0.25", "start_m = -0.025, length_m = 0.025");
+  text = replaced(text, "mesh = { length_m = 0.25", "mesh = { length_m = 0.025");
+  for (int body = 0; body < 2; ++body) {
+    text =
+        replaced(text, "height_m = 0.0075, elements = [3, 100]",
+                 "height_m = " + std::to_string(0.0025 * count) + ", elements = [" + std::to_string(count) + ", 10]");
+  }
+  text = replaced(text, "{ lower = 0.025, upper = 0.025 }", "{ lower = 0.01, upper = 0.01 }");
+  text = replaced(text, "safety_factor = 0.9", "step_s = 1.5e-6");
+  return run_text(replaced(text, "end_s = 600e-6", "end_s = 60e-6"), folder);  // they have parted by then
+}
+
+/// The plates are periodic: however many pairs of them are looked at, each has the same force. Of 300 pairs the contact
+/// problem is too large for a dense inverse.
+TEST(WidePlates, HaveTheForcesOfNarrowOnesPerArea) {
+  for (const char* scene : {"sticking_plates", "slipping_plates"}) {
+    for (const char* protocol : {"hughes_liu", "all_implicit"}) {
+      const TemporaryFolder narrow_folder, wide_folder;
+      const RunResult narrow = run_wide(scene, 3, protocol, narrow_folder);
+      const RunResult wide = run_wide(scene, 300, protocol, wide_folder);
+      for (const char* column : {"contact_force_n", "friction_force_n"}) {
+        const auto &few = narrow.column(column), &many = wide.column(column);
+        ASSERT_EQ(few.size(), many.size());
+        const double peak =
+            *std::max_element(narrow.column("contact_force_n").begin(), narrow.column("contact_force_n").end());
+        EXPECT_GT(peak, 0.5 * pressure_pa * 0.0075);
+        EXPECT_EQ(few.back(), 0.0) << "they have parted";
+        for (std::size_t i = 0; i < few.size(); ++i) EXPECT_NEAR(few[i], many[i] / 100.0, 1e-9 * peak) << column << i;
+      }
+      EXPECT_LT(wide.summary.at("momentum_error_max").get<double>(), 1e-10);
+    }
+  }
+}
+
 /// A law of the multiplier and a protocol.
 using Method = std::pair<const char*, const char*>;
 

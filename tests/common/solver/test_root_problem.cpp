@@ -139,7 +139,7 @@ TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
   const double dt = 0.1;
   Eigen::MatrixXd compliance(4, 4);
   compliance << 2, .1, .2, 0, .1, 2, 0, .2, .2, 0, 1.5, .1, 0, .2, .1, 1.5;
-  RootProblem root(law, 0.01 * compliance, {1.0, 1.0}, dt);
+  RootProblem root(law, Eigen::MatrixXd(0.01 * compliance), {1.0, 1.0}, dt);
   const Eigen::Vector2d gap_free(-0.05, -0.03), slip_free(0.02, -0.3), slip_velocity(0.4, -2.0);
   const auto& solution = root.solve(gap_free, slip_free, slip_velocity, root.open());
   const Eigen::VectorXd motion = 0.01 * compliance * solution.force;
@@ -240,6 +240,66 @@ TEST(RootProblem, SolvesRegularisedProblemsWhoseStatesCycle) {
     if (gap_free.minCoeff() > 0.0) continue;
     EXPECT_LT(root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open()).residual, 1e-8) << trial;
   }
+}
+
+/// Of D only products, and what bounds it.
+Compliance products_of(const Eigen::MatrixXd& dense) {
+  return {[dense](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y.noalias() = dense * x; },
+          dense.cwiseAbs().rowwise().sum()};
+}
+
+/// Weakly coupled compliances, as those of lumped masses are: there the frictional problem has one solution.
+TEST(RootProblem, ByProductsAloneSolvesWhatADenseComplianceSolves) {
+  std::mt19937 random(12);
+  for (const bool penalty : {false, true}) {
+    for (const bool regularised : {false, true}) {
+      for (int trial = 0; trial < 100; ++trial) {
+        const int n = 1 + trial % 12;
+        auto law = frictional(0.3);
+        if (penalty) law.enforcement = scene::Enforcement::penalty;
+        law.penalty_pa_m = 2.0;
+        if (regularised) law.friction_law = scene::FrictionLaw::regularised;
+        law.friction_regularisation_s_m = 0.5;
+        const Eigen::MatrixXd dense =
+            0.02 * random_compliance(2 * n, random) + 3.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n);
+        const std::vector<double> area(static_cast<std::size_t>(n), 1.0);
+        RootProblem root(law, dense, area, 1.0), by_products(law, products_of(dense), area, 1.0);
+        auto last = root.open();
+        for (int window = 0; window < 3; ++window) {
+          const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random),
+                                rate = random_vector(n, random);
+          const auto expected = root.solve(gap, slip, rate, last);
+          const auto& found = by_products.solve(gap, slip, rate, last);
+          EXPECT_LT((found.force - expected.force).norm(), 1e-9 * (1.0 + expected.force.norm())) << trial;
+          EXPECT_EQ(found.states, expected.states) << trial;
+          EXPECT_LT(found.residual, 1e-10);
+          last = expected;
+        }
+        const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
+        const Eigen::VectorXd held = root.hold(gap, slip).force;
+        EXPECT_LT((by_products.hold(gap, slip).force - held).norm(), 1e-9 * (1.0 + held.norm())) << trial;
+      }
+    }
+  }
+}
+
+/// What is left where states cycle; without rows of the compliance there is no Lemke.
+TEST(RootProblem, ByProductsAloneSweepsWhereStatesCycle) {
+  std::mt19937 random(3);
+  int cycled = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 2 + trial % 8;
+    const Eigen::MatrixXd dense = 1e-9 * random_compliance(2 * n, random);
+    RootProblem root(frictional(0.3), products_of(dense), std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    const Eigen::VectorXd gap_free = 1e-6 * random_vector(n, random), slip_free = 1e-6 * random_vector(n, random);
+    if (gap_free.minCoeff() > 0.0) continue;
+    const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
+    if (solution.iterations <= 30) continue;
+    ++cycled;
+    EXPECT_LT(solution.residual, 1e-6) << trial;
+  }
+  RecordProperty("cycled", cycled);
+  EXPECT_GT(cycled, 0) << "else this test shows nothing";
 }
 
 TEST(RootProblem, SaysWhatItCouldNotSolveAndStopsAboveAThousandth) {

@@ -1,0 +1,148 @@
+// The linear problem of RootProblem for the present states: by a dense factor, or by products alone.
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <functional>
+
+#include "common/solver/root_problem.hpp"
+
+namespace ricochet::solver {
+class StatesMatrix;
+}
+// This and the product below are what Eigen's manual asks for ("Matrix-free solvers").
+template <>
+struct Eigen::internal::traits<ricochet::solver::StatesMatrix>
+    : public Eigen::internal::traits<Eigen::SparseMatrix<double>> {};
+
+namespace ricochet::solver {
+/// A matrix of which BiCGSTAB gets products only.
+class StatesMatrix : public Eigen::EigenBase<StatesMatrix> {
+ public:
+  using Scalar = double;
+  using RealScalar = double;
+  using StorageIndex = int;
+  enum { ColsAtCompileTime = Eigen::Dynamic, MaxColsAtCompileTime = Eigen::Dynamic, IsRowMajor = false };
+
+  StatesMatrix(std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> times, Eigen::Index size)
+      : times_(std::move(times)), size_(size) {}
+  [[nodiscard]] Eigen::Index rows() const { return size_; }
+  [[nodiscard]] Eigen::Index cols() const { return size_; }
+  [[nodiscard]] Eigen::VectorXd times(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd y(size_);
+    times_(x, y);
+    return y;
+  }
+  template <class Right>
+  Eigen::Product<StatesMatrix, Right, Eigen::AliasFreeProduct> operator*(const Eigen::MatrixBase<Right>& x) const {
+    return {*this, x.derived()};
+  }
+
+ private:
+  std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> times_;
+  Eigen::Index size_;
+};
+}  // namespace ricochet::solver
+
+template <class Right>
+struct Eigen::internal::generic_product_impl<ricochet::solver::StatesMatrix, Right, Eigen::SparseShape,
+                                             Eigen::DenseShape, Eigen::GemvProduct>
+    : Eigen::internal::generic_product_impl_base<
+          ricochet::solver::StatesMatrix, Right,
+          Eigen::internal::generic_product_impl<ricochet::solver::StatesMatrix, Right>> {
+  template <class To>
+  static void scaleAndAddTo(To& to, const ricochet::solver::StatesMatrix& matrix, const Right& x, double factor) {
+    to.noalias() += factor * matrix.times(x);
+  }
+};
+
+namespace ricochet::solver {
+namespace {
+constexpr double linear_tolerance = 1e-14;  ///< of the right-hand side
+constexpr int max_linear_iterations = 500;
+}  // namespace
+
+/// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by what their
+/// unknown moves alone, so that they and the rows of forces [N] are of one size.
+void RootProblem::assemble() {
+  const double mu = law_.friction_coefficient;
+  const Eigen::MatrixXd& compliance = *compliance_.dense();
+  for (int i = 0; i < pairs_; ++i) {
+    const auto& state = states_[static_cast<std::size_t>(i)];
+    if (state.closed) {
+      matrix_.row(i) = compliance.row(i);
+      matrix_(i, i) += slack(i);
+      matrix_.row(i) /= alone(i);
+    } else {
+      matrix_.row(i).setZero();
+      matrix_(i, i) = 1.0;
+    }
+    if (!friction_) continue;
+    const int t = pairs_ + i;
+    matrix_.row(t).setZero();
+    matrix_(t, t) = 1.0;
+    switch (state.tangent) {
+      case Tangent::none: break;
+      case Tangent::stick:
+        matrix_.row(t) = compliance.row(t);
+        matrix_(t, t) += slack(i);
+        matrix_.row(t) /= alone(t);
+        break;
+      case Tangent::slip_plus: matrix_(t, i) = -mu; break;
+      case Tangent::slip_minus: matrix_(t, i) = mu; break;
+      case Tangent::regularised:
+        matrix_.row(t) = slip_slope_[i] * compliance.row(t);
+        matrix_(t, t) += 1.0;
+        matrix_(t, i) += cone_slope_[i];
+        break;
+    }
+  }
+}
+
+/// The same rows times x.
+void RootProblem::times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+  const double mu = law_.friction_coefficient;
+  compliance_.times(x, y);
+  for (int i = 0; i < pairs_; ++i) {
+    const auto& state = states_[static_cast<std::size_t>(i)];
+    y[i] = state.closed ? (y[i] + slack(i) * x[i]) / alone(i) : x[i];
+    if (!friction_) continue;
+    const int t = pairs_ + i;
+    switch (state.tangent) {
+      case Tangent::none: y[t] = x[t]; break;
+      case Tangent::stick: y[t] = (y[t] + slack(i) * x[t]) / alone(t); break;
+      case Tangent::slip_plus: y[t] = x[t] - mu * x[i]; break;
+      case Tangent::slip_minus: y[t] = x[t] + mu * x[i]; break;
+      case Tangent::regularised: y[t] = slip_slope_[i] * y[t] + x[t] + cone_slope_[i] * x[i]; break;
+    }
+  }
+}
+
+/// Forces of the present states, from `rhs_`.
+void RootProblem::solve_states() {
+  const bool nonlinear = friction_ && regularised_;
+  if (compliance_.dense()) {
+    if (nonlinear || factored_states_ != states_) {
+      assemble();
+      factor_.compute(matrix_);
+      factored_states_ = states_;
+    }
+    solution_.force = factor_.solve(rhs_);
+    return;
+  }
+  // Forces that a state has not are zero from the start on, and stay it: neither the right-hand side nor a product has
+  // anything there.
+  Eigen::VectorXd start = solution_.force;
+  for (int i = 0; i < pairs_; ++i) {
+    const auto& state = states_[static_cast<std::size_t>(i)];
+    if (!state.closed) start[i] = 0.0;
+    if (friction_ && state.tangent == Tangent::none) start[pairs_ + i] = 0.0;
+  }
+  const StatesMatrix matrix([this](const Eigen::VectorXd& x, Eigen::VectorXd& y) { times_matrix(x, y); },
+                            compliance_.size());
+  Eigen::BiCGSTAB<StatesMatrix, Eigen::IdentityPreconditioner> solver;
+  solver.setTolerance(linear_tolerance);
+  solver.setMaxIterations(max_linear_iterations);
+  solver.compute(matrix);
+  solution_.force = solver.solveWithGuess(rhs_, start);
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,61 @@
+#include "tests/bench/contact_growth_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/base/write_file.hpp"
+
+namespace ricochet::bench {
+namespace {
+
+constexpr int least = 401, factor = 4;
+
+/// `pairs` - 1 elements across, 20 of 50 um along each body, of which 6 are implicit.
+std::string cylinders(int pairs) {
+  constexpr const char* text = R"(model = "axisymmetric"
+[[body]]
+name = "steel"
+material = {{ youngs_modulus_pa = 207e9, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }}
+mesh = {{ start_m = -0.001, length_m = 0.001, radius_m = {0}, elements = [{1}, 20] }}
+initial_velocity_m_s = [0.0, 30.0]
+[[body]]
+name = "carbide"
+material = {{ youngs_modulus_pa = 626.8e9, poisson_ratio = 0.207, density_kg_m3 = 14900.0 }}
+mesh = {{ length_m = 0.001, radius_m = {0}, elements = [{1}, 20] }}
+[contact]
+surfaces = ["steel.end", "carbide.start"]
+friction_coefficient = 0.3
+[partition]
+implicit_length_m = {{ steel = 0.0003, carbide = 0.0003 }}
+[time]
+step_s = 4e-9
+end_s = 80e-9
+)";
+  return fmt::format(fmt::runtime(text), 5e-5 * (pairs - 1), pairs - 1);
+}
+
+}  // namespace
+
+void ContactGrowth::repeat() {
+  for (const int pairs : {least, factor * least}) {
+    const std::string scene = fmt::format("{}/cylinders_{}.toml", folder_, pairs);
+    write_atomically(scene, cylinders(pairs));
+    runs_[pairs].push_back(run_scene(scene, 1, folder_ + "/run"));
+  }
+}
+
+std::vector<Row> ContactGrowth::rows() const {
+  const auto times = [this](int pairs) {
+    std::vector<double> values;
+    for (const SceneRun& run : runs_.at(pairs)) values.push_back(run.setup_s + run.stepping_s);
+    return values;
+  };
+  std::vector<double> exponents;
+  for (const double ratio : quotients(times(factor * least), times(least)))
+    exponents.push_back(std::log(ratio) / std::log(factor));
+  return {{fmt::format("set-up and 20 windows, power of the contact pairs from {} on", least),
+           fmt::format("{} pairs", factor * least), exponents, Level{true, 1.5}}};
+}
+
+}  // namespace ricochet::bench
