@@ -31,7 +31,7 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 }  // namespace
 
 ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt)
-    : law_(&law), dt_(dt), surface_(std::move(surface)) {
+    : law_(&law), dt_(dt), surface_(std::move(surface)), shared_(solver::share_nodes(surface_.pairs)) {
   state_.forces.resize(surface_.pairs.size());
   state_.mean_forces.resize(surface_.pairs.size());
 }
@@ -172,32 +172,60 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
   return sum;
 }
 
-void ExplicitContact::start(std::vector<BodyState>& states) {
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+/// `rate` of a row with the accelerations so far, over `acting_time` of which a force acts; `push_pair` adds a force of
+/// a pair to them. From no forces; where pairs share nodes until none changes.
+template <class Rate, class Push>
+void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time, Push push_pair) {
+  auto& forces = state_.forces;
+  const auto find = [&](std::size_t i) {
     const auto& pair = surface_.pairs[i];
-    const auto rate = [&](const ContactRow& row) {
-      return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
-    };
-    state_.forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), 0.5 * dt_);
-    const double before = staggered_correction(surface_.pairs[i], states);
-    push(surface_.pairs[i], state_.forces[i], states);
-    state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
+    forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), acting_time);
+    push_pair(pair, forces[i]);
+  };
+  for (std::size_t i = 0; i < forces.size(); ++i) find(i);
+  if (!shared_) return;
+  double change = 1.0, largest = 1.0;
+  int sweep = 1;
+  for (; change > solver::settled_share * largest && sweep < solver::most_sweeps; ++sweep) {
+    change = largest = 0.0;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      const Force before = forces[i];
+      push_pair(surface_.pairs[i], {.normal = -before.normal, .tangential = -before.tangential});
+      find(i);
+      change = std::max(
+          {change, std::abs(forces[i].normal - before.normal), std::abs(forces[i].tangential - before.tangential)});
+      largest = std::max(largest, std::abs(forces[i].normal));
+    }
   }
+  const double residual = largest > 0.0 ? change / largest : 0.0;
+  state_.iterations += sweep;
+  state_.largest_residual = std::max(state_.largest_residual, residual);
+  state_.unconverged += residual > solver::converged_contact_residual;
+}
+
+void ExplicitContact::start(std::vector<BodyState>& states) {
+  const auto rate = [&](const ContactRow& row) {
+    return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
+  };
+  find_forces(states, rate, 0.5 * dt_, [&](const Pair& pair, const Force& force) {
+    const double before = staggered_correction(pair, states);
+    push(pair, force, states);
+    state_.work_normal_j -= staggered_correction(pair, states) - before;
+  });
 }
 
 void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
+  old_forces_ = state_.forces;
+  const auto rate = [&](const ContactRow& row) {
+    const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
+    return half_velocity + dt_ * row.times(acceleration_of(states));
+  };
+  find_forces(states, rate, dt_, [&](const Pair& pair, const Force& force) { push(pair, force, states); });
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const auto& pair = surface_.pairs[i];
-    const auto rate = [&](const ContactRow& row) {
-      const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
-      return half_velocity + dt_ * row.times(acceleration_of(states));
-    };
-    const Force old = state_.forces[i];
-    state_.forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), dt_);
-    push(surface_.pairs[i], state_.forces[i], states);
-    state_.mean_forces[i] = {.normal = 0.5 * (old.normal + state_.forces[i].normal),
-                             .tangential = 0.5 * (old.tangential + state_.forces[i].tangential),
-                             .state = state_.forces[i].state};
+    const Force &old = old_forces_[i], &now = state_.forces[i];
+    state_.mean_forces[i] = {.normal = 0.5 * (old.normal + now.normal),
+                             .tangential = 0.5 * (old.tangential + now.tangential),
+                             .state = now.state};
     account(i, states, u_before);
   }
 }
@@ -218,10 +246,13 @@ void ExplicitContact::restore(const State& state) {
   if (massless_) massless_->restore(*state.massless);
 }
 
-ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) const {
+ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) {
   ContactRecord report = surface_.report(states, state_.mean_forces);
   report.contact_impulse_n_s = state_.impulse_normal_n_s;
   report.friction_impulse_n_s = state_.impulse_tangential_n_s;
+  report.contact_iterations = std::exchange(state_.iterations, 0);
+  report.contact_residual = std::exchange(state_.largest_residual, 0.0);
+  report.contact_unconverged = state_.unconverged;
   report.energy_contact_j = state_.work_normal_j;
   report.energy_friction_j = state_.dissipated_friction_j;
   return report;

@@ -13,7 +13,8 @@
 /// that is one closed-form scalar per pair:
 ///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
 /// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9,
-/// 14). Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
+/// 14). Pairs that share nodes are gone through again until no force changes: projected Gauss-Seidel on N M^-1 N^T.
+/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
 /// does.
 namespace ricochet::explicit_solver {
 
@@ -41,7 +42,7 @@ class ExplicitContact {
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
   /// Contact quantities at the present displacement (principal stress and energies included).
-  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -53,6 +54,9 @@ class ExplicitContact {
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
     double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
+    int iterations = 0;             ///< sweeps over pairs that share nodes, since the last report
+    double largest_residual = 0.0;  ///< largest last change of a force over the largest force, since the last report
+    int unconverged = 0;            ///< so far
     std::optional<solver::MasslessNodes::State> massless;
   };
   [[nodiscard]] State state() const;
@@ -67,6 +71,8 @@ class ExplicitContact {
   [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
                                     double rate_n, double rate_t, double acting_time) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
+  template <class Rate, class Push>
+  void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time, Push push_pair);
   void account(std::size_t pair, std::vector<solver::BodyState>& states,
                const std::vector<const Eigen::VectorXd*>& u_before);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
@@ -79,8 +85,10 @@ class ExplicitContact {
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
+  bool shared_;  ///< pairs share nodes
   State state_;
   std::optional<solver::MasslessNodes> massless_;
+  std::vector<Force> old_forces_;
   std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
   std::vector<double*> velocity_of_part_;
 };

@@ -44,8 +44,8 @@ std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
                          setup_.window_size_s);
 }
 
-const ExplicitContact* ExplicitSolver::contact() const {
-  return std::visit([](const auto& drive) { return drive.contact(); }, *drive_);
+ExplicitContact* ExplicitSolver::contact() {
+  return std::visit([](auto& drive) { return drive.contact(); }, *drive_);
 }
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
@@ -120,7 +120,7 @@ void ExplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_strain_j = 0.5 * state.u.dot(internal);
   }
   solver::record_bodies(states_, row);
-  if (const auto* c = contact()) append_quantities(c->report(states_), row);
+  if (auto* c = contact()) append_quantities(c->report(states_), row);
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {

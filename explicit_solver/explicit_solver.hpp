@@ -62,7 +62,7 @@ class ExplicitSolver final : public participant::Participant {
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool has_contact() const { return alone() && !problem_.contact.pairs.empty(); }
   [[nodiscard]] std::optional<ExplicitContact> make_contact() const;
-  [[nodiscard]] const ExplicitContact* contact() const;
+  [[nodiscard]] ExplicitContact* contact();
   void update_status();
 
   scene::Problem problem_;

@@ -39,7 +39,7 @@ class ForceDriven {
   void freeze(participant::FrozenContact contact);
 
   [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return parts_[part].state().internal; }
-  [[nodiscard]] const ExplicitContact* contact() const { return nullptr; }  ///< the implicit side's
+  [[nodiscard]] ExplicitContact* contact() { return nullptr; }  ///< the implicit side's
 
  private:
   void run(double begin_s, int steps, const std::vector<double>& force);

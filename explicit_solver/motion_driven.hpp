@@ -48,7 +48,7 @@ class MotionDriven {
   void freeze(participant::FrozenContact contact);
 
   [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return state_.parts[part].internal; }
-  [[nodiscard]] const ExplicitContact* contact() const { return contact_ ? &*contact_ : nullptr; }
+  [[nodiscard]] ExplicitContact* contact() { return contact_ ? &*contact_ : nullptr; }
 
  private:
   /// Per part: the window being tried.

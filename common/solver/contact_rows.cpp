@@ -1,6 +1,7 @@
 #include "common/solver/contact_rows.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -76,6 +77,18 @@ int ContactRow::part_of(Side side) const {
     if (e.side == side) return e.part;
   }
   return -1;
+}
+
+bool share_nodes(const std::vector<Pair>& pairs) {
+  for (const auto row : {&Pair::normal, &Pair::tangent}) {
+    std::set<std::pair<int, int>> known;
+    for (const auto& pair : pairs) {
+      for (const auto& e : (pair.*row).entries) {
+        if (!known.emplace(e.part, e.dof).second) return true;
+      }
+    }
+  }
+  return false;
 }
 
 void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states) {

@@ -75,6 +75,15 @@ struct Pair {
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
                                              const std::vector<scene::ParticipantPart>& parts);
 
+/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs: then what a law gives
+/// one of them moves the other.
+[[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
+
+/// Pairs that share nodes are gone through one after the other, again and again, until no impulse or force changes by
+/// more than this share of the largest (projected Gauss-Seidel), so often at most.
+inline constexpr double settled_share = 1e-13;
+inline constexpr int most_sweeps = 1000;
+
 /// The normal impulse `normal_n_s` and the tangential one on B, and the opposite ones on A, change no total momentum of
 /// two bodies; what a rigid plane gives A is booked to its totals.
 void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states);

@@ -1,6 +1,7 @@
 #include "implicit_solver/contact/implicit_contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/fem/element.hpp"
@@ -20,7 +21,8 @@ using solver::Side;
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                                  const std::vector<BodyState>& states)
-    : problem_(&problem), law_(&*problem.scene.contact), surface_(std::move(surface)) {
+    : problem_(&problem), law_(&*problem.scene.contact), shared_(false), surface_(std::move(surface)) {
+  shared_ = solver::share_nodes(surface_.pairs);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
@@ -54,6 +56,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   impulse_.resize(surface_.pairs.size());
   state_.impulse = impulse_;
   remembered_normal_n_.resize(surface_.pairs.size());
+  state_.remembered = remembered_ = jump_impulse_ = impulse_;
 }
 
 double ImplicitContact::kappa() const {
@@ -118,11 +121,8 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
   const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   const double scale = kappa() * 0.25 * dt * dt;
   Eigen::VectorXd bound(friction() ? 2 * n : n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
-    bound[i] = scale * pair.normal.inverse_mass(states);
-    if (friction()) bound[n + i] = scale * pair.tangent.inverse_mass(states);
-  }
+  bound.head(n) = scale * sums_of_couplings(states, along_normal);
+  if (friction()) bound.tail(n) = scale * sums_of_couplings(states, along_tangent);
   const auto product = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
                            const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
     root_forces_of(x, forces);
@@ -131,6 +131,22 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
     motion_of_pairs(motion, y);
   };
   start({product, bound}, dt);
+}
+
+/// Per pair the sum of the magnitudes in its row of N M^-1 N^T: a diagonal of these is no less than that matrix.
+Eigen::VectorXd ImplicitContact::sums_of_couplings(const std::vector<BodyState>& states, Direction direction) const {
+  Eigen::VectorXd of_dof = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(root_of_dof_.size()));
+  for (const auto& pair : surface_.pairs) {
+    for (const auto& e : row_of(pair, direction).entries) of_dof[combined(e)] += std::abs(e.coefficient);
+  }
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(surface_.pairs.size()));
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    for (const auto& e : row_of(surface_.pairs[i], direction).entries) {
+      sums[static_cast<Eigen::Index>(i)] +=
+          std::abs(e.coefficient) * of_dof[combined(e)] * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+    }
+  }
+  return sums;
 }
 
 void ImplicitContact::start(solver::Compliance compliance, double dt) {
@@ -304,15 +320,24 @@ double ImplicitContact::mass_times(std::size_t pair, const std::vector<BodyState
   return mean_of_sides(pair, direction, on_a, on_b);
 }
 
-/// Velocities and accelerations of held pairs: linear, whatever the sign of a force.
+/// Velocities and accelerations of held pairs: linear, whatever the sign of a force. Of pairs that share nodes each
+/// moves the others: once more for as long as any moves.
 void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                  Eigen::VectorXd& acceleration) const {
   if (!resets()) return;
-  for (const auto& pair : surface_.pairs) {
-    for (const Direction direction : {along_normal, along_tangent}) {
-      if (direction == along_tangent && !friction()) continue;
-      set_mean(pair, states, direction, velocity);
-      set_mean(pair, states, direction, acceleration);
+  const auto sweep = [&](Eigen::VectorXd& values) {
+    for (const auto& pair : surface_.pairs) {
+      set_mean(pair, states, along_normal, values);
+      if (friction()) set_mean(pair, states, along_tangent, values);
+    }
+  };
+  for (auto* values : {&velocity, &acceleration}) {
+    sweep(*values);
+    Eigen::VectorXd before;
+    for (int n = 0; shared_ && n < solver::most_sweeps; ++n) {
+      before = *values;
+      sweep(*values);
+      if ((*values - before).norm() <= solver::settled_share * values->norm()) break;
     }
   }
 }
@@ -379,6 +404,10 @@ void ImplicitContact::clip_tangent(std::size_t i, const std::vector<BodyState>& 
 void ImplicitContact::update_rates(const std::vector<BodyState>& states, const Eigen::VectorXd& bracket,
                                    const Eigen::VectorXd& increment, Eigen::VectorXd& velocity,
                                    Eigen::VectorXd& acceleration) {
+  if (shared_) {
+    update_shared(states, velocity, acceleration);
+    return;
+  }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket),
                    .tangential = friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
@@ -428,6 +457,10 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     state_.work_normal_j += massless_->trial_work_j();
     massless_->accept();
   }
+  if (shared_) {
+    account_shared(states, increment, mean_velocity);
+    return;
+  }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
     for (const Side side : {Side::a, Side::b}) {
@@ -450,6 +483,7 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
 void ImplicitContact::accept() {
   state_.solution = trial_;
   state_.impulse = impulse_;
+  state_.remembered = remembered_;
   state_.iterations += trial_.iterations;
   state_.largest_residual = std::max(state_.largest_residual, trial_.residual);
   state_.unconverged += trial_.residual > solver::converged_contact_residual;
@@ -458,7 +492,7 @@ void ImplicitContact::accept() {
 void ImplicitContact::open() {
   state_.solution = trial_ = root_->open();
   std::fill(impulse_.begin(), impulse_.end(), solver::PairForce{});
-  state_.impulse = impulse_;
+  state_.impulse = state_.remembered = remembered_ = impulse_;
 }
 
 int ImplicitContact::pairs_closed() const {

@@ -26,6 +26,9 @@ namespace ricochet::implicit_solver {
 ///
 /// Whatever the law, a pair gets over the window the impulse (on B; the opposite on A)
 ///   p = dt/2 [(M a_n - q_n) + (M a*_{n+1} - q_{n+1})] + J,   J of the jump of its velocity
+/// (the two brackets are the contact forces that the accelerations remember and that act at n + 1). Pairs that share
+/// nodes are gone through again and again (shared_rows.cpp), and their forces are kept as numbers, since
+/// nodal forces no longer tell whose they are.
 /// Coulomb's law is held by impulses: the jump along the tangent, of slipping pairs, too, is the one that leaves |p_t|
 /// <= mu p_n and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
 class ImplicitContact {
@@ -86,8 +89,9 @@ class ImplicitContact {
 
   /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
   struct State {
-    solver::RootProblem::Solution solution;  ///< forces and states of the accepted window
-    std::vector<solver::PairForce> impulse;  ///< per pair, over that window [N s]
+    solver::RootProblem::Solution solution;     ///< forces and states of the accepted window
+    std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
+    std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N], of pairs that share nodes
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
     double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
     int iterations = 0, unconverged = 0;  ///< since the last report; so far
@@ -144,12 +148,23 @@ class ImplicitContact {
   void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                   Eigen::VectorXd& acceleration) const;
   void start(solver::Compliance compliance, double dt);
+  [[nodiscard]] Eigen::VectorXd sums_of_couplings(const std::vector<solver::BodyState>& states,
+                                                  Direction direction) const;
   void root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const;
   void motion_of_pairs(const Eigen::VectorXd& motion, Eigen::VectorXd& y) const;
+  void update_shared(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
+                     Eigen::VectorXd& acceleration);
+  [[nodiscard]] double reset_shared(std::size_t pair, const std::vector<solver::BodyState>& states,
+                                    Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+  [[nodiscard]] double reset_shared_tangent(std::size_t pair, const std::vector<solver::BodyState>& states,
+                                            Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+  void account_shared(std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment,
+                      const Eigen::VectorXd& mean_velocity);
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
+  bool shared_;  ///< pairs share nodes
   solver::ContactSurface surface_;
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
@@ -168,6 +183,8 @@ class ImplicitContact {
   /// [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;
+  /// The same of pairs that share nodes, both directions; what their velocity jumps took [N s]; change in a sweep.
+  std::vector<solver::PairForce> remembered_, jump_impulse_;
   /// Per pair, along the normal and the tangent, for A and B: sum of the squared coefficients of the degrees of freedom
   /// that no support holds; 1 for a node that is free.
   std::vector<std::array<std::array<double, 2>, 2>> weights_;

@@ -86,5 +86,84 @@ TEST(ExplicitContact, PenaltyPushesByDepthAndArea) {
   EXPECT_NEAR(plates.states[0].a[2 * lower + 1], -1e9 * 0.1 * 1e-4 / 5.0, 1e-6);
 }
 
+test::ContactPlates uneven(const std::string& keys = "") {
+  test::ContactPlates plates("all_explicit", keys);
+  plates.use_three_rows();
+  plates.set_velocity(0, {0.5, 3.0});
+  plates.set_velocity(1, {-0.5, -1.0});
+  plates.states[0].v[2 * plates.node_at(0, {0.0, 0.0}) + 1] = 6.0;
+  plates.states[0].v[2 * plates.node_at(0, {0.2, 0.0}) + 1] = -6.0;  // moves away
+  return plates;
+}
+
+/// g + dt dt/2 N M^-1 N^T r of all pairs.
+std::vector<double> gaps_after_a_step(const test::ContactPlates& plates) {
+  const std::vector<Eigen::VectorXd> u = {next_displacement(plates.states[0]), next_displacement(plates.states[1])};
+  std::vector<double> gaps;
+  for (const auto& pair : plates.surface.pairs)
+    gaps.push_back(pair.gap([&](int part) -> const Eigen::VectorXd& { return u[static_cast<std::size_t>(part)]; }));
+  return gaps;
+}
+
+TEST(SharedRowsExplicit, CloseWhatWouldOverlapAndPullNothing) {
+  auto plates = uneven();
+  ExplicitContact contact(*plates.problem.scene.contact, plates.surface, dt);
+  contact.start(plates.states);
+  const auto gaps = gaps_after_a_step(plates);
+  const auto forces = contact.state().forces;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GE(forces[i].normal, 0.0);
+    EXPECT_GE(gaps[i], -1e-17);
+    EXPECT_NEAR(forces[i].normal * gaps[i], 0.0, 1e-10) << "forces of 1e7 N, gaps of 1e-6 m";
+  }
+  EXPECT_EQ(contact.pairs_closed(), 2);
+  EXPECT_LT(plates.mass_times(accelerations(plates.states)).norm(), 1e-6) << "of forces of some 1e7 N";
+  const auto report = contact.report(plates.states);
+  EXPECT_GT(report.contact_iterations, 2);
+  EXPECT_LE(report.contact_residual, 1e-12);
+}
+
+TEST(SharedRowsExplicit, HoldOrSlipByTheirCones) {
+  for (const double mu : {0.05, 0.9}) {
+    auto plates = uneven("friction_coefficient = " + std::to_string(mu) + "\n");
+    ExplicitContact contact(*plates.problem.scene.contact, plates.surface, dt);
+    contact.start(plates.states);
+    const auto forces = contact.state().forces;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (forces[i].state == solver::ContactState::open) continue;
+      const auto& tangent = plates.surface.pairs[i].tangent;
+      const double rate =
+          tangent.times(velocity_of(plates.states)) + 0.5 * dt * tangent.times(accelerations(plates.states));
+      if (forces[i].state == solver::ContactState::stick) {
+        EXPECT_NEAR(rate, 0.0, 1e-11);
+      } else {
+        EXPECT_NEAR(std::abs(forces[i].tangential), mu * forces[i].normal, 1e-12 * forces[i].normal);
+        EXPECT_LT(forces[i].tangential * rate, 0.0) << "against the slip";
+      }
+      EXPECT_EQ(forces[i].state, mu > 0.5 ? solver::ContactState::stick : solver::ContactState::slip);
+    }
+    EXPECT_LT(plates.mass_times(accelerations(plates.states)).norm(), 1e-6) << mu;
+  }
+}
+
+TEST(SharedRowsExplicit, InNameOnlyAreWhatTheyAreWithout) {
+  for (const char* keys : {"", "friction_coefficient = 0.1\n", "friction_coefficient = 0.9\n"}) {
+    test::ContactPlates plain("all_explicit", keys);
+    plain.set_velocity(0, {0.5, 3.0});
+    plain.set_velocity(1, {-0.5, -1.0});
+    auto named = plain;
+    named.share_in_name();
+    ExplicitContact expected(*plain.problem.scene.contact, plain.surface, dt),
+        found(*named.problem.scene.contact, named.surface, dt);
+    expected.start(plain.states);
+    found.start(named.states);
+    for (std::size_t part = 0; part < 2; ++part) {
+      EXPECT_GT(plain.states[part].a.norm(), 1e3);
+      EXPECT_LT((plain.states[part].a - named.states[part].a).norm(), 1e-13 * plain.states[part].a.norm()) << keys;
+    }
+    EXPECT_NEAR(expected.report(plain.states).energy_contact_j, found.report(named.states).energy_contact_j, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace ricochet::explicit_solver

@@ -36,6 +36,39 @@ struct ContactPlates {
   void use_one_row() {
     surface.pairs = {{.normal = row({0.0, 1.0}), .tangent = row({-1.0, 0.0}), .gap0_m = 0.0, .area_m2 = 0.1}};
   }
+  /// Every node of the lower surface against the whole upper one: three rows that share its nodes.
+  void use_three_rows() {
+    constexpr double weights[3][3] = {{0.75, 0.25, 0.0}, {0.25, 0.5, 0.25}, {0.0, 0.25, 0.75}};
+    surface.pairs.clear();
+    for (int i = 0; i < 3; ++i) {
+      const auto entries = [&](int component, double sign) {
+        solver::ContactRow row;
+        row.entries.push_back({0, 2 * node_at(0, {0.1 * i, 0.0}) + component, -sign, solver::Side::a});
+        for (int k = 0; k < 3; ++k) {
+          if (weights[i][k] == 0.0) continue;
+          const int dof = 2 * node_at(1, {0.1 * k, 0.0}) + component;
+          row.entries.push_back({1, dof, sign * weights[i][k], solver::Side::b});
+        }
+        return row;
+      };
+      surface.pairs.push_back(
+          {.normal = entries(1, 1.0), .tangent = entries(0, -1.0), .gap0_m = 0.0, .area_m2 = i == 1 ? 0.1 : 0.05});
+    }
+  }
+  /// Pairs that share their nodes in name only: each takes nothing of what the next one moves.
+  void share_in_name() {
+    const auto& pairs = surface.pairs;
+    auto shared = pairs;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      for (const auto row : {&solver::Pair::normal, &solver::Pair::tangent}) {
+        for (auto e : (pairs[(i + 1) % pairs.size()].*row).entries) {
+          e.coefficient = 0.0;
+          (shared[i].*row).entries.push_back(e);
+        }
+      }
+    }
+    surface.pairs = shared;
+  }
   [[nodiscard]] int node_at(std::size_t part, const Eigen::Vector2d& x) const {
     const auto& position = states[part].part.mesh.position;
     int node = 0;

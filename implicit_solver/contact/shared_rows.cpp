@@ -1,0 +1,117 @@
+// The part of ImplicitContact for pairs that share nodes, as a node that lies against an edge does with its neighbours.
+#include <algorithm>
+#include <cmath>
+
+#include "common/solver/friction.hpp"
+#include "implicit_solver/contact/implicit_contact.hpp"
+
+namespace ricochet::implicit_solver {
+
+using solver::BodyState;
+using solver::ContactState;
+
+/// Impulses and rates as the class comment has them. A pair's force at n is what its acceleration remembered then, at
+/// n + 1 kappa r; the jumps of all closed pairs together leave no relative velocity, the remembered forces no relative
+/// acceleration but where that would take a pull.
+void ImplicitContact::update_shared(const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+                                    Eigen::VectorXd& acceleration) {
+  const std::size_t pairs = surface_.pairs.size();
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const double normal = trial_.force[static_cast<Eigen::Index>(i)],
+                 tangential = friction() ? trial_.force[static_cast<Eigen::Index>(pairs + i)] : 0.0;
+    const auto& before = state_.remembered[i];
+    impulse_[i] = {.normal = 0.5 * dt_ * (before.normal + kappa() * normal),
+                   .tangential = 0.5 * dt_ * (before.tangential + kappa() * tangential),
+                   .state = trial_.states[i]};
+    remembered_[i] = remembered() ? solver::PairForce{.normal = normal, .tangential = tangential} : solver::PairForce{};
+    jump_impulse_[i] = {};
+  }
+  if (frozen_) {
+    if (held()) hold_means(states, velocity, acceleration);
+    return;
+  }
+  if (!resets()) return;
+  double change = 1.0, largest = 1.0;
+  int sweep = 0;
+  for (; change > solver::settled_share * largest && sweep < solver::most_sweeps; ++sweep) {
+    change = largest = 0.0;
+    for (std::size_t i = 0; i < pairs; ++i) {
+      if (trial_.states[i] != ContactState::open) {
+        change = std::max(change, reset_shared(i, states, velocity, acceleration));
+      } else if (friction()) {
+        const double before = impulse_[i].tangential;
+        clip_tangent(i, states, velocity);
+        jump_impulse_[i].tangential += impulse_[i].tangential - before;
+        change = std::max(change, std::abs(impulse_[i].tangential - before));
+      }
+      largest = std::max({largest, std::abs(impulse_[i].normal), dt_ * remembered_[i].normal});
+    }
+  }
+  trial_.iterations += sweep;
+  if (largest > 0.0) trial_.residual = std::max(trial_.residual, change / largest);
+}
+
+/// One closed pair, all others being right; returns the largest change of an impulse [N s].
+double ImplicitContact::reset_shared(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
+                                     Eigen::VectorXd& acceleration) {
+  const auto& pair = surface_.pairs[i];
+  const double inverse = pair.normal.inverse_mass(states);
+  double change = 0.0;
+  if (inverse > 0.0) {
+    const double jump = -pair.normal.times(of_part(velocity)) / inverse;
+    push(pair, states, along_normal, jump, velocity);
+    impulse_[i].normal += jump;
+    jump_impulse_[i].normal += jump;
+    double& remembered = remembered_[i].normal;
+    const double force = std::max(0.0, remembered - pair.normal.times(of_part(acceleration)) / inverse);
+    push(pair, states, along_normal, force - remembered, acceleration);
+    change = std::max(std::abs(jump), dt_ * std::abs(force - remembered));
+    remembered = force;
+  }
+  return friction() ? std::max(change, reset_shared_tangent(i, states, velocity, acceleration)) : change;
+}
+
+/// As `reset_tangent`.
+double ImplicitContact::reset_shared_tangent(std::size_t i, const std::vector<BodyState>& states,
+                                             Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration) {
+  const auto& pair = surface_.pairs[i];
+  const double inverse = pair.tangent.inverse_mass(states);
+  if (inverse == 0.0) return 0.0;
+  auto& impulse = impulse_[i];
+  const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
+  const double free_rate = pair.tangent.times(of_part(velocity)) - inverse * impulse.tangential;
+  const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
+  const double jump = given - impulse.tangential;
+  push(pair, states, along_tangent, jump, velocity);
+  impulse.tangential = given;
+  jump_impulse_[i].tangential += jump;
+  const bool sticks = given == holding;
+  impulse.state = sticks ? ContactState::stick : ContactState::slip;
+  double& remembered = remembered_[i].tangential;
+  const double force_limit = mu * remembered_[i].normal;
+  const double holding_force = remembered - pair.tangent.times(of_part(acceleration)) / inverse;
+  const double slipping_force = limit > 0.0 ? force_limit * given / limit : 0.0;
+  const double force = sticks ? std::clamp(holding_force, -force_limit, force_limit) : slipping_force;
+  push(pair, states, along_tangent, force - remembered, acceleration);
+  const double change = std::max(std::abs(jump), dt_ * std::abs(force - remembered));
+  remembered = force;
+  return change;
+}
+
+/// Work of the forces at n and n + 1 over the increment, and of the jumps.
+void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen::VectorXd& increment,
+                                     const Eigen::VectorXd& mean_velocity) {
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    const auto work = [&](const solver::ContactRow& row, double impulse, double jump) {
+      return (impulse - jump) / dt_ * row.times(of_part(increment)) + jump * row.times(of_part(mean_velocity));
+    };
+    state_.work_normal_j += work(pair.normal, impulse_[i].normal, jump_impulse_[i].normal);
+    state_.dissipated_friction_j -= work(pair.tangent, impulse_[i].tangential, jump_impulse_[i].tangential);
+    state_.impulse_normal_n_s += impulse_[i].normal;
+    state_.impulse_tangential_n_s += impulse_[i].tangential;
+    book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
+  }
+}
+
+}  // namespace ricochet::implicit_solver
