@@ -32,8 +32,11 @@ struct Sides {
     for (const int index : {problem.contact.body_a, problem.contact.body_b})
       if (index >= 0) body.push_back(&problem.bodies[at(index)]);
   }
+  /// Its node, or the one of largest weight of several.
   [[nodiscard]] static int node(const ContactPair& pair, std::size_t side) {
-    return side == 0 ? pair.node_a : pair.node_b;
+    if (side == 0) return pair.node_a;
+    const auto lighter = [](const WeightedNode& x, const WeightedNode& y) { return x.weight < y.weight; };
+    return std::max_element(pair.b.begin(), pair.b.end(), lighter)->node;
   }
 };
 

@@ -109,34 +109,69 @@ std::vector<std::pair<double, std::size_t>> sorted_along(const Side& side, const
   return order;
 }
 
-/// For each node of `a` the index of the node of `b` at the same place along the surface.
-std::vector<std::size_t> match(const Scene& scene, const Side& a, const Side& b) {
+/// Nodes of two surfaces that lie at the same place along them, by their indices, and those that do not.
+struct Matches {
+  std::vector<std::size_t> partner;  ///< per node of the first surface
+  std::vector<std::string> lonely;
+};
+
+Matches match(const Scene& scene, const Side& a, const Side& b) {
   const Eigen::Vector2d tangent(-a.normal[1], a.normal[0]);
   const auto along_a = sorted_along(a, tangent), along_b = sorted_along(b, tangent);
   const double tolerance =
       scene.model == Model::bar ? 1.0 : flat_tolerance * std::min(a.shortest_edge_m, b.shortest_edge_m);
-  std::vector<std::size_t> partner(a.nodes.size(), 0);
-  std::vector<std::string> lonely;
+  Matches found{std::vector<std::size_t>(a.nodes.size(), 0), {}};
   std::size_t i = 0, j = 0;
   while (i < along_a.size() || j < along_b.size()) {
     const double difference = i == along_a.size()   ? std::numeric_limits<double>::infinity()
                               : j == along_b.size() ? -std::numeric_limits<double>::infinity()
                                                     : along_a[i].first - along_b[j].first;
     if (std::abs(difference) <= tolerance) {
-      partner[along_a[i++].second] = along_b[j++].second;
+      found.partner[along_a[i++].second] = along_b[j++].second;
     } else if (difference < 0) {
-      lonely.push_back(a.name + " " + text(a.position(along_a[i++].second)));
+      found.lonely.push_back(a.name + " " + text(a.position(along_a[i++].second)));
     } else {
-      lonely.push_back(b.name + " " + text(b.position(along_b[j++].second)));
+      found.lonely.push_back(b.name + " " + text(b.position(along_b[j++].second)));
     }
   }
-  if (lonely.empty()) return partner;
+  return found;
+}
+
+/// A law that moves masses or weighs by impedances pair by pair needs pairs of nodes.
+void require_matching(const Scene& scene, std::vector<std::string> lonely) {
+  const auto& law = *scene.contact;
+  const bool massless = law.multiplier_update == MultiplierUpdate::massless;
+  const bool by_impedance = law.enforcement == Enforcement::penalty && law.impact_update == ImpactUpdate::impedance;
+  if (!massless && !by_impedance) return;
   const std::size_t count = lonely.size();
   lonely.resize(std::min<std::size_t>(count, 4));
   refuse(scene,
          fmt::format("{} nodes without a partner at the same place along the surface: {}{}", count,
                      fmt::join(lonely, ", "), count > lonely.size() ? ", ..." : ""),
-         "surfaces whose nodes face each other in pairs");
+         fmt::format("with {} surfaces whose nodes face each other in pairs",
+                     massless ? "multiplier_update = \"massless\"" : "impact_update = \"impedance\""));
+}
+
+/// A side's edges along a line; areas as `take_edges` has them.
+std::vector<SurfaceEdge> edges_along(const Side& side, const Eigen::Vector2d& tangent) {
+  const fem::Mesh& mesh = side.body->mesh;
+  const auto& section = side.body->section;
+  const auto measure = [&](const Eigen::Vector2d& x) {
+    return section.measure * (section.model == Model::axisymmetric ? x[0] : 1.0);
+  };
+  std::vector<SurfaceEdge> edges;
+  for (const auto& nodes : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1))) {
+    const Eigen::Vector2d& a = mesh.position[at(nodes[0])];
+    const Eigen::Vector2d b = fem::nearest_image(mesh, mesh.position[at(nodes[1])], a);
+    SurfaceEdge edge{nodes, {tangent.dot(a), tangent.dot(b)}, {measure(a), measure(b)}};
+    if (edge.along_m[0] > edge.along_m[1]) {
+      std::swap(edge.node[0], edge.node[1]);
+      std::swap(edge.along_m[0], edge.along_m[1]);
+      std::swap(edge.measure[0], edge.measure[1]);
+    }
+    edges.push_back(edge);
+  }
+  return edges;
 }
 
 double size_of(const fem::Mesh& mesh) {
@@ -164,31 +199,49 @@ bool held_along(const Side& side, int node, const Eigen::Vector2d& normal) {
   return held;
 }
 
-/// `b` is null for a rigid plane.
-ContactPair make_pair(const Scene& scene, const Side& a, const Side* b, std::size_t i, std::size_t partner) {
-  ContactPair pair;
-  pair.node_a = a.nodes[i];
-  pair.node_b = b != nullptr ? b->nodes[partner] : -1;
-  pair.area_m2 = a.area_m2[i];
-  pair.distance_m = a.position(i)[0];
-  const double distance = b != nullptr ? (b->position(partner) - a.position(i)).dot(a.normal) : 0.0;
+/// Gap of a pair whose node of the first surface, those opposite and area are known; `b` is null for a rigid plane.
+void complete(const Scene& scene, const Side& a, const Side* b, ContactPair& pair) {
+  const auto& x = a.body->mesh.position[at(pair.node_a)];
+  pair.distance_m = x[0];
+  const double distance = b != nullptr ? (b->point - x).dot(a.normal) : 0.0;
   const double nose = scene.contact->nose_radius_m;
   pair.gap0_m = distance + scene.contact->initial_gap_m;
   if (nose > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * nose);
   double motion = -initial_motion(a, pair.node_a, a.normal);
-  if (b != nullptr) motion += initial_motion(*b, pair.node_b, a.normal);
+  bool held = held_along(a, pair.node_a, a.normal);
+  for (const auto& [node, weight] : pair.b) {
+    motion += weight * initial_motion(*b, node, a.normal);
+    held = held && held_along(*b, node, a.normal);
+  }
   const double tolerance = overlap_tolerance * size_of(a.body->mesh);
   if (std::min(pair.gap0_m, pair.gap0_m + motion) < -tolerance)
     refuse(scene,
-           fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion),
-                       text(a.position(i)), pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
+           fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion), text(x),
+                       pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
            "a gap >= 0 at the start: move a mesh by start_m or give initial_gap_m");
   pair.gap0_m = std::max(pair.gap0_m, 0.0);
-  if (!(pair.area_m2 > 0.0)) refuse(scene, "a contact node without area at " + text(a.position(i)), "area > 0");
-  if (held_along(a, pair.node_a, a.normal) && (b == nullptr || held_along(*b, pair.node_b, a.normal)))
-    refuse(scene, "a pair held along the normal by supports on every side, at " + text(a.position(i)),
+  if (!(pair.area_m2 > 0.0)) refuse(scene, "a contact node without area at " + text(x), "area > 0");
+  if (held)
+    refuse(scene, "a pair held along the normal by supports on every side, at " + text(x),
            "contact nodes that are free along the normal on one side at least");
-  return pair;
+}
+
+/// Pairs of nodes where they match, else rows of the dual mortar.
+std::vector<ContactPair> pairs_of(const Scene& scene, const Side& a, const Side& b, bool& matching) {
+  const Matches found = match(scene, a, b);
+  matching = found.lonely.empty();
+  std::vector<ContactPair> pairs;
+  for (std::size_t i = 0; matching && i < a.nodes.size(); ++i)
+    pairs.push_back({.node_a = a.nodes[i], .b = {{b.nodes[found.partner[i]], 1.0}}, .area_m2 = a.area_m2[i]});
+  if (matching) return pairs;
+  require_matching(scene, found.lonely);
+  const Eigen::Vector2d tangent(-a.normal[1], a.normal[0]);
+  for (auto& row : mortar_rows(edges_along(a, tangent), edges_along(b, tangent), a.body->mesh.period_m))
+    pairs.push_back({.node_a = row.node, .b = std::move(row.opposite), .area_m2 = row.area_m2});
+  if (pairs.empty())
+    refuse(scene, fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
+           "surfaces that face each other along a part of them at least");
+  return pairs;
 }
 
 int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
@@ -211,10 +264,13 @@ ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>
              fmt::format("outward normals ({:.4g}, {:.4g}) and ({:.4g}, {:.4g})", a.normal[0], a.normal[1], b.normal[0],
                          b.normal[1]),
              "surfaces that face each other");
-    const std::vector<std::size_t> partner = match(scene, a, b);
-    for (std::size_t i = 0; i < a.nodes.size(); ++i) geometry.pairs.push_back(make_pair(scene, a, &b, i, partner[i]));
+    geometry.pairs = pairs_of(scene, a, b, geometry.matching);
+    for (auto& pair : geometry.pairs) complete(scene, a, &b, pair);
   } else {
-    for (std::size_t i = 0; i < a.nodes.size(); ++i) geometry.pairs.push_back(make_pair(scene, a, nullptr, i, 0));
+    for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+      geometry.pairs.push_back({.node_a = a.nodes[i], .b = {}, .area_m2 = a.area_m2[i]});
+      complete(scene, a, nullptr, geometry.pairs.back());
+    }
   }
   std::stable_sort(geometry.pairs.begin(), geometry.pairs.end(),
                    [](const ContactPair& p, const ContactPair& q) { return p.distance_m < q.distance_m; });
@@ -225,9 +281,12 @@ std::vector<int> contact_nodes(const ContactGeometry& contact, int body) {
   std::vector<int> nodes;
   for (const ContactPair& pair : contact.pairs) {
     if (body == contact.body_a) nodes.push_back(pair.node_a);
-    if (body == contact.body_b) nodes.push_back(pair.node_b);
+    for (const auto& opposite : pair.b) {
+      if (body == contact.body_b) nodes.push_back(opposite.node);
+    }
   }
   std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
 }
 

@@ -48,13 +48,13 @@ Whole assemble(const Problem& problem) {
   return whole;
 }
 
-/// alpha_n n n^T between the two nodes of each pair.
+/// alpha_n n n^T between the nodes of each pair.
 void add_springs(const Problem& problem, Whole& whole) {
   const ContactGeometry& contact = problem.contact;
   const int components = problem.scene.components();
   for (const ContactPair& pair : contact.pairs) {
     std::vector<std::pair<int, double>> ends{{whole.first_node[at(contact.body_a)] + pair.node_a, -1.0}};
-    if (contact.body_b >= 0) ends.emplace_back(whole.first_node[at(contact.body_b)] + pair.node_b, 1.0);
+    for (const auto& [node, weight] : pair.b) ends.emplace_back(whole.first_node[at(contact.body_b)] + node, weight);
     const double stiffness = problem.scene.contact->penalty_pa_m * pair.area_m2;
     for (const auto& [p, sign_p] : ends)
       for (const auto& [q, sign_q] : ends)

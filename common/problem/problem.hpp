@@ -6,15 +6,17 @@
 
 #include "common/fem/mesh.hpp"
 #include "common/fem/part.hpp"
+#include "common/problem/mortar.hpp"
 #include "common/scene/scene.hpp"
 
 /// A scene turned into meshes, contact pairs and partitions: what both solvers and `check` start from.
 namespace ricochet::scene {
 
-/// One pair of contact nodes at the same position along the surface.
+/// A contact node of the first surface and what lies opposite.
 struct ContactPair {
-  int node_a = -1;          ///< node of the first surface's body mesh
-  int node_b = -1;          ///< node of the second's; -1: rigid plane
+  int node_a = -1;  ///< of the first surface's body mesh
+  std::vector<WeightedNode>
+      b;                    ///< of the second's: one at the same place, several where meshes differ; rigid plane: none
   double gap0_m = 0.0;      ///< initial gap >= 0
   double area_m2 = 0.0;     ///< tributary area: integral of N dA over the first surface's edges
   double distance_m = 0.0;  ///< from the axis (first coordinate of node a), for the nose and for output
@@ -25,6 +27,7 @@ struct ContactGeometry {
   int body_b = -1;                   ///< -1: rigid plane
   Eigen::Vector2d normal{0.0, 0.0};  ///< n, out of body a; bar: (+-1, 0). Tangent t = (-n_y, n_x)
   std::vector<ContactPair> pairs;    ///< sorted by distance
+  bool matching = true;              ///< no pair has more than one node opposite
 };
 
 struct BodyProblem {

@@ -9,19 +9,21 @@
 namespace ricochet::solver {
 namespace {
 
-/// A node of one of the parts.
+/// A node of one of the parts, and its share in its side.
 struct PartNode {
   int part, node;
   Side side;
+  double weight;
 };
 
-PartNode find_node(const std::vector<scene::ParticipantPart>& parts, int body, int body_node, Side side) {
+PartNode find_node(const std::vector<scene::ParticipantPart>& parts, int body, int body_node, Side side,
+                   double weight) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     if (parts[p].body != body) continue;
     const auto& nodes = parts[p].part.body_node;
     const auto found = std::lower_bound(nodes.begin(), nodes.end(), body_node);
     if (found != nodes.end() && *found == body_node)
-      return {static_cast<int>(p), static_cast<int>(found - nodes.begin()), side};
+      return {static_cast<int>(p), static_cast<int>(found - nodes.begin()), side, weight};
   }
   throw ConfigError("contact node " + std::to_string(body_node) + " belongs to no part of the contact's owner");
 }
@@ -32,7 +34,7 @@ ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector2
     if (direction[c] == 0.0) continue;
     for (const auto& n : nodes) {
       row.entries.push_back(
-          {n.part, n.node * components + c, n.side == Side::b ? direction[c] : -direction[c], n.side});
+          {n.part, n.node * components + c, n.weight * (n.side == Side::b ? direction[c] : -direction[c]), n.side});
     }
   }
   return row;
@@ -47,8 +49,8 @@ std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<
   std::vector<Pair> pairs;
   for (const auto& pair : geometry.pairs) {
     std::vector<PartNode> nodes;
-    if (geometry.body_b >= 0) nodes.push_back(find_node(parts, geometry.body_b, pair.node_b, Side::b));
-    nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a));
+    for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
+    nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
     pairs.push_back({.normal = row_of_nodes(nodes, geometry.normal, components),
                      .tangent = row_of_nodes(nodes, tangent, components),
                      .gap0_m = pair.gap0_m,

@@ -111,8 +111,13 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
     if (body < 0) continue;
     const auto depth_m = depths(problem.bodies[static_cast<std::size_t>(body)].mesh, contact.normal);
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const int node = first ? contact.pairs[i].node_a : contact.pairs[i].node_b;
-      pairs_[i].depth_m = std::min(pairs_[i].depth_m, depth_m[static_cast<std::size_t>(node)]);
+      const auto take = [&](int node) {
+        pairs_[i].depth_m = std::min(pairs_[i].depth_m, depth_m[static_cast<std::size_t>(node)]);
+      };
+      if (first) take(contact.pairs[i].node_a);
+      for (const auto& opposite : contact.pairs[i].b) {
+        if (!first) take(opposite.node);
+      }
     }
   }
   for (auto& pair : pairs_) {

@@ -109,6 +109,68 @@ TEST(WidePlates, HaveTheForcesOfNarrowOnesPerArea) {
   }
 }
 
+/// The lower plate four elements across, the upper one six: no node but every other lies opposite one.
+std::string with_other_meshes(const std::string& scene, const char* protocol) {
+  const std::string text = with_protocol(config_text(scene), protocol);
+  const auto second = text.find("name = \"upper\"");
+  return replaced(text.substr(0, second), "elements = [3, 100]", "elements = [4, 100]") +
+         replaced(text.substr(second), "elements = [3, 100]", "elements = [6, 100]");
+}
+
+class MeshesThatDiffer : public testing::TestWithParam<const char*> {};
+
+TEST_P(MeshesThatDiffer, HaveTheExactTractionStickingAndSlipping) {
+  const double shear = 1000 * c_s * 3.0, limit = 0.3 * pressure_pa;
+  for (const auto& [scene, traction] : {std::pair{"sticking_plates", shear}, std::pair{"slipping_plates", limit}}) {
+    const TemporaryFolder folder;
+    const RunResult r = run_text(with_other_meshes(scene, GetParam()), folder);
+    EXPECT_NEAR(r.mean("contact_pressure_mean_pa", 50e-6, 400e-6), pressure_pa, 1e-3 * pressure_pa) << scene;
+    EXPECT_NEAR(std::abs(r.mean("friction_force_n", 50e-6, 400e-6)) / area_m2, traction, 1e-3 * traction) << scene;
+    EXPECT_EQ(r.mean(traction == shear ? "pairs_stick" : "pairs_slip", 50e-6, 400e-6), 4.0) << scene;
+    EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10) << scene;
+    EXPECT_LT(r.summary.at("contact").at("residual_max").get<double>(), 1e-10) << scene;
+    const auto &normal = r.column("contact_force_n"), &tangential = r.column("friction_force_n");
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      EXPECT_LE(std::abs(tangential[i]), 0.3 * normal[i] + 1e-9 * pressure_pa * area_m2) << scene << ", row " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, MeshesThatDiffer,
+                         testing::Values("hughes_liu", "prakash_hjelmstad", "all_implicit", "all_explicit"),
+                         [](const auto& test) { return std::string(test.param); });
+
+/// A block of three elements across on a wider one of seven, without friction; one end of the upper
+/// surface lies within an element of the lower one.
+TEST_P(MeshesThatDiffer, KeepMomentumAndAngularMomentumOfABlockOnAWiderOne) {
+  const std::string text = R"(model = "plane_strain"
+[[body]]
+name = "anvil"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { start_m = -0.02, length_m = 0.02, height_m = 0.07, elements = [7, 4] }
+[[body]]
+name = "block"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { length_m = 0.04, height_m = 0.036, elements = [3, 5] }
+initial_velocity_m_s = [0.0, -1.0]
+[contact]
+surfaces = ["block.start", "anvil.end"]
+[partition]
+implicit_length_m = { anvil = 0.01, block = 0.01 }
+[time]
+step_s = 1e-6
+end_s = 1.2e-4
+[coupling]
+protocol = ")" + std::string(GetParam()) +
+                           "\"\n";
+  const TemporaryFolder folder;
+  const RunResult r = run_text(text, folder);
+  // One-dimensional theory for the two thicknesses: rho c_L v / 2 over the width of the block.
+  const double plateau = 0.5 * 1000 * c_l * 1.0 * 0.036;
+  EXPECT_NEAR(r.mean("contact_force_n", 5e-6, 25e-6), plateau, 0.1 * plateau);
+  EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10);
+  EXPECT_LT(r.summary.at("angular_momentum_error_max").get<double>(), 1e-10);
+}
+
 /// A law of the multiplier and a protocol.
 using Method = std::pair<const char*, const char*>;
 

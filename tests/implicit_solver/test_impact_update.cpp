@@ -64,7 +64,7 @@ Motion after_one_window(const std::string& text) {
   Motion motion;
   for (const auto& pair : problem.contact.pairs) {
     const Eigen::Vector2d lower = solver.state().bodies.at(0).v.segment<2>(2 * pair.node_a);
-    const Eigen::Vector2d upper = solver.state().bodies.at(1).v.segment<2>(2 * pair.node_b);
+    const Eigen::Vector2d upper = solver.state().bodies.at(1).v.segment<2>(2 * pair.b.at(0).node);
     if (&pair != problem.contact.pairs.data()) {
       EXPECT_LT((lower - motion.lower).norm() + (upper - motion.upper).norm(), 1e-4);
     }

@@ -29,7 +29,7 @@ TEST(ContactPairs, LieAtTheSamePlaceAndAreSortedFromTheAxis) {
   for (std::size_t i = 0; i < contact.pairs.size(); ++i) {
     const ContactPair& pair = contact.pairs[i];
     const Eigen::Vector2d& a = problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)];
-    const Eigen::Vector2d& b = problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.node_b)];
+    const Eigen::Vector2d& b = problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.b.at(0).node)];
     EXPECT_NEAR((a - b).norm(), 0.0, 1e-15);
     EXPECT_NEAR(pair.distance_m, 0.001 * static_cast<double>(i), 1e-15);
     EXPECT_EQ(pair.gap0_m, 0.0);
@@ -64,7 +64,7 @@ TEST(ContactGap, OfARigidPlaneIsMeasuredFromTheSurface) {
   const std::string text = replaced(replaced(bars, "\"right.start\"", "\"rigid_plane\""), ", right = 0.0635", "");
   const Problem problem = build(replaced(text, "surfaces", "initial_gap_m = 0.25\nsurfaces"));
   EXPECT_EQ(problem.contact.body_b, -1);
-  EXPECT_EQ(problem.contact.pairs.at(0).node_b, -1);
+  EXPECT_TRUE(problem.contact.pairs.at(0).b.empty());
   EXPECT_EQ(problem.contact.pairs.at(0).gap0_m, 0.25);
 }
 
