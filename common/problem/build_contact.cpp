@@ -11,8 +11,8 @@
 namespace ricochet::scene {
 namespace {
 
-constexpr double flat_tolerance = 1e-6;     ///< of the shortest edge; also of a unit normal
-constexpr double overlap_tolerance = 1e-9;  ///< of the size of the first body
+constexpr double flat_tolerance = 1e-6;   ///< of the shortest edge; also of a unit normal
+constexpr double depth_tolerance = 1e-9;  ///< of the size of the first body
 
 const char* const surfaces_key = "contact.surfaces";
 
@@ -213,7 +213,7 @@ void complete(const Scene& scene, const Side& a, const Side* b, ContactPair& pai
     motion += weight * initial_motion(*b, node, a.normal);
     held = held && held_along(*b, node, a.normal);
   }
-  const double tolerance = overlap_tolerance * size_of(a.body->mesh);
+  const double tolerance = depth_tolerance * size_of(a.body->mesh);
   if (std::min(pair.gap0_m, pair.gap0_m + motion) < -tolerance)
     refuse(scene,
            fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion), text(x),

@@ -7,11 +7,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
-#include <regex>
+#include <string_view>
 #include <thread>
 
 #include "common/base/error.hpp"
@@ -46,10 +47,26 @@ void* map(int descriptor, std::size_t size) {
   return address == MAP_FAILED ? nullptr : address;
 }
 
+/// Takes `text` away from the front of `path`; false if something else stands there.
+bool takes(std::string_view& path, std::string_view text) {
+  if (!path.starts_with(text)) return false;
+  path.remove_prefix(text.size());
+  return true;
+}
+
+bool takes_digits(std::string_view& path) {
+  const auto end = std::min(path.find_first_not_of("0123456789"), path.size());
+  path.remove_prefix(end);
+  return end > 0;
+}
+
+bool is_open_file_of_a_process(std::string_view path) {
+  return takes(path, "/proc/") && takes_digits(path) && takes(path, "/fd/") && takes_digits(path) && path.empty();
+}
+
 /// The memory at `path`, and nothing else: opening a device or a pipe may do something.
 int open_memory(const std::string& path, std::size_t size) {
-  static const std::regex pattern("/proc/[0-9]+/fd/[0-9]+");
-  if (!std::regex_match(path, pattern)) refuse(path, "expected /proc/PROCESS/fd/NUMBER");
+  if (!is_open_file_of_a_process(path)) refuse(path, "expected /proc/PROCESS/fd/NUMBER");
   std::array<char, 64> target{};
   if (readlink(path.c_str(), target.data(), target.size() - 1) < 0) refuse(path, std::strerror(errno));
   if (std::string_view(target.data()).rfind(fmt::format("/memfd:{}", label), 0) != 0) {

@@ -10,7 +10,7 @@ namespace ricochet::coupler {
 namespace {
 
 constexpr const char* participant = "under test";  // its name for launcher and error texts
-constexpr std::size_t log_lines = 4;
+constexpr std::size_t shown_lines = 4;
 
 Member member_of(const ContractCommand& command, const std::string& log) {
   Member member;
@@ -102,7 +102,7 @@ std::optional<ProcessEnd> ContractPeer::wait_end() {
 }
 
 std::string ContractPeer::log_tail() const {
-  auto lines = last_lines(log_, log_lines);
+  auto lines = last_lines(log_, shown_lines);
   while (!lines.empty() && lines.back() == '\n') lines.pop_back();
   return lines.empty() ? "" : "; it printed\n" + lines;
 }

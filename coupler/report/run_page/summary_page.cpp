@@ -13,7 +13,7 @@
 namespace ricochet::report {
 namespace {
 
-std::string cell(const std::string& text) { return "<td>" + escape_html(text) + "</td>"; }
+std::string data_cell(const std::string& text) { return "<td>" + escape_html(text) + "</td>"; }
 
 std::string row(const std::string& name, const std::string& value) {
   return "<tr><th scope=\"row\">" + escape_html(name) + "</th><td colspan=\"3\">" + escape_html(value) + "</td></tr>\n";
@@ -21,8 +21,8 @@ std::string row(const std::string& name, const std::string& value) {
 
 std::string row(const std::string& name, const std::string& value, const std::string& theory,
                 const std::string& difference) {
-  return "<tr><th scope=\"row\">" + escape_html(name) + "</th>" + cell(value) + cell(theory) + cell(difference) +
-         "</tr>\n";
+  return "<tr><th scope=\"row\">" + escape_html(name) + "</th>" + data_cell(value) + data_cell(theory) +
+         data_cell(difference) + "</tr>\n";
 }
 
 std::string difference(double value, double theory) {
@@ -120,8 +120,9 @@ std::string process_rows(const Json& summary) {
       waited += fmt::format("{} {:.3f}", whom, time_s.is_number() ? time_s.get<double>() : 0.0);
     }
     text += "<tr><th scope=\"row\">" + escape_html(process.value("name", "")) + "</th>" +
-            cell(process.value("role", "")) + cell(process.value("transport", "")) + cell(seconds(process, "wall_s")) +
-            cell(seconds(process, "compute_s")) + cell(seconds(process, "wait_s")) + cell(waited) + "</tr>\n";
+            data_cell(process.value("role", "")) + data_cell(process.value("transport", "")) +
+            data_cell(seconds(process, "wall_s")) + data_cell(seconds(process, "compute_s")) +
+            data_cell(seconds(process, "wait_s")) + data_cell(waited) + "</tr>\n";
   }
   return text;
 }

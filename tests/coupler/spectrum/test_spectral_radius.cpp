@@ -47,7 +47,7 @@ struct Chains {
 };
 
 /// 2 / omega_max of the chain of unit springs whose end nodes have masses 1/2 and 1 (shared): from its own matrices.
-double critical_step() {
+double critical_step_of_chains() {
   auto chain = Chain::of(std::vector<double>(Chains::springs, 1.0), std::vector<double>(Chains::springs, 1.0), 0.0);
   chain.mass[Chains::springs] = 1.0;
   const Eigen::VectorXd root = chain.mass.cwiseSqrt().cwiseInverse();
@@ -74,11 +74,11 @@ TEST(WindowMap, HasAllUnknownsOfTheSchemeAndIsLinear) {
 
 TEST(SpectralRadius, OfHughesLiuIsOneBelowTheCriticalStepOfTheExplicitElements) {
   for (const double courant : {0.3, 0.999}) {
-    Chains chains(courant * critical_step());
+    Chains chains(courant * critical_step_of_chains());
     HughesLiu protocol;
     EXPECT_TRUE(spectral_radius(window_map(*chains.coupling, protocol, FrozenContact::open)).stable()) << courant;
   }
-  Chains chains(1.001 * critical_step());
+  Chains chains(1.001 * critical_step_of_chains());
   HughesLiu protocol;
   // |lambda| = x + sqrt(x^2 - 1), x = 2 C^2 - 1, of the mode that the critical step is about
   const double x = 2.0 * 1.001 * 1.001 - 1.0;
@@ -88,7 +88,7 @@ TEST(SpectralRadius, OfHughesLiuIsOneBelowTheCriticalStepOfTheExplicitElements) 
 
 TEST(IteratedSpectralRadius, FindsWhatTheDenseEigenvaluesAre) {
   for (const double courant : {0.9, 0.999, 1.01}) {
-    Chains chains(courant * critical_step());
+    Chains chains(courant * critical_step_of_chains());
     KimPredicted protocol;
     const auto map = window_map(*chains.coupling, protocol, FrozenContact::open);
     const auto exact = exact_spectral_radius(map), iterated = iterated_spectral_radius(map);
@@ -99,7 +99,7 @@ TEST(IteratedSpectralRadius, FindsWhatTheDenseEigenvaluesAre) {
 }
 
 TEST(IteratedSpectralRadius, SeesNoGrowthInAStableSchemeAndSaysHowFine) {
-  Chains chains(0.9 * critical_step());
+  Chains chains(0.9 * critical_step_of_chains());
   HughesLiu protocol;
   const auto iterated = iterated_spectral_radius(window_map(*chains.coupling, protocol, FrozenContact::open));
   EXPECT_TRUE(iterated.stable());
