@@ -71,7 +71,7 @@ struct BodyState : BodyMotion {
   std::vector<ConstrainedDof> constrained;
   std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
-  Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
+  Eigen::Vector3d normal, tangent;  ///< directions of the momentum balance
   Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -88,7 +88,7 @@ struct BodyState : BodyMotion {
     const int components = fem::components(part.mesh.model);
     // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
     double work_j = 0.0, angular = 0.0;
-    Eigen::Vector2d impulse(0.0, 0.0);
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
     const auto account = [&](int dof) {
       const double force = mean_force(dof);
       work_j += force * increment(dof);
