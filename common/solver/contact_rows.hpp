@@ -62,7 +62,7 @@ struct ContactRow {
 /// A place where the surfaces may touch: two nodes that lie opposite, or a node and a plane.
 struct Pair {
   ContactRow normal, tangent;  ///< no entries along the tangent in one dimension
-  ContactRow binormal;         ///< of a solid: along n x t, where no force acts; else no entries
+  ContactRow binormal{};       ///< of a solid: along n x t, where no force acts; else no entries
   double gap0_m = 0.0;
   double area_m2 = 0.0;
 
