@@ -12,7 +12,7 @@
 namespace ricochet::fem {
 namespace {
 
-using Column __attribute__((vector_size(4 * sizeof(double)))) = double;  // of a block, and what follows it
+using Quad __attribute__((vector_size(4 * sizeof(double)))) = double;  // three components, and what follows them
 
 constexpr int block_size = 9;
 
@@ -47,11 +47,29 @@ struct Rows {
 };
 
 // What the loop calls must become part of it: only then is it compiled for the loop's processor.
-[[gnu::always_inline]] inline Column load_column(const double* from) {
-  Column column;
-  std::memcpy(&column, from, sizeof column);
-  return column;
+[[gnu::always_inline]] inline Quad load_quad(const double* from) {
+  Quad quad;
+  std::memcpy(&quad, from, sizeof quad);
+  return quad;
 }
+
+/// The three components of a node and, where `more` follow it, whatever does.
+template <bool more>
+[[gnu::always_inline]] inline Quad load_node(const double* from) {
+  if constexpr (more) return load_quad(from);
+  return Quad{from[0], from[1], from[2], 0.0};
+}
+
+/// Sums of a block's columns by component of the neighbour.
+struct Sums {
+  Quad by_x{}, by_y{}, by_z{};
+
+  [[gnu::always_inline]] void add(const double* columns, const Quad& u) {
+    by_x += load_quad(columns) * __builtin_shufflevector(u, u, 0, 0, 0, 0);
+    by_y += load_quad(columns + 3) * __builtin_shufflevector(u, u, 1, 1, 1, 1);
+    by_z += load_quad(columns + 6) * __builtin_shufflevector(u, u, 2, 2, 2, 2);
+  }
+};
 
 }  // namespace
 
@@ -77,25 +95,35 @@ NodeStencils::NodeStencils(const SparseMatrix& stiffness) {
     begin_.push_back(static_cast<int>(distance_.size()));
   }
   coefficient_.push_back(0.0);
+  for (first_to_last_ = 0; first_to_last_ < nodes(); ++first_to_last_) {
+    const int last_block = begin_[at(stencil_[at(first_to_last_)]) + 1] - 1;  // distances ascend
+    const bool empty = last_block < begin_[at(stencil_[at(first_to_last_)])];
+    if (first_to_last_ + (empty ? 0 : distance_[at(last_block)] / 3) >= nodes() - 1) break;
+  }
+}
+
+template <bool more>
+[[gnu::always_inline]] inline void NodeStencils::multiply_node(const double* u, double* result, int node,
+                                                               const double* follows) const {
+  const double* own = u + 3 * node;
+  const Quad base = load_node<more>(own) * Quad{follows[0], follows[1], follows[2], 0.0};
+  const int stencil = stencil_[at(node)], end = begin_[at(stencil) + 1];
+  int block = begin_[at(stencil)];
+  Sums even, odd;  // two, for a sum must wait for the one before it
+  for (; block + 1 < end; block += 2) {
+    even.add(&coefficient_[at(block_size * block)], load_node<more>(own + distance_[at(block)]) - base);
+    odd.add(&coefficient_[at(block_size * (block + 1))], load_node<more>(own + distance_[at(block + 1)]) - base);
+  }
+  if (block < end) even.add(&coefficient_[at(block_size * block)], load_node<more>(own + distance_[at(block)]) - base);
+  const Quad sum = (even.by_x + odd.by_x) + (even.by_y + odd.by_y) + (even.by_z + odd.by_z);
+  std::memcpy(result + 3 * node, &sum, 3 * sizeof(double));
 }
 
 [[gnu::always_inline]] inline void NodeStencils::multiply_nodes(const double* u, double* result, int first, int end,
                                                                 const double* follows) const {
-  for (int node = first; node < end; ++node) {
-    const double* own = u + 3 * node;
-    const double own_x = follows[0] * own[0], own_y = follows[1] * own[1], own_z = follows[2] * own[2];
-    const int stencil = stencil_[at(node)], blocks_end = begin_[at(stencil) + 1];
-    Column by_x{}, by_y{}, by_z{};
-    for (int block = begin_[at(stencil)]; block < blocks_end; ++block) {
-      const double* neighbour = own + distance_[at(block)];
-      const double* columns = &coefficient_[at(block_size * block)];
-      by_x += load_column(columns) * (neighbour[0] - own_x);
-      by_y += load_column(columns + 3) * (neighbour[1] - own_y);
-      by_z += load_column(columns + 6) * (neighbour[2] - own_z);
-    }
-    const Column sum = by_x + by_y + by_z;
-    std::memcpy(result + 3 * node, &sum, 3 * sizeof(double));
-  }
+  int node = first;
+  for (; node < std::min(end, first_to_last_); ++node) multiply_node<true>(u, result, node, follows);
+  for (; node < end; ++node) multiply_node<false>(u, result, node, follows);
 }
 
 #if defined(__x86_64__) && !defined(__AVX2__)

@@ -24,12 +24,15 @@ class NodeStencils {
   [[nodiscard]] int distinct() const { return static_cast<int>(begin_.size()) - 1; }
 
  private:
+  template <bool more>
+  void multiply_node(const double* u, double* result, int node, const double* follows) const;
   void multiply_nodes(const double* u, double* result, int first, int end, const double* follows) const;
   void multiply_nodes_by_avx2(const double* u, double* result, int first, int end, const double* follows) const;
 
   std::vector<int> stencil_;   ///< of each node
   std::vector<int> begin_{0};  ///< blocks of stencil s: begin_[s] .. begin_[s + 1]
   std::vector<int> distance_;  ///< per block: from the node's first dof to the neighbour's
+  int first_to_last_ = 0;      ///< first node that has the last one as a neighbour: nothing follows that one
   std::vector<double>
       coefficient_;  ///< nine per block, column by column, and one more at the end, which loads pass over
 };
