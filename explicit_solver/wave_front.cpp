@@ -9,8 +9,6 @@ using solver::BodyState;
 
 namespace {
 
-constexpr int rows_of_slice = fem::StiffnessProduct::rows_of_slice;
-
 /// Per row: something other than the part's own elements may act on it.
 std::vector<bool> acted_on(const BodyState& state, const std::vector<int>& driven) {
   std::vector<bool> rows = state.external.loaded(state.part.dofs());
@@ -39,15 +37,16 @@ bool starts_uneven(const BodyState& state, int row) {
 
 }  // namespace
 
-WaveFront::WaveFront(const BodyState& state, const std::vector<int>& driven) : size_(state.part.dofs()) {
-  const int slices = (size_ + rows_of_slice - 1) / rows_of_slice;
+WaveFront::WaveFront(const BodyState& state, const std::vector<int>& driven)
+    : size_(state.part.dofs()), slice_(fem::StiffnessProduct::rows_of_slice(fem::components(state.part.mesh.model))) {
+  const int slices = (size_ + slice_ - 1) / slice_;
   set_neighbours(state, slices);
   reach_.assign(static_cast<std::size_t>(slices), Reach::none);
   for (auto* list : {&front_, &next_front_}) list->reserve(static_cast<std::size_t>(slices));
   rows_.reserve(static_cast<std::size_t>(slices));
   const std::vector<bool> acted = acted_on(state, driven);
   for (int row = 0; row < size_; ++row) {
-    const int slice = row / rows_of_slice;
+    const int slice = row / slice_;
     if (reach_[static_cast<std::size_t>(slice)] == Reach::reached) continue;
     if (acted[static_cast<std::size_t>(row)] || starts_uneven(state, row)) reach(slice);
   }
@@ -61,9 +60,9 @@ void WaveFront::set_neighbours(const BodyState& state, int slices) {
   neighbour_start_.push_back(0);
   for (int slice = 0; slice < slices; ++slice) {
     std::set<int> near;
-    for (int row = slice * rows_of_slice; row < std::min((slice + 1) * rows_of_slice, size_); ++row) {
+    for (int row = slice * slice_; row < std::min((slice + 1) * slice_, size_); ++row) {
       for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
-        near.insert(static_cast<int>(it.col()) / rows_of_slice);
+        near.insert(static_cast<int>(it.col()) / slice_);
       }
     }
     neighbour_.insert(neighbour_.end(), near.begin(), near.end());
@@ -88,7 +87,7 @@ void WaveFront::collect_rows() {
   rows_.clear();
   for (std::size_t slice = 0; slice < reach_.size(); ++slice) {
     if (reach_[slice] == Reach::none) continue;
-    const int first = static_cast<int>(slice) * rows_of_slice, last = std::min(first + rows_of_slice, size_);
+    const int first = static_cast<int>(slice) * slice_, last = std::min(first + slice_, size_);
     if (!rows_.empty() && rows_.back().last == first) {
       rows_.back().last = last;
     } else {
@@ -105,7 +104,7 @@ void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::Ve
 void WaveFront::grow(const Eigen::VectorXd& force) {
   if (front_.empty()) return;
   const auto at_rest = [&](int slice) {
-    const int first = slice * rows_of_slice, last = std::min(first + rows_of_slice, size_);
+    const int first = slice * slice_, last = std::min(first + slice_, size_);
     return std::all_of(force.data() + first, force.data() + last, [](double f) { return f == 0.0; });
   };
   next_front_.clear();

@@ -42,7 +42,7 @@ class WaveFront {
   void reach(int slice);
   void collect_rows();
 
-  int size_ = 0;                                  ///< rows of the part
+  int size_ = 0, slice_ = 1;                      ///< rows of the part, of a slice
   std::vector<int> neighbour_start_, neighbour_;  ///< slices with an entry in the rows of slice s, s itself included
   std::vector<Reach> reach_;                      ///< per slice
   std::vector<int> front_, next_front_;           ///< slices that are computed, but not reached

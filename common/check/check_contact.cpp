@@ -63,21 +63,20 @@ std::vector<double> pair_masses(const Problem& problem) {
 }
 
 /// Smallest extent along the normal of the elements at a node [m].
-double element_depth(const BodyProblem& body, int node, const Eigen::Vector2d& normal) {
+double element_depth(const BodyProblem& body, int node, const Eigen::Vector3d& normal) {
   double depth = std::numeric_limits<double>::infinity();
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
     const auto& nodes = body.mesh.elements[at(e)];
     if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) continue;
-    const Eigen::VectorXd along = fem::element_geometry(body.mesh, e).x * normal;
-    depth = std::min(depth, along.maxCoeff() - along.minCoeff());
+    depth = std::min(depth, fem::extent_along(fem::element_geometry(body.mesh, e), normal));
   }
   return depth;
 }
 
 /// Extent of a body along the normal [m].
-double thickness(const BodyProblem& body, const Eigen::Vector2d& normal) {
+double thickness(const BodyProblem& body, const Eigen::Vector3d& normal) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Eigen::Vector2d& x : body.mesh.position) {
+  for (const Eigen::Vector3d& x : body.mesh.position) {
     low = std::min(low, normal.dot(x));
     high = std::max(high, normal.dot(x));
   }

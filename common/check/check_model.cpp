@@ -17,20 +17,20 @@ namespace {
 /// Instants at which shapes are compared while their boxes overlap.
 constexpr int samples = 200;
 
-std::vector<Eigen::Vector2d> initial_displacement(const Problem& problem, const BodyProblem& body,
+std::vector<Eigen::Vector3d> initial_displacement(const Problem& problem, const BodyProblem& body,
                                                   const Outline& outline) {
   const int components = problem.scene.components();
-  std::vector<Eigen::Vector2d> displacement;
+  std::vector<Eigen::Vector3d> displacement;
   for (const int node : outline.nodes) {
-    Eigen::Vector2d u(0.0, 0.0);
+    Eigen::Vector3d u = Eigen::Vector3d::Zero();
     for (int c = 0; c < components; ++c) u[c] = body.initial_displacement_m[node * components + c];
     displacement.push_back(u);
   }
   return displacement;
 }
 
-Eigen::Vector2d velocity(const Body& body) {
-  Eigen::Vector2d v(0.0, 0.0);
+Eigen::Vector3d velocity(const Body& body) {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
   for (std::size_t c = 0; c < body.initial_velocity_m_s.size(); ++c)
     v[static_cast<Eigen::Index>(c)] = body.initial_velocity_m_s[c];
   return v;
@@ -41,8 +41,8 @@ struct TimeSpan {
 };
 
 /// When the box of `a`, moving with this velocity against that of `b`, overlaps it.
-TimeSpan boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v, TimeSpan time) {
-  for (int axis = 0; axis < 2; ++axis) {
+TimeSpan boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector3d& v, TimeSpan time) {
+  for (int axis = 0; axis < 3; ++axis) {
     const double gap_low = b.low()[axis] - a.high()[axis], gap_high = b.high()[axis] - a.low()[axis];
     if (!a.counts(axis) || !b.counts(axis)) continue;
     if (v[axis] == 0.0) {
@@ -56,12 +56,12 @@ TimeSpan boxes_overlap(const Shape& a, const Shape& b, const Eigen::Vector2d& v,
 }
 
 /// Time of the first overlap on a straight flight [s]; infinity without one.
-double meeting_time(Shape a, const Shape& b, const std::vector<Eigen::Vector2d>& start, const Eigen::Vector2d& v,
+double meeting_time(Shape a, const Shape& b, const std::vector<Eigen::Vector3d>& start, const Eigen::Vector3d& v,
                     double until_s) {
   const TimeSpan time = boxes_overlap(a, b, v, {0.0, until_s});
   for (int i = 1; time.end_s > time.begin_s && i <= samples; ++i) {
     const double t = time.begin_s + (time.end_s - time.begin_s) * i / samples;
-    std::vector<Eigen::Vector2d> moved = start;
+    std::vector<Eigen::Vector3d> moved = start;
     for (auto& u : moved) u += t * v;
     a.move(moved);
     if (a.overlap(b).depth_m > overlap_tolerance(a, b)) return t;
@@ -83,15 +83,15 @@ void check_overlaps(const Problem& problem, Plan& plan) {
     const Shape::Overlap overlap = shape_a.overlap(shape_b);
     if (overlap.depth_m > overlap_tolerance(shape_a, shape_b))
       throw ConfigError(
-          fmt::format("{}: found a body that overlaps body \"{}\" by {:.3g} m at ({:.6g}, {:.6g}) m, "
+          fmt::format("{}: found a body that overlaps body \"{}\" by {:.3g} m at {}, "
                       "with no contact between "
                       "them; allowed: bodies that are apart",
-                      problem.scene.where("body." + b.name + ".mesh"), a.name, overlap.depth_m, overlap.place[0],
-                      overlap.place[1]));
+                      problem.scene.where("body." + b.name + ".mesh"), a.name, overlap.depth_m,
+                      fem::place_text(problem.scene.model, overlap.place)));
     double until_s = problem.scene.time.end_s;
     for (const int body : {pair.first, pair.second})
       if (body == problem.contact.body_a || body == problem.contact.body_b) until_s = std::min(until_s, first_touch_s);
-    const Eigen::Vector2d v =
+    const Eigen::Vector3d v =
         velocity(problem.scene.bodies[at(pair.first)]) - velocity(problem.scene.bodies[at(pair.second)]);
     const double meeting_s = meeting_time(shape_a, shape_b, start, v, until_s);
     if (std::isfinite(meeting_s))
@@ -108,8 +108,8 @@ void check_slip_in_flight(const Problem& problem, Plan& plan) {
   const bool slides = !contact.pairs.empty() && contact.body_b >= 0 && problem.scene.components() == 2;
   const double touch_s = slides ? first_contact_s(problem) : 0.0;
   if (!std::isfinite(touch_s) || touch_s == 0.0) return;
-  const Eigen::Vector2d tangent(-contact.normal[1], contact.normal[0]);
-  const Eigen::Vector2d v =
+  const Eigen::Vector3d tangent = tangent_of(contact.normal);
+  const Eigen::Vector3d v =
       velocity(problem.scene.bodies[at(contact.body_a)]) - velocity(problem.scene.bodies[at(contact.body_b)]);
   std::vector<double> places;
   for (const ContactPair& pair : contact.pairs)

@@ -6,8 +6,9 @@
 #include "common/fem/model.hpp"
 
 /// Finite elements of small strain, linear elastic, of any kind (element_kind.hpp).
-/// Coordinates `x`: one row per node, two columns (bar: second column ignored).
-/// Strain order: bar (xx); plane strain (xx, yy, zz, xy); axisymmetric (rr, zz, tt, rz); shear as 2 e_xy.
+/// Coordinates `x`: one row per node, two columns (bar: second column ignored), three of a solid.
+/// Strain order: bar (xx); plane strain (xx, yy, zz, xy); axisymmetric (rr, zz, tt, rz); solid (xx, yy,
+/// zz, xy, yz, zx); shear as 2 e_xy.
 namespace ricochet::fem {
 
 /// One element: what it is and where its nodes are [m].
@@ -16,7 +17,7 @@ struct ElementGeometry {
   ElementCoordinates x;
 };
 
-/// Elasticity matrix D, stress = D strain [Pa]; 1x1 for a bar (E), else 4x4.
+/// Elasticity matrix D, stress = D strain [Pa]; 1x1 for a bar (E), 6x6 for a solid, else 4x4.
 [[nodiscard]] Eigen::MatrixXd elasticity(Model model, const Material& material);
 
 /// K_e = integral of B^T D B dV [N/m].
@@ -27,7 +28,7 @@ struct ElementGeometry {
 [[nodiscard]] Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material,
                                                   const ElementGeometry& element);
 
-/// Integral of N_i dV per node [m^3] (times a body force per volume gives nodal forces). Exact in all three models.
+/// Integral of N_i dV per node [m^3] (times a body force per volume gives nodal forces). Exact in all models.
 [[nodiscard]] Eigen::VectorXd element_volume(const Section& section, const ElementGeometry& element);
 
 /// Stress at a point of the element, in its kind's natural coordinates, from nodal displacements `u` (node-major) [Pa].

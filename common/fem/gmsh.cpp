@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
@@ -13,8 +14,6 @@
 
 namespace ricochet::fem {
 namespace {
-
-using Edge = std::array<int, 2>;
 
 [[noreturn]] void fail(const GmshFile& file, const GmshElement& element, const std::string& what) {
   throw ConfigError(fmt::format("{}:{}: element {} {}", file.path, element.line, element.tag, what));
@@ -62,15 +61,14 @@ std::vector<const GmshElement*> elements_of(const GmshFile& file, int dimension,
   return kept;
 }
 
-Eigen::Vector2d plane_position(const GmshFile& file, GmshTag tag, Model model) {
+Eigen::Vector3d position_in(Model model, const GmshFile& file, GmshTag tag) {
   const Eigen::Vector3d& x = file.nodes.at(tag);
-  const int first_unused = model == Model::bar ? 1 : 2;
-  for (int c = first_unused; c < 3; ++c) {
+  for (int c = components(model); c < 3; ++c) {
     if (x[c] == 0.0) continue;
     throw ConfigError(fmt::format("{}: node {} has {} = {:.6g} m; {}", file.path, tag, "xyz"[c], x[c],
                                   model == Model::bar ? "bars lie on the x axis" : "the mesh must lie in z = 0"));
   }
-  return x.head<2>();
+  return x;
 }
 
 /// Nodes in ascending order of their tags.
@@ -82,12 +80,12 @@ std::map<GmshTag, int> take_nodes(const GmshFile& file, const std::vector<const 
   double largest = 0.0;
   for (auto& [tag, index] : local) {
     index = static_cast<int>(mesh.position.size());
-    mesh.position.push_back(plane_position(file, tag, mesh.model));
+    mesh.position.push_back(position_in(mesh.model, file, tag));
     largest = std::max(largest, std::abs(mesh.position.back()[0]));
   }
   if (mesh.model != Model::axisymmetric) return local;
   // Gmsh leaves points of the axis at r = 1e-19 or so; what is meant is the axis.
-  for (Eigen::Vector2d& x : mesh.position) {
+  for (Eigen::Vector3d& x : mesh.position) {
     if (std::abs(x[0]) <= 1e-9 * largest) x[0] = 0.0;
   }
   return local;
@@ -103,7 +101,16 @@ double signed_area(const ElementCoordinates& x) {
   return 0.5 * twice;
 }
 
-/// Elements, turned to run counter-clockwise (bar: along x).
+/// Turns an element that runs backwards, clockwise or inside out.
+void turn(Element& element, const ElementCoordinates& x) {
+  const ElementTraits& kind = traits(element.kind);
+  if (kind.dimension == 1 && x(1, 0) < x(0, 0)) std::reverse(element.begin(), element.end());
+  if (kind.dimension == 2 && signed_area(x) < 0.0) std::reverse(element.begin() + 1, element.end());
+  if (kind.dimension < 3 || kind.jacobian(x, kind.centre) >= 0.0) return;
+  if (element.kind == ElementKind::tetrahedron) std::swap(element.begin()[1], element.begin()[2]);
+  if (element.kind == ElementKind::hexahedron) std::rotate(element.begin(), element.begin() + 4, element.end());
+}
+
 void take_elements(const GmshFile& file, const std::vector<const GmshElement*>& kept,
                    const std::map<GmshTag, int>& local, Mesh& mesh) {
   for (const GmshElement* source : kept) {
@@ -111,27 +118,30 @@ void take_elements(const GmshFile& file, const std::vector<const GmshElement*>& 
     placed.kind = *kind_of_gmsh_type(source->type);
     for (std::size_t i = 0; i < placed.size(); ++i) placed.node[i] = local.at(source->nodes[i]);
     const int index = static_cast<int>(mesh.elements.size()) - 1;
-    const ElementCoordinates x = element_geometry(mesh, index).x;
-    if (mesh.model == Model::bar && x(1, 0) < x(0, 0)) std::reverse(placed.begin(), placed.end());
-    if (mesh.model != Model::bar && signed_area(x) < 0.0) std::reverse(placed.begin() + 1, placed.end());
+    turn(placed, element_geometry(mesh, index).x);
     if (const auto defect = element_defect(mesh, index)) fail(file, *source, *defect);
     for (const std::string& name : group_names(file, *source)) mesh.element_groups[name].push_back(index);
   }
 }
 
-/// The element to the left of each edge; two there means that elements overlap.
-std::map<Edge, int> elements_left_of_edges(const GmshFile& file, const std::vector<const GmshElement*>& kept,
-                                           const Mesh& mesh) {
-  std::map<Edge, int> left;
+/// The element behind each face (of bars: along each edge); two there mean that elements overlap.
+std::map<Face, int> elements_behind_faces(const GmshFile& file, const std::vector<const GmshElement*>& kept,
+                                          const Mesh& mesh) {
+  std::map<Face, int> behind;
+  const auto add = [&](Face face, int e) {
+    for (int& node : face) node = mesh.elements[at(e)][at(node)];
+    const auto [other, fresh] = behind.insert({from_smallest(face), e});
+    if (!fresh) fail(file, *kept[at(e)], fmt::format("overlaps element {}", kept[at(other->second)]->tag));
+  };
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const Element& nodes = mesh.elements[at(e)];
-    for (const auto& [a, b] : traits(nodes.kind).edges) {
-      const Edge edge = {nodes[at(a)], nodes[at(b)]};
-      const auto [other, fresh] = left.insert({edge, e});
-      if (!fresh) fail(file, *kept[at(e)], fmt::format("overlaps element {}", kept[at(other->second)]->tag));
+    const ElementTraits& kind = traits(mesh.elements[at(e)].kind);
+    if (mesh.model == Model::bar) {
+      add({0, 1}, e);
+      continue;
     }
+    for (const Face& face : kind.faces) add(face, e);
   }
-  return left;
+  return behind;
 }
 
 /// Elements that use each node of a bar.
@@ -143,33 +153,44 @@ std::vector<int> elements_at_nodes(const Mesh& mesh) {
   return count;
 }
 
+/// An element of the file in the mesh's numbers; none if it has nodes of another body.
+std::optional<Face> face_of(const GmshElement& source, const std::map<GmshTag, int>& local) {
+  Face face{};
+  const std::size_t nodes = source.entity.first == 0 ? 1 : at(traits(*kind_of_gmsh_type(source.type)).nodes);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const auto node = local.find(source.nodes[i]);
+    if (node == local.end()) return std::nullopt;
+    face.push_back(node->second);
+  }
+  return face;
+}
+
 void take_surfaces(const GmshFile& file, const std::vector<const GmshElement*>& kept,
                    const std::map<GmshTag, int>& local, Mesh& mesh) {
   const bool bar = mesh.model == Model::bar;
-  const std::map<Edge, int> left = elements_left_of_edges(file, kept, mesh);
+  const std::map<Face, int> behind = elements_behind_faces(file, kept, mesh);
   const std::vector<int> elements_at = bar ? elements_at_nodes(mesh) : std::vector<int>{};
   for (const GmshElement& source : file.elements) {
-    if (source.entity.first != (bar ? 0 : 1)) continue;
-    const auto a = local.find(source.nodes[0]);
-    const auto b = local.find(source.nodes[bar ? 0 : 1]);
-    if (a == local.end() || b == local.end()) continue;  // of another body
-    Edge edge = {a->second, b->second};
-    const bool forward = bar || left.contains(edge);
-    const bool backward = left.contains({edge[1], edge[0]});
-    if (!forward && !backward) continue;  // joins two nodes of this body, but through another one
+    if (source.entity.first != components(mesh.model) - 1) continue;
+    const std::optional<Face> face = face_of(source, local);
+    if (!face) continue;
+    Face turned = *face;
+    std::reverse(turned.begin(), turned.end());
+    const bool forward = bar || behind.contains(from_smallest(*face));
+    const bool backward = behind.contains(from_smallest(turned));
+    if (!forward && !backward) continue;  // joins nodes of this body, but through another one
     const std::vector<std::string> names = group_names(file, source);
-    const bool inside = bar ? elements_at[at(edge[0])] > 1 : forward && backward;
+    const bool inside = bar ? elements_at[at((*face)[0])] > 1 : forward && backward;
     if (inside && !names.empty()) {
       fail(file, source, fmt::format("of \"{}\" lies inside the body, not on its surface", names[0]));
     }
-    if (!forward) std::swap(edge[0], edge[1]);
-    for (const std::string& name : names) mesh.surfaces[name].push_back(edge);
+    for (const std::string& name : names) mesh.surfaces[name].push_back(forward ? *face : turned);
   }
 }
 
 /// Two nodes at one place are a crack that nobody sees.
 void refuse_coincident_nodes(const GmshFile& file, const std::map<GmshTag, int>& local, const Mesh& mesh) {
-  std::vector<std::pair<GmshTag, Eigen::Vector2d>> nodes;
+  std::vector<std::pair<GmshTag, Eigen::Vector3d>> nodes;
   double largest = 0.0;
   for (const auto& [tag, index] : local) {
     nodes.emplace_back(tag, mesh.position[at(index)]);
@@ -179,12 +200,13 @@ void refuse_coincident_nodes(const GmshFile& file, const std::map<GmshTag, int>&
   std::sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.second[0] < b.second[0]; });
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (std::size_t j = i + 1; j < nodes.size() && nodes[j].second[0] - nodes[i].second[0] <= tolerance; ++j) {
-      if (std::abs(nodes[j].second[1] - nodes[i].second[1]) > tolerance) continue;
+      const Eigen::Vector3d apart = nodes[j].second - nodes[i].second;
+      if (apart.tail<2>().cwiseAbs().maxCoeff() > tolerance) continue;
       const auto [first, second] = std::minmax(nodes[i].first, nodes[j].first);
       throw ConfigError(
-          fmt::format("{}: nodes {} and {} of one body lie at the same place ({:.6g}, {:.6g}) m: the "
-                      "mesh is cut there; merge the geometry with 'Coherence;'",
-                      file.path, first, second, nodes[i].second[0], nodes[i].second[1]));
+          fmt::format("{}: nodes {} and {} of one body lie at the same place {}: the mesh is cut there; merge the "
+                      "geometry with 'Coherence;'",
+                      file.path, first, second, place_text(mesh.model, nodes[i].second)));
     }
   }
 }
@@ -193,7 +215,7 @@ void refuse_coincident_nodes(const GmshFile& file, const std::map<GmshTag, int>&
 
 Mesh read_gmsh(const std::string& path, Model model, const std::string& body) {
   const GmshFile file = read_gmsh_file(path);
-  const auto kept = elements_of(file, model == Model::bar ? 1 : 2, body);
+  const auto kept = elements_of(file, components(model), body);
   Mesh mesh;
   mesh.model = model;
   const auto local = take_nodes(file, kept, mesh);

@@ -172,13 +172,18 @@ ElementType element_type(const Words& words, int type, const GmshEntity& entity)
   if (type == point) return {type, 0, 1};
   if (const auto kind = kind_of_gmsh_type(type)) return {type, traits(*kind).dimension, traits(*kind).nodes};
   constexpr std::string_view allowed =
-      "2-node lines, 3-node triangles and 4-node quadrilaterals (types 1, 2 and 3) can be used";
+      "2-node lines, 3-node triangles, 4-node quadrilaterals, 4-node tetrahedra and 8-node hexahedra (types 1 to 5) "
+      "can "
+      "be used";
   const std::string where = fmt::format("in entity {} of dimension {}", entity.second, entity.first);
   switch (type) {
     case 8:
     case 9:
     case 10:
+    case 11:
+    case 12:
     case 16:
+    case 17:
       words.fail(
           fmt::format("second-order elements (type {}) {}; only {}: set Mesh.ElementOrder = 1", type, where, allowed));
     default: words.fail(fmt::format("element type {} {}; only {}", type, where, allowed));

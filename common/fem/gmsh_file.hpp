@@ -20,7 +20,7 @@ struct GmshElement {
   int line = 0;  ///< of the file, for error texts
   GmshEntity entity;
   int type = 0;                    ///< Gmsh's number of its kind
-  std::array<GmshTag, 4> nodes{};  ///< as many as its kind has; one for a point
+  std::array<GmshTag, 8> nodes{};  ///< as many as its kind has; one for a point
 };
 
 struct GmshFile {
@@ -28,11 +28,11 @@ struct GmshFile {
   std::map<GmshEntity, std::string> group_name;          ///< (dimension, physical tag) -> name
   std::map<GmshEntity, std::vector<int>> entity_groups;  ///< geometric entity -> its physical tags
   std::map<GmshTag, Eigen::Vector3d> nodes;              ///< [m]
-  std::vector<GmshElement> elements;                     ///< points, lines, triangles and quadrilaterals
+  std::vector<GmshElement> elements;                     ///< points, lines, surfaces and volumes
 };
 
 /// Reads the sections MeshFormat, PhysicalNames, Entities, Nodes and Elements and skips the others. Throws ConfigError
-/// "file:line: ..." for another version, a binary file, an element type other than 1, 2, 3 and 15, a tag given twice,
+/// "file:line: ..." for another version, a binary file, an element type other than 1 to 5 and 15, a tag given twice,
 /// an unknown node or entity, a number that cannot be read, and a file that ends early.
 [[nodiscard]] GmshFile read_gmsh_file(const std::string& path);
 

@@ -33,7 +33,10 @@ struct Isoparametric {
     double determinant = 0.0;               // det J
   };
 
-  static Point point_at(const ElementCoordinates& x, double xi, double eta) {
+  /// What elements of this file have of ElementCoordinates.
+  using PlaneCoordinates = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 4, 2>;
+
+  static Point point_at(const PlaneCoordinates& x, double xi, double eta) {
     Point point;
     point.shape = Shape::at(xi, eta);
     const Gradient natural = Shape::natural_gradient(xi, eta);
@@ -64,7 +67,7 @@ struct Isoparametric {
   }
 
   /// integral of B^T D B dV, symmetric to the last bit.
-  static ElementMatrix stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
+  static ElementMatrix stiffness(const Section& section, const Material& material, const PlaneCoordinates& x) {
     const Eigen::Matrix4d d = elasticity(section.model, material);
     Eigen::Matrix<double, 2 * nodes, 2 * nodes> sum = Eigen::Matrix<double, 2 * nodes, 2 * nodes>::Zero();
     for (const QuadraturePoint& q : Shape::points) {
@@ -76,7 +79,7 @@ struct Isoparametric {
   }
 
   /// integral of N_i dV.
-  static Eigen::VectorXd volume(const Section& section, const ElementCoordinates& x) {
+  static Eigen::VectorXd volume(const Section& section, const PlaneCoordinates& x) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(nodes);
     for (const QuadraturePoint& q : Shape::points) {
       const Point point = point_at(x, q.xi, q.eta);
@@ -86,7 +89,7 @@ struct Isoparametric {
   }
 
   /// D B u; on the axis with the limit u_r/r -> u_r,r (u_r = 0 there).
-  static StressVector stress(const Section& section, const Material& material, const ElementCoordinates& x,
+  static StressVector stress(const Section& section, const Material& material, const PlaneCoordinates& x,
                              const ElementVector& u, const NaturalPoint& at) {
     const Point point = point_at(x, at[0], at[1]);
     const bool on_axis = point.radius <= 1e-9 * x.col(0).maxCoeff();
@@ -94,7 +97,7 @@ struct Isoparametric {
   }
 
   /// det J.
-  static double jacobian(const ElementCoordinates& x, const NaturalPoint& at) {
+  static double jacobian(const PlaneCoordinates& x, const NaturalPoint& at) {
     const Eigen::Matrix2d j = Shape::natural_gradient(at[0], at[1]).transpose() * x;
     return j.determinant();
   }

@@ -1,3 +1,4 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -12,13 +13,27 @@ Eigen::MatrixXd elasticity(Model model, const Material& material) {
   if (model == Model::bar) return Eigen::MatrixXd::Constant(1, 1, young);
   const double lambda = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
   const double mu = young / (2.0 * (1.0 + nu));
-  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(4, 4);
+  const int size = stress_components(model);  // three direct strains, then shear
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(size, size);
   d.topLeftCorner<3, 3>().setConstant(lambda);
-  d.diagonal() << lambda + 2.0 * mu, lambda + 2.0 * mu, lambda + 2.0 * mu, mu;
+  d.diagonal().head<3>().setConstant(lambda + 2.0 * mu);
+  d.diagonal().tail(size - 3).setConstant(mu);
   return d;
 }
 
+namespace {
+
+Eigen::Vector3d principal_stresses_of_solid(const StressVector& stress) {
+  Eigen::Matrix3d tensor;
+  tensor << stress[0], stress[3], stress[5], stress[3], stress[1], stress[4], stress[5], stress[4], stress[2];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(tensor, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().reverse();
+}
+
+}  // namespace
+
 Eigen::Vector3d principal_stresses(Model model, const StressVector& stress) {
+  if (model == Model::solid) return principal_stresses_of_solid(stress);
   Eigen::Vector3d principal(stress[0], 0.0, 0.0);
   if (model != Model::bar) {
     // In both plane models the third axis is principal and the shear couples the first two.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
@@ -33,11 +34,11 @@ std::vector<double> graded_coordinates(double start, double length, int count, d
 Mesh bar_mesh(const std::vector<double>& along) {
   Mesh mesh;
   mesh.model = Model::bar;
-  for (const double x : along) mesh.position.emplace_back(x, 0.0);
+  for (const double x : along) mesh.position.emplace_back(x, 0.0, 0.0);
   const int last = static_cast<int>(along.size()) - 1;
   for (int i = 0; i < last; ++i) mesh.elements.push_back({ElementKind::bar, {i, i + 1}});
-  mesh.surfaces["start"] = {{0, 0}};
-  mesh.surfaces["end"] = {{last, last}};
+  mesh.surfaces["start"] = {Face{0}};
+  mesh.surfaces["end"] = {Face{last}};
   return mesh;
 }
 
@@ -49,7 +50,7 @@ Mesh quadrilateral_mesh(Model model, const std::vector<double>& across, const st
   // The short direction is numbered first, which keeps the matrix band narrow.
   const auto node = [columns](int i, int j) { return j * (columns + 1) + i; };
   for (const double y : along) {
-    for (const double x : across) mesh.position.emplace_back(x, y);
+    for (const double x : across) mesh.position.emplace_back(x, y, 0.0);
   }
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
@@ -68,23 +69,74 @@ Mesh quadrilateral_mesh(Model model, const std::vector<double>& across, const st
   return mesh;
 }
 
+namespace {
+
+/// The faces of a block's hexahedra that end it, by the place of each in its element's list of faces.
+void add_faces_of_block(Mesh& mesh, const Eigen::Vector3i& place, const Eigen::Vector3i& count) {
+  struct End {
+    const char* surface;
+    std::size_t face;  ///< of hexahedra, in element_kind.cpp
+    bool here;
+  };
+  const Element& element = mesh.elements.back();
+  for (const auto& [surface, face, here] : {End{"start", 0, place[2] == 0}, End{"end", 1, place[2] == count[2] - 1},
+                                            End{"front", 2, place[1] == 0}, End{"outer", 3, place[0] == count[0] - 1},
+                                            End{"back", 4, place[1] == count[1] - 1}, End{"inner", 5, place[0] == 0}}) {
+    if (!here) continue;
+    Face own = traits(element.kind).faces[face];
+    for (int& node : own) node = element[at(node)];
+    mesh.surfaces[surface].push_back(own);
+  }
+}
+
+}  // namespace
+
+Mesh block_mesh(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+  Mesh mesh;
+  mesh.model = Model::solid;
+  const Eigen::Vector3i count(static_cast<int>(x.size()) - 1, static_cast<int>(y.size()) - 1,
+                              static_cast<int>(z.size()) - 1);
+  for (const double zk : z) {
+    for (const double yj : y) {
+      for (const double xi : x) mesh.position.emplace_back(xi, yj, zk);
+    }
+  }
+  const int row = count[0] + 1, layer = row * (count[1] + 1);
+  for (int k = 0; k < count[2]; ++k) {
+    for (int j = 0; j < count[1]; ++j) {
+      for (int i = 0; i < count[0]; ++i) {
+        const int n = k * layer + j * row + i, above = n + layer;
+        mesh.elements.push_back({ElementKind::hexahedron,
+                                 {n, n + 1, n + row + 1, n + row, above, above + 1, above + row + 1, above + row}});
+        add_faces_of_block(mesh, {i, j, k}, count);
+      }
+    }
+  }
+  return mesh;
+}
+
+std::string place_text(Model model, const Eigen::Vector3d& x) {
+  if (model == Model::solid) return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", x[0], x[1], x[2]);
+  return fmt::format("({:.6g}, {:.6g}) m", x[0], x[1]);
+}
+
 std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface) {
   const auto found = mesh.surfaces.find(surface);
   if (found == mesh.surfaces.end()) {
     std::vector<std::string> known;
-    for (const auto& [name, edges] : mesh.surfaces) known.push_back(name);
+    for (const auto& [name, faces] : mesh.surfaces) known.push_back(name);
     throw ConfigError(fmt::format("no surface \"{}\"; the mesh has: {}{}", surface,
                                   known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")),
                                   did_you_mean(surface, known)));
   }
   std::vector<int> nodes;
-  for (const auto& edge : found->second) nodes.insert(nodes.end(), edge.begin(), edge.end());
+  for (const Face& face : found->second) nodes.insert(nodes.end(), face.begin(), face.end());
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::stable_sort(nodes.begin(), nodes.end(), [&](int a, int b) {
-    const Eigen::Vector2d& xa = mesh.position[static_cast<std::size_t>(a)];
-    const Eigen::Vector2d& xb = mesh.position[static_cast<std::size_t>(b)];
-    return xa[0] != xb[0] ? xa[0] < xb[0] : xa[1] < xb[1];
+    const Eigen::Vector3d& xa = mesh.position[static_cast<std::size_t>(a)];
+    const Eigen::Vector3d& xb = mesh.position[static_cast<std::size_t>(b)];
+    return std::tie(xa[0], xa[1], xa[2]) < std::tie(xb[0], xb[1], xb[2]);
   });
   return nodes;
 }

@@ -16,26 +16,27 @@ namespace ricochet::fem {
 [[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Nodes, elements and named groups of one body.
-/// Coordinates: bar (x, 0); plane strain (x, y); axisymmetric (r, z).
+/// Coordinates: bar (x, 0, 0); plane strain (x, y, 0); axisymmetric (r, z, 0); solid (x, y, z).
 struct Mesh {
   Model model = Model::bar;
-  std::vector<Eigen::Vector2d> position;  ///< [m]
+  std::vector<Eigen::Vector3d> position;  ///< [m]
   std::vector<Element> elements;
   std::map<std::string, std::vector<int>> element_groups;
-  /// Edges (a, b) in the direction in which the body lies to the left, so the outward normal is (dy, -dx)/|..|;
-  /// bar: (n, n), one node.
-  std::map<std::string, std::vector<std::array<int, 2>>> surfaces;
+  std::map<std::string, std::vector<Face>> surfaces;
   double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
 };
 
 /// `x`, or its periodic image, that lies within half a period of `reference` [m].
-inline Eigen::Vector2d nearest_image(const Mesh& mesh, Eigen::Vector2d x, const Eigen::Vector2d& reference) {
+inline Eigen::Vector3d nearest_image(const Mesh& mesh, Eigen::Vector3d x, const Eigen::Vector3d& reference) {
   if (mesh.period_m > 0.0) x[0] -= mesh.period_m * std::round((x[0] - reference[0]) / mesh.period_m);
   return x;
 }
 
-/// Coordinate that runs along the axis (see scene::StructuredMesh): x of a bar, else the second one [m].
-inline double axis_coordinate(Model model, const Eigen::Vector2d& x) { return model == Model::bar ? x[0] : x[1]; }
+/// Coordinate that runs along the axis, the last one (see scene::StructuredMesh) [m].
+inline double axis_coordinate(Model model, const Eigen::Vector3d& x) { return x[components(model) - 1]; }
+
+/// A place for texts, "(0.1, 0.2) m"; of a solid with all three coordinates.
+[[nodiscard]] std::string place_text(Model model, const Eigen::Vector3d& x);
 
 /// Geometric grading: `count` elements over `length` whose last is `grading` times as long as the first;
 /// returns count + 1 coordinates starting at `start` [m]. Throws ConfigError for count < 1, length or grading not > 0.
@@ -48,17 +49,22 @@ inline double axis_coordinate(Model model, const Eigen::Vector2d& x) { return mo
 /// "inner", "outer" (low, high first coordinate).
 [[nodiscard]] Mesh quadrilateral_mesh(Model model, const std::vector<double>& across, const std::vector<double>& along);
 
-/// Nodes of a surface, each once, sorted by position across (first coordinate, then second). ConfigError if unknown.
+/// Hexahedra over the product of three coordinate lists. Surfaces "start", "end" (low, high z), "inner", "outer" (low,
+/// high x), "front", "back" (low, high y).
+[[nodiscard]] Mesh block_mesh(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z);
+
+/// Nodes of a surface, each once, sorted by position (first coordinate, then second, then third). ConfigError if
+/// unknown.
 [[nodiscard]] std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface);
 
-/// Reads a Gmsh MSH 4.1 ASCII file [m]. Physical groups of dimension `d` (1 for bars, 2 else) become element groups,
-/// those of dimension d - 1 surfaces; groups that hold nothing of `body` are left out. Only the elements of group
-/// `body` are kept, in the file's order; nodes in ascending order of their tags. A clockwise element is turned
-/// round, as is an edge that runs clockwise; axisymmetric nodes within 1e-9 of the radius are put on the axis. Throws
-/// ConfigError naming file and line for: another version, binary, an unsupported element type, an element without a
-/// group, a missing group `body`, inverted, degenerate or overlapping elements (named by tag), a surface inside the
-/// body, a file that ends early; naming file and tags for nodes off the plane (bar: off the x axis) and for two nodes
-/// of the body at one place.
+/// Reads a Gmsh MSH 4.1 ASCII file [m]. Physical groups of dimension `d` (1 for bars, 3 for solids, else 2) become
+/// element groups, those of dimension d - 1 surfaces; groups that hold nothing of `body` are left out. Only the
+/// elements of group `body` are kept, in the file's order; nodes in ascending order of their tags. A clockwise element
+/// is turned round, as is a solid one inside out and a face that does not have the body behind it; axisymmetric nodes
+/// within 1e-9 of the radius are put on the axis. Throws ConfigError naming file and line for: another version, binary,
+/// an unsupported element type, an element without a group, a missing group `body`, inverted, degenerate or overlapping
+/// elements (named by tag), a surface inside the body, a file that ends early; naming file and tags for nodes off the
+/// plane (bar: off the x axis) and for two nodes of the body at one place.
 [[nodiscard]] Mesh read_gmsh(const std::string& path, Model model, const std::string& body);
 
 /// Throws ConfigError naming the element and its position if the Jacobian is not positive everywhere in it (an

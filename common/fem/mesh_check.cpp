@@ -19,17 +19,24 @@ constexpr double smallest_relative_determinant = 1e-10;
 constexpr double furthest = 1e7;
 
 std::string place(const Mesh& mesh, const ElementCoordinates& x) {
-  const Eigen::Vector2d centre = x.colwise().mean();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  centre.head(x.cols()) = x.colwise().mean().transpose();
   if (mesh.model == Model::bar) return fmt::format("at x = {:.6g} m", centre[0]);
-  const char* axes = mesh.model == Model::axisymmetric ? "(r, z)" : "(x, y)";
-  return fmt::format("at {} = ({:.6g}, {:.6g}) m", axes, centre[0], centre[1]);
+  const char* axes = mesh.model == Model::axisymmetric ? "(r, z)" : mesh.model == Model::solid ? "(x, y, z)" : "(x, y)";
+  return fmt::format("at {} = {}", axes, place_text(mesh.model, centre));
 }
 
-/// det J is linear in each natural coordinate, so its smallest value is at a corner.
+/// det J of a plane element is linear in each natural coordinate, so its smallest value is at a corner. That of a
+/// hexahedron, quadratic in each, is looked at where its integrals are, too: at its corners and between them and the
+/// middle.
 double smallest_determinant(const ElementGeometry& element) {
   const ElementTraits& kind = traits(element.kind);
   double smallest = std::numeric_limits<double>::infinity();
-  for (const NaturalPoint& corner : kind.corner) smallest = std::min(smallest, kind.jacobian(element.x, corner));
+  const auto look = [&](const NaturalPoint& at) { smallest = std::min(smallest, kind.jacobian(element.x, at)); };
+  for (const NaturalPoint& corner : kind.corner) {
+    look(corner);
+    if (element.kind == ElementKind::hexahedron) look(corner / std::sqrt(3.0));
+  }
   return smallest;
 }
 
@@ -65,8 +72,10 @@ std::optional<std::string> element_defect(const Mesh& mesh, int element) {
   }
   const double edge = edge_lengths(geometry).longest;
   if (auto defect = far_away(mesh, x, edge)) return defect;
-  if (!(smallest_determinant(geometry) > smallest_relative_determinant * edge * edge)) {
-    return "is inverted, not convex or has no area " + place(mesh, x);
+  const bool solid = mesh.model == Model::solid;
+  const double size = solid ? edge * edge * edge : edge * edge;
+  if (!(smallest_determinant(geometry) > smallest_relative_determinant * size)) {
+    return fmt::format("is inverted, not convex or has no {} {}", solid ? "volume" : "area", place(mesh, x));
   }
   return std::nullopt;
 }

@@ -31,17 +31,26 @@ struct Part {
 
 /// Part made of the listed elements of `whole` (in ascending order), plus `extra_nodes` that may belong to no element
 /// of it (contact nodes whose elements another participant owns; their mass here is 0). Nodes in ascending order. Every
-/// surface of `whole` keeps its name and holds the edges of own elements only (bar: nodes of own elements), possibly
-/// none, so that a load is taken by one part. Mass and stiffness are summed in a fixed order: bit-identical for the
-/// same elements whatever else the participant owns.
+/// surface of `whole` keeps its name and holds the faces of own elements only, possibly none, so that a load is taken
+/// by one part. Mass and stiffness are summed in a fixed order: bit-identical for the same elements whatever else the
+/// participant owns.
 [[nodiscard]] Part extract_part(const Mesh& whole, const std::string& body, const Section& section,
                                 const Material& material, const std::vector<int>& elements,
                                 const std::vector<int>& extra_nodes = {});
 
 /// One element of a mesh, for the functions of element.hpp.
 [[nodiscard]] ElementGeometry element_geometry(const Mesh& mesh, int element);
+/// Extent of an element along a direction [m].
+[[nodiscard]] double extent_along(const ElementGeometry& element, const Eigen::Vector3d& direction);
 /// Displacements of one element's nodes out of a node-major vector.
 [[nodiscard]] ElementVector element_displacement(const Mesh& mesh, int element, const Eigen::VectorXd& u);
+
+/// Integral of N_i dA over a face, per node of it [m^2] (bar: the cross section).
+using FaceArea = std::array<double, 4>;  ///< 0 beyond the nodes of the face
+[[nodiscard]] FaceArea face_area(const Section& section, const Mesh& mesh, const Face& face);
+
+/// Outward unit normal of a face that is not the end of a bar; of a quadrilateral that is not flat its mean one.
+[[nodiscard]] Eigen::Vector3d face_normal(const Mesh& mesh, const Face& face);
 
 /// Smallest critical time step over the elements by the element bound, 2 / max omega_e [s]; infinity without elements.
 [[nodiscard]] double element_critical_time_step(const Part& part);
@@ -54,7 +63,7 @@ struct Part {
                                            const std::vector<bool>& fixed_dof, double tolerance = 1e-6);
 
 /// Nodal forces of a constant traction [Pa per component] on a surface of the part (node-major) [N].
-/// ConfigError if the body has no such surface; zero if no edge of it is this part's.
+/// ConfigError if the body has no such surface; zero if no face of it is this part's.
 [[nodiscard]] Eigen::VectorXd traction_force(const Part& part, const std::string& surface,
                                              const std::vector<double>& traction_pa);
 

@@ -18,7 +18,7 @@
 namespace ricochet::fem {
 namespace {
 
-constexpr int rows_of_slice = StiffnessProduct::rows_of_slice, nodes_of_slice = rows_of_slice / 2;
+constexpr int slice_rows = StiffnessProduct::rows_of_slice(2), nodes_of_slice = slice_rows / 2;
 #ifdef __AVX2__
 constexpr int usual_width = 4;
 #else
@@ -83,10 +83,14 @@ bool maps_to_zero(const SparseMatrix& stiffness, int components, int component) 
 
 StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components) : components_(components) {
   for (int c = 0; c < components; ++c) follows_[c] = maps_to_zero(stiffness, components, c) ? 1.0 : 0.0;
-  const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / rows_of_slice : 0;
+  if (components == 3) {
+    stencils_ = NodeStencils(stiffness);
+    return;
+  }
+  const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / slice_rows : 0;
   slice_start_.push_back(0);
   for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice);
-  first_row_ = slices * rows_of_slice;
+  first_row_ = slices * slice_rows;
   rows_ = stiffness.bottomRows(stiffness.rows() - first_row_);
   rows_.makeCompressed();
 }
@@ -154,10 +158,10 @@ void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& resul
 
 template <int width>
 [[gnu::always_inline]] inline void StiffnessProduct::multiply_slice(int slice, const double* u, double* result) const {
-  constexpr int parts = rows_of_slice / width;
+  constexpr int parts = slice_rows / width;
   Vector<width> follows, own[parts], same_sum[parts] = {}, cross_sum[parts] = {};
   for (int i = 0; i < width; ++i) follows[i] = follows_[i % 2];
-  for (int p = 0; p < parts; ++p) own[p] = follows * load<width>(u + slice * rows_of_slice + p * width);
+  for (int p = 0; p < parts; ++p) own[p] = follows * load<width>(u + slice * slice_rows + p * width);
   const int end = slice_start_[static_cast<std::size_t>(slice) + 1];
   for (int k = slice_start_[static_cast<std::size_t>(slice)]; k < end; ++k) {
     const Slot& slot = slots_[static_cast<std::size_t>(k)];
@@ -174,7 +178,7 @@ template <int width>
   }
   for (int p = 0; p < parts; ++p) {
     const Vector<width> sum = same_sum[p] + cross_sum[p];
-    std::memcpy(result + slice * rows_of_slice + p * width, &sum, sizeof sum);
+    std::memcpy(result + slice * slice_rows + p * width, &sum, sizeof sum);
   }
 }
 
@@ -196,7 +200,11 @@ void StiffnessProduct::multiply_slices(int first, int end, const double* u, doub
 }
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
-  multiply_slices(first / rows_of_slice, std::min(last, first_row_) / rows_of_slice, u.data(), result.data());
+  if (components_ == 3) {
+    stencils_.multiply(u.data(), result.data(), first / 3, last / 3, follows_);
+    return;
+  }
+  multiply_slices(first / slice_rows, std::min(last, first_row_) / slice_rows, u.data(), result.data());
   if (last > first_row_) multiply_rows(u, result, std::max(first, first_row_), last);
 }
 

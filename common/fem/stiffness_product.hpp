@@ -3,16 +3,17 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/fem/part.hpp"
+#include "common/fem/node_stencils.hpp"
 
 namespace ricochet::fem {
 
-/// K u, the explicit solver's inner loop, for a fixed symmetric K of two components per node (others go row by row).
+/// K u, the explicit solver's inner loop, for a fixed symmetric K of two or three components per node (of one: row by
+/// row). Three are the affair of NodeStencils.
 ///
-/// Four nodes, eight degrees of freedom, are one slice. A *slot* of a slice holds one neighbour of each of its
-/// four nodes as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy, xx, yy, ...)
-/// and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross *
-/// swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
+/// Of two components, four nodes, eight degrees of freedom, are one slice. A *slot* of a slice holds one neighbour of
+/// each of its four nodes as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy,
+/// xx, yy, ...) and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross
+/// * swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
 /// u_neighbour is one load; elsewhere it is put together from four. Sums run in a fixed order: the same part gives the
 /// same bits everywhere.
 ///
@@ -30,7 +31,8 @@ class StiffnessProduct {
   /// end of one (of the last slice: the number of rows).
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
-  static constexpr int rows_of_slice = 8;
+  /// As fine as the rows can be chosen; whole nodes of two and three components.
+  [[nodiscard]] static constexpr int rows_of_slice(int components) { return components == 3 ? 24 : plane_slice; }
   /// Whether rows take this component relative to their own node.
   [[nodiscard]] bool translation_is_free(int component) const { return follows_[component] != 0.0; }
 
@@ -38,6 +40,7 @@ class StiffnessProduct {
   [[nodiscard]] double contiguous_share() const;
 
  private:
+  static constexpr int plane_slice = 8;
   struct Slot {
     int first = 0;     ///< dof of the first neighbour if they are in a row, else -1
     int gathered = 0;  ///< else: index of four dofs in `gathered_`
@@ -57,10 +60,11 @@ class StiffnessProduct {
   std::vector<Slot> slots_;
   std::vector<Coefficients> coefficients_;  ///< one per slot
   std::vector<int> gathered_;
-  SparseMatrix rows_;  ///< rows behind the last whole slice, or all of them
-  int first_row_ = 0;  ///< row of the first of rows_
+  NodeStencils stencils_;  ///< of three components
+  SparseMatrix rows_;      ///< rows behind the last whole slice, or all of one component
+  int first_row_ = 0;      ///< row of the first of rows_
   int components_ = 1;
-  double follows_[2] = {0.0, 0.0};  ///< per component 1: u is taken relative to the row's node; 0: as it is
+  double follows_[3] = {0.0, 0.0, 0.0};  ///< per component 1: u is taken relative to the row's node; 0: as it is
 };
 
 }  // namespace ricochet::fem

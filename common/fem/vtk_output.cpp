@@ -44,7 +44,7 @@ std::string nodal_vectors(std::string_view name, const Parts& parts, const Field
 std::string points(const Parts& parts) {
   std::vector<double> values;
   for (const Part* part : parts) {
-    for (const Eigen::Vector2d& x : part->mesh.position) values.insert(values.end(), {x[0], x[1], 0.0});
+    for (const Eigen::Vector3d& x : part->mesh.position) values.insert(values.end(), x.begin(), x.end());
   }
   return "<Points>\n" + data_array("Float64", "Points", 3, values) + "</Points>\n";
 }
@@ -71,6 +71,7 @@ std::vector<std::string_view> stress_names(Model model) {
     case Model::bar: return {"stress_axial"};
     case Model::plane_strain: return {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
     case Model::axisymmetric: return {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
+    case Model::solid: return {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
   }
   throw std::invalid_argument("unknown model");
 }

@@ -12,9 +12,9 @@ namespace ricochet::fem {
 /// Writes one VTU piece (XML, inline base64, little-endian) atomically (temporary name, then rename).
 /// Point data: displacement [m], velocity [m/s] (3 components; bar along x; axisymmetric (r, z) drawn as (x, y)).
 /// Cell data at the element centre: stress_axial, stress_radial, stress_hoop, stress_shear [Pa] (plane strain: xx, yy,
-/// zz, xy as stress_xx .. ; bar: stress_axial), stress_principal_max/mid/min [Pa]; cell data `body` (index in `parts`),
-/// `element` (number in the body). Parts of one model; vectors node-major, one per part (std::invalid_argument
-/// otherwise). Throws what write_atomically throws if the file cannot be written.
+/// zz, xy as stress_xx .. ; solid: also yz, zx; bar: stress_axial), stress_principal_max/mid/min [Pa]; cell data `body`
+/// (index in `parts`), `element` (number in the body). Parts of one model; vectors node-major, one per part
+/// (std::invalid_argument otherwise). Throws what write_atomically throws if the file cannot be written.
 void write_vtu(const std::string& path, const std::vector<const Part*>& parts,
                const std::vector<const Eigen::VectorXd*>& displacement,
                const std::vector<const Eigen::VectorXd*>& velocity);

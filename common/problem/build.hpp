@@ -24,8 +24,8 @@ void set_absorbing(const Scene& scene, const Body& spec, BodyProblem& body);
 /// Throws ConfigError if a contact node lies on an absorbing surface.
 void refuse_absorbing_contact(const Problem& problem);
 
-/// Node pairs of the contact surfaces. Throws ConfigError for unknown, curved, not opposite or not matching surfaces,
-/// for bodies that overlap, and for a pair that is held in the normal direction on every side.
+/// Node pairs of the contact surfaces. Throws ConfigError for unknown or curved surfaces and such as lie nowhere
+/// opposite, for bodies that overlap, and for a pair that is held in the normal direction on every side.
 [[nodiscard]] ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies);
 
 /// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.

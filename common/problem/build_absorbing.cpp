@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -30,19 +31,16 @@ class Absorber {
     require_surface(*scene_, key_, body_->mesh, absorbing.surface);
     const double density = body_->material.density_kg_m3;
     double whole_area = 0.0;
-    for (const auto& edge : body_->mesh.surfaces.at(absorbing.surface)) {
-      const Eigen::Vector2d& a = body_->mesh.position[at(edge[0])];
-      const Eigen::Vector2d b = fem::nearest_image(body_->mesh, body_->mesh.position[at(edge[1])], a);
-      const Eigen::Vector2d area = fem::edge_area(body_->section, a, b);
-      const int normal = normal_component(edge, b - a);
-      whole_area += area.sum();
+    for (const fem::Face& face : body_->mesh.surfaces.at(absorbing.surface)) {
+      const fem::FaceArea area = fem::face_area(body_->section, body_->mesh, face);
+      const int normal = normal_component(face);
+      whole_area += std::accumulate(area.begin(), area.end(), 0.0);
       for (int c = 0; c < scene_->components(); ++c) {
         const double speed =
             c == normal ? normal_speed(*body_, absorbing.wave) : fem::shear_wave_speed(body_->material);
-        for (std::size_t end = 0; end < 2; ++end)
-          add(edge[end], c, density * speed * area[static_cast<Eigen::Index>(end)]);
+        for (std::size_t i = 0; i < face.size(); ++i) add(face[i], c, density * speed * area[i]);
       }
-      for (const int node : edge) refuse_held(node, normal);
+      for (const int node : face) refuse_held(node, normal);
     }
     if (!(whole_area > 0.0)) refuse("a surface without area", "a surface with area");
   }
@@ -57,16 +55,21 @@ class Absorber {
     throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene_->where(key_), found, allowed));
   }
   [[nodiscard]] std::string place(int node) const {
-    const Eigen::Vector2d& x = body_->mesh.position[at(node)];
-    return fmt::format("({:.6g}, {:.6g}) m", x[0], x[1]);
+    return fem::place_text(body_->mesh.model, body_->mesh.position[at(node)]);
   }
-  /// The coordinate that an edge is perpendicular to: dashpots act on components one by one.
-  [[nodiscard]] int normal_component(const std::array<int, 2>& edge, const Eigen::Vector2d& along) const {
+  /// The coordinate that a face is perpendicular to: dashpots act on components one by one.
+  [[nodiscard]] int normal_component(const fem::Face& face) const {
     if (scene_->model == Model::bar) return 0;
-    for (int c = 0; c < 2; ++c)
-      if (std::abs(along[c]) <= perpendicular_tolerance * along.norm()) return c;
-    refuse("an edge at " + place(edge[0]) + " that is perpendicular to neither coordinate",
-           "edges along one coordinate");
+    const Eigen::Vector3d normal = fem::face_normal(body_->mesh, face);
+    for (int c = 0; c < scene_->components(); ++c) {
+      Eigen::Vector3d along = normal;
+      along[c] = 0.0;
+      if (along.norm() <= perpendicular_tolerance) return c;
+    }
+    const bool edge = face.size() == 2;
+    refuse(fmt::format("{} at {} that is perpendicular to {} coordinate", edge ? "an edge" : "a face", place(face[0]),
+                       edge ? "neither" : "no"),
+           edge ? "edges along one coordinate" : "faces across one coordinate");
   }
   void refuse_held(int node, int normal) const {
     if (body_->fixed_dof[at(node * scene_->components() + normal)])
@@ -97,11 +100,10 @@ void refuse_absorbing_contact(const Problem& problem) {
     for (std::size_t i = 0; i < spec.absorbing.size(); ++i)
       for (const int node : fem::surface_nodes(problem.bodies[b].mesh, spec.absorbing[i].surface)) {
         if (!std::binary_search(contact.begin(), contact.end(), node)) continue;
-        const Eigen::Vector2d& x = problem.bodies[b].mesh.position[at(node)];
-        throw ConfigError(
-            fmt::format("{}: found the contact node at ({:.6g}, {:.6g}) m on it; allowed: a surface that "
-                        "shares no node with the contact surface",
-                        problem.scene.where(key_of(spec, i)), x[0], x[1]));
+        throw ConfigError(fmt::format(
+            "{}: found the contact node at {} on it; allowed: a surface that shares no node with the contact surface",
+            problem.scene.where(key_of(spec, i)),
+            fem::place_text(problem.scene.model, problem.bodies[b].mesh.position[at(node)])));
       }
   }
 }

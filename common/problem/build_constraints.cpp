@@ -10,8 +10,8 @@ namespace ricochet::scene {
 namespace {
 
 std::string node_text(const BodyProblem& body, int node) {
-  const Eigen::Vector2d& x = body.mesh.position[at(node)];
-  return fmt::format("node {} of \"{}\" at ({:.6g}, {:.6g}) m", node, body.name, x[0], x[1]);
+  return fmt::format("node {} of \"{}\" at {}", node, body.name,
+                     fem::place_text(body.mesh.model, body.mesh.position[at(node)]));
 }
 
 /// Who holds which dof, for the error text.
@@ -20,7 +20,7 @@ using Holders = std::vector<std::string>;
 void fix_axis(BodyProblem& body, Holders& holders) {
   if (body.section.model != Model::axisymmetric) return;
   double radius = 0.0;
-  for (const Eigen::Vector2d& x : body.mesh.position) radius = std::max(radius, x[0]);
+  for (const Eigen::Vector3d& x : body.mesh.position) radius = std::max(radius, x[0]);
   for (int node = 0; node < static_cast<int>(body.mesh.position.size()); ++node) {
     if (body.mesh.position[at(node)][0] > 1e-12 * radius) continue;
     body.fixed_dof[at(node * 2)] = true;
@@ -79,7 +79,7 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
 void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) {
   const int components = scene.components();
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Eigen::Vector2d& x : body.mesh.position) {
+  for (const Eigen::Vector3d& x : body.mesh.position) {
     low = std::min(low, fem::axis_coordinate(scene.model, x));
     high = std::max(high, fem::axis_coordinate(scene.model, x));
   }

@@ -22,63 +22,65 @@ struct Side {
   const BodyProblem* body = nullptr;
   std::vector<int> nodes;
   std::vector<double> area_m2;
-  Eigen::Vector2d normal{0.0, 0.0};  ///< outward
-  Eigen::Vector2d point{0.0, 0.0};
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< outward
+  Eigen::Vector3d point{0.0, 0.0, 0.0};
   double shortest_edge_m = std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] const Eigen::Vector2d& position(std::size_t i) const { return body->mesh.position[at(nodes[i])]; }
+  [[nodiscard]] const Eigen::Vector3d& position(std::size_t i) const { return body->mesh.position[at(nodes[i])]; }
 };
 
-std::string text(const Eigen::Vector2d& x) { return fmt::format("({:.9g}, {:.9g}) m", x[0], x[1]); }
+std::string text(const Side& side, const Eigen::Vector3d& x) {
+  if (side.body->section.model == Model::solid) return fmt::format("({:.9g}, {:.9g}, {:.9g}) m", x[0], x[1], x[2]);
+  return fmt::format("({:.9g}, {:.9g}) m", x[0], x[1]);
+}
 
 [[noreturn]] void refuse(const Scene& scene, const std::string& found, const std::string& allowed) {
   throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene.where(surfaces_key), found, allowed));
 }
 
 /// Outward normal at the end of a bar: away from the other node of its element.
-Eigen::Vector2d bar_normal(const fem::Mesh& mesh, int node) {
+Eigen::Vector3d bar_normal(const fem::Mesh& mesh, int node) {
   double other = 0.0;
   for (const auto& element : mesh.elements) {
     if (element[0] == node) other = mesh.position[at(element[1])][0];
     if (element[1] == node) other = mesh.position[at(element[0])][0];
   }
-  return {mesh.position[at(node)][0] > other ? 1.0 : -1.0, 0.0};
+  return {mesh.position[at(node)][0] > other ? 1.0 : -1.0, 0.0, 0.0};
 }
 
-/// Outward normal and length of an edge; the body lies to the left of it.
-Eigen::Vector2d edge_normal(const fem::Mesh& mesh, const std::array<int, 2>& edge, double& length) {
-  const Eigen::Vector2d& a = mesh.position[at(edge[0])];
-  const Eigen::Vector2d along = fem::nearest_image(mesh, mesh.position[at(edge[1])], a) - a;
-  length = along.norm();
-  return Eigen::Vector2d(along[1], -along[0]) / length;
+/// Shortest side of a face.
+double shortest_side(const fem::Mesh& mesh, const fem::Face& face) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < face.size() || (face.size() > 2 && i < face.size()); ++i) {
+    const Eigen::Vector3d& a = mesh.position[at(face[i])];
+    const Eigen::Vector3d b = fem::nearest_image(mesh, mesh.position[at(face[(i + 1) % face.size()])], a);
+    shortest = std::min(shortest, (b - a).norm());
+  }
+  return shortest;
 }
 
 void require_flat(const Scene& scene, const Side& side) {
   const fem::Mesh& mesh = side.body->mesh;
+  const bool solid = scene.model == Model::solid;
   for (std::size_t i = 0; i < side.nodes.size(); ++i)
     if (std::abs((side.position(i) - side.point).dot(side.normal)) > flat_tolerance * side.shortest_edge_m)
       refuse(scene,
-             fmt::format("surface \"{}\", whose node at {} lies off the line through {}", side.name,
-                         text(side.position(i)), text(side.point)),
+             fmt::format("surface \"{}\", whose node at {} lies off the {} through {}", side.name,
+                         text(side, side.position(i)), solid ? "plane" : "line", text(side, side.point)),
              "flat surfaces");
-  double length = 0.0;
-  for (const auto& edge : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1)))
-    if (scene.model != Model::bar && edge_normal(mesh, edge, length).dot(side.normal) < 1.0 - flat_tolerance)
-      refuse(scene, "surface \"" + side.name + "\", whose edges face different ways", "flat surfaces");
+  for (const fem::Face& face : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1)))
+    if (fem::face_normal(mesh, face).dot(side.normal) < 1.0 - flat_tolerance)
+      refuse(scene, fmt::format("surface \"{}\", whose {} face different ways", side.name, solid ? "faces" : "edges"),
+             "flat surfaces");
 }
 
-void take_edges(const std::vector<std::array<int, 2>>& edges, Side& side) {
+void take_faces(const std::vector<fem::Face>& faces, Side& side) {
   const fem::Mesh& mesh = side.body->mesh;
   std::vector<double> area(mesh.position.size(), 0.0);
-  for (const auto& edge : edges) {
-    const Eigen::Vector2d& a = mesh.position[at(edge[0])];
-    const Eigen::Vector2d nodal =
-        fem::edge_area(side.body->section, a, fem::nearest_image(mesh, mesh.position[at(edge[1])], a));
-    for (std::size_t end = 0; end < 2; ++end) area[at(edge[end])] += nodal[static_cast<Eigen::Index>(end)];
-    if (mesh.model == Model::bar) continue;
-    double length = 0.0;
-    (void)edge_normal(mesh, edge, length);
-    side.shortest_edge_m = std::min(side.shortest_edge_m, length);
+  for (const fem::Face& face : faces) {
+    const fem::FaceArea nodal = fem::face_area(side.body->section, mesh, face);
+    for (std::size_t i = 0; i < face.size(); ++i) area[at(face[i])] += nodal[i];
+    side.shortest_edge_m = std::min(side.shortest_edge_m, shortest_side(mesh, face));
   }
   for (const int node : side.nodes) side.area_m2.push_back(area[at(node)]);
 }
@@ -89,12 +91,11 @@ Side make_side(const Scene& scene, const std::vector<BodyProblem>& bodies, const
   side.body = &*std::find_if(bodies.begin(), bodies.end(), [&](const BodyProblem& b) { return b.name == name.body; });
   const fem::Mesh& mesh = side.body->mesh;
   require_surface(scene, surfaces_key, mesh, name.surface);
-  const auto& edges = mesh.surfaces.at(name.surface);
+  const auto& faces = mesh.surfaces.at(name.surface);
   side.nodes = fem::surface_nodes(mesh, name.surface);
-  take_edges(edges, side);
+  take_faces(faces, side);
   side.point = side.position(0);
-  double length = 0.0;
-  side.normal = scene.model == Model::bar ? bar_normal(mesh, side.nodes[0]) : edge_normal(mesh, edges[0], length);
+  side.normal = scene.model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, faces[0]);
   if (scene.model == Model::bar && side.nodes.size() > 1)
     refuse(scene, fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
   if (scene.model != Model::bar) require_flat(scene, side);
@@ -102,7 +103,7 @@ Side make_side(const Scene& scene, const std::vector<BodyProblem>& bodies, const
 }
 
 /// Indices of a side's nodes by their coordinate along `tangent`.
-std::vector<std::pair<double, std::size_t>> sorted_along(const Side& side, const Eigen::Vector2d& tangent) {
+std::vector<std::pair<double, std::size_t>> sorted_along(const Side& side, const Eigen::Vector3d& tangent) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < side.nodes.size(); ++i) order.emplace_back(tangent.dot(side.position(i)), i);
   std::sort(order.begin(), order.end());
@@ -115,55 +116,65 @@ struct Matches {
   std::vector<std::string> lonely;
 };
 
-Matches match(const Scene& scene, const Side& a, const Side& b) {
-  const Eigen::Vector2d tangent(-a.normal[1], a.normal[0]);
+Matches match(const Side& a, const Side& b) {
+  const Eigen::Vector3d tangent = tangent_of(a.normal);
   const auto along_a = sorted_along(a, tangent), along_b = sorted_along(b, tangent);
-  const double tolerance =
-      scene.model == Model::bar ? 1.0 : flat_tolerance * std::min(a.shortest_edge_m, b.shortest_edge_m);
+  const double tolerance = flat_tolerance * std::min(a.shortest_edge_m, b.shortest_edge_m);
   Matches found{std::vector<std::size_t>(a.nodes.size(), 0), {}};
-  std::size_t i = 0, j = 0;
-  while (i < along_a.size() || j < along_b.size()) {
-    const double difference = i == along_a.size()   ? std::numeric_limits<double>::infinity()
-                              : j == along_b.size() ? -std::numeric_limits<double>::infinity()
-                                                    : along_a[i].first - along_b[j].first;
-    if (std::abs(difference) <= tolerance) {
-      found.partner[along_a[i++].second] = along_b[j++].second;
-    } else if (difference < 0) {
-      found.lonely.push_back(a.name + " " + text(a.position(along_a[i++].second)));
-    } else {
-      found.lonely.push_back(b.name + " " + text(b.position(along_b[j++].second)));
+  std::vector<bool> taken(b.nodes.size(), false);
+  std::vector<std::pair<double, std::string>> apart;
+  for (const auto& [place, i] : along_a) {
+    const Eigen::Vector3d x = a.position(i);
+    auto other = std::lower_bound(along_b.begin(), along_b.end(), std::pair{place - tolerance, std::size_t{0}});
+    const auto opposite = [&](std::size_t j) {
+      const Eigen::Vector3d to = b.position(j) - x;
+      return !taken[j] && (to - to.dot(a.normal) * a.normal).norm() <= tolerance;
+    };
+    while (other != along_b.end() && other->first <= place + tolerance && !opposite(other->second)) ++other;
+    if (other == along_b.end() || other->first > place + tolerance) {
+      apart.emplace_back(place, a.name + " " + text(a, x));
+      continue;
     }
+    found.partner[i] = other->second;
+    taken[other->second] = true;
   }
+  for (const auto& [place, j] : along_b)
+    if (!taken[j]) apart.emplace_back(place, b.name + " " + text(b, b.position(j)));
+  std::stable_sort(apart.begin(), apart.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
+  for (const auto& [place, node] : apart) found.lonely.push_back(node);
   return found;
 }
 
-/// A law that moves masses or weighs by impedances pair by pair needs pairs of nodes.
+/// A law that moves masses or weighs by impedances pair by pair needs pairs of nodes, and so do solids.
 void require_matching(const Scene& scene, std::vector<std::string> lonely) {
   const auto& law = *scene.contact;
   const bool massless = law.multiplier_update == MultiplierUpdate::massless;
   const bool by_impedance = law.enforcement == Enforcement::penalty && law.impact_update == ImpactUpdate::impedance;
-  if (!massless && !by_impedance) return;
+  const bool solid = scene.components() == 3;
+  if (!massless && !by_impedance && !solid) return;
   const std::size_t count = lonely.size();
   lonely.resize(std::min<std::size_t>(count, 4));
   refuse(scene,
          fmt::format("{} nodes without a partner at the same place along the surface: {}{}", count,
                      fmt::join(lonely, ", "), count > lonely.size() ? ", ..." : ""),
-         fmt::format("with {} surfaces whose nodes face each other in pairs",
-                     massless ? "multiplier_update = \"massless\"" : "impact_update = \"impedance\""));
+         fmt::format("with {} surfaces whose nodes face each other in pairs", solid ? "model = \"solid\""
+                                                                              : massless
+                                                                                  ? "multiplier_update = \"massless\""
+                                                                                  : "impact_update = \"impedance\""));
 }
 
 /// A side's edges along a line; areas as `take_edges` has them.
-std::vector<SurfaceEdge> edges_along(const Side& side, const Eigen::Vector2d& tangent) {
+std::vector<SurfaceEdge> edges_along(const Side& side, const Eigen::Vector3d& tangent) {
   const fem::Mesh& mesh = side.body->mesh;
   const auto& section = side.body->section;
-  const auto measure = [&](const Eigen::Vector2d& x) {
+  const auto measure = [&](const Eigen::Vector3d& x) {
     return section.measure * (section.model == Model::axisymmetric ? x[0] : 1.0);
   };
   std::vector<SurfaceEdge> edges;
   for (const auto& nodes : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1))) {
-    const Eigen::Vector2d& a = mesh.position[at(nodes[0])];
-    const Eigen::Vector2d b = fem::nearest_image(mesh, mesh.position[at(nodes[1])], a);
-    SurfaceEdge edge{nodes, {tangent.dot(a), tangent.dot(b)}, {measure(a), measure(b)}};
+    const Eigen::Vector3d& a = mesh.position[at(nodes[0])];
+    const Eigen::Vector3d b = fem::nearest_image(mesh, mesh.position[at(nodes[1])], a);
+    SurfaceEdge edge{{nodes[0], nodes[1]}, {tangent.dot(a), tangent.dot(b)}, {measure(a), measure(b)}};
     if (edge.along_m[0] > edge.along_m[1]) {
       std::swap(edge.node[0], edge.node[1]);
       std::swap(edge.along_m[0], edge.along_m[1]);
@@ -175,8 +186,8 @@ std::vector<SurfaceEdge> edges_along(const Side& side, const Eigen::Vector2d& ta
 }
 
 double size_of(const fem::Mesh& mesh) {
-  Eigen::Vector2d low = mesh.position[0], high = low;
-  for (const Eigen::Vector2d& x : mesh.position) {
+  Eigen::Vector3d low = mesh.position[0], high = low;
+  for (const Eigen::Vector3d& x : mesh.position) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
@@ -184,14 +195,14 @@ double size_of(const fem::Mesh& mesh) {
 }
 
 /// Displacement along the normal at t = 0.
-double initial_motion(const Side& side, int node, const Eigen::Vector2d& normal) {
+double initial_motion(const Side& side, int node, const Eigen::Vector3d& normal) {
   const int components = fem::components(side.body->section.model);
   double u = 0.0;
   for (int c = 0; c < components; ++c) u += normal[c] * side.body->initial_displacement_m[node * components + c];
   return u;
 }
 
-bool held_along(const Side& side, int node, const Eigen::Vector2d& normal) {
+bool held_along(const Side& side, int node, const Eigen::Vector3d& normal) {
   const int components = fem::components(side.body->section.model);
   bool held = true;
   for (int c = 0; c < components; ++c)
@@ -201,7 +212,7 @@ bool held_along(const Side& side, int node, const Eigen::Vector2d& normal) {
 
 /// Gap of a pair whose node of the first surface, those opposite and area are known; `b` is null for a rigid plane.
 void complete(const Scene& scene, const Side& a, const Side* b, ContactPair& pair) {
-  const auto& x = a.body->mesh.position[at(pair.node_a)];
+  const Eigen::Vector3d& x = a.body->mesh.position[at(pair.node_a)];
   pair.distance_m = x[0];
   const double distance = b != nullptr ? (b->point - x).dot(a.normal) : 0.0;
   const double nose = scene.contact->nose_radius_m;
@@ -216,26 +227,26 @@ void complete(const Scene& scene, const Side& a, const Side* b, ContactPair& pai
   const double tolerance = depth_tolerance * size_of(a.body->mesh);
   if (std::min(pair.gap0_m, pair.gap0_m + motion) < -tolerance)
     refuse(scene,
-           fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion), text(x),
-                       pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
+           fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion),
+                       text(a, x), pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
            "a gap >= 0 at the start: move a mesh by start_m or give initial_gap_m");
   pair.gap0_m = std::max(pair.gap0_m, 0.0);
-  if (!(pair.area_m2 > 0.0)) refuse(scene, "a contact node without area at " + text(x), "area > 0");
+  if (!(pair.area_m2 > 0.0)) refuse(scene, "a contact node without area at " + text(a, x), "area > 0");
   if (held)
-    refuse(scene, "a pair held along the normal by supports on every side, at " + text(x),
+    refuse(scene, "a pair held along the normal by supports on every side, at " + text(a, x),
            "contact nodes that are free along the normal on one side at least");
 }
 
 /// Pairs of nodes where they match, else rows of the dual mortar.
-std::vector<ContactPair> pairs_of(const Scene& scene, const Side& a, const Side& b, bool& matching) {
-  const Matches found = match(scene, a, b);
-  matching = found.lonely.empty();
+std::vector<ContactPair> pairs_of(const Scene& scene, const Side& a, const Side& b) {
+  const Matches found = match(a, b);
+  const bool matching = found.lonely.empty();
   std::vector<ContactPair> pairs;
   for (std::size_t i = 0; matching && i < a.nodes.size(); ++i)
     pairs.push_back({.node_a = a.nodes[i], .b = {{b.nodes[found.partner[i]], 1.0}}, .area_m2 = a.area_m2[i]});
   if (matching) return pairs;
   require_matching(scene, found.lonely);
-  const Eigen::Vector2d tangent(-a.normal[1], a.normal[0]);
+  const Eigen::Vector3d tangent = tangent_of(a.normal);
   for (auto& row : mortar_rows(edges_along(a, tangent), edges_along(b, tangent), a.body->mesh.period_m))
     pairs.push_back({.node_a = row.node, .b = std::move(row.opposite), .area_m2 = row.area_m2});
   if (pairs.empty())
@@ -261,10 +272,11 @@ ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>
     geometry.body_b = index_of(bodies, b.body);
     if (a.normal.dot(b.normal) > flat_tolerance - 1.0)
       refuse(scene,
-             fmt::format("outward normals ({:.4g}, {:.4g}) and ({:.4g}, {:.4g})", a.normal[0], a.normal[1], b.normal[0],
-                         b.normal[1]),
+             fmt::format("outward normals ({:.4g}) and ({:.4g})",
+                         fmt::join(a.normal.data(), a.normal.data() + scene.components(), ", "),
+                         fmt::join(b.normal.data(), b.normal.data() + scene.components(), ", ")),
              "surfaces that face each other");
-    geometry.pairs = pairs_of(scene, a, b, geometry.matching);
+    geometry.pairs = pairs_of(scene, a, b);
     for (auto& pair : geometry.pairs) complete(scene, a, &b, pair);
   } else {
     for (std::size_t i = 0; i < a.nodes.size(); ++i) {

@@ -14,7 +14,7 @@ void wrap_across(fem::Mesh& mesh, int columns, double period_m) {
     const int row = node / (columns + 1), column = node % (columns + 1);
     return row * columns + column % columns;
   };
-  std::vector<Eigen::Vector2d> position;
+  std::vector<Eigen::Vector3d> position;
   for (std::size_t i = 0; i < mesh.position.size(); ++i)
     if (static_cast<int>(i) % (columns + 1) != columns) position.push_back(mesh.position[i]);
   mesh.position = std::move(position);
@@ -22,9 +22,9 @@ void wrap_across(fem::Mesh& mesh, int columns, double period_m) {
     for (int& node : element) node = wrapped(node);
   mesh.surfaces.erase("inner");
   mesh.surfaces.erase("outer");
-  for (auto& [name, edges] : mesh.surfaces)
-    for (auto& edge : edges)
-      for (int& node : edge) node = wrapped(node);
+  for (auto& [name, faces] : mesh.surfaces)
+    for (fem::Face& face : faces)
+      for (int& node : face) node = wrapped(node);
   mesh.period_m = period_m;
 }
 
@@ -32,8 +32,12 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
   const std::vector<double> along =
       fem::graded_coordinates(spec.start_m, spec.length_m, spec.elements_along, spec.grading_along);
   if (model == Model::bar) return fem::bar_mesh(along);
-  fem::Mesh mesh = fem::quadrilateral_mesh(
-      model, fem::graded_coordinates(0.0, spec.across_m, spec.elements_across, spec.grading_across), along);
+  const std::vector<double> across =
+      fem::graded_coordinates(0.0, spec.across_m, spec.elements_across, spec.grading_across);
+  if (model == Model::solid)
+    return fem::block_mesh(across, fem::graded_coordinates(0.0, spec.width_m, spec.elements_wide, spec.grading_wide),
+                           along);
+  fem::Mesh mesh = fem::quadrilateral_mesh(model, across, along);
   if (spec.periodic_across) wrap_across(mesh, spec.elements_across, spec.across_m);
   return mesh;
 }

@@ -16,9 +16,10 @@ fem::Section section_of(Model model, const Body& body) {
   switch (model) {
     case Model::bar: return {model, body.area_m2};
     case Model::plane_strain: return {model, body.thickness_m};
-    case Model::axisymmetric: break;
+    case Model::axisymmetric: return {model, 2.0 * std::numbers::pi};
+    case Model::solid: break;
   }
-  return {model, 2.0 * std::numbers::pi};
+  return {model, 1.0};
 }
 
 BodyProblem build_body(const Scene& scene, const Body& spec) {

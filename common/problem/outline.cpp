@@ -1,9 +1,11 @@
 #include "common/problem/outline.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "common/problem/build.hpp"
 
@@ -13,49 +15,61 @@ namespace {
 /// Share of the shortest edge that an overlap must exceed.
 constexpr double tolerated_share = 0.01;
 
-std::vector<std::array<int, 2>> boundary_edges(const fem::Mesh& mesh) {
-  std::map<std::array<int, 2>, std::pair<int, std::array<int, 2>>> count;
+/// In the order of their nodes.
+std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh) {
+  std::map<fem::Face, std::pair<int, fem::Face>> count;
   for (const auto& element : mesh.elements) {
-    for (const auto& [a, b] : fem::traits(element.kind).faces) {
-      const std::array<int, 2> edge{element[at(a)], element[at(b)]};
-      auto& entry = count[{std::min(edge[0], edge[1]), std::max(edge[0], edge[1])}];
+    for (fem::Face face : fem::traits(element.kind).faces) {
+      for (int& node : face) node = element[at(node)];
+      auto& entry = count.insert({fem::sorted(face), {0, face}}).first->second;
       ++entry.first;
-      entry.second = edge;
     }
   }
-  std::vector<std::array<int, 2>> edges;
-  for (const auto& [ends, entry] : count)
-    if (entry.first == 1) edges.push_back(entry.second);
-  return edges;
+  std::vector<fem::Face> faces;
+  for (const auto& [nodes, entry] : count)
+    if (entry.first == 1) faces.push_back(entry.second);
+  return faces;
 }
 
-double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
+double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d along = b - a;
   const double share = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
   return (p - a - share * along).norm();
+}
+
+/// Nearest point of a triangle: in its plane if that is inside it, else on its sides.
+double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                            const Eigen::Vector3d& c) {
+  const Eigen::Vector3d normal = (b - a).cross(c - a), from_a = p - a;
+  const double second = from_a.cross(c - a).dot(normal), third = (b - a).cross(from_a).dot(normal);
+  if (second >= 0.0 && third >= 0.0 && second + third <= normal.squaredNorm())
+    return std::abs(from_a.dot(normal)) / normal.norm();
+  return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+}
+
+/// The angle that a triangle is seen under, over 4 pi, with the sign of its direction (van Oosterom, Strackee 1983).
+double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return std::atan2(a.dot(b.cross(c)), denominator) / (2.0 * std::numbers::pi);
 }
 
 }  // namespace
 
 Outline outline_of(const fem::Mesh& mesh) {
   Outline outline;
-  std::vector<std::array<int, 2>> edges;
-  std::vector<int> elements_at(mesh.position.size(), 0);
-  if (mesh.model == Model::bar) {
-    for (const auto& element : mesh.elements)
-      for (const int node : element) ++elements_at[at(node)];
-    for (int node = 0; node < static_cast<int>(elements_at.size()); ++node)
-      if (elements_at[at(node)] == 1) outline.nodes.push_back(node);
-    return outline;
-  }
-  edges = boundary_edges(mesh);
-  for (const auto& edge : edges) outline.nodes.insert(outline.nodes.end(), edge.begin(), edge.end());
+  const std::vector<fem::Face> faces = boundary_faces(mesh);
+  for (const fem::Face& face : faces) outline.nodes.insert(outline.nodes.end(), face.begin(), face.end());
   std::sort(outline.nodes.begin(), outline.nodes.end());
   outline.nodes.erase(std::unique(outline.nodes.begin(), outline.nodes.end()), outline.nodes.end());
   const auto index = [&](int node) {
     return static_cast<int>(std::lower_bound(outline.nodes.begin(), outline.nodes.end(), node) - outline.nodes.begin());
   };
-  for (const auto& edge : edges) outline.edges.push_back({index(edge[0]), index(edge[1])});
+  for (const fem::Face& face : faces) {
+    if (face.size() == 2) outline.edges.push_back({index(face[0]), index(face[1])});
+    for (std::size_t i = 2; i < face.size(); ++i)
+      outline.triangles.push_back({index(face[0]), index(face[i - 1]), index(face[i])});
+  }
   return outline;
 }
 
@@ -71,16 +85,16 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
 }
 
 Shape::Shape(const BodyProblem& body) : outline_(outline_of(body.mesh)) {
-  if (body.section.model == Model::bar) last_axis_ = 0;
+  last_axis_ = fem::components(body.section.model) - 1;
   if (body.mesh.period_m > 0.0) first_axis_ = 1;
   for (const int node : outline_.nodes) reference_.push_back(body.mesh.position[at(node)]);
   shortest_edge_m_ = std::numeric_limits<double>::infinity();
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e)
     shortest_edge_m_ = std::min(shortest_edge_m_, fem::edge_lengths(fem::element_geometry(body.mesh, e)).shortest);
-  move(std::vector<Eigen::Vector2d>(reference_.size(), Eigen::Vector2d::Zero()));
+  move(std::vector<Eigen::Vector3d>(reference_.size(), Eigen::Vector3d::Zero()));
 }
 
-void Shape::move(const std::vector<Eigen::Vector2d>& displacement) {
+void Shape::move(const std::vector<Eigen::Vector3d>& displacement) {
   x_ = reference_;
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] += displacement[i];
   low_ = high_ = x_.front();
@@ -102,11 +116,22 @@ bool Shape::boxes_meet(const Shape& other) const {
   return true;
 }
 
-double Shape::depth(const Eigen::Vector2d& p) const {
+double Shape::depth_in_solid(const Eigen::Vector3d& p) const {
+  double turns = 0.0, nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [i, j, k] : outline_.triangles) {
+    const Eigen::Vector3d &a = x_[at(i)], &b = x_[at(j)], &c = x_[at(k)];
+    nearest = std::min(nearest, distance_to_triangle(p, a, b, c));
+    turns += solid_angle(a - p, b - p, c - p);
+  }
+  return turns > 0.5 ? nearest : -nearest;
+}
+
+double Shape::depth(const Eigen::Vector3d& p) const {
+  if (!outline_.triangles.empty()) return depth_in_solid(p);
   bool inside = false;
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& edge : outline_.edges) {
-    const Eigen::Vector2d &a = x_[at(edge[0])], &b = x_[at(edge[1])];
+    const Eigen::Vector3d &a = x_[at(edge[0])], &b = x_[at(edge[1])];
     nearest = std::min(nearest, distance_to_segment(p, a, b));
     const bool crosses = (a[1] > p[1]) != (b[1] > p[1]);
     if (crosses && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
@@ -115,13 +140,15 @@ double Shape::depth(const Eigen::Vector2d& p) const {
 }
 
 void Shape::add_points_within(const Shape& other, Overlap& worst) const {
-  const auto add = [&](const Eigen::Vector2d& place) {
-    if ((place.array() <= other.low_.array()).any() || (place.array() >= other.high_.array()).any()) return;
+  const auto add = [&](const Eigen::Vector3d& place) {
+    for (int axis = 0; axis <= last_axis_; ++axis)
+      if (place[axis] <= other.low_[axis] || place[axis] >= other.high_[axis]) return;
     const double depth_m = other.depth(place);
     if (depth_m > worst.depth_m) worst = {depth_m, place};
   };
   for (const auto& x : x_) add(x);
   for (const auto& edge : outline_.edges) add(0.5 * (x_[at(edge[0])] + x_[at(edge[1])]));
+  for (const auto& [i, j, k] : outline_.triangles) add((x_[at(i)] + x_[at(j)] + x_[at(k)]) / 3.0);
 }
 
 Shape::Overlap Shape::overlap(const Shape& other) const {

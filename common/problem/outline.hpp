@@ -8,10 +8,11 @@
 /// Whether bodies overlap that no contact holds apart.
 namespace ricochet::scene {
 
-/// Nodes and edges of a mesh that belong to one element only; a bar's are its ends, without edges.
+/// Nodes and faces of a mesh that belong to one element only.
 struct Outline {
-  std::vector<int> nodes;                 ///< of the mesh, ascending
-  std::vector<std::array<int, 2>> edges;  ///< indices into `nodes`
+  std::vector<int> nodes;                     ///< of the mesh, ascending
+  std::vector<std::array<int, 2>> edges;      ///< in two dimensions; indices into `nodes`
+  std::vector<std::array<int, 3>> triangles;  ///< of a solid, quadrilaterals cut in two; likewise
 };
 [[nodiscard]] Outline outline_of(const fem::Mesh& mesh);
 
@@ -29,9 +30,9 @@ class Shape {
 
   [[nodiscard]] const Outline& outline() const { return outline_; }
   /// Moves it to its reference plus these displacements of the outline's nodes [m].
-  void move(const std::vector<Eigen::Vector2d>& displacement);
-  [[nodiscard]] const Eigen::Vector2d& low() const { return low_; }  ///< of the box around it [m]
-  [[nodiscard]] const Eigen::Vector2d& high() const { return high_; }
+  void move(const std::vector<Eigen::Vector3d>& displacement);
+  [[nodiscard]] const Eigen::Vector3d& low() const { return low_; }  ///< of the box around it [m]
+  [[nodiscard]] const Eigen::Vector3d& high() const { return high_; }
   /// Bodies along this coordinate have ends that others can pass.
   [[nodiscard]] bool counts(int axis) const { return axis >= first_axis_ && axis <= last_axis_; }
   /// Smallest extent of that box that counts [m].
@@ -40,21 +41,23 @@ class Shape {
 
   struct Overlap {
     double depth_m = 0.0;  ///< 0: none
-    Eigen::Vector2d place{0.0, 0.0};
+    Eigen::Vector3d place{0.0, 0.0, 0.0};
   };
-  /// Largest depth at which a node or the middle of an edge of either lies within the other.
+  /// Largest depth at which a node or the middle of an edge (of a solid: of a triangle) of either lies within the
+  /// other.
   [[nodiscard]] Overlap overlap(const Shape& other) const;
 
  private:
   [[nodiscard]] bool boxes_meet(const Shape& other) const;
   /// How deep a place lies within; <= 0 outside.
-  [[nodiscard]] double depth(const Eigen::Vector2d& place) const;
+  [[nodiscard]] double depth(const Eigen::Vector3d& place) const;
+  [[nodiscard]] double depth_in_solid(const Eigen::Vector3d& place) const;
   void add_points_within(const Shape& other, Overlap& worst) const;
 
   Outline outline_;
   int first_axis_ = 0, last_axis_ = 1;  ///< coordinates that count
-  std::vector<Eigen::Vector2d> reference_, x_;
-  Eigen::Vector2d low_{0.0, 0.0}, high_{0.0, 0.0};
+  std::vector<Eigen::Vector3d> reference_, x_;
+  Eigen::Vector3d low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};
   double shortest_edge_m_ = 0.0;
 };
 

@@ -15,9 +15,9 @@ namespace ricochet::scene {
 namespace {
 
 /// Elements that lie within `length` of the contact surface, measured against its outward normal.
-std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector2d& outward, int contact_node,
+std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector3d& outward, int contact_node,
                                 double length) {
-  const Eigen::Vector2d surface = body.mesh.position[at(contact_node)];
+  const Eigen::Vector3d surface = body.mesh.position[at(contact_node)];
   std::vector<bool> inside;
   for (const auto& element : body.mesh.elements) {
     bool whole = true;
@@ -78,9 +78,9 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);
   if (length == scene.partition.implicit_length_m.end()) return std::vector<bool>(body.mesh.elements.size(), false);
-  const Eigen::Vector2d& normal = problem.contact.normal;
-  std::vector<bool> inside =
-      within_length(body, index == problem.contact.body_a ? normal : -normal, contact.front(), length->second);
+  const Eigen::Vector3d& normal = problem.contact.normal;
+  std::vector<bool> inside = within_length(body, index == problem.contact.body_a ? normal : Eigen::Vector3d(-normal),
+                                           contact.front(), length->second);
   if (scene.contact->multiplier_update != MultiplierUpdate::massless) return inside;
   const std::vector<bool> layer =
       elements_at(body.mesh, contact);  // massless nodes are moved by the elements behind them
@@ -111,8 +111,7 @@ void require_both_kinds(const Problem& problem) {
 }
 
 std::string place(const BodyProblem& body, int node) {
-  const Eigen::Vector2d& x = body.mesh.position[at(node)];
-  return fmt::format("({:.6g}, {:.6g}) m of body \"{}\"", x[0], x[1], body.name);
+  return fmt::format("{} of body \"{}\"", fem::place_text(body.mesh.model, body.mesh.position[at(node)]), body.name);
 }
 
 /// Per element of a body the index of the explicit participant that owns it, -1 for implicit ones: each explicit

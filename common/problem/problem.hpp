@@ -15,20 +15,27 @@ namespace ricochet::scene {
 /// A contact node of the first surface and what lies opposite.
 struct ContactPair {
   int node_a = -1;  ///< of the first surface's body mesh
-  std::vector<WeightedNode>
-      b;                    ///< of the second's: one at the same place, several where meshes differ; rigid plane: none
+  /// Of the second surface: one node at the same place, several where meshes differ; rigid plane: none.
+  std::vector<WeightedNode> b;
   double gap0_m = 0.0;      ///< initial gap >= 0
-  double area_m2 = 0.0;     ///< tributary area: integral of N dA over the first surface's edges
+  double area_m2 = 0.0;     ///< tributary area: integral of N dA over the first surface's faces
   double distance_m = 0.0;  ///< from the axis (first coordinate of node a), for the nose and for output
 };
 
 struct ContactGeometry {
-  int body_a = -1;                   ///< index into Problem::bodies
-  int body_b = -1;                   ///< -1: rigid plane
-  Eigen::Vector2d normal{0.0, 0.0};  ///< n, out of body a; bar: (+-1, 0). Tangent t = (-n_y, n_x)
-  std::vector<ContactPair> pairs;    ///< sorted by distance
-  bool matching = true;              ///< no pair has more than one node opposite
+  int body_a = -1;                        ///< index into Problem::bodies
+  int body_b = -1;                        ///< -1: rigid plane
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a; bar: (+-1, 0, 0)
+  std::vector<ContactPair> pairs;         ///< sorted by distance
 };
+
+/// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to
+/// the left; of a solid whose surface is across z, x. (A solid has more of them; its contact is without friction.)
+[[nodiscard]] inline Eigen::Vector3d tangent_of(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d turned(-normal[1], normal[0], 0.0);
+  if (normal[2] == 0.0) return turned;
+  return turned.isZero(0.0) ? Eigen::Vector3d(1.0, 0.0, 0.0) : turned.normalized();
+}
 
 struct BodyProblem {
   std::string name;

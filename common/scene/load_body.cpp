@@ -1,8 +1,10 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <numeric>
 
 #include "common/scene/loaders.hpp"
 
@@ -29,7 +31,8 @@ Material load_material(TableReader table, Model model) {
 }
 
 GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
-  for (const char* key : {"length_m", "radius_m", "height_m", "elements", "start_m", "grading", "periodic_across"})
+  for (const char* key :
+       {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across"})
     table.only_if(false, key, "a structured mesh; this one is read from a Gmsh file");
   const std::string given = table.text("gmsh");
   const std::filesystem::path path = (std::filesystem::path(folder) / given).lexically_normal();
@@ -39,23 +42,27 @@ GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
   return {path.string()};
 }
 
-/// elements = 20 for a bar, [across, along] in two dimensions; grading likewise.
+/// elements = 20 for a bar, [across, along] in two dimensions, [x, y, z] of a solid; grading likewise.
 void load_divisions(TableReader& table, Model model, StructuredMesh& mesh) {
   if (model == Model::bar) {
     mesh.elements_along = table.integer("elements", 1, most_elements);
     mesh.grading_along = table.number("grading", above(0.0), 1.0);
     return;
   }
-  const std::vector<int> elements = table.integers("elements", 1, most_elements, 2);
-  mesh.elements_across = elements[0];
-  mesh.elements_along = elements[1];
-  if (static_cast<long long>(elements[0]) * elements[1] > most_elements)
-    table.refuse("elements", fmt::format("{} x {}", elements[0], elements[1]),
+  const auto size = static_cast<std::size_t>(fem::components(model));
+  const std::vector<int> elements = table.integers("elements", 1, most_elements, size);
+  mesh.elements_across = elements.front();
+  mesh.elements_along = elements.back();
+  if (model == Model::solid) mesh.elements_wide = elements[1];
+  const double all = std::accumulate(elements.begin(), elements.end(), 1.0, std::multiplies<>());
+  if (all > most_elements)
+    table.refuse("elements", fmt::format("{}", fmt::join(elements, " x ")),
                  fmt::format("at most {} elements in a body", most_elements));
   if (!table.has("grading")) return;
-  const std::vector<double> grading = table.numbers("grading", above(0.0), 2);
-  mesh.grading_across = grading[0];
-  mesh.grading_along = grading[1];
+  const std::vector<double> grading = table.numbers("grading", above(0.0), size);
+  mesh.grading_across = grading.front();
+  mesh.grading_along = grading.back();
+  if (model == Model::solid) mesh.grading_wide = grading[1];
 }
 
 std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
@@ -64,10 +71,13 @@ std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model,
   mesh.length_m = table.number("length_m", above(0.0));
   mesh.start_m = table.number("start_m", any_number(), 0.0);
   table.only_if(model == Model::axisymmetric, "radius_m", "model = \"axisymmetric\"");
-  table.only_if(model == Model::plane_strain, "height_m", "model = \"plane_strain\"");
+  const bool has_height = model == Model::plane_strain || model == Model::solid;
+  table.only_if(has_height, "height_m", R"(model = "plane_strain" or "solid")");
+  table.only_if(model == Model::solid, "width_m", "model = \"solid\"");
   table.only_if(model == Model::plane_strain, "periodic_across", "model = \"plane_strain\"");
   if (model == Model::axisymmetric) mesh.across_m = table.number("radius_m", above(0.0));
-  if (model == Model::plane_strain) mesh.across_m = table.number("height_m", above(0.0));
+  if (has_height) mesh.across_m = table.number("height_m", above(0.0));
+  if (model == Model::solid) mesh.width_m = table.number("width_m", above(0.0));
   if (model == Model::plane_strain) mesh.periodic_across = table.boolean("periodic_across", false);
   load_divisions(table, model, mesh);
   if (mesh.periodic_across && mesh.elements_across < fewest_periodic_elements)
@@ -127,7 +137,7 @@ PrescribedDisplacement load_prescribed(TableReader& table, Model model, const st
 
 AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
   AbsorbingSurface absorbing{load_surface(table, surfaces), Wave::bar};
-  table.only_if(model != Model::bar, "wave", "two dimensions: a bar has one wave");
+  table.only_if(model != Model::bar, "wave", "two or three dimensions: a bar has one wave");
   if (model != Model::bar && table.word("wave", {"bar", "dilatational"}) == "dilatational")
     absorbing.wave = Wave::dilatational;
   table.finish();
@@ -154,6 +164,7 @@ void load_initial_state(TableReader& table, std::size_t components, Body& body) 
 std::vector<std::string> component_names(Model model) {
   if (model == Model::bar) return {"x"};
   if (model == Model::plane_strain) return {"x", "y"};
+  if (model == Model::solid) return {"x", "y", "z"};
   return {"r", "z"};
 }
 
@@ -161,6 +172,7 @@ std::vector<std::string> surface_names(Model model, const Body& body) {
   const auto* mesh = std::get_if<StructuredMesh>(&body.mesh);
   if (mesh == nullptr) return {};
   if (model == Model::bar || mesh->periodic_across) return {"start", "end"};
+  if (model == Model::solid) return {"start", "end", "inner", "outer", "front", "back"};
   return {"start", "end", "inner", "outer"};
 }
 

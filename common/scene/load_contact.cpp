@@ -60,6 +60,9 @@ void load_enforcement(TableReader& table, Contact& contact) {
 
 void load_friction(TableReader& table, Model model, Contact& contact) {
   table.only_if(model != Model::bar, "friction_coefficient", "a two-dimensional model: a bar has no tangential motion");
+  if (model == Model::solid && table.has("friction_coefficient") &&
+      table.number("friction_coefficient", at_least(0.0)) > 0.0)
+    table.refuse("friction_coefficient", "friction between solids, which is not there yet", "0");
   contact.friction_coefficient = table.number("friction_coefficient", at_least(0.0), 0.0);
   table.only_if(table.has("friction_coefficient"), "friction_law", "friction_coefficient");
   contact.friction_law = table.choice<FrictionLaw>(
@@ -108,7 +111,7 @@ Contact load_contact(TableReader& table, const Scene& scene) {
   Contact contact;
   load_surfaces(table, scene, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
-  table.only_if(scene.model != Model::bar, "nose_radius_m", "a two-dimensional model");
+  table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");
   if (table.has("nose_radius_m")) contact.nose_radius_m = table.number("nose_radius_m", above(0.0));
   load_enforcement(table, contact);
   load_friction(table, scene.model, contact);

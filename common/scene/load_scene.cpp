@@ -11,8 +11,10 @@ namespace ricochet::scene {
 namespace {
 
 Model load_model(TableReader& root) {
-  const std::string model = root.word("model", {"bar", "plane_strain", "axisymmetric"});
-  return model == "bar" ? Model::bar : model == "plane_strain" ? Model::plane_strain : Model::axisymmetric;
+  const std::string model = root.word("model", {"bar", "plane_strain", "axisymmetric", "solid"});
+  if (model == "bar") return Model::bar;
+  if (model == "solid") return Model::solid;
+  return model == "plane_strain" ? Model::plane_strain : Model::axisymmetric;
 }
 
 void load_bodies(TableReader& root, Scene& scene) {

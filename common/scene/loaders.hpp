@@ -9,7 +9,7 @@
 /// The tables of a scene file, one loader each; `load_scene` calls them in this order. Internal to common/scene.
 namespace ricochet::scene {
 
-/// Names of the displacement components, in order: x | x, y | r, z.
+/// Names of the displacement components, in order: x | x, y | r, z | x, y, z.
 [[nodiscard]] std::vector<std::string> component_names(Model model);
 /// Surfaces of a structured mesh; empty for a Gmsh mesh, whose surfaces are known only once it is read.
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);

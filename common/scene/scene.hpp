@@ -18,20 +18,24 @@ using fem::Material;
 using fem::Model;
 using ricochet::Role;
 
-/// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry.
-/// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer".
+/// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry and of a solid.
+/// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer" (of the first
+/// coordinate), of a solid those and "front" and "back" (of the second).
 struct StructuredMesh {
   double start_m = 0.0;   ///< axis coordinate of the low end
   double length_m = 0.0;  ///< extent along the axis
-  double across_m = 0.0;  ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (plane strain, from x = 0)
+  double across_m = 0.0;  ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (from x = 0)
+  double width_m = 0.0;   ///< solid: extent along y, from y = 0
   int elements_along = 0;
   int elements_across = 1;
+  int elements_wide = 1;
   double grading_along = 1.0;  ///< size of the last element over size of the first, geometric in between
   double grading_across = 1.0;
+  double grading_wide = 1.0;
   bool periodic_across = false;  ///< plane strain: "outer" is "inner" moved by across_m; both surfaces vanish
 };
 
-/// Gmsh MSH 4.1 file; the physical surface named like the body holds its elements (physical curve in 1D), other
+/// Gmsh MSH 4.1 file; the physical surface (1D: curve, 3D: volume) named like the body holds its elements, other
 /// physical groups name surfaces and element groups.
 struct GmshMesh {
   std::string path;  ///< absolute, resolved against the scene file's folder
@@ -184,7 +188,7 @@ struct Scene {
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
   [[nodiscard]] std::string where(const std::string& key) const;
-  [[nodiscard]] int components() const { return model == Model::bar ? 1 : 2; }
+  [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown
 };

@@ -39,17 +39,27 @@ void BodyState::constrain_displacement(double time_s, Eigen::VectorXd& displacem
   for (const auto& c : constrained) displacement[c.dof] = c.at(time_s);
 }
 
-void BodyState::update_momentum() {
-  // Sums of both components side by side: a stride of two would take twice the time of K u's rows.
-  constexpr Eigen::Index lanes = 8;
-  static_assert(lanes % 2 == 0, "one component of two keeps its lanes");
+namespace {
+
+/// Sums of all components side by side: a stride would take twice the time of K u's rows. `lanes` is a multiple of the
+/// components, so that one keeps its lanes.
+template <Eigen::Index lanes>
+Eigen::Vector3d momentum_by_lanes(const Eigen::VectorXd& mass, const Eigen::VectorXd& v, int components) {
   const Eigen::Index size = mass.size(), whole = size - size % lanes;
   Eigen::Array<double, lanes, 1> sums = Eigen::Array<double, lanes, 1>::Zero();
   for (Eigen::Index i = 0; i < whole; i += lanes) sums += mass.segment<lanes>(i).array() * v.segment<lanes>(i).array();
   for (Eigen::Index i = whole; i < size; ++i) sums[i - whole] += mass[i] * v[i];
-  const int components = fem::components(part.mesh.model);
-  Eigen::Vector2d momentum(0.0, 0.0);
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   for (Eigen::Index lane = 0; lane < lanes; ++lane) momentum[lane % components] += sums[lane];
+  return momentum;
+}
+
+}  // namespace
+
+void BodyState::update_momentum() {
+  const int components = fem::components(part.mesh.model);
+  const Eigen::Vector3d momentum =
+      components == 3 ? momentum_by_lanes<24>(mass, v, components) : momentum_by_lanes<8>(mass, v, components);
   totals.momentum_n_kg_m_s = normal.dot(momentum);
   totals.momentum_t_kg_m_s = tangent.dot(momentum);
   if (arm.size() > 0) totals.angular_momentum_kg_m2_s = (arm.array() * mass.array() * v.array()).sum();
@@ -59,9 +69,8 @@ namespace {
 
 void set_directions(const scene::Problem& problem, BodyState& state) {
   const bool contact = !problem.contact.pairs.empty();
-  const Eigen::Vector2d axis = problem.scene.components() == 1 ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(0.0, 1.0);
-  state.normal = contact ? problem.contact.normal : axis;
-  state.tangent = Eigen::Vector2d(-state.normal[1], state.normal[0]);
+  state.normal = contact ? problem.contact.normal : Eigen::Vector3d::Unit(problem.scene.components() - 1);
+  state.tangent = scene::tangent_of(state.normal);
 }
 
 void set_arm(BodyState& state) {
@@ -162,10 +171,9 @@ void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64
   const auto node = static_cast<std::size_t>(dof / components);
   const auto& x = state.part.mesh.position[node];
   throw SolverError(
-      fmt::format("window {}: the displacement of body '{}' is not finite at node {} ({:.6g}, {:.6g}) m; the time step "
-                  "exceeds a critical "
-                  "time step or the contact is too stiff for it: run `ricochet check` on the scene",
-                  window, state.name, state.part.body_node[node], x[0], x[1]));
+      fmt::format("window {}: the displacement of body '{}' is not finite at node {} {}; the time step exceeds a "
+                  "critical time step or the contact is too stiff for it: run `ricochet check` on the scene",
+                  window, state.name, state.part.body_node[node], fem::place_text(state.part.mesh.model, x)));
 }
 
 }  // namespace ricochet::solver

@@ -71,7 +71,7 @@ struct BodyState : BodyMotion {
   std::vector<ConstrainedDof> constrained;
   std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
-  Eigen::Vector2d normal, tangent;  ///< directions of the momentum balance
+  Eigen::Vector3d normal, tangent;  ///< directions of the momentum balance
   Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -85,10 +85,23 @@ struct BodyState : BodyMotion {
   /// at constrained dofs and the forces of dashpots [N].
   template <class MeanForce, class Increment>
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
+    if (part.mesh.model == fem::Model::solid) {
+      account_external_of<3>(dt, mean_force, increment);
+    } else {
+      account_external_of<2>(dt, mean_force, increment);
+    }
+  }
+  /// Momentum of the integrated nodes from v.
+  void update_momentum();
+
+ private:
+  /// `most`: components, of a bar 2.
+  template <int most, class MeanForce, class Increment>
+  void account_external_of(double dt, const MeanForce& mean_force, const Increment& increment) {
     const int components = fem::components(part.mesh.model);
     // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
     double work_j = 0.0, angular = 0.0;
-    Eigen::Vector2d impulse(0.0, 0.0);
+    Eigen::Matrix<double, most, 1> impulse = Eigen::Matrix<double, most, 1>::Zero();
     const auto account = [&](int dof) {
       const double force = mean_force(dof);
       work_j += force * increment(dof);
@@ -102,12 +115,10 @@ struct BodyState : BodyMotion {
       for (int dof = 0; dof < part.dofs(); ++dof) account(dof);
     }
     totals.energy_external_j += work_j;
-    totals.impulse_n_kg_m_s += normal.dot(impulse);
-    totals.impulse_t_kg_m_s += tangent.dot(impulse);
+    totals.impulse_n_kg_m_s += normal.head<most>().dot(impulse);
+    totals.impulse_t_kg_m_s += tangent.head<most>().dot(impulse);
     totals.angular_impulse_kg_m2_s += angular;
   }
-  /// Momentum of the integrated nodes from v.
-  void update_momentum();
 };
 
 /// Vectors by part, for the functions that take `of_part(part)`.

@@ -1,5 +1,6 @@
 #include "common/solver/contact_rows.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
 #include <string>
@@ -28,7 +29,7 @@ PartNode find_node(const std::vector<scene::ParticipantPart>& parts, int body, i
   throw ConfigError("contact node " + std::to_string(body_node) + " belongs to no part of the contact's owner");
 }
 
-ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector2d& direction, int components) {
+ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector3d& direction, int components) {
   ContactRow row;
   for (int c = 0; c < components; ++c) {
     if (direction[c] == 0.0) continue;
@@ -44,8 +45,9 @@ ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector2
 
 std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
   const auto& geometry = problem.contact;
-  const Eigen::Vector2d tangent(-geometry.normal[1], geometry.normal[0]);
+  const Eigen::Vector3d tangent = scene::tangent_of(geometry.normal);
   const int components = problem.scene.components();
+  const Eigen::Vector3d binormal = components == 3 ? geometry.normal.cross(tangent) : Eigen::Vector3d::Zero();
   std::vector<Pair> pairs;
   for (const auto& pair : geometry.pairs) {
     std::vector<PartNode> nodes;
@@ -53,6 +55,7 @@ std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<
     nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
     pairs.push_back({.normal = row_of_nodes(nodes, geometry.normal, components),
                      .tangent = row_of_nodes(nodes, tangent, components),
+                     .binormal = row_of_nodes(nodes, binormal, components),
                      .gap0_m = pair.gap0_m,
                      .area_m2 = pair.area_m2});
   }

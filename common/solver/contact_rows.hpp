@@ -7,7 +7,8 @@
 #include "common/solver/body_state.hpp"
 
 /// Contact as sparse rows over the degrees of freedom of a participant's parts: all that a contact law of either solver
-/// knows of a geometry. Normal n from the first surface (A) to the second (B), tangent t = (-n_y, n_x).
+/// knows of a geometry. Normal n from the first surface (A) to the second (B), tangent t =
+/// (-n_y, n_x) (scene::tangent_of).
 ///   gap     g = g0 + N u,   open when g > 0            (Eq. 11, 17, 18)
 ///   slip      = T du over a window
 /// With N = n . (u_B - u_A) for two nodes that lie opposite, N = -n . u_A against a rigid plane, and a node against two
@@ -61,6 +62,7 @@ struct ContactRow {
 /// A place where the surfaces may touch: two nodes that lie opposite, or a node and a plane.
 struct Pair {
   ContactRow normal, tangent;  ///< no entries along the tangent in one dimension
+  ContactRow binormal{};       ///< of a solid: along n x t, where no force acts; else no entries
   double gap0_m = 0.0;
   double area_m2 = 0.0;
 

@@ -34,11 +34,11 @@ std::vector<std::vector<int>> inward_neighbours(const BodyState& state, const st
 [[noreturn]] void refuse(const BodyState& state, int node) {
   const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
   throw ConfigError(fmt::format(
-      "contact.multiplier_update = \"massless\": the contact node {} of body '{}' at ({:.6g}, {:.6g}) m has no "
+      "contact.multiplier_update = \"massless\": the contact node {} of body '{}' at {} has no "
       "neighbour behind the "
       "contact surface among the elements of its participant to take its mass; give it a layer of elements, or use "
       "\"trapezoidal_reset\"",
-      state.part.body_node[static_cast<std::size_t>(node)], state.name, x[0], x[1]));
+      state.part.body_node[static_cast<std::size_t>(node)], state.name, fem::place_text(state.part.mesh.model, x)));
 }
 
 }  // namespace

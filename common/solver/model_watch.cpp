@@ -1,9 +1,13 @@
 #include "common/solver/model_watch.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 
 namespace ricochet::solver {
 namespace {
@@ -15,13 +19,15 @@ constexpr double closed_share = 1e-6;
 /// Nodes that move against each other by less than this share of the shortest edge cannot invert an element.
 constexpr double safe_share = 0.2;
 
-using Displacements = std::array<Eigen::Vector2d, fem::Element::most_nodes>;  // of an element's nodes
+using Displacements = std::array<Eigen::Vector3d, fem::Element::most_nodes>;  // of an element's nodes
 
 /// Smallest Jacobian at a corner of a moved element over that of the reference.
 double smallest_jacobian_ratio(const fem::ElementGeometry& element, const Displacements& u) {
   const auto& kind = fem::traits(element.kind);
   fem::ElementCoordinates moved = element.x;
-  for (Eigen::Index i = 0; i < moved.rows(); ++i) moved.row(i) += u[static_cast<std::size_t>(i)].transpose();
+  for (Eigen::Index i = 0; i < moved.rows(); ++i) {
+    for (Eigen::Index c = 0; c < moved.cols(); ++c) moved(i, c) += u[static_cast<std::size_t>(i)][c];
+  }
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& corner : kind.corner)
     smallest = std::min(smallest, kind.jacobian(moved, corner) / kind.jacobian(element.x, corner));
@@ -34,6 +40,25 @@ double principal_strain(const Eigen::Matrix2d& gradient) {
   return std::abs(mean) + std::hypot(difference, 0.5 * (gradient(0, 1) + gradient(1, 0)));
 }
 
+double principal_strain(const Eigen::Matrix3d& gradient) {
+  const Eigen::Matrix3d strain = 0.5 * (gradient + gradient.transpose());
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(strain, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .cwiseAbs()
+      .maxCoeff();
+}
+
+double rotation_angle(const Eigen::Matrix2d& gradient) {
+  return std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace()));
+}
+
+/// Of a rotation by theta the antisymmetric part has twice sin(theta) in it, the trace 1 + 2 cos(theta) - 3.
+double rotation_angle(const Eigen::Matrix3d& gradient) {
+  const Eigen::Vector3d axial(gradient(2, 1) - gradient(1, 2), gradient(0, 2) - gradient(2, 0),
+                              gradient(1, 0) - gradient(0, 1));
+  return std::atan2(axial.norm(), 2.0 + gradient.trace());
+}
+
 /// u_r / r at an element's middle.
 double hoop_strain(const fem::Mesh& mesh, const fem::Element& nodes, const Displacements& u) {
   double u_r = 0.0, r = 0.0;
@@ -44,12 +69,43 @@ double hoop_strain(const fem::Mesh& mesh, const fem::Element& nodes, const Displ
   return u_r / r;
 }
 
+/// The inverse of the differences of places whose differences of displacement give the gradient.
+Eigen::Matrix3d inverse_diagonals(const fem::ElementGeometry& geometry) {
+  const fem::ElementTraits& kind = fem::traits(geometry.kind);
+  Eigen::Matrix3d diagonals = Eigen::Matrix3d::Identity();
+  Eigen::Index column = 0;
+  for (const auto& [a, b] : kind.diagonals) {
+    for (Eigen::Index c = 0; c < geometry.x.cols(); ++c) diagonals(c, column) = geometry.x(b, c) - geometry.x(a, c);
+    ++column;
+  }
+  if (kind.dimension == 3) return diagonals.inverse();
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Identity();
+  const Eigen::Matrix2d plane = diagonals.topLeftCorner<2, 2>();
+  inverse.topLeftCorner<2, 2>() = plane.inverse();
+  return inverse;
+}
+
+/// Per node of a solid's surface its shortest edge there [m].
+std::map<int, double> shortest_edges(const fem::Mesh& mesh, const std::string& surface) {
+  std::map<int, double> shortest;
+  for (const fem::Face& face : mesh.surfaces.at(surface)) {
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const int a = face[i], b = face[(i + 1) % face.size()];
+      const double length = (mesh.position[fem::at(b)] - mesh.position[fem::at(a)]).norm();
+      for (const int node : {a, b}) {
+        const auto entry = shortest.insert({node, length}).first;
+        entry->second = std::min(entry->second, length);
+      }
+    }
+  }
+  return shortest;
+}
+
 /// Per node the smallest extent along the normal of the elements there [m].
-std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector2d& normal) {
+std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector3d& normal) {
   std::vector<double> depth_m(mesh.position.size(), std::numeric_limits<double>::infinity());
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const Eigen::VectorXd along = fem::element_geometry(mesh, e).x * normal;
-    const double own_m = along.maxCoeff() - along.minCoeff();
+    const double own_m = fem::extent_along(fem::element_geometry(mesh, e), normal);
     for (const int node : mesh.elements[fem::at(e)]) {
       depth_m[static_cast<std::size_t>(node)] = std::min(depth_m[static_cast<std::size_t>(node)], own_m);
     }
@@ -74,11 +130,7 @@ void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
       const fem::ElementGeometry geometry = fem::element_geometry(mesh, e);
       Element element;
       element.shortest_edge_m = fem::edge_lengths(geometry).shortest;
-      Eigen::Matrix2d diagonals = Eigen::Matrix2d::Identity();
-      Eigen::Index column = 0;
-      for (const auto& [a, b] : fem::traits(geometry.kind).diagonals)
-        diagonals.col(column++) = (geometry.x.row(b) - geometry.x.row(a)).transpose();
-      element.inverse_diagonals = diagonals.inverse();
+      element.inverse_diagonals = inverse_diagonals(geometry);
       elements.push_back(element);
     }
   }
@@ -88,24 +140,15 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
   const auto& contact = problem.contact;
   const auto& body_a = problem.bodies[static_cast<std::size_t>(contact.body_a)];
   two_bodies_ = contact.body_b >= 0;
-  ended_ = two_bodies_ && body_a.mesh.period_m == 0.0 && surface_->components == 2;
-  const Eigen::Vector2d tangent(-contact.normal[1], contact.normal[0]);
-  std::vector<std::size_t> order;
+  const Eigen::Vector3d tangent = scene::tangent_of(contact.normal), binormal = contact.normal.cross(tangent);
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
-    order.push_back(pairs_.size());
-    pairs_.push_back(
-        {tangent.dot(x), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), x});
+    pairs_.push_back({{tangent.dot(x), binormal.dot(x)},
+                      std::numeric_limits<double>::infinity(),
+                      std::numeric_limits<double>::infinity(),
+                      x});
   }
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t i, std::size_t j) { return pairs_[i].along_m < pairs_[j].along_m; });
-  ends_ = {order.front(), order.back()};
-  for (std::size_t k = 1; k < order.size(); ++k) {
-    auto &low = pairs_[order[k - 1]], &high = pairs_[order[k]];
-    const double edge_m = high.along_m - low.along_m;
-    low.edge_m = std::min(low.edge_m, edge_m);
-    high.edge_m = std::min(high.edge_m, edge_m);
-  }
+  set_ends(problem);
   for (const bool first : {true, false}) {
     const int body = first ? contact.body_a : contact.body_b;
     if (body < 0) continue;
@@ -125,6 +168,32 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
   }
 }
 
+/// And the edges beside each pair.
+void ModelWatch::set_ends(const scene::Problem& problem) {
+  const auto& contact = problem.contact;
+  const auto& mesh = problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh;
+  const int directions = surface_->components - 1;
+  const bool ended = two_bodies_ && mesh.period_m == 0.0;
+  std::vector<std::size_t> order(pairs_.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(directions); ++k) {
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return pairs_[i].along_m[k] < pairs_[j].along_m[k]; });
+    if (ended) ends_.push_back({order.front(), order.back()});
+  }
+  if (directions == 2) {
+    const auto edges = shortest_edges(mesh, problem.scene.contact->first.surface);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) pairs_[i].edge_m = edges.at(contact.pairs[i].node_a);
+    return;
+  }
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    auto &low = pairs_[order[k - 1]], &high = pairs_[order[k]];
+    const double edge_m = high.along_m[0] - low.along_m[0];
+    low.edge_m = std::min(low.edge_m, edge_m);
+    high.edge_m = std::min(high.edge_m, edge_m);
+  }
+}
+
 void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states, bool last) {
   const bool due = (window % every == 0 || last) && window != last_look_;
   if (elements_.empty() || (!due && window == last_window_)) return;
@@ -136,6 +205,24 @@ void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states,
   last_window_ = window;
 }
 
+template <int dimension>
+void ModelWatch::look_at_element(const Element& element, const fem::Element& nodes, const Displacements& u,
+                                 const Eigen::Vector3d& place, Worst& strain, Worst& rotation) const {
+  using Matrix = Eigen::Matrix<double, dimension, dimension>;
+  const auto diagonals = fem::traits(nodes.kind).diagonals;
+  Matrix differences;
+  for (int c = 0; c < dimension; ++c) {
+    const auto& [from, to] = diagonals[fem::at(c)];
+    differences.col(c) = (u[fem::at(to)] - u[fem::at(from)]).template head<dimension>();
+  }
+  const Matrix inverse = element.inverse_diagonals.template topLeftCorner<dimension, dimension>();
+  const Matrix gradient = differences * inverse;
+  // No principal strain and no rotation is larger than the gradient: nearly every element is done with here.
+  if (gradient.squaredNorm() <= strain_limit * strain_limit) return;
+  strain.take(principal_strain(gradient), place);
+  rotation.take(rotation_angle(gradient), place);
+}
+
 void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodyState>& states) {
   for (std::size_t p = 0; p < states.size(); ++p) {
     const auto& state = states[p];
@@ -145,7 +232,7 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
     for (std::size_t e = 0; e < elements_[p].size(); ++e) {
       const auto& element = elements_[p][e];
       const auto& nodes = mesh.elements[e];
-      const Eigen::Vector2d& place = mesh.position[static_cast<std::size_t>(nodes[0])];
+      const Eigen::Vector3d& place = mesh.position[static_cast<std::size_t>(nodes[0])];
       if (components == 1) {
         const double stretch = (state.u[nodes[1]] - state.u[nodes[0]]) * element.inverse_diagonals(0, 0);
         strain.take(std::abs(stretch), place);
@@ -153,17 +240,12 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
         continue;
       }
       Displacements u;
-      for (std::size_t i = 0; i < nodes.size(); ++i) u[i] = state.u.segment<2>(2 * nodes[i]);
-      const auto diagonals = fem::traits(nodes.kind).diagonals;
-      Eigen::Matrix2d differences;
-      for (int c = 0; c < 2; ++c)
-        differences.col(c) = u[fem::at(diagonals[fem::at(c)][1])] - u[fem::at(diagonals[fem::at(c)][0])];
-      const Eigen::Matrix2d gradient = differences * element.inverse_diagonals;
-      // No principal strain and no rotation is larger than the gradient: nearly every element is done with here.
-      if (gradient.squaredNorm() > strain_limit * strain_limit) {
-        strain.take(principal_strain(gradient), place);
-        rotation.take(std::abs(std::atan2(gradient(1, 0) - gradient(0, 1), 2.0 + gradient.trace())), place);
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        u[i].setZero();
+        for (int c = 0; c < components; ++c) u[i][c] = state.u[nodes[i] * components + c];
       }
+      if (components == 2) look_at_element<2>(element, nodes, u, place, strain, rotation);
+      if (components == 3) look_at_element<3>(element, nodes, u, place, strain, rotation);
       if (mesh.model == fem::Model::axisymmetric) strain.take(std::abs(hoop_strain(mesh, nodes, u)), place);
       double moved = 0.0;
       for (std::size_t i = 1; i < nodes.size(); ++i) moved = std::max(moved, (u[i] - u[0]).squaredNorm());
@@ -193,26 +275,38 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
 
 /// Of a pair's nodes against each other, in edges.
 double ModelWatch::slip(std::size_t pair, const std::vector<BodyState>& states) const {
-  return std::abs(surface_->pairs[pair].tangent.times(displacement_of(states))) / pairs_[pair].edge_m;
+  const double along = surface_->pairs[pair].tangent.times(displacement_of(states));
+  const double across = surface_->pairs[pair].binormal.times(displacement_of(states));
+  return std::hypot(along, across) / pairs_[pair].edge_m;
 }
 
-/// Where a node of a pair has got to, along the tangent [m].
-double ModelWatch::along(std::size_t pair, Side side, const std::vector<BodyState>& states) const {
-  return pairs_[pair].along_m + surface_->pairs[pair].tangent.of(side, displacement_of(states));
+/// Where a node of a pair has got to, along the tangent or n x t [m].
+double ModelWatch::along(std::size_t direction, std::size_t pair, Side side,
+                         const std::vector<BodyState>& states) const {
+  const auto& rows = surface_->pairs[pair];
+  const ContactRow& row = direction == 0 ? rows.tangent : rows.binormal;
+  return pairs_[pair].along_m[direction] + row.of(side, displacement_of(states));
+}
+
+/// How far a node of a pair is past the ends of the other surface; < 0 between them [m].
+double ModelWatch::past_end(std::size_t pair, const std::vector<BodyState>& states) const {
+  double past_m = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < ends_.size(); ++k) {
+    const auto [low, high] = ends_[k];
+    const double a = along(k, pair, Side::a, states), b = along(k, pair, Side::b, states);
+    past_m = std::max({past_m, along(k, low, Side::b, states) - a, a - along(k, high, Side::b, states),
+                       along(k, low, Side::a, states) - b, b - along(k, high, Side::a, states)});
+  }
+  return past_m;
 }
 
 void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
   Worst slipped, past;
   const auto& pairs = surface_->pairs;
-  const auto low = ends_[0], high = ends_[1];
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     if (pairs[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
     slipped.take(slip(i, states), pairs_[i].x);
-    if (!ended_) continue;
-    const double a = along(i, Side::a, states), b = along(i, Side::b, states);
-    const double past_m = std::max({along(low, Side::b, states) - a, a - along(high, Side::b, states),
-                                    along(low, Side::a, states) - b, b - along(high, Side::a, states)});
-    past.take(past_m / pairs_[i].edge_m, pairs_[i].x);
+    past.take(past_end(i, states) / pairs_[i].edge_m, pairs_[i].x);
   }
   const int part = pairs.front().normal.part_of(Side::a);
   if (slipped.size > slip_limit) report(Kind::slip, part, before, window, slipped);

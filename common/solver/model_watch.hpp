@@ -12,8 +12,9 @@ namespace ricochet::solver {
 
 /// Looks for what small strain, small displacement and node pairs that stay opposite do not describe:
 ///   strain      largest |principal strain| at an element's middle, hoop strain included
-///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H: exact for any
-///   rotation [rad] inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
+///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H, of a solid with
+///               twice the length of H's axial vector and 2 + tr H: exact for any rotation [rad]
+///   inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
 ///   slip        of a closed pair of two bodies, over the shorter edge at its nodes: so far they are from being
 ///   opposite off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there.
 ///   From 1/2 on nothing of the
@@ -40,39 +41,47 @@ class ModelWatch {
  private:
   /// What an element's look needs of the reference.
   struct Element {
-    Eigen::Matrix2d inverse_diagonals;  ///< of (x_3 - x_1, x_4 - x_2); bar: 1/length first
+    Eigen::Matrix3d inverse_diagonals;  ///< of the kind's diagonals, one a dimension; identity beyond
     double shortest_edge_m = 0.0;
   };
   /// What is the worst of one kind in one look.
   struct Worst {
     double size = 0.0;
-    Eigen::Vector2d place{0.0, 0.0};
-    void take(double other, const Eigen::Vector2d& at) {
+    Eigen::Vector3d place{0.0, 0.0, 0.0};
+    void take(double other, const Eigen::Vector3d& at) {
       if (other > size) *this = {other, at};
     }
   };
   struct PairPlace {
-    double along_m = 0.0;  ///< of its nodes in the reference, along the tangent
-    double edge_m = 0.0;   ///< shorter edge at its nodes
-    double depth_m = 0.0;  ///< smaller depth of the elements at its nodes
-    Eigen::Vector2d x{0.0, 0.0};
+    std::array<double, 2> along_m{};  ///< of its nodes in the reference, along the tangent and n x t
+    double edge_m = 0.0;              ///< shorter edge at its nodes
+    double depth_m = 0.0;             ///< smaller depth of the elements at its nodes
+    Eigen::Vector3d x{0.0, 0.0, 0.0};
   };
   void prepare_elements(const std::vector<BodyState>& states);
   void prepare_pairs(const scene::Problem& problem);
+  void set_ends(const scene::Problem& problem);
+  template <int dimension>
+  void look_at_element(const Element& element, const fem::Element& nodes, const std::array<Eigen::Vector3d, 8>& u,
+                       const Eigen::Vector3d& place, Worst& strain, Worst& rotation) const;
   void look_at_elements(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
   [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
-  [[nodiscard]] double along(std::size_t pair, Side side, const std::vector<BodyState>& states) const;
+  [[nodiscard]] double along(std::size_t direction, std::size_t pair, Side side,
+                             const std::vector<BodyState>& states) const;
+  [[nodiscard]] double past_end(std::size_t pair, const std::vector<BodyState>& states) const;
   void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window,
               const Worst& worst);
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;
   std::vector<PairPlace> pairs_;
-  std::array<std::size_t, 2> ends_{};  ///< pairs at the low and high end of the surfaces
-  bool two_bodies_ = false;            ///< else a plane, on which all places are alike
-  bool ended_ = false;                 ///< the surfaces do not repeat
+  struct Ends {
+    std::size_t low = 0, high = 0;  ///< pairs
+  };
+  std::vector<Ends> ends_;   ///< of the surfaces, along the tangent and, of a solid, n x t; none if they repeat
+  bool two_bodies_ = false;  ///< else a plane, on which all places are alike
   bool slipped_ = false;
   std::int64_t last_look_ = 0, last_window_ = 0;
   std::vector<participant::Departure> found_;

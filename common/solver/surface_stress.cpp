@@ -1,17 +1,21 @@
 #include "common/solver/surface_stress.hpp"
 
+#include <numeric>
 #include <optional>
 
 namespace ricochet::solver {
 namespace {
 
-/// Natural coordinates of the midpoint of the element's face (a, b); none if the element lacks it.
-std::optional<fem::NaturalPoint> face_midpoint(const fem::Element& nodes, int a, int b) {
+/// Natural coordinates of the middle of the element's face; none if the element lacks it.
+std::optional<fem::NaturalPoint> face_middle(const fem::Element& nodes, const fem::Face& wanted) {
   const auto& kind = fem::traits(nodes.kind);
-  for (const auto& [i, j] : kind.faces) {
-    const int first = nodes[fem::at(i)], second = nodes[fem::at(j)];
-    if ((first == a && second == b) || (first == b && second == a))
-      return fem::NaturalPoint(0.5 * (kind.corner[fem::at(i)] + kind.corner[fem::at(j)]));
+  for (const fem::Face& own : kind.faces) {
+    fem::Face face = own;
+    for (int& node : face) node = nodes[fem::at(node)];
+    if (fem::sorted(face) != fem::sorted(wanted)) continue;
+    fem::NaturalPoint sum = fem::NaturalPoint::Zero();
+    for (const int corner : own) sum += kind.corner[fem::at(corner)];
+    return fem::NaturalPoint(sum / static_cast<double>(own.size()));
   }
   return std::nullopt;
 }
@@ -35,37 +39,35 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<sce
     model_ = part.mesh.model;
     part_ = static_cast<int>(p);
     const int components = fem::components(model_);
-    for (const auto& [a, b] : found->second) {
+    for (const fem::Face& face : found->second) {
       for (int element = 0; element < static_cast<int>(part.mesh.elements.size()); ++element) {
         const fem::Element& nodes = part.mesh.elements[fem::at(element)];
-        const auto midpoint = face_midpoint(nodes, a, b);
-        if (!midpoint) continue;
-        Edge edge;
-        const auto& first_end = part.mesh.position[static_cast<std::size_t>(a)];
-        const auto second_end =
-            fem::nearest_image(part.mesh, part.mesh.position[static_cast<std::size_t>(b)], first_end);
-        edge.area_m2 = fem::edge_area(part.section, first_end, second_end).sum();
+        const auto middle = face_middle(nodes, face);
+        if (!middle) continue;
+        Element own;
+        const fem::FaceArea area = fem::face_area(part.section, part.mesh, face);
+        own.area_m2 = std::accumulate(area.begin(), area.end(), 0.0);
         const auto geometry = fem::element_geometry(part.mesh, element);
         const int size = static_cast<int>(nodes.size()) * components;
-        edge.stress_of_displacement.resize(fem::stress_components(model_), size);
+        own.stress_of_displacement.resize(fem::stress_components(model_), size);
         for (int i = 0; i < size; ++i) {
-          edge.dofs.push_back(nodes[fem::at(i / components)] * components + i % components);
-          edge.stress_of_displacement.col(i) =
-              fem::element_stress(part.section, part.material, geometry, fem::ElementVector::Unit(size, i), *midpoint);
+          own.dofs.push_back(nodes[fem::at(i / components)] * components + i % components);
+          own.stress_of_displacement.col(i) =
+              fem::element_stress(part.section, part.material, geometry, fem::ElementVector::Unit(size, i), *middle);
         }
-        area_m2_ += edge.area_m2;
-        edges_.push_back(std::move(edge));
+        area_m2_ += own.area_m2;
+        elements_.push_back(std::move(own));
       }
     }
-    if (!edges_.empty()) return true;
+    if (!elements_.empty()) return true;
   }
   return false;
 }
 
-double SurfaceStress::smallest_principal(const Edge& edge, const Eigen::Ref<const Eigen::VectorXd>& u) const {
-  fem::ElementVector nodal(static_cast<Eigen::Index>(edge.dofs.size()));
-  for (std::size_t i = 0; i < edge.dofs.size(); ++i) nodal[static_cast<Eigen::Index>(i)] = u[edge.dofs[i]];
-  const fem::StressVector stress = edge.stress_of_displacement * nodal;
+double SurfaceStress::smallest_principal(const Element& own, const Eigen::Ref<const Eigen::VectorXd>& u) const {
+  fem::ElementVector nodal(static_cast<Eigen::Index>(own.dofs.size()));
+  for (std::size_t i = 0; i < own.dofs.size(); ++i) nodal[static_cast<Eigen::Index>(i)] = u[own.dofs[i]];
+  const fem::StressVector stress = own.stress_of_displacement * nodal;
   if (model_ == fem::Model::bar) return stress[0];  // the lateral principal stresses of a bar are zero
   return fem::principal_stresses(model_, stress)[2];
 }

@@ -8,7 +8,7 @@
 namespace ricochet::solver {
 
 /// Mean over the contact surface of the most compressive principal stress, positive in compression [Pa]:
-///   sigma_mean = - sum_e A_e sigma_III(edge midpoint of e) / sum_e A_e
+///   sigma_mean = - sum_e A_e sigma_III(middle of the face of e) / sum_e A_e
 /// over the elements along the contact surface of the first body that has any here (the scene's first surface first).
 /// This is the "mean value of principal stress on the contact surface" of the paper's Fig. 3-5.
 class SurfaceStress {
@@ -19,25 +19,25 @@ class SurfaceStress {
   /// `displacement` per part, node-major. 0 if no element of the surface is here.
   template <class DisplacementOfPart>
   [[nodiscard]] double mean(const DisplacementOfPart& displacement_of_part) const {
-    if (edges_.empty()) return 0.0;
+    if (elements_.empty()) return 0.0;
     double sum = 0.0;
-    for (const auto& edge : edges_) sum += edge.area_m2 * -smallest_principal(edge, displacement_of_part(part_));
+    for (const auto& own : elements_) sum += own.area_m2 * -smallest_principal(own, displacement_of_part(part_));
     return sum / area_m2_;
   }
 
  private:
-  struct Edge {
+  struct Element {
     std::vector<int> dofs;
-    Eigen::MatrixXd stress_of_displacement;  ///< stress at the edge midpoint per unit nodal displacement [Pa/m]
+    Eigen::MatrixXd stress_of_displacement;  ///< stress in the middle of the face per unit nodal displacement [Pa/m]
     double area_m2 = 0.0;
   };
-  [[nodiscard]] double smallest_principal(const Edge& edge, const Eigen::Ref<const Eigen::VectorXd>& u) const;
+  [[nodiscard]] double smallest_principal(const Element& own, const Eigen::Ref<const Eigen::VectorXd>& u) const;
   bool collect(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, int body, bool first);
 
   fem::Model model_ = fem::Model::bar;
   int part_ = -1;
   double area_m2_ = 0.0;
-  std::vector<Edge> edges_;
+  std::vector<Element> elements_;
 };
 
 }  // namespace ricochet::solver

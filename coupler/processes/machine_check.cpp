@@ -22,7 +22,7 @@ struct PerNode {
   double mesh;    ///< in every process, the coupler among them
   double solver;  ///< in the participants together
 };
-constexpr PerNode in_one_dimension{160, 100}, in_two_dimensions{1300, 700};
+constexpr PerNode in_one_dimension{160, 100}, in_two_dimensions{1300, 700}, in_three_dimensions{3500, 11000};
 constexpr double bytes_per_node_of_gmsh_file = 40;  // of the file, which is text or binary
 
 double nodes_of(const scene::Body& body) {
@@ -31,7 +31,8 @@ double nodes_of(const scene::Body& body) {
     return static_cast<double>(std::filesystem::file_size(gmsh->path, ignored)) / bytes_per_node_of_gmsh_file;
   }
   const auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
-  return (mesh.elements_across + 1.0) * (mesh.elements_along + 1.0);
+  const double plane = (mesh.elements_across + 1.0) * (mesh.elements_along + 1.0);
+  return mesh.width_m > 0.0 ? plane * (mesh.elements_wide + 1.0) : plane;
 }
 
 std::string size_text(double bytes) {
@@ -45,7 +46,9 @@ double memory_need_bytes(const scene::Scene& scene) {
   for (const auto& body : scene.bodies) nodes += nodes_of(body);
   const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
                                       [](const auto& p) { return p.start == scene::Start::launch; });
-  const auto& per_node = scene.model == scene::Model::bar ? in_one_dimension : in_two_dimensions;
+  const PerNode& per_node = scene.components() == 1   ? in_one_dimension
+                            : scene.components() == 2 ? in_two_dimensions
+                                                      : in_three_dimensions;
   return nodes * (per_node.mesh * static_cast<double>(launched + 1) + (launched > 0 ? per_node.solver : 0.0));
 }
 

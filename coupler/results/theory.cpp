@@ -27,7 +27,7 @@ double impedance(const scene::Problem& problem, std::size_t body) {
          (bar ? problem.scene.bodies[body].area_m2 : 1.0);
 }
 
-double length_along(const scene::BodyProblem& body, const Eigen::Vector2d& normal) {
+double length_along(const scene::BodyProblem& body, const Eigen::Vector3d& normal) {
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const auto& x : body.mesh.position) {
     low = std::min(low, x.dot(normal));
@@ -42,7 +42,7 @@ double transit(const scene::Problem& problem, std::size_t body) {
   return 2 * length_along(problem.bodies[body], problem.contact.normal) / wave_speed(problem, body);
 }
 
-double velocity_along(const scene::Body& body, const Eigen::Vector2d& normal) {
+double velocity_along(const scene::Body& body, const Eigen::Vector3d& normal) {
   double velocity = 0.0;
   for (std::size_t c = 0; c < body.initial_velocity_m_s.size(); ++c) {
     velocity += normal[static_cast<Eigen::Index>(c)] * body.initial_velocity_m_s[c];
@@ -51,7 +51,7 @@ double velocity_along(const scene::Body& body, const Eigen::Vector2d& normal) {
 }
 
 /// Nothing but the other body acts on it along the normal, and it only flies.
-bool flies_freely(const scene::Body& body, const Eigen::Vector2d& normal) {
+bool flies_freely(const scene::Body& body, const Eigen::Vector3d& normal) {
   const auto along = [&](int component) { return normal[component] != 0.0; };
   const auto zero = [](double x) { return x == 0.0; };
   const auto held = [&](const scene::Support& s) {

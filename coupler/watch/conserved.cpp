@@ -7,13 +7,13 @@ namespace ricochet::coupler {
 Conserved conserved_by(const scene::Problem& problem) {
   Conserved conserved;
   const bool contact = !problem.contact.pairs.empty();
-  const Eigen::Vector2d normal = contact ? problem.contact.normal : Eigen::Vector2d(0.0, 1.0);
+  const Eigen::Vector3d normal = contact ? problem.contact.normal : Eigen::Vector3d(0.0, 1.0, 0.0);
   if (problem.scene.model == scene::Model::axisymmetric)
     conserved.directions = {{normal[1], normal[0]}};  // t = (-n_y, n_x)
   const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(),
                                     [](const scene::BodyProblem& body) { return body.mesh.period_m > 0.0; });
   if (problem.scene.model != scene::Model::plane_strain || periodic) return conserved;
-  Eigen::Vector2d low = problem.bodies.front().mesh.position.front(), high = low;
+  Eigen::Vector3d low = problem.bodies.front().mesh.position.front(), high = low;
   for (const auto& body : problem.bodies) {
     for (const auto& x : body.mesh.position) {
       low = low.cwiseMin(x);

@@ -16,8 +16,8 @@ constexpr double most_steps = 1e5;
 /// Of the way since the last look: so well is the instant of an overlap found.
 constexpr double resolved_share = 1e-3;
 
-Eigen::Vector2d mean(const std::vector<Eigen::Vector2d>& values) {
-  Eigen::Vector2d sum(0.0, 0.0);
+Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& values) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& value : values) sum += value;
   return sum / static_cast<double>(values.size());
 }
@@ -33,7 +33,7 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem)
     const int components = problem.scene.components();
     watched.told.assign(nodes, false);
     for (const int node : watched.shape.outline().nodes) {
-      Eigen::Vector2d u(0.0, 0.0);
+      Eigen::Vector3d u = Eigen::Vector3d::Zero();
       for (int c = 0; c < components; ++c) u[c] = body.initial_displacement_m[node * components + c];
       watched.before.push_back(u);
     }
@@ -62,14 +62,14 @@ void OverlapWatch::take(const Link& link) {
 }
 
 void OverlapWatch::move(Body& body, double share) {
-  std::vector<Eigen::Vector2d> displacement(body.now.size());
+  std::vector<Eigen::Vector3d> displacement(body.now.size());
   for (std::size_t i = 0; i < displacement.size(); ++i)
     displacement[i] = body.before[i] + share * (body.now[i] - body.before[i]);
   body.shape.move(displacement);
 }
 
 int OverlapWatch::steps(const Body& a, const Body& b) const {
-  const Eigen::Vector2d moved = mean(a.now) - mean(a.before) - mean(b.now) + mean(b.before);
+  const Eigen::Vector3d moved = mean(a.now) - mean(a.before) - mean(b.now) + mean(b.before);
   const double thin_m = std::min(a.shape.thickness(), b.shape.thickness());
   return 1 + static_cast<int>(std::min(most_steps, moved.norm() / (step_share * thin_m)));
 }

@@ -22,7 +22,7 @@ class OverlapWatch {
     std::string body, other;
     double depth_m = 0.0, time_s = 0.0,
            within_s = 0.0;  ///< within_s: end of the last window that is known to be without
-    Eigen::Vector2d place{0.0, 0.0};
+    Eigen::Vector3d place{0.0, 0.0, 0.0};
   };
   /// What the links have told last, at the end of this window.
   std::vector<Found> update(const std::vector<Link>& links, std::int64_t window);
@@ -33,7 +33,7 @@ class OverlapWatch {
     std::string name;
     scene::Shape shape;
     std::vector<bool> told;  ///< per node of the outline
-    std::vector<Eigen::Vector2d> before, now;
+    std::vector<Eigen::Vector3d> before, now;
   };
   void take(const Link& link);
   /// Moves a body to a share of the way since the last look.

@@ -85,7 +85,7 @@ std::string faces(const DeckBody& body, const std::string& surface) {
   for (int e = 0; e < body.elements(); ++e) {
     const auto n = body.turned(e);
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::array<int, 2> edge = {n[k], n[(k + 1) % 4]};
+      const fem::Face edge = {n[k], n[(k + 1) % 4]};
       if (std::find(edges.begin(), edges.end(), edge) == edges.end()) continue;
       text += fmt::format("{}, {}\n", body.first_element + e, (body.on_axis(n[0]) ? of_wedge : of_brick)[k]);
     }
@@ -141,8 +141,8 @@ void add_velocities(const DeckBody& body, std::string& deck) {
 
 double shortest_edge_m(const fem::Mesh& mesh, const std::string& surface) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (const auto& [a, b] : mesh.surfaces.at(surface)) {
-    shortest = std::min(shortest, (mesh.position[at(b)] - mesh.position[at(a)]).norm());
+  for (const fem::Face& edge : mesh.surfaces.at(surface)) {
+    shortest = std::min(shortest, (mesh.position[at(edge[1])] - mesh.position[at(edge[0])]).norm());
   }
   return shortest;
 }

@@ -76,6 +76,9 @@ std::vector<Row> Kernels::rows() const {
     };
     against("K u: element by element / explicit kernel", "element_by_element", "stiffness_product", Level{false, 2.0});
     against("K u: Eigen's sparse product / explicit kernel", "sparse_product", "stiffness_product", {});
+    against("K u of solids: element by element / explicit kernel", "solid_element_by_element", "solid_product",
+            Level{false, 2.0});
+    against("K u of solids: Eigen's sparse product / explicit kernel", "solid_sparse_product", "solid_product", {});
     against("solve: CHOLMOD simplicial / condensed factor", "cholmod_simplicial", "condensed_solve", {});
     against("solve: CHOLMOD supernodal / condensed factor", "cholmod_supernodal", "condensed_solve", {});
     const auto against_bound = [&](const char* label, const char* kernel) {

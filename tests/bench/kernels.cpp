@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <type_traits>
 
 #include "common/fem/stiffness_product.hpp"
@@ -183,6 +184,72 @@ void element_by_element(benchmark::State& state) {
   }
 }
 
+/// A block of hexahedra, each a copy of the first.
+struct SolidBody {
+  fem::Part part;
+  std::vector<Eigen::Matrix<double, 24, 24>> element_stiffness;
+  fem::StiffnessProduct product;
+  Eigen::VectorXd u, force;
+};
+
+SolidBody make_solid(int refinement) {
+  const int across = 4 * refinement, along = 24 * refinement;
+  const auto side = fem::graded_coordinates(0.0, 0.01, across, 1.0);
+  const auto mesh = fem::block_mesh(side, side, fem::graded_coordinates(0.0, 0.06, along, 1.0));
+  std::vector<int> elements(mesh.elements.size());
+  std::iota(elements.begin(), elements.end(), 0);
+  SolidBody body;
+  body.part = fem::extract_part(mesh, "block", {fem::Model::solid, 1.0}, {210e9, 0.3, 7850.0}, elements);
+  for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+    body.element_stiffness.emplace_back(
+        fem::element_stiffness(body.part.section, body.part.material, fem::element_geometry(body.part.mesh, e)));
+  }
+  body.product = fem::StiffnessProduct(body.part.stiffness, 3);
+  body.u.setRandom(body.part.dofs());
+  body.force.setZero(body.part.dofs());
+  return body;
+}
+
+SolidBody& solid_of(int refinement) {
+  static std::map<int, SolidBody> made;
+  if (!made.count(refinement)) made[refinement] = make_solid(refinement);
+  return made[refinement];
+}
+
+void solid_product(benchmark::State& state) {
+  auto& body = solid_of(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    body.product.multiply(body.u, body.force);
+    benchmark::ClobberMemory();
+  }
+  state.counters["flops"] = 2.0 * static_cast<double>(body.part.stiffness.nonZeros());
+}
+
+void solid_sparse_product(benchmark::State& state) {
+  auto& body = solid_of(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    body.force.noalias() = body.part.stiffness * body.u;
+    benchmark::ClobberMemory();
+  }
+}
+
+/// The reference of the solid kernel: stored 24x24 matrices, gather, multiply, scatter.
+void solid_element_by_element(benchmark::State& state) {
+  auto& body = solid_of(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    body.force.setZero();
+    for (std::size_t e = 0; e < body.element_stiffness.size(); ++e) {
+      const auto& nodes = body.part.mesh.elements[e];
+      Eigen::Matrix<double, 24, 1> u;
+      for (int i = 0; i < 8; ++i) u.segment<3>(3 * i) = body.u.segment<3>(3 * nodes[static_cast<std::size_t>(i)]);
+      const Eigen::Matrix<double, 24, 1> force = body.element_stiffness[e] * u;
+      for (int i = 0; i < 8; ++i)
+        body.force.segment<3>(3 * nodes[static_cast<std::size_t>(i)]) += force.segment<3>(3 * i);
+    }
+    benchmark::ClobberMemory();
+  }
+}
+
 void condensed_solve(benchmark::State& state) {
   const auto refinement = static_cast<int>(state.range(0));
   auto& factor = factor_of<implicit_solver::CondensedFactor>(refinement);
@@ -245,6 +312,9 @@ void meshes(benchmark::internal::Benchmark* kernel) {
 BENCHMARK(stiffness_product)->Apply(meshes);
 BENCHMARK(sparse_product)->Apply(meshes);
 BENCHMARK(element_by_element)->Apply(meshes);
+BENCHMARK(solid_product)->Apply(meshes);
+BENCHMARK(solid_sparse_product)->Apply(meshes);
+BENCHMARK(solid_element_by_element)->Apply(meshes);
 BENCHMARK(condensed_solve)->Apply(meshes);
 BENCHMARK_TEMPLATE(cholmod_solve, Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>>)
     ->Name("cholmod_simplicial")

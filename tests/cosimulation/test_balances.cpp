@@ -131,9 +131,10 @@ TEST_P(FreeFlight, KeepsVelocityMassAndEnergyAndMakesNoStrain) {
                            "[time]\nsafety_factor = 0.9\nend_s = 1e-3\n[coupling]\nprotocol = \"" + protocol + "\"\n";
   const RunResult run = run_text(text, folder);
   const double mass = 2000 * shape.volume_m3;
-  EXPECT_NEAR(run.last("momentum_n_kg_m_s"), 7 * mass, 1e-12 * 7 * mass);
+  const double share = shape.model == std::string("solid") ? 1e-10 : 1e-12;  // places are rounded to 1e-11
+  EXPECT_NEAR(run.last("momentum_n_kg_m_s"), 7 * mass, share * 7 * mass);
   EXPECT_NEAR(run.last("velocity_mean_body_m_s"), 7.0, 7e-12);
-  EXPECT_NEAR(run.last("energy_kinetic_j"), 0.5 * mass * 49, 1e-12 * mass * 49);
+  EXPECT_NEAR(run.last("energy_kinetic_j"), 0.5 * mass * 49, share * mass * 49);
   EXPECT_LT(std::abs(run.last("energy_strain_j")), 1e-12 * mass * 49);
   EXPECT_GT(run.column("time_s").size(), 20U);
 }
@@ -148,11 +149,17 @@ const char* const cylinder =
     "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nmesh = { length_m = 0.5, "
     "radius_m = 0.2, elements = [6, 12], grading = [2.0, 0.5] }\ninitial_velocity_m_s = [0.0, 7.0]\n";
 
+const char* const block =
+    "material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0 }\nmesh = { length_m = 0.5, "
+    "height_m = 0.2, width_m = 0.1, elements = [3, 2, 12], grading = [2.0, 1.0, 0.5] }\ninitial_velocity_m_s = [0.0, "
+    "0.0, 7.0]\n";
+
 INSTANTIATE_TEST_SUITE_P(
     Models, FreeFlight,
     testing::Combine(testing::Values(Shape{"bar", "bar", bar, 0.02 * 0.5},
                                      Shape{"plane_strain", "plane_strain", plate, 0.5 * 0.2 * 0.1},
-                                     Shape{"axisymmetric", "axisymmetric", cylinder, M_PI * 0.2 * 0.2 * 0.5}),
+                                     Shape{"axisymmetric", "axisymmetric", cylinder, M_PI * 0.2 * 0.2 * 0.5},
+                                     Shape{"solid", "solid", block, 0.5 * 0.2 * 0.1}),
                      testing::Values("all_explicit", "all_implicit")),
     [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
 

@@ -49,6 +49,16 @@ traction = [{ surface = "end", traction_pa = [0.0, 0.3], amplitude = { time_s = 
 gravity_m_s2 = [0.0, 0.2]
 )";
 
+const char* const block = R"(model = "solid"
+[[body]]
+name = "rod"
+material = { youngs_modulus_pa = 1.0, poisson_ratio = 0.3, density_kg_m3 = 1.0 }
+mesh = { length_m = 1.0, height_m = 0.5, width_m = 0.4, elements = [2, 2, 8] }
+support = [{ surface = "start", fixed = ["x", "y", "z"] }]
+traction = [{ surface = "end", traction_pa = [0.1, 0.2, 0.3], amplitude = { time_s = [0.0, 0.5], factor = [0.0, 1.0] } }]
+gravity_m_s2 = [0.1, 0.0, 0.2]
+)";
+
 constexpr int samples = 64;  ///< times at which histories are compared
 
 /// Momentum of the body at the sampled times up to t = 2.
@@ -94,7 +104,7 @@ TEST_P(OrderInTime, IsTwo) {
 INSTANTIATE_TEST_SUITE_P(
     ModelsAndIntegrators, OrderInTime,
     testing::Combine(testing::Values(Model{"bar", bar}, Model{"plane_strain", plate}, Model{"triangles", triangles},
-                                     Model{"axisymmetric", cylinder}),
+                                     Model{"axisymmetric", cylinder}, Model{"solid", block}),
                      testing::Values("all_explicit", "all_implicit")),
     [](const auto& test) { return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param); });
 

@@ -72,7 +72,7 @@ struct ContactPlates {
   [[nodiscard]] int node_at(std::size_t part, const Eigen::Vector2d& x) const {
     const auto& position = states[part].part.mesh.position;
     int node = 0;
-    while ((position[static_cast<std::size_t>(node)] - x).norm() > 1e-9) ++node;
+    while ((position[static_cast<std::size_t>(node)].head<2>() - x).norm() > 1e-9) ++node;
     return node;
   }
   void set_velocity(std::size_t part, const Eigen::Vector2d& velocity) {

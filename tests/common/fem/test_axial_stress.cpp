@@ -17,8 +17,9 @@ double axial_modulus(Model model) {
 }
 
 Eigen::VectorXd stretched(const Mesh& mesh, double strain) {
-  const bool bar = mesh.model == Model::bar;
-  return sample::nodal(mesh, [&](const auto& x) { return Eigen::Vector2d(bar ? strain * x[0] : 0.0, strain * x[1]); });
+  const int axis = components(mesh.model) - 1;
+  return sample::nodal(
+      mesh, [&](const auto& x) -> Eigen::Vector3d { return strain * x[axis] * Eigen::Vector3d::Unit(axis); });
 }
 
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
@@ -63,7 +64,7 @@ TEST(AxialStress, SharesOfThePartsOfABodyAddUp) {
     const auto whole = sample::whole_part(mesh, section);
     const auto layers = axial_layers(mesh, section, 100);
     const auto field = [](const auto& x) {
-      return Eigen::Vector2d(1e-3 * x[1] + x[0] * x[0], 2e-3 * x[1] * x[0] + x[1]);
+      return Eigen::Vector3d(1e-3 * x[1] + x[0] * x[0], 2e-3 * x[1] * x[0] + x[1], x[2] * x[0]);
     };
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(layers.size());
     std::vector<double> volume(static_cast<std::size_t>(layers.size()), 0.0);

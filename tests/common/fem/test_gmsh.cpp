@@ -7,6 +7,7 @@
 #include "common/fem/gmsh_file.hpp"
 #include "tests/common/fem/sample_elements.hpp"
 #include "tests/common/fem/test_help.hpp"
+#include "tests/support/block_mesh.hpp"
 #include "tests/support/triangle_mesh.hpp"
 
 namespace ricochet::fem {
@@ -44,18 +45,16 @@ class TemporaryMesh {
 
 struct SurfaceSum {
   double area = 0.0;
-  Eigen::Vector2d normal_area{0.0, 0.0};  // integral of the outward normal
+  Eigen::Vector3d normal_area{0.0, 0.0, 0.0};  // integral of the outward normal
 };
 
 SurfaceSum sum_of(const Mesh& mesh, const std::string& surface) {
   SurfaceSum sum;
-  for (const auto& [a, b] : mesh.surfaces.at(surface)) {
-    const Eigen::Vector2d& xa = mesh.position[static_cast<std::size_t>(a)];
-    const Eigen::Vector2d& xb = mesh.position[static_cast<std::size_t>(b)];
-    const Eigen::Vector2d along = (xb - xa).normalized();
-    const double area = edge_area(sample::section(mesh.model), xa, xb).sum();
+  for (const Face& face : mesh.surfaces.at(surface)) {
+    const FaceArea of_nodes = face_area(sample::section(mesh.model), mesh, face);
+    const double area = std::accumulate(of_nodes.begin(), of_nodes.end(), 0.0);
     sum.area += area;
-    sum.normal_area += area * Eigen::Vector2d(along[1], -along[0]);
+    sum.normal_area += area * face_normal(mesh, face);
   }
   return sum;
 }
@@ -76,7 +75,7 @@ TEST(ReadGmsh, ReadsOneOfTwoBodiesWithItsSurfacesAndGroups) {
   const double pi = std::numbers::pi;
   const SurfaceSum face = sum_of(mesh, "striker_face");
   EXPECT_NEAR(face.area, pi * 4e-3 * 4e-3, 1e-15);
-  EXPECT_LT((face.normal_area - Eigen::Vector2d(0.0, -face.area)).norm(), 1e-15);
+  EXPECT_LT((face.normal_area - Eigen::Vector3d(0.0, -face.area, 0.0)).norm(), 1e-15);
   const SurfaceSum free = sum_of(mesh, "free");
   EXPECT_NEAR(free.area, 2.0 * pi * 5e-3 * 7e-3, 1e-15);
   EXPECT_NEAR(free.normal_area[0], free.area, 1e-15);
@@ -99,13 +98,13 @@ TEST(ReadGmsh, TurnsClockwiseQuadrilateralsAndTheirSurfaces) {
   EXPECT_EQ(mesh.elements.size(), 4U);
   const double area = std::numbers::pi * 5e-3 * 5e-3;
   EXPECT_NEAR(volume_of(mesh), area * 4e-3, 1e-12 * area);
-  EXPECT_LT((sum_of(mesh, "target_face").normal_area - Eigen::Vector2d(0.0, area)).norm(), 1e-15);
+  EXPECT_LT((sum_of(mesh, "target_face").normal_area - Eigen::Vector3d(0.0, area, 0.0)).norm(), 1e-15);
 }
 
 TEST(ReadGmsh, ReadsTheSameFileInPlaneStrain) {
   const Mesh mesh = read_gmsh(cylinders, Model::plane_strain, "target");
   EXPECT_NEAR(volume_of(mesh), 5e-3 * 4e-3 * 0.03, 1e-16);
-  EXPECT_LT((sum_of(mesh, "axis").normal_area - Eigen::Vector2d(-4e-3 * 0.03, 0.0)).norm(), 1e-15);
+  EXPECT_LT((sum_of(mesh, "axis").normal_area - Eigen::Vector3d(-4e-3 * 0.03, 0.0, 0.0)).norm(), 1e-15);
 }
 
 TEST(ReadGmsh, ReadsABarWhoseCurvesRunEitherWay) {
@@ -115,9 +114,9 @@ TEST(ReadGmsh, ReadsABarWhoseCurvesRunEitherWay) {
   EXPECT_NEAR(volume_of(mesh), 0.15 * 2.5e-4, 1e-15);
   EXPECT_EQ(mesh.element_groups.at("tip").size(), 5U);
   EXPECT_THAT(mesh.surfaces, ElementsAre(Pair("impact_end", testing::SizeIs(1)), Pair("support", testing::SizeIs(1))));
-  const auto [a, b] = mesh.surfaces.at("impact_end")[0];
-  EXPECT_EQ(a, b);
-  EXPECT_EQ(mesh.position[static_cast<std::size_t>(a)], Eigen::Vector2d(0.25, 0.0));
+  const Face& end = mesh.surfaces.at("impact_end")[0];
+  ASSERT_EQ(end.size(), 1U);
+  EXPECT_EQ(mesh.position[static_cast<std::size_t>(end[0])], Eigen::Vector3d(0.25, 0.0, 0.0));
 }
 
 TEST(ReadGmsh, SkipsSectionsItDoesNotNeedAndTakesWindowsLineEnds) {
@@ -137,7 +136,7 @@ TEST(ReadGmsh, PutsNodesOnTheAxisThatGmshLeftBesideIt) {
   const TemporaryMesh file(
       replaced(sample::file_text(cylinders), "\n0 -0.002000000000004911 0\n", "\n-6.1e-19 -0.002 0\n"));
   const Mesh mesh = read_gmsh(file.path(), Model::axisymmetric, "target");
-  for (const Eigen::Vector2d& x : mesh.position) EXPECT_GE(x[0], 0.0);
+  for (const Eigen::Vector3d& x : mesh.position) EXPECT_GE(x[0], 0.0);
   EXPECT_EQ(surface_nodes(mesh, "axis").size(), 3U);
 }
 
@@ -157,7 +156,38 @@ TEST(ReadGmsh, ReadsTrianglesBesideQuadrilaterals) {
   EXPECT_EQ(mesh.elements.size(), 2U * 3U * 4U - 1U) << "the last cell is a quadrilateral";
   EXPECT_NEAR(volume_of(mesh), 0.03 * 0.04 * 0.03, 1e-15) << "some triangles of the file are clockwise";
   EXPECT_EQ(mesh.surfaces.at("end").size(), 3U);
-  EXPECT_LT((sum_of(mesh, "end").normal_area - Eigen::Vector2d(0.0, 0.03 * 0.03)).norm(), 1e-15);
+  EXPECT_LT((sum_of(mesh, "end").normal_area - Eigen::Vector3d(0.0, 0.03 * 0.03, 0.0)).norm(), 1e-15);
+}
+
+TEST(ReadGmsh, ReadsVolumesAndTurnsWhatIsInsideOut) {
+  for (const bool tetrahedra : {false, true}) {
+    const TemporaryMesh file(test::block_msh(
+        "block",
+        {.size_m = 0.03, .start_m = 0.1, .length_m = 0.05, .across = 3, .along = 4, .tetrahedra = tetrahedra}));
+    const Mesh mesh = read_gmsh(file.path(), Model::solid, "block");
+    check_mesh(mesh, "block");
+    EXPECT_EQ(mesh.elements.size(), tetrahedra ? 216U : 36U);
+    EXPECT_NEAR(volume_of(mesh), 0.03 * 0.03 * 0.05, 1e-14);
+    EXPECT_LT((sum_of(mesh, "start").normal_area - Eigen::Vector3d(0.0, 0.0, -9e-4)).norm(), 1e-15);
+    EXPECT_LT((sum_of(mesh, "end").normal_area - Eigen::Vector3d(0.0, 0.0, 9e-4)).norm(), 1e-15);
+    EXPECT_LT(sum_of(mesh, "sides").normal_area.norm(), 1e-15);
+    EXPECT_NEAR(sum_of(mesh, "sides").area, 4 * 0.03 * 0.05, 1e-15);
+  }
+}
+
+TEST(ReadGmsh, RefusesASolidWithoutVolume) {
+  const std::string flat = replaced(test::block_msh("block", {}), "\n1 0 0\n", "\n-1 0 0\n");
+  const TemporaryMesh file(flat);
+  EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(file.path(), Model::solid, "block"); }),
+              AllOf(HasSubstr("is inverted, not convex or has no volume at (x, y, z) = ")));
+}
+
+TEST(ReadGmsh, RefusesASurfaceInsideASolid) {
+  std::string text = test::block_msh("block", {.along = 2});  // face of nodes 1 2 4 3 of "start" moved up to 5 6 8 7
+  text = replaced(text, "\n1 1 2 4 3\n", "\n1 5 6 8 7\n");
+  const TemporaryMesh file(text);
+  EXPECT_THAT(sample::message_of([&] { (void)read_gmsh(file.path(), Model::solid, "block"); }),
+              HasSubstr("of \"start\" lies inside the body"));
 }
 
 TEST(ReadGmsh, SaysWhichFileItCannotRead) {
@@ -225,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
                "\n2 2 3 6\n",
                "\n2 2 16 6\n",
                {"second-order elements (type 16)", "Mesh.ElementOrder = 1"}},
-        Broken{"tetrahedra", "\n2 2 3 6\n", "\n3 2 4 6\n", {"element type 4 in entity 2 of dimension 3; only 2-node"}},
+        Broken{"prisms", "\n2 2 3 6\n", "\n3 2 6 6\n", {"element type 6 in entity 2 of dimension 3; only 2-node"}},
         Broken{"unknown_entity", "\n2 2 3 6\n", "\n2 9 3 6\n", {"entity 9 of dimension 2 is not in $Entities"}},
         Broken{"type_of_another_dimension", "\n2 2 3 6\n", "\n2 2 1 6\n", {"does not fit its elements"}},
         Broken{"no_group_of_that_name",

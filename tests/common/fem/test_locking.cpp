@@ -33,7 +33,8 @@ double bending(bool triangles, double poisson_ratio, int through_height) {
   const Part part = sample::whole_part(mesh, {Model::plane_strain, 1.0}, {youngs_modulus, poisson_ratio, 1.0});
   Eigen::VectorXd force = Eigen::VectorXd::Zero(part.dofs());
   for (const auto& [surface, sign] : {std::pair{"inner", -1.0}, std::pair{"outer", 1.0}}) {
-    for (const auto& [a, b] : part.mesh.surfaces.at(surface)) {
+    for (const Face& edge : part.mesh.surfaces.at(surface)) {
+      const int a = edge[0], b = edge[1];
       const double ya = part.mesh.position[at(a)][1], yb = part.mesh.position[at(b)][1], length = std::abs(yb - ya);
       force[2 * a] += sign * length * (2.0 * ya + yb) / 6.0;
       force[2 * b] += sign * length * (ya + 2.0 * yb) / 6.0;

@@ -51,8 +51,8 @@ TEST(BarMesh, HasItsEndsAsSurfaces) {
   const Mesh mesh = bar_mesh({1.0, 1.5, 3.0});
   EXPECT_EQ(mesh.elements.size(), 2U);
   EXPECT_EQ(mesh.elements[1], (Element{ElementKind::bar, {1, 2}}));
-  EXPECT_THAT(mesh.surfaces.at("start"), ElementsAre(ElementsAre(0, 0)));
-  EXPECT_THAT(mesh.surfaces.at("end"), ElementsAre(ElementsAre(2, 2)));
+  EXPECT_THAT(mesh.surfaces.at("start"), ElementsAre(Face{0}));
+  EXPECT_THAT(mesh.surfaces.at("end"), ElementsAre(Face{2}));
   check_mesh(mesh, "rod");
 }
 
@@ -71,14 +71,36 @@ TEST(QuadrilateralMesh, SurfacesHaveOutwardNormalsAndTheAreaOfTheCylinder) {
   for (const auto& [name, edges] : mesh.surfaces) {
     const auto& [normal, area] = expected.at(name);
     double sum = 0.0;
-    for (const auto& [a, b] : edges) {
-      const Eigen::Vector2d& xa = mesh.position[static_cast<std::size_t>(a)];
-      const Eigen::Vector2d& xb = mesh.position[static_cast<std::size_t>(b)];
-      const Eigen::Vector2d along = (xb - xa).normalized();
-      EXPECT_LT((Eigen::Vector2d(along[1], -along[0]) - normal).norm(), 1e-14) << name;
-      sum += edge_area(section, xa, xb).sum();
+    for (const Face& edge : edges) {
+      EXPECT_LT((face_normal(mesh, edge).head<2>() - normal).norm(), 1e-14) << name;
+      const FaceArea of_nodes = face_area(section, mesh, edge);
+      sum += of_nodes[0] + of_nodes[1];
     }
     EXPECT_NEAR(sum, area, 1e-13 * area) << name;
+  }
+}
+
+TEST(Mesh, BlockHasSixSurfacesWithOutwardNormals) {
+  const Mesh mesh = block_mesh(graded_coordinates(0.0, 0.02, 3, 2.0), graded_coordinates(0.0, 0.03, 2, 1.0),
+                               graded_coordinates(-0.04, 0.05, 5, 0.5));
+  check_mesh(mesh, "block");
+  EXPECT_EQ(mesh.elements.size(), 30U);
+  const std::map<std::string, std::pair<Eigen::Vector3d, double>> expected = {
+      {"start", {{0.0, 0.0, -1.0}, 0.02 * 0.03}}, {"end", {{0.0, 0.0, 1.0}, 0.02 * 0.03}},
+      {"inner", {{-1.0, 0.0, 0.0}, 0.03 * 0.05}}, {"outer", {{1.0, 0.0, 0.0}, 0.03 * 0.05}},
+      {"front", {{0.0, -1.0, 0.0}, 0.02 * 0.05}}, {"back", {{0.0, 1.0, 0.0}, 0.02 * 0.05}}};
+  ASSERT_EQ(mesh.surfaces.size(), expected.size());
+  for (const Mesh& tested : {mesh, sample::tetrahedra_of(mesh)}) {
+    check_mesh(tested, "block");
+    for (const auto& [name, faces] : tested.surfaces) {
+      const auto& [normal, area] = expected.at(name);
+      double sum = 0.0;
+      for (const Face& face : faces) {
+        EXPECT_LT((face_normal(tested, face) - normal).norm(), 1e-14) << name;
+        for (const double of_node : face_area(sample::section(Model::solid), tested, face)) sum += of_node;
+      }
+      EXPECT_NEAR(sum, area, 1e-13 * area) << name;
+    }
   }
 }
 
@@ -111,7 +133,7 @@ TEST_P(CheckOneElement, NamesBodyElementAndPlace) {
   const BadMesh& bad = GetParam();
   Mesh mesh;
   mesh.model = bad.model;
-  mesh.position = bad.position;
+  for (const auto& x : bad.position) mesh.position.emplace_back(x[0], x[1], 0.0);
   const auto kinds = {ElementKind::bar, ElementKind::triangle, ElementKind::quadrilateral};
   mesh.elements = {{kinds.begin()[bad.position.size() - 2], {0, 1, 2, 3}}};
   const std::string text = message_of([&] { check_mesh(mesh, "target"); });

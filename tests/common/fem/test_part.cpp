@@ -50,16 +50,16 @@ TEST_P(PartOf, TwoPartsAddUpToTheWhole) {
     scatter(part, part.lumped_mass, 1, mass);
     scatter(part, part.stiffness * local, components_, force);
     for (const auto& [surface, edges] : mesh_.surfaces) {
-      scatter(part, traction_force(part, surface, {1e6, 2e6}), components_, load);
+      scatter(part, traction_force(part, surface, {1e6, 2e6, 4e6}), components_, load);
     }
-    scatter(part, gravity_force(part, {1.0, -9.81}), components_, gravity);
+    scatter(part, gravity_force(part, {1.0, -9.81, 3.0}), components_, gravity);
   }
   Eigen::VectorXd whole_load = Eigen::VectorXd::Zero(whole.dofs());
-  for (const auto& [surface, edges] : mesh_.surfaces) whole_load += traction_force(whole, surface, {1e6, 2e6});
+  for (const auto& [surface, edges] : mesh_.surfaces) whole_load += traction_force(whole, surface, {1e6, 2e6, 4e6});
   EXPECT_LT(sample::relative_error(mass, whole.lumped_mass), 1e-14);
   EXPECT_LT(sample::relative_error(force, whole.stiffness * u), 1e-12);
   EXPECT_LT(sample::relative_error(load, whole_load), 1e-14);
-  EXPECT_LT(sample::relative_error(gravity, gravity_force(whole, {1.0, -9.81})), 1e-14);
+  EXPECT_LT(sample::relative_error(gravity, gravity_force(whole, {1.0, -9.81, 3.0})), 1e-14);
 }
 
 TEST_P(PartOf, StiffnessIsSymmetricToTheLastBitInStructureAndValue) {
@@ -91,12 +91,13 @@ TEST_P(PartOf, TheSameElementsGiveTheSameBits) {
 
 TEST_P(PartOf, GravityAddsUpToTheWeight) {
   const Part part = sample::whole_part(mesh_, section_);
-  const Eigen::VectorXd force = gravity_force(part, {2.0, -9.81});
+  const Eigen::VectorXd force = gravity_force(part, {2.0, -9.81, 5.0});
   const double mass = part.lumped_mass.sum();
-  Eigen::Vector2d total = Eigen::Vector2d::Zero();
+  Eigen::Vector3d total = Eigen::Vector3d::Zero();
   for (int i = 0; i < part.dofs(); ++i) total[i % components_] += force[i];
   EXPECT_NEAR(total[0], 2.0 * mass, 1e-12 * mass);
   EXPECT_NEAR(total[1], components_ == 1 ? 0.0 : -9.81 * mass, 1e-12 * mass);
+  EXPECT_NEAR(total[2], components_ == 3 ? 5.0 * mass : 0.0, 1e-12 * mass);
 }
 
 TEST_P(PartOf, TractionAddsUpToTractionTimesArea) {
@@ -104,11 +105,13 @@ TEST_P(PartOf, TractionAddsUpToTractionTimesArea) {
   double area = section_.measure;
   if (model_ == Model::plane_strain) area *= 0.03;
   if (model_ == Model::axisymmetric) area = std::numbers::pi * 0.03 * 0.03;
-  const Eigen::VectorXd force = traction_force(part, "end", {3e6, -5e6});
-  Eigen::Vector2d total = Eigen::Vector2d::Zero();
+  if (model_ == Model::solid) area = 0.03 * 0.02;
+  const Eigen::VectorXd force = traction_force(part, "end", {3e6, -5e6, 7e6});
+  Eigen::Vector3d total = Eigen::Vector3d::Zero();
   for (int i = 0; i < part.dofs(); ++i) total[i % components_] += force[i];
   EXPECT_NEAR(total[0], 3e6 * area, 1e-9);
   EXPECT_NEAR(total[1], components_ == 1 ? 0.0 : -5e6 * area, 1e-9);
+  EXPECT_NEAR(total[2], components_ == 3 ? 7e6 * area : 0.0, 1e-9);
 }
 
 TEST_P(PartOf, ElementBoundOfTheTimeStepIsSafe) {
@@ -145,8 +148,8 @@ TEST(Part, RestrictsSurfacesAndGroupsToItsOwnElements) {
   EXPECT_THAT(part.body_node, ElementsAre(1, 2, 4, 5, 7, 8));
   EXPECT_EQ(part.mesh.elements[1], (Element{ElementKind::quadrilateral, {2, 3, 5, 4}}));
   EXPECT_THAT(part.mesh.element_groups.at("diagonal"), ElementsAre(1));
-  EXPECT_THAT(part.mesh.surfaces.at("start"), ElementsAre(ElementsAre(0, 1)));
-  EXPECT_THAT(part.mesh.surfaces.at("outer"), ElementsAre(ElementsAre(1, 3), ElementsAre(3, 5)));
+  EXPECT_THAT(part.mesh.surfaces.at("start"), ElementsAre(Face{0, 1}));
+  EXPECT_THAT(part.mesh.surfaces.at("outer"), ElementsAre(Face{1, 3}, Face{3, 5}));
   EXPECT_THAT(part.mesh.surfaces.at("inner"), IsEmpty()) << "its name stays known";
   EXPECT_EQ(traction_force(part, "inner", {1.0, 1.0}), Eigen::VectorXd::Zero(12));
 }
@@ -155,7 +158,7 @@ TEST(Part, TakesNoLoadOfANodeWhoseElementIsElsewhere) {
   const Mesh mesh = bar_mesh({0.0, 1.0, 2.0});
   const Part part = extract_part(mesh, "rod", sample::section(Model::bar), steel, {0}, {2});
   EXPECT_EQ(part.nodes(), 3);
-  EXPECT_THAT(part.mesh.surfaces.at("start"), ElementsAre(ElementsAre(0, 0)));
+  EXPECT_THAT(part.mesh.surfaces.at("start"), ElementsAre(Face{0}));
   EXPECT_THAT(part.mesh.surfaces.at("end"), IsEmpty());
 }
 

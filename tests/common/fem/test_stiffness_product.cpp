@@ -5,6 +5,7 @@
 
 #include "common/fem/part.hpp"
 #include "common/fem/stiffness_product.hpp"
+#include "tests/common/fem/sample_elements.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -35,6 +36,25 @@ TEST(StiffnessProduct, EqualsTheSparseProductOnStructuredMeshes) {
   EXPECT_LT(largest_difference(whole(bar_mesh(graded_coordinates(0.0, 1.0, 13, 1.0)))), 1e-14);
 }
 
+Mesh block(int x, int y, int z) {
+  return block_mesh(graded_coordinates(0.0, 0.1, x, 1.0), graded_coordinates(0.0, 0.13, y, 1.0),
+                    graded_coordinates(0.3, 1.0, z, 1.0));
+}
+
+TEST(StiffnessProduct, EqualsTheSparseProductOfSolids) {
+  for (const Mesh& mesh : {block(3, 2, 7), sample::distorted_block(), sample::tetrahedra_of(sample::distorted_block())})
+    EXPECT_LT(largest_difference(whole(mesh)), 1e-14);
+}
+
+// 27 places that a node of a block can have: inside, and on its faces, edges and corners.
+TEST(NodeStencils, AreStoredOnceForCopiesOfAnElement) {
+  const Part part = whole(block(5, 4, 9));
+  EXPECT_EQ(NodeStencils(part.stiffness).nodes(), 6 * 5 * 10);
+  EXPECT_EQ(NodeStencils(part.stiffness).distinct(), 27);
+  const Part uneven = whole(sample::distorted_block());
+  EXPECT_GT(NodeStencils(uneven.stiffness).distinct(), uneven.nodes() / 2);
+}
+
 TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
   const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);
@@ -44,9 +64,10 @@ TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
 TEST(StiffnessProduct, OfSomeSlicesHasTheSameBitsAndLeavesTheOtherRows) {
   for (const Part& part : {whole(bar_mesh(graded_coordinates(0.0, 1.0, 20, 1.0))),
                            whole(quadrilateral_mesh(Model::axisymmetric, graded_coordinates(0.0, 0.1, 5, 2.0),
-                                                    graded_coordinates(0.0, 1.0, 7, 1.0)))}) {
+                                                    graded_coordinates(0.0, 1.0, 7, 1.0))),
+                           whole(block(3, 2, 7))}) {
     const StiffnessProduct product(part.stiffness, components(part.mesh.model));
-    const int n = part.dofs(), slice = StiffnessProduct::rows_of_slice;
+    const int n = part.dofs(), slice = StiffnessProduct::rows_of_slice(components(part.mesh.model));
     Eigen::VectorXd u(n), all(n);
     for (int i = 0; i < n; ++i) u[i] = std::sin(1.7 * i);
     product.multiply(u, all);
@@ -69,6 +90,7 @@ TEST(StiffnessProduct, ATranslationMakesNoForce) {
   for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
     for (const int along : {6, 7}) parts.push_back(whole(mesh(model, along)));  // the last slice is not and is full
   }
+  parts.push_back(whole(block(3, 2, 7)));
   for (const Part& part : parts) {
     const int n = components(part.mesh.model);
     const StiffnessProduct product(part.stiffness, n);

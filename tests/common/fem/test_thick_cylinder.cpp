@@ -37,7 +37,7 @@ Eigen::VectorXd solve(const Part& part, const Eigen::VectorXd& force) {
 Errors thick_cylinder(int count) {
   Mesh mesh = quadrilateral_mesh(Model::axisymmetric, graded_coordinates(inner, outer - inner, count, 1.5),
                                  graded_coordinates(0.0, 0.005, count / 2, 1.0));
-  for (Eigen::Vector2d& x : mesh.position) {
+  for (Eigen::Vector3d& x : mesh.position) {
     x[0] += 0.06 * (x[0] - inner) * (outer - x[0]) / (outer - inner) * std::sin(x[1] / 0.005 * 3.0);
   }
   const Part part = sample::whole_part(mesh, sample::section(Model::axisymmetric));

@@ -24,9 +24,10 @@ struct Written {
       : model_(model), parts{sample::distorted_part(model), part_of(model, {1, 3}), part_of(model, {0})} {
     for (const Part& part : parts) {
       displacement.push_back(sample::nodal(part.mesh, [](const auto& x) {
-        return Eigen::Vector2d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0]);
+        return Eigen::Vector3d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0], x[2] * x[1]);
       }));
-      velocity.push_back(sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector2d(7.0 + x[0], -30.0); }));
+      velocity.push_back(
+          sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector3d(7.0 + x[0], -30.0, x[2]); }));
     }
     write_vtu(path(), {&parts[0], &parts[1], &parts[2]}, {&displacement[0], &displacement[1], &displacement[2]},
               {&velocity[0], &velocity[1], &velocity[2]});
@@ -78,6 +79,7 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
   std::vector<std::string> names = {"stress_axial"};
   if (model == Model::plane_strain) names = {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
   if (model == Model::axisymmetric) names = {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
+  if (model == Model::solid) names = {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
   for (std::size_t c = 0; c < names.size(); ++c) {
     fields[names[c]] = per_cell(written, [c](const StressVector& s) { return s[static_cast<Eigen::Index>(c)]; });
   }
@@ -125,14 +127,14 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
     std::vector<double> points, cells;
     int first_node = 0;
     for (const Part& part : written.parts) {
-      for (const Eigen::Vector2d& x : part.mesh.position) points.insert(points.end(), {x[0], x[1], 0.0});
+      for (const Eigen::Vector3d& x : part.mesh.position) points.insert(points.end(), x.begin(), x.end());
       for (const auto& element : part.mesh.elements) {
         for (const int node : element) cells.push_back(first_node + node);
       }
       first_node += part.nodes();
     }
     EXPECT_EQ(arrays.at("points"), points);
-    EXPECT_EQ(arrays.at(model == Model::bar ? "line" : "quad"), cells);
+    EXPECT_EQ(arrays.at(model == Model::bar ? "line" : model == Model::solid ? "hexahedron" : "quad"), cells);
   }
 }
 

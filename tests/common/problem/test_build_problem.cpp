@@ -25,11 +25,11 @@ TEST(ContactPairs, LieAtTheSamePlaceAndAreSortedFromTheAxis) {
   ASSERT_EQ(contact.pairs.size(), 5U);
   EXPECT_EQ(contact.body_a, 0);
   EXPECT_EQ(contact.body_b, 1);
-  EXPECT_NEAR((contact.normal - Eigen::Vector2d(0.0, 1.0)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((contact.normal - Eigen::Vector3d(0.0, 1.0, 0.0)).norm(), 0.0, 1e-15);
   for (std::size_t i = 0; i < contact.pairs.size(); ++i) {
     const ContactPair& pair = contact.pairs[i];
-    const Eigen::Vector2d& a = problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)];
-    const Eigen::Vector2d& b = problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.b.at(0).node)];
+    const Eigen::Vector3d& a = problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)];
+    const Eigen::Vector3d& b = problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.b.at(0).node)];
     EXPECT_NEAR((a - b).norm(), 0.0, 1e-15);
     EXPECT_NEAR(pair.distance_m, 0.001 * static_cast<double>(i), 1e-15);
     EXPECT_EQ(pair.gap0_m, 0.0);
@@ -80,7 +80,7 @@ TEST(ContactNormal, MayLieAcross) {
       replaced(plates, "[\"lower.end\", \"upper.start\"]", "[\"lower.outer\", \"rigid_plane\"]");
   const std::string text = replaced(surfaces, "{ lower = 0.1, upper = 0.05 }", "{ lower = 0.1 }");
   const Problem problem = build(text);
-  EXPECT_NEAR((problem.contact.normal - Eigen::Vector2d(1.0, 0.0)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((problem.contact.normal - Eigen::Vector3d(1.0, 0.0, 0.0)).norm(), 0.0, 1e-15);
   EXPECT_EQ(problem.contact.pairs.size(), 7U);
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 2 * 6);  // two columns of 50 mm from the outer side
 }
@@ -119,7 +119,7 @@ TEST(Constraints, AxisSupportsAndPrescribedMotion) {
       "factor = [0.5] } }]"));
   const BodyProblem& steel = problem.bodies[0];
   for (int node = 0; node < 45; ++node) {
-    const Eigen::Vector2d& x = steel.mesh.position[static_cast<std::size_t>(node)];
+    const Eigen::Vector3d& x = steel.mesh.position[static_cast<std::size_t>(node)];
     const bool radial = x[0] == 0.0 || std::abs(x[0] - 0.004) < 1e-12, axial = x[1] == -0.02;
     EXPECT_EQ(steel.fixed_dof[static_cast<std::size_t>(2 * node)], radial);
     EXPECT_EQ(steel.fixed_dof[static_cast<std::size_t>(2 * node + 1)], axial);

@@ -16,8 +16,8 @@ using testing::HasSubstr;
 
 Problem plates_problem() { return build_problem(load_text(plates)); }
 
-std::vector<Eigen::Vector2d> everywhere(const Shape& shape, const Eigen::Vector2d& u) {
-  return std::vector<Eigen::Vector2d>(shape.outline().nodes.size(), u);
+std::vector<Eigen::Vector3d> everywhere(const Shape& shape, const Eigen::Vector2d& u) {
+  return std::vector<Eigen::Vector3d>(shape.outline().nodes.size(), {u[0], u[1], 0.0});
 }
 
 TEST(Outline, HoldsNodesAndEdgesOfOneElementOnly) {
@@ -44,10 +44,10 @@ TEST(Overlap, OfPlatesIsHowDeepANodeLiesWithinTheOther) {
 TEST(Overlap, OfABodyWithinAnotherCounts) {
   const Problem problem = plates_problem();
   Shape lower(problem.bodies[0]), small(problem.bodies[1]);
-  std::vector<Eigen::Vector2d> shrink;
+  std::vector<Eigen::Vector3d> shrink;
   for (const int node : small.outline().nodes) {
-    const Eigen::Vector2d x = problem.bodies[1].mesh.position[static_cast<std::size_t>(node)];
-    shrink.push_back(Eigen::Vector2d(0.1, -0.15) + 0.01 * (x - Eigen::Vector2d(0.1, 0.15)) - x);
+    const Eigen::Vector3d x = problem.bodies[1].mesh.position[static_cast<std::size_t>(node)];
+    shrink.push_back(Eigen::Vector3d(0.1, -0.15, 0.0) + 0.01 * (x - Eigen::Vector3d(0.1, 0.15, 0.0)) - x);
   }
   small.move(shrink);
   EXPECT_NEAR(lower.overlap(small).depth_m, 0.1, 1e-3);
@@ -56,11 +56,11 @@ TEST(Overlap, OfABodyWithinAnotherCounts) {
 TEST(Overlap, KnowsRoundThatBoxesDoNot) {
   const Problem problem = plates_problem();
   Shape lower(problem.bodies[0]), upper(problem.bodies[1]);
-  const Eigen::Rotation2Dd turn(std::numbers::pi / 4);
-  std::vector<Eigen::Vector2d> turned;
+  const Eigen::AngleAxisd turn(std::numbers::pi / 4, Eigen::Vector3d::UnitZ());
+  std::vector<Eigen::Vector3d> turned;
   for (const int node : upper.outline().nodes) {
-    const Eigen::Vector2d x = problem.bodies[1].mesh.position[static_cast<std::size_t>(node)];
-    turned.push_back(turn * x + Eigen::Vector2d(0.25, -0.03) - x);  // its lowest corner is at (0.25, -0.03)
+    const Eigen::Vector3d x = problem.bodies[1].mesh.position[static_cast<std::size_t>(node)];
+    turned.push_back(turn * x + Eigen::Vector3d(0.25, -0.03, 0.0) - x);  // its lowest corner is at (0.25, -0.03)
   }
   upper.move(turned);
   EXPECT_LT(upper.low()[0], 0.2);

@@ -45,7 +45,7 @@ struct Plates {
   void move(std::size_t body, const Motion& motion) {
     auto& state = states[body];
     for (int node = 0; node < state.part.nodes(); ++node) {
-      const Eigen::Vector2d u = motion(state.part.mesh.position[static_cast<std::size_t>(node)]);
+      const Eigen::Vector2d u = motion(state.part.mesh.position[static_cast<std::size_t>(node)].head<2>());
       state.u.segment<2>(2 * node) = u;
     }
   }

@@ -34,7 +34,7 @@ double mean_of(const std::string& text, const Field& displacement) {
   for (const auto& owned : parts) {
     auto& values = u.emplace_back(owned.part.dofs());
     for (int node = 0; node < owned.part.nodes(); ++node) {
-      values.segment<2>(2 * node) = displacement(owned.part.mesh.position[static_cast<std::size_t>(node)]);
+      values.segment<2>(2 * node) = displacement(owned.part.mesh.position[static_cast<std::size_t>(node)].head<2>());
     }
   }
   const auto of_part = [&](int part) -> const Eigen::VectorXd& { return u[static_cast<std::size_t>(part)]; };
