@@ -9,7 +9,7 @@
 namespace ricochet::test {
 
 /// A block [0, size] x [0, size] x [start, start + length] of cells.
-struct Block {
+struct BlockMesh {
   double size_m = 1.0, start_m = 0.0, length_m = 1.0;
   int across = 1, along = 1;
   bool tetrahedra = false;
@@ -17,7 +17,7 @@ struct Block {
 
 /// MSH 4.1 text of a block of hexahedra, or of six tetrahedra around a diagonal of each; every third element is inside
 /// out. Physical volume `body`, surfaces "start" and "end" (low and high z) and "sides" (the other four).
-inline std::string block_msh(const std::string& body, const Block& b) {
+inline std::string block_msh(const std::string& body, const BlockMesh& b) {
   const int row = b.across + 1, layer = row * row, nodes = layer * (b.along + 1);
   std::string text =
       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"start\"\n2 2 \"end\"\n2 3 \"sides\"\n3 4 \"" +
