@@ -34,7 +34,8 @@ struct DeckBody {
   [[nodiscard]] std::array<int, 4> turned(int element) const {
     if (body.mesh.elements[at(element)].kind != fem::ElementKind::quadrilateral)
       throw ConfigError(fmt::format("body '{}', element {}: not a quadrilateral", body.name, element));
-    auto nodes = body.mesh.elements[at(element)].node;
+    std::array<int, 4> nodes{};
+    std::copy_n(body.mesh.elements[at(element)].begin(), 4, nodes.begin());
     if (!touches_axis(nodes)) return nodes;
     for (int turn = 0; turn < 4; ++turn) {
       if (on_axis(nodes[0]) && on_axis(nodes[3]) && !on_axis(nodes[1]) && !on_axis(nodes[2])) return nodes;
