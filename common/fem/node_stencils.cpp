@@ -14,12 +14,10 @@ namespace {
 
 using Quad __attribute__((vector_size(4 * sizeof(double)))) = double;  // three components, and what follows them
 
-constexpr int block_size = 9;
-
 /// One node's rows of K.
 struct Rows {
   std::vector<int> distance;
-  std::vector<double> coefficient;
+  std::vector<StencilBlock> coefficient;
 
   Rows(const SparseMatrix& stiffness, int node) {
     std::map<int, int> place;  // of the neighbour's block
@@ -30,11 +28,11 @@ struct Rows {
       block = static_cast<int>(distance.size());
       distance.push_back(3 * (neighbour - node));
     }
-    coefficient.assign(block_size * distance.size(), 0.0);
+    coefficient.resize(distance.size());
     for (int r = 0; r < 3; ++r) {
       for (SparseMatrix::InnerIterator it(stiffness, 3 * node + r); it; ++it) {
         const int column = static_cast<int>(it.col());
-        coefficient[at(block_size * place[column / 3] + 3 * (column % 3) + r)] = it.value();
+        coefficient[at(place[column / 3])].column[column % 3][r] = it.value();
       }
     }
   }
@@ -64,10 +62,10 @@ template <bool more>
 struct Sums {
   Quad by_x{}, by_y{}, by_z{};
 
-  [[gnu::always_inline]] void add(const double* columns, const Quad& u) {
-    by_x += load_quad(columns) * __builtin_shufflevector(u, u, 0, 0, 0, 0);
-    by_y += load_quad(columns + 3) * __builtin_shufflevector(u, u, 1, 1, 1, 1);
-    by_z += load_quad(columns + 6) * __builtin_shufflevector(u, u, 2, 2, 2, 2);
+  [[gnu::always_inline]] void add(const StencilBlock& block, const Quad& u) {
+    by_x += load_quad(block.column[0]) * __builtin_shufflevector(u, u, 0, 0, 0, 0);
+    by_y += load_quad(block.column[1]) * __builtin_shufflevector(u, u, 1, 1, 1, 1);
+    by_z += load_quad(block.column[2]) * __builtin_shufflevector(u, u, 2, 2, 2, 2);
   }
 };
 
@@ -79,7 +77,8 @@ NodeStencils::NodeStencils(const SparseMatrix& stiffness) {
     const int first = begin_[at(stencil)], end = begin_[at(stencil) + 1];
     return end - first == static_cast<int>(rows.distance.size()) &&
            std::equal(rows.distance.begin(), rows.distance.end(), distance_.begin() + first) &&
-           std::equal(rows.coefficient.begin(), rows.coefficient.end(), coefficient_.begin() + block_size * first);
+           std::memcmp(rows.coefficient.data(), &coefficient_[at(first)],
+                       rows.coefficient.size() * sizeof(StencilBlock)) == 0;
   };
   for (int node = 0; node < static_cast<int>(stiffness.rows()) / 3; ++node) {
     const Rows rows(stiffness, node);
@@ -94,7 +93,6 @@ NodeStencils::NodeStencils(const SparseMatrix& stiffness) {
     coefficient_.insert(coefficient_.end(), rows.coefficient.begin(), rows.coefficient.end());
     begin_.push_back(static_cast<int>(distance_.size()));
   }
-  coefficient_.push_back(0.0);
   for (first_to_last_ = 0; first_to_last_ < nodes(); ++first_to_last_) {
     const int last_block = begin_[at(stencil_[at(first_to_last_)]) + 1] - 1;  // distances ascend
     const bool empty = last_block < begin_[at(stencil_[at(first_to_last_)])];
@@ -111,10 +109,10 @@ template <bool more>
   int block = begin_[at(stencil)];
   Sums even, odd;  // two, for a sum must wait for the one before it
   for (; block + 1 < end; block += 2) {
-    even.add(&coefficient_[at(block_size * block)], load_node<more>(own + distance_[at(block)]) - base);
-    odd.add(&coefficient_[at(block_size * (block + 1))], load_node<more>(own + distance_[at(block + 1)]) - base);
+    even.add(coefficient_[at(block)], load_node<more>(own + distance_[at(block)]) - base);
+    odd.add(coefficient_[at(block + 1)], load_node<more>(own + distance_[at(block + 1)]) - base);
   }
-  if (block < end) even.add(&coefficient_[at(block_size * block)], load_node<more>(own + distance_[at(block)]) - base);
+  if (block < end) even.add(coefficient_[at(block)], load_node<more>(own + distance_[at(block)]) - base);
   const Quad sum = (even.by_x + odd.by_x) + (even.by_y + odd.by_y) + (even.by_z + odd.by_z);
   std::memcpy(result + 3 * node, &sum, 3 * sizeof(double));
 }

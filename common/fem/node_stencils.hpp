@@ -6,6 +6,11 @@
 
 namespace ricochet::fem {
 
+/// A 3 x 3 block of K, each column filled up to four numbers, which a processor loads at once.
+struct alignas(32) StencilBlock {
+  double column[3][4] = {};
+};
+
 /// K u of three components per node, without K. The *stencil* of a node is its three rows of K: how far each
 /// neighbour's number is from its own, and the 3 x 3 block of each. K has 27 blocks, 243 numbers, a node; but nodes
 /// among copies of the same elements, as structured, swept and periodic meshes are made of, have the same stencil,
@@ -33,8 +38,7 @@ class NodeStencils {
   std::vector<int> begin_{0};  ///< blocks of stencil s: begin_[s] .. begin_[s + 1]
   std::vector<int> distance_;  ///< per block: from the node's first dof to the neighbour's
   int first_to_last_ = 0;      ///< first node that has the last one as a neighbour: nothing follows that one
-  std::vector<double>
-      coefficient_;  ///< nine per block, column by column, and one more at the end, which loads pass over
+  std::vector<StencilBlock> coefficient_;  ///< per block
 };
 
 }  // namespace ricochet::fem

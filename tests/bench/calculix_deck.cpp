@@ -35,7 +35,7 @@ struct DeckBody {
     if (body.mesh.elements[at(element)].kind != fem::ElementKind::quadrilateral)
       throw ConfigError(fmt::format("body '{}', element {}: not a quadrilateral", body.name, element));
     std::array<int, 4> nodes{};
-    std::copy_n(body.mesh.elements[at(element)].node.begin(), 4, nodes.begin());
+    std::copy_n(body.mesh.elements[at(element)].begin(), 4, nodes.begin());
     if (!touches_axis(nodes)) return nodes;
     for (int turn = 0; turn < 4; ++turn) {
       if (on_axis(nodes[0]) && on_axis(nodes[3]) && !on_axis(nodes[1]) && !on_axis(nodes[2])) return nodes;

@@ -75,6 +75,24 @@ TEST(ContactNormal, OfABarPointsOutOfIt) {
   EXPECT_EQ(other.bodies[static_cast<std::size_t>(other.contact.body_a)].name, "right");
 }
 
+TEST(ContactPairs, OfSolidsHaveTheAreasOfTheirNodes) {
+  const Problem problem = build(blocks);
+  ASSERT_EQ(problem.contact.pairs.size(), 12U);
+  EXPECT_EQ(problem.contact.normal, Eigen::Vector3d(0.0, 0.0, 1.0));
+  double area = 0.0, smallest = 1.0;
+  for (const ContactPair& pair : problem.contact.pairs) {
+    EXPECT_LT((problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)] -
+               problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.node_b)])
+                  .norm(),
+              1e-15);
+    area += pair.area_m2;
+    smallest = std::min(smallest, pair.area_m2);
+  }
+  EXPECT_NEAR(area, 0.2 * 0.3, 1e-15);
+  EXPECT_NEAR(smallest, 0.25 * 0.1 * 0.1, 1e-15) << "a quarter of a face at the corners";
+  EXPECT_EQ(count(problem.bodies[0].implicit_element), 2 * 3 * 2);
+}
+
 TEST(ContactNormal, MayLieAcross) {
   const std::string surfaces =
       replaced(plates, "[\"lower.end\", \"upper.start\"]", "[\"lower.outer\", \"rigid_plane\"]");

@@ -67,6 +67,32 @@ TEST(Overlap, KnowsRoundThatBoxesDoNot) {
   EXPECT_EQ(lower.overlap(upper).depth_m, 0.0);
 }
 
+TEST(Overlap, OfSolidsIsHowDeepANodeLiesWithinTheOther) {
+  const Problem problem = build_problem(load_text(blocks));  // 0.2 m x 0.3 m x 0.3 m each, in touch along z = 0
+  Shape lower(problem.bodies[0]), upper(problem.bodies[1]);
+  EXPECT_EQ(lower.outline().triangles.size(), 2U * 2U * (2 * 3 + 2 * 6 + 3 * 6));
+  EXPECT_EQ(lower.overlap(upper).depth_m, 0.0) << "in touch";
+  const auto moved = [&](double x, double y, double z) {
+    return std::vector<Eigen::Vector3d>(upper.outline().nodes.size(), {x, y, z});
+  };
+  upper.move(moved(0.07, 0.05, -0.02));
+  EXPECT_NEAR(lower.overlap(upper).depth_m, 0.02, 1e-12);
+  EXPECT_NEAR(upper.overlap(lower).depth_m, 0.02, 1e-12);
+  upper.move(moved(0.07, 0.31, -0.02));
+  EXPECT_EQ(lower.overlap(upper).depth_m, 0.0) << "beside it";
+  // Turned about y by 45 degrees, its lowest edge at (0.25, y, -0.03): boxes meet, bodies do not.
+  const Eigen::AngleAxisd turn(std::numbers::pi / 4, Eigen::Vector3d::UnitY());
+  std::vector<Eigen::Vector3d> turned;
+  for (const int node : upper.outline().nodes) {
+    const Eigen::Vector3d x = problem.bodies[1].mesh.position[static_cast<std::size_t>(node)];
+    turned.push_back(turn * (x - Eigen::Vector3d(0.2, 0.0, 0.0)) + Eigen::Vector3d(0.25, 0.0, -0.03) - x);
+  }
+  upper.move(turned);
+  EXPECT_LT(upper.low()[0], 0.2);
+  EXPECT_LT(upper.low()[2], 0.0);
+  EXPECT_EQ(lower.overlap(upper).depth_m, 0.0);
+}
+
 TEST(Overlap, OfBarsIsAnInterval) {
   const Problem problem = build_problem(load_text(bars));
   Shape left(problem.bodies[0]), right(problem.bodies[1]);

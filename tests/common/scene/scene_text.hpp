@@ -115,4 +115,23 @@ step_s = 1e-5
 end_s = 1e-3
 )";
 
+/// Two solid blocks, 2 x 3 x 6 elements, 0.2 m x 0.3 m across.
+inline const std::string blocks = R"(model = "solid"
+[[body]]
+name = "lower"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { start_m = -0.3, length_m = 0.3, height_m = 0.2, width_m = 0.3, elements = [2, 3, 6] }
+[[body]]
+name = "upper"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { length_m = 0.3, height_m = 0.2, width_m = 0.3, elements = [2, 3, 6] }
+[contact]
+surfaces = ["lower.end", "upper.start"]
+[partition]
+implicit_length_m = { lower = 0.1, upper = 0.05 }
+[time]
+step_s = 1e-5
+end_s = 1e-3
+)";
+
 }  // namespace ricochet::scene

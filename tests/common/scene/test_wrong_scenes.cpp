@@ -47,6 +47,7 @@ std::string many(const std::string& text, int count) {
 const std::string* const c = &cylinders;
 const std::string* const b = &bars;
 const std::string* const p = &plates;
+const std::string* const s = &blocks;
 
 const std::vector<Wrong> file_and_keys{
     {"syntax", c, "model = \"axisymmetric\"", "model = \"axisymmetric", 0, {"not a TOML file", " 1 | model"}},
@@ -338,6 +339,23 @@ const std::vector<Wrong> contacts{
      15,
      {"> 0 and <= 1"}},
     {"friction_of_bars", b, "surfaces =", "friction_coefficient = 0.1\nsurfaces =", 15, {"a two-dimensional model"}},
+    {"friction_of_solids",
+     s,
+     "surfaces =",
+     "friction_coefficient = 0.1\nsurfaces =",
+     11,
+     {"friction between solids, which is not there yet", "allowed: 0"}},
+    {"nose_of_solids", s, "surfaces =", "nose_radius_m = 0.1\nsurfaces =", 11, {"a two-dimensional model"}},
+    {"width_of_plates", p, "height_m = 0.2,", "height_m = 0.2, width_m = 0.1,", 5, {"model = \"solid\""}},
+    {"solid_without_width", s, ", width_m = 0.3", "", 5, {"width_m"}},
+    {"solid_divisions", s, "elements = [2, 3, 6]", "elements = [2, 6]", 5, {"3"}},
+    {"solid_nodes_apart",
+     s,
+     "width_m = 0.3, elements = [2, 3, 6] }\n[contact]",
+     "width_m = 0.31, elements = [2, 3, 6] }\n[contact]",
+     11,
+     {"nodes without a partner", "lower.end (0, 0.1, 0) m", "upper.start (0, 0.103333333, 0) m"}},
+    {"solid_surface_across", s, "\"upper.start\"", "\"upper.back\"", 11, {"outward normals (", "face each other"}},
     {"nose_of_bars", b, "surfaces =", "nose_radius_m = 0.1\nsurfaces =", 15, {"a two-dimensional model"}},
     {"nose_zero", c, "friction_coefficient", "nose_radius_m = 0.0\nfriction_coefficient", 13, {"> 0"}},
     {"same_direction", b, "\"right.start\"", "\"right.end\"", 15, {"outward normals", "face each other"}},

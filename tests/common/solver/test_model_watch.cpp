@@ -22,13 +22,16 @@ struct Plates {
   std::vector<scene::ParticipantPart> parts;
 
   explicit Plates(const std::string& model = "plane_strain", const std::string& extra_mesh = "") {
-    const std::string across = model == "plane_strain" ? "height_m" : "radius_m";
+    const std::string across = model == "solid"          ? "width_m = 0.1, height_m"
+                               : model == "plane_strain" ? "height_m"
+                                                         : "radius_m";
+    const std::string elements = model == "solid" ? "[4, 2, 2]" : "[4, 2]";
     std::string text = "model = \"" + model + "\"\n";
     for (const std::string name : {"lower", "upper"}) {
       text += "[[body]]\nname = \"" + name +
               "\"\nmaterial = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }\n";
       text += "mesh = { start_m = " + std::string(name == "lower" ? "-0.3" : "0.0") + ", length_m = 0.3, " + across +
-              " = 0.2, elements = [4, 2]" + extra_mesh + " }\n";
+              " = 0.2, elements = " + elements + extra_mesh + " }\n";
     }
     text +=
         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[time]\nstep_s = 1e-6\nend_s = "
@@ -39,6 +42,15 @@ struct Plates {
     states = initial_states(problem, problem.scene.participants.front(), true);
     std::filesystem::remove(path);
     parts = scene::participant_parts(problem, problem.scene.participants.front());
+  }
+  /// u = motion(x) on the nodes of a solid body.
+  template <class Motion>
+  void move_solid(std::size_t body, const Motion& motion) {
+    auto& state = states[body];
+    for (int node = 0; node < state.part.nodes(); ++node) {
+      const Eigen::Vector3d u = motion(state.part.mesh.position[static_cast<std::size_t>(node)]);
+      state.u.segment<3>(3 * node) = u;
+    }
   }
   /// u = motion(x) on the nodes of a body.
   template <class Motion>
@@ -62,6 +74,45 @@ const participant::Departure* find(const std::vector<participant::Departure>& al
   for (const auto& d : all)
     if (d.kind == kind) return &d;
   return nullptr;
+}
+
+TEST(ModelWatch, SeesStrainRotationAndInversionOfSolids) {
+  Plates solids("solid");
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, 2.0, -2.0) / 3.0;
+  solids.move_solid(0,
+                    [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0.019 * x[1], 0.019 * x[0], 0.019 * x[2]); });
+  solids.move_solid(1, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return 0.034 * axis.cross(x); });
+  EXPECT_TRUE(solids.look(false).empty());
+  solids.move_solid(0, [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0.03 * x[1], 0.03 * x[0], 0.0); });
+  solids.move_solid(1,
+                    [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return Eigen::AngleAxisd(0.5, axis) * x - x; });
+  const auto found = solids.look(false);
+  ASSERT_NE(find(found, Kind::strain), nullptr);
+  ASSERT_NE(find(found, Kind::rotation), nullptr);
+  EXPECT_NEAR(find(found, Kind::rotation)->largest, 0.5, 1e-12) << "of any size";
+  solids.move_solid(1, [](const Eigen::Vector3d&) { return Eigen::Vector3d::Zero(); });
+  const auto sheared = solids.look(false);
+  ASSERT_EQ(sheared.size(), 1U);
+  EXPECT_NEAR(sheared[0].largest, 0.03, 1e-12);
+  solids.move_solid(0, [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0.0, 0.0, x[2] > -0.1 ? -0.2 : 0.0); });
+  EXPECT_NE(find(solids.look(false), Kind::inverted), nullptr);
+}
+
+// Edges of 0.05 m along both directions of the surface.
+TEST(ModelWatch, SeesSolidsSlipAndLeaveThePartnerEitherWay) {
+  for (const auto& along : {Eigen::Vector3d(1.0, 0.0, 0.0), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
+    Plates solids("solid");
+    const auto slide = [&](double edges) {
+      solids.move_solid(1, [&](const Eigen::Vector3d&) -> Eigen::Vector3d { return edges * 0.05 * along; });
+      return solids.look();
+    };
+    EXPECT_TRUE(slide(0.4).empty());
+    ASSERT_EQ(slide(-0.6).size(), 1U);
+    EXPECT_NEAR(slide(-0.6)[0].largest, 0.6, 1e-12);
+    EXPECT_EQ(find(slide(0.9), Kind::off_partner), nullptr);
+    ASSERT_NE(find(slide(1.5), Kind::off_partner), nullptr);
+    EXPECT_NEAR(find(slide(1.5), Kind::off_partner)->largest, 1.5, 1e-9);
+  }
 }
 
 TEST(ModelWatch, SmallMotionIsWithinTheModel) {
