@@ -105,7 +105,8 @@ ImplicitOperator make_operator(int refinement) {
       }
     }
     for (const auto& pair : problem.contact.pairs) {
-      const auto node = static_cast<std::size_t>(owned.body == problem.contact.body_a ? pair.node_a : pair.b.front().node);
+      const auto node =
+          static_cast<std::size_t>(owned.body == problem.contact.body_a ? pair.node_a : pair.b.front().node);
       for (const std::size_t dof : {2 * node, 2 * node + 1}) {
         if (unknown_of[offset + dof] >= 0) result.root.push_back(unknown_of[offset + dof]);
       }

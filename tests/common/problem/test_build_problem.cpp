@@ -82,7 +82,7 @@ TEST(ContactPairs, OfSolidsHaveTheAreasOfTheirNodes) {
   double area = 0.0, smallest = 1.0;
   for (const ContactPair& pair : problem.contact.pairs) {
     EXPECT_LT((problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)] -
-               problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.node_b)])
+               problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.b.at(0).node)])
                   .norm(),
               1e-15);
     area += pair.area_m2;
