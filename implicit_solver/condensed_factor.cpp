@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -36,9 +37,10 @@ struct Cholmod {
       "implicit partition");
 }
 
-/// `could_not`: what CHOLMOD, whose calls return nothing then, was to do.
-[[noreturn]] void refuse_cholmod(const char* could_not) {
-  throw SolverError(std::string("CHOLMOD could not ") + could_not + " the implicit operator (out of memory?)");
+/// CHOLMOD's calls return nothing then: the machine's failure, as any other lack of memory, and no fault of the scene.
+[[noreturn]] void refuse_cholmod(const cholmod_common& common, const char* could_not) {
+  if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw SolverError(std::string("CHOLMOD could not ") + could_not + " the implicit operator");
 }
 
 /// Upper triangle of the active rows and columns of A, in CHOLMOD's column form.
@@ -59,7 +61,7 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   visit([&](int, int, double) { ++entries; });
   const auto n = static_cast<std::size_t>(unknowns);
   cholmod_sparse* matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, 1, CHOLMOD_REAL, &common);
-  if (!matrix) refuse_cholmod("hold");
+  if (!matrix) refuse_cholmod(common, "hold");
   auto* column_start = static_cast<int*>(matrix->p);
   auto* rows = static_cast<int*>(matrix->i);
   auto* values = static_cast<double*>(matrix->x);
@@ -133,10 +135,11 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   const EliminationOrder plan = elimination_order(cholmod.matrix, root_unknowns, common);
   std::vector<int> order = plan.order;
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
-  if (!cholmod.factor) refuse_cholmod("analyse");
-  if (!cholmod_factorize(cholmod.matrix, cholmod.factor, &common)) refuse_cholmod("factorise");
+  if (!cholmod.factor) refuse_cholmod(common, "analyse");
+  if (!cholmod_factorize(cholmod.matrix, cholmod.factor, &common)) refuse_cholmod(common, "factorise");
   if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
-  if (!cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common)) refuse_cholmod("order the factor of");
+  if (!cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common))
+    refuse_cholmod(common, "order the factor of");
 
   const auto* start = static_cast<const int*>(cholmod.factor->p);
   const auto* rows = static_cast<const int*>(cholmod.factor->i);

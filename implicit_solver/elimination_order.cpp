@@ -1,6 +1,7 @@
 #include "implicit_solver/elimination_order.hpp"
 
 #include <algorithm>
+#include <new>
 
 #include "common/base/error.hpp"
 
@@ -10,14 +11,18 @@ namespace {
 /// Zeros that a block may store, as a share of it: the solve takes as long as its factor takes to read, so not many.
 constexpr double padding_share = 0.1;
 
-[[noreturn]] void refuse() { throw SolverError("CHOLMOD could not order the implicit operator (out of memory?)"); }
+/// Its calls fail for lack of memory, which is no fault of the scene.
+[[noreturn]] void refuse_order(const cholmod_common& common) {
+  if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw SolverError("CHOLMOD could not order the implicit operator");
+}
 
 /// Fill-reducing order that keeps the root unknowns last.
 std::vector<int> minimum_degree(cholmod_sparse* matrix, const std::vector<int>& root, cholmod_common& common) {
   std::vector<int> group(matrix->ncol, 0), order(matrix->ncol);
   if (matrix->ncol < 2) return order;  // CAMD writes past the end of a matrix of one row
   for (const int unknown : root) group[static_cast<std::size_t>(unknown)] = 1;
-  if (!cholmod_camd(matrix, nullptr, 0, group.data(), order.data(), &common)) refuse();
+  if (!cholmod_camd(matrix, nullptr, 0, group.data(), order.data(), &common)) refuse_order(common);
   return order;
 }
 
@@ -34,7 +39,7 @@ std::vector<int> elimination_tree(cholmod_sparse* matrix, std::vector<int>& orde
   const bool found = upper && cholmod_etree(upper, parent.data(), &common);
   cholmod_free_sparse(&lower, &common);
   cholmod_free_sparse(&upper, &common);
-  if (!found) refuse();
+  if (!found) refuse_order(common);
   return parent;
 }
 
@@ -46,7 +51,7 @@ void postorder(cholmod_sparse* matrix, int interior, std::vector<int>& order, ch
     if (p >= interior) p = -1;
   }
   const auto size = static_cast<std::size_t>(interior);
-  if (cholmod_postorder(parent.data(), size, nullptr, post.data(), &common) != interior) refuse();
+  if (cholmod_postorder(parent.data(), size, nullptr, post.data(), &common) != interior) refuse_order(common);
   const std::vector<int> before = order;
   for (std::size_t k = 0; k < size; ++k) order[k] = before[static_cast<std::size_t>(post[k])];
 }
@@ -82,7 +87,7 @@ EliminationOrder elimination_order(cholmod_sparse* matrix, const std::vector<int
   postorder(matrix, interior, plan.order, common);
   const std::vector<int> parent = elimination_tree(matrix, plan.order, common);
   cholmod_factor* symbolic = cholmod_analyze_p(matrix, plan.order.data(), nullptr, 0, &common);
-  if (!symbolic) refuse();
+  if (!symbolic) refuse_order(common);
   plan.blocks = plan_blocks(parent, static_cast<const int*>(symbolic->ColCount), interior);
   cholmod_free_factor(&symbolic, &common);
   return plan;

@@ -232,6 +232,45 @@ refine = { time.step_s = 2.7825e-7 }
     EXPECT_THAT(page, HasSubstr(fmt::format("id=\"{}\"", chart))) << "redrawn from the results alone";
 }
 
+// Of solids: a key with one entry for each direction is varied, and errors fall with the mesh.
+TEST(Study, ErrorsOfSolidsFallWithTheMesh) {
+  const TemporaryFolder folder;
+  std::string scene = "model = \"solid\"\n";
+  for (const auto& [name, start, speed] : {std::tuple{"left", 0.0, 10.0}, std::tuple{"right", 0.04, 0.0}}) {
+    scene += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = 2e11, poisson_ratio = 0.3, density_kg_m3 = 8000 "
+        "}}\nmesh = {{ start_m = {}, length_m = 0.04, height_m = 0.01, width_m = 0.01, elements = [1, 1, 6] }}\n"
+        "initial_velocity_m_s = [0.0, 0.0, {}]\n",
+        name, start, speed);
+  }
+  (void)folder.write(scene +
+                         "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { "
+                         "left = 0.014, right = 0.014 }\n[time]\nend_s = 45e-6\n",
+                     "solids.toml");
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(R"(scene = "solids.toml"
+methods = ["hughes_liu", "all_explicit"]
+quantities = ["contact_pressure", "rebound_velocity"]
+[[vary]]
+body.left.mesh.elements = [[1, 1, 6], [2, 2, 12]]
+body.right.mesh.elements = [[1, 1, 6], [2, 2, 12]]
+time.step_s = [4e-7, 2e-7]
+[reference]
+protocol = "all_explicit"
+changes = { body.left.mesh.elements = [4, 4, 24], body.right.mesh.elements = [4, 4, 24], time.step_s = 1e-7 }
+refine = { body.left.mesh.elements = [6, 6, 36], body.right.mesh.elements = [6, 6, 36], time.step_s = 6e-8 }
+)",
+                                 "study.toml");
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 4U);
+  for (std::size_t m = 0; m < 2; ++m) {
+    for (const char* error : {"error_contact_pressure", "error_rebound_velocity"})
+      EXPECT_LT(number(rows[2 + m], error), 0.6 * number(rows[m], error)) << error;
+  }
+}
+
 TEST(Study, AHistoryOverTheExactStressIsOneWhileTheBarsTouch) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "study").string();

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cstdlib>
+#include <new>
 #include <random>
 #include <string>
 
@@ -143,9 +144,7 @@ TEST(CondensedFactor, SaysSoWhenCholmodRunsOutOfMemoryWhereverThatIs) {
     try {
       const CondensedFactor factor(c.a, c.active, c.root);
       done = true;
-    } catch (const SolverError& error) {
-      EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos)
-          << allocations << ": " << error.what();
+    } catch (const std::bad_alloc&) {  // SolverError would blame the scene
     }
   }
   EXPECT_GT(allocations, 20);

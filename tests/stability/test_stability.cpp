@@ -115,6 +115,29 @@ TEST_P(Edge, IsWhereCheckDrawsTheLine) {
   EXPECT_THAT(result.outcome.out, HasSubstr("critical time step of the scene " + edge + " s"));
 }
 
+// Of solids, whose elements beside the contact have Poisson's ratio to widen them.
+TEST(SolidEdge, IsMeasuredByBisectionToHalfAPercent) {
+  std::string text = "model = \"solid\"\n";
+  for (const auto& [name, start, speed] : {std::tuple{"left", 0.0, 10.0}, std::tuple{"right", 0.04, 0.0}}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = 2e11, poisson_ratio = 0.3, density_kg_m3 = 8000 "
+        "}}\nmesh = {{ start_m = {}, length_m = 0.04, height_m = 0.01, width_m = 0.01, elements = [1, 2, 6] }}\n"
+        "initial_velocity_m_s = [0.0, 0.0, {}]\n",
+        name, start, speed);
+  }
+  text +=
+      "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { left = 0.014, "
+      "right = 0.014 }\n[time]\nend_s = 45e-6\n";
+  TemporaryFolder folder;
+  const auto result = study(folder.write(text), folder, {"--sweep", "courant=0.6:1.3:3", "--edge"});
+  ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
+  const std::regex line("edge predicted ([0-9.e-]+) s, measured between ([0-9.e-]+) and ([0-9.e-]+) s");
+  std::smatch edge;
+  ASSERT_TRUE(std::regex_search(result.outcome.out, edge, line)) << result.outcome.out;
+  EXPECT_NEAR(std::stod(edge[2]), std::stod(edge[1]), 1e-3 * std::stod(edge[1]));
+  EXPECT_NEAR(std::stod(edge[3]), std::stod(edge[1]), 5e-3 * std::stod(edge[1]));
+}
+
 TEST_P(Edge, IsMeasuredByBisectionToHalfAPercent) {
   TemporaryFolder folder;
   const auto result = study(folder.write(bars(GetParam())), folder, {"--sweep", "courant=0.6:1.3:3", "--edge"});
