@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <optional>
@@ -55,7 +56,10 @@ class Face {
   [[nodiscard]] constexpr const int* end() const { return node_.data() + size_; }
   [[nodiscard]] constexpr int* begin() { return node_.data(); }
   [[nodiscard]] constexpr int* end() { return node_.data() + size_; }
-  auto operator<=>(const Face&) const = default;
+  friend bool operator==(const Face& x, const Face& y) { return std::equal(x.begin(), x.end(), y.begin(), y.end()); }
+  friend bool operator<(const Face& x, const Face& y) {
+    return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+  }
 
  private:
   std::array<int, 4> node_{-1, -1, -1, -1};

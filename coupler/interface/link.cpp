@@ -163,7 +163,7 @@ void Link::take_acceptance(const wire::AcceptedWindow& answer) {
   received_input_.swap(trial_input_);
   output_accepted_ = output_;
   if (ends_window_) window_ = answered_window(answer.finished_early);
-  contact_ = answer;
+  contact_ = static_cast<const wire::ContactReport&>(answer);
   take_outline(answer.outline);
   take_records_of(answer);
 }
