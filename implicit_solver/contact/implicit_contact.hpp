@@ -183,7 +183,7 @@ class ImplicitContact {
   /// [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;
-  /// The same of pairs that share nodes, both directions; what their velocity jumps took [N s]; change in a sweep.
+  /// The same of pairs that share nodes, both directions; what their velocity jumps took [N s].
   std::vector<solver::PairForce> remembered_, jump_impulse_;
   /// Per pair, along the normal and the tangent, for A and B: sum of the squared coefficients of the degrees of freedom
   /// that no support holds; 1 for a node that is free.
