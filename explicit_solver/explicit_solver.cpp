@@ -25,21 +25,19 @@ ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name)
 }
 
 participant::Description ExplicitSolver::describe() {
-  const auto& contact = problem_.scene.contact;
   auto description = solver::describe(problem_, *spec_, states_, has_contact());
   description.solver = "ricochet explicit_solver";
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
-  const bool massless = alone() && contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless)
+  if (!alone() || !problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
   if (!has_contact()) return std::nullopt;
-  return ExplicitContact(*problem_.scene.contact,
+  return ExplicitContact(problem_.scene.contact_law(),
                          solver::ContactSurface(problem_, scene::participant_parts(problem_, *spec_)),
                          setup_.window_size_s);
 }

@@ -60,7 +60,7 @@ class ExplicitSolver final : public participant::Participant {
  private:
   /// The only participant: it owns every element and enforces the contact.
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
-  [[nodiscard]] bool has_contact() const { return alone() && !problem_.contact.pairs.empty(); }
+  [[nodiscard]] bool has_contact() const { return alone() && !problem_.contacts.empty(); }
   [[nodiscard]] std::optional<ExplicitContact> make_contact() const;
   [[nodiscard]] ExplicitContact* contact();
   void update_status();

@@ -38,15 +38,13 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
       parts_(states_) {}
 
 participant::Description ImplicitSolver::describe() {
-  auto description = solver::describe(problem_, *spec_, states_, !problem_.contact.pairs.empty());
+  auto description = solver::describe(problem_, *spec_, states_, !problem_.contacts.empty());
   description.solver = "ricochet implicit_solver";
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
-  const auto& contact = problem_.scene.contact;
-  const bool massless = contact && contact->multiplier_update == scene::MultiplierUpdate::massless;
-  if (!massless)
+  if (!problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
 }
@@ -59,7 +57,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
                        &trial_.acceleration, &trial_.end.residual, &trial_.end.external, &trial_.end.link}) {
     vector->setZero(parts_.dofs());
   }
-  if (!problem_.contact.pairs.empty()) {
+  if (!problem_.contacts.empty()) {
     const solver::ContactSurface surface(problem_, scene::participant_parts(problem_, *spec_));
     contact_.emplace(problem_, surface, states_);
     contact_->move_masses(states_);

@@ -136,7 +136,7 @@ Plan plan(const Problem& problem) {
   const Scene& scene = problem.scene;
   Plan plan;
   plan.windows = count_windows(problem);
-  plan.contact_pairs = static_cast<int>(problem.contact.pairs.size());
+  for (const ContactGeometry& contact : problem.contacts) plan.contact_pairs += static_cast<int>(contact.pairs.size());
   const ProtocolTraits& protocol = scene.coupling.protocol;
   const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
   if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);

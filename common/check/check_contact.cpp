@@ -28,8 +28,8 @@ constexpr double small_strain = 0.02;
 struct Sides {
   std::vector<const BodyProblem*> body;
 
-  explicit Sides(const Problem& problem) {
-    for (const int index : {problem.contact.body_a, problem.contact.body_b})
+  Sides(const Problem& problem, const ContactGeometry& contact) {
+    for (const int index : {contact.body_a, contact.body_b})
       if (index >= 0) body.push_back(&problem.bodies[at(index)]);
   }
   /// Its node, or the one of largest weight of several.
@@ -51,13 +51,13 @@ double impedance(const BodyProblem& body) {
 }
 
 /// The smaller mass of each pair's nodes [kg].
-std::vector<double> pair_masses(const Problem& problem) {
-  std::vector<double> mass(problem.contact.pairs.size(), std::numeric_limits<double>::infinity());
-  const Sides sides(problem);
+std::vector<double> pair_masses(const Problem& problem, const ContactGeometry& contact) {
+  std::vector<double> mass(contact.pairs.size(), std::numeric_limits<double>::infinity());
+  const Sides sides(problem, contact);
   for (std::size_t side = 0; side < sides.body.size(); ++side) {
     const Eigen::VectorXd nodal = body_lumped_mass(*sides.body[side]);
     for (std::size_t i = 0; i < mass.size(); ++i)
-      mass[i] = std::min(mass[i], nodal[Sides::node(problem.contact.pairs[i], side)]);
+      mass[i] = std::min(mass[i], nodal[Sides::node(contact.pairs[i], side)]);
   }
   return mass;
 }
@@ -83,24 +83,25 @@ double thickness(const BodyProblem& body, const Eigen::Vector3d& normal) {
   return high - low;
 }
 
-double stiffness_ratio(const Problem& problem) {
-  const Sides sides(problem);
+double stiffness_ratio(const Problem& problem, const ContactGeometry& contact) {
+  const Sides sides(problem, contact);
   double stiffness = 0.0;  // per area, k / A
   for (std::size_t side = 0; side < sides.body.size(); ++side) {
     const BodyProblem& body = *sides.body[side];
-    const ContactPair& pair = problem.contact.pairs.front();
+    const ContactPair& pair = contact.pairs.front();
     const int node = Sides::node(pair, side);
     const double share = problem.scene.model == Model::bar ? body.section.measure / pair.area_m2 : 1.0;
-    stiffness = std::max(stiffness, share * modulus(body) / element_depth(body, node, problem.contact.normal));
+    stiffness = std::max(stiffness, share * modulus(body) / element_depth(body, node, contact.normal));
   }
-  return problem.scene.contact->penalty_pa_m / stiffness;
+  return problem.scene.contact_law().penalty_pa_m / stiffness;
 }
 
 /// 1.678347 tau, tau = 1 / (alpha_n (1/Z_a + 1/Z_b)); a rigid plane has no 1/Z_b.
-double release_delay(const Problem& problem) {
+double release_delay(const Problem& problem, const ContactGeometry& contact) {
   double compliance = 0.0;
-  for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / (impedance(*body) * body->section.measure);
-  const double stiffness = problem.scene.contact->penalty_pa_m * problem.contact.pairs.front().area_m2;
+  for (const BodyProblem* body : Sides(problem, contact).body)
+    compliance += 1.0 / (impedance(*body) * body->section.measure);
+  const double stiffness = problem.scene.contact_law().penalty_pa_m * contact.pairs.front().area_m2;
   return delay_per_tau / (stiffness * compliance);
 }
 
@@ -113,8 +114,8 @@ void check_explicit_penalty(const Problem& problem, Plan& plan) {
         "{}: found {:.6g} Pa/m with a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of central "
         "difference with this penalty; allowed: step_s = {:.3g} or less, a softer penalty, or enforcement = "
         "\"multiplier\"",
-        scene.where("contact.penalty_pa_m"), scene.contact->penalty_pa_m, problem.window_size_s, ratio,
-        plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
+        scene.where(scene.contact_law().key() + ".penalty_pa_m"), scene.contact_law().penalty_pa_m,
+        problem.window_size_s, ratio, plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
   if (ratio > intermittent_share)
     plan.warnings.push_back(fmt::format(
         "the step is {:.3g} times the critical time step with this penalty: contact that opens and closes may gain "
@@ -123,8 +124,7 @@ void check_explicit_penalty(const Problem& problem, Plan& plan) {
 }
 
 /// Relative normal velocity with which the bodies approach at the start [m/s].
-double approach_speed(const Problem& problem) {
-  const ContactGeometry& contact = problem.contact;
+double approach_speed(const Problem& problem, const ContactGeometry& contact) {
   double speed = 0.0;
   for (int c = 0; c < problem.scene.components(); ++c) {
     speed += contact.normal[c] * problem.scene.bodies[at(contact.body_a)].initial_velocity_m_s[at(c)];
@@ -137,48 +137,55 @@ double approach_speed(const Problem& problem) {
 }  // namespace
 
 void check_penalty(const Problem& problem, Plan& plan) {
-  const auto& contact = problem.scene.contact;
-  if (!contact || contact->enforcement != Enforcement::penalty) return;
-  const std::vector<double> mass = pair_masses(problem);
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    const double stiffness = contact->penalty_pa_m * problem.contact.pairs[i].area_m2;
-    plan.penalty_step_ratio =
-        std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.window_size_s);
+  if (problem.contacts.empty()) return;
+  const Contact& law = problem.scene.contact_law();
+  if (law.enforcement != Enforcement::penalty) return;
+  for (const ContactGeometry& contact : problem.contacts) {
+    const std::vector<double> mass = pair_masses(problem, contact);
+    for (std::size_t i = 0; i < mass.size(); ++i) {
+      const double stiffness = law.penalty_pa_m * contact.pairs[i].area_m2;
+      plan.penalty_step_ratio =
+          std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.window_size_s);
+    }
+    plan.penalty_stiffness_ratio = std::max(plan.penalty_stiffness_ratio, stiffness_ratio(problem, contact));
+    if (problem.scene.model == Model::bar)
+      plan.penalty_delay_s = std::max(plan.penalty_delay_s, release_delay(problem, contact));
   }
-  plan.penalty_stiffness_ratio = stiffness_ratio(problem);
-  if (problem.scene.model == Model::bar) plan.penalty_delay_s = release_delay(problem);
   if (problem.scene.coupling.protocol.layout == Layout::all_explicit) {
     check_explicit_penalty(problem, plan);
-  } else if (contact->impact_update == ImpactUpdate::none && plan.penalty_step_ratio > 1.0) {
+  } else if (law.impact_update == ImpactUpdate::none && plan.penalty_step_ratio > 1.0) {
     plan.warnings.push_back(fmt::format(
         "penalty with the trapezoidal rule and impact_update = \"none\": sqrt(2 alpha_n/m) dt = {:.4g}, above 1, "
         "creates energy at every impact; use impact_update = \"mass\", enforcement = \"multiplier\" or penalty_pa_m = "
         "{:.3g}",
-        plan.penalty_step_ratio, contact->penalty_pa_m / std::pow(plan.penalty_step_ratio, 2)));
+        plan.penalty_step_ratio, law.penalty_pa_m / std::pow(plan.penalty_step_ratio, 2)));
   }
 }
 
 /// Regularised friction is a damper as stiff as mu N xi: the trapezoidal rule follows it without damping its own
 /// ringing, where no law of impulses solves for the velocity that friction leaves.
 void check_friction(const Problem& problem, Plan& plan) {
-  const auto& contact = problem.scene.contact;
-  if (!contact || contact->friction_law != FrictionLaw::regularised) return;
+  if (problem.contacts.empty()) return;
+  const Contact& law = problem.scene.contact_law();
+  if (law.friction_law != FrictionLaw::regularised) return;
   plan.warnings.push_back(fmt::format(
       "regularised friction, mu p tanh(xi v): below a relative velocity of 1/xi = {:.3g} m/s it is less than mu p, "
       "so nothing sticks "
       "and a pair held by friction creeps; friction_law = \"return_mapping\" sticks",
-      1.0 / contact->friction_regularisation_s_m));
-  if (contact->enforcement != Enforcement::penalty || contact->impact_update != ImpactUpdate::none) return;
+      1.0 / law.friction_regularisation_s_m));
+  if (law.enforcement != Enforcement::penalty || law.impact_update != ImpactUpdate::none) return;
   if (problem.scene.coupling.protocol.layout == Layout::all_explicit) return;
-  double compliance = 0.0;
-  for (const BodyProblem* body : Sides(problem).body) compliance += 1.0 / impedance(*body);
-  const double pressure = approach_speed(problem) / compliance;
-  const std::vector<double> mass = pair_masses(problem);
   double needed = 0.0;
-  for (std::size_t i = 0; i < mass.size(); ++i)
-    needed = std::max(needed, contact->friction_coefficient * pressure * problem.contact.pairs[i].area_m2 *
-                                  problem.window_size_s / (2.0 * mass[i]));
-  const double scale = 1.0 / contact->friction_regularisation_s_m;
+  for (const ContactGeometry& contact : problem.contacts) {
+    double compliance = 0.0;
+    for (const BodyProblem* body : Sides(problem, contact).body) compliance += 1.0 / impedance(*body);
+    const double pressure = approach_speed(problem, contact) / compliance;
+    const std::vector<double> mass = pair_masses(problem, contact);
+    for (std::size_t i = 0; i < mass.size(); ++i)
+      needed = std::max(needed, law.friction_coefficient * pressure * contact.pairs[i].area_m2 * problem.window_size_s /
+                                    (2.0 * mass[i]));
+  }
+  const double scale = 1.0 / law.friction_regularisation_s_m;
   if (ringing_ratio * scale < needed)
     plan.warnings.push_back(
         fmt::format("regularised friction: its velocity scale 1/xi = {:.3g} m/s is less than a tenth of mu N dt/(2 m) "
@@ -189,10 +196,11 @@ void check_friction(const Problem& problem, Plan& plan) {
                     scale, needed, ringing_ratio / needed));
 }
 
-void check_impact(const Problem& problem, Plan& plan) {
-  if (!problem.scene.contact) return;
-  const double speed = approach_speed(problem), moved_m = speed * problem.window_size_s;
-  const Sides sides(problem);
+namespace {
+
+void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& plan) {
+  const double speed = approach_speed(problem, contact), moved_m = speed * problem.window_size_s;
+  const Sides sides(problem, contact);
   double compliance = 0.0;
   for (const BodyProblem* body : sides.body) compliance += 1.0 / impedance(*body);
   for (std::size_t side = 0; side < sides.body.size(); ++side) {
@@ -204,14 +212,13 @@ void check_impact(const Problem& problem, Plan& plan) {
                       "small no more, expect "
                       "errors of stresses and forces of that size",
                       speed, body.name, 100.0 * strain));
-    const double depth_m =
-        element_depth(body, Sides::node(problem.contact.pairs.front(), side), problem.contact.normal);
+    const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
     const std::string found = fmt::format(
         "a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
         "other, {:.3g} of the depth of an "
         "element of body \"{}\" at the contact",
         problem.window_size_s, moved_m, moved_m / depth_m, body.name);
-    if (moved_m > thickness(body, problem.contact.normal))
+    if (moved_m > thickness(body, contact.normal))
       throw ConfigError(
           fmt::format("{}: found {}: more than its thickness, they would pass through it; allowed: {:.3g} s or less",
                       problem.scene.where("time"), found, 0.5 * depth_m / speed));
@@ -221,6 +228,12 @@ void check_impact(const Problem& problem, Plan& plan) {
                       "leaves room",
                       found, 0.5 * depth_m / speed));
   }
+}
+
+}  // namespace
+
+void check_impact(const Problem& problem, Plan& plan) {
+  for (const ContactGeometry& contact : problem.contacts) check_impact(problem, contact, plan);
 }
 
 }  // namespace ricochet::scene

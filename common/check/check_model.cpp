@@ -72,8 +72,7 @@ double meeting_time(Shape a, const Shape& b, const std::vector<Eigen::Vector3d>&
 }  // namespace
 
 void check_overlaps(const Problem& problem, Plan& plan) {
-  const double first_touch_s =
-      problem.contact.pairs.empty() ? std::numeric_limits<double>::infinity() : first_contact_s(problem);
+  const double first_touch_s = first_contact_s(problem);
   for (const BodyPair& pair : pairs_without_contact(problem)) {
     const BodyProblem &a = problem.bodies[at(pair.first)], &b = problem.bodies[at(pair.second)];
     Shape shape_a(a), shape_b(b);
@@ -89,8 +88,9 @@ void check_overlaps(const Problem& problem, Plan& plan) {
                       problem.scene.where("body." + b.name + ".mesh"), a.name, overlap.depth_m,
                       fem::place_text(problem.scene.model, overlap.place)));
     double until_s = problem.scene.time.end_s;
-    for (const int body : {pair.first, pair.second})
-      if (body == problem.contact.body_a || body == problem.contact.body_b) until_s = std::min(until_s, first_touch_s);
+    for (const ContactGeometry& contact : problem.contacts)
+      for (const int body : {pair.first, pair.second})
+        if (body == contact.body_a || body == contact.body_b) until_s = std::min(until_s, first_touch_s);
     const Eigen::Vector3d v =
         velocity(problem.scene.bodies[at(pair.first)]) - velocity(problem.scene.bodies[at(pair.second)]);
     const double meeting_s = meeting_time(shape_a, shape_b, start, v, until_s);
@@ -103,10 +103,11 @@ void check_overlaps(const Problem& problem, Plan& plan) {
   }
 }
 
-void check_slip_in_flight(const Problem& problem, Plan& plan) {
-  const ContactGeometry& contact = problem.contact;
-  const bool slides = !contact.pairs.empty() && contact.body_b >= 0 && problem.scene.components() == 2;
-  const double touch_s = slides ? first_contact_s(problem) : 0.0;
+namespace {
+
+void check_slip_in_flight(const Problem& problem, const ContactGeometry& contact, Plan& plan) {
+  const bool slides = contact.body_b >= 0 && problem.scene.components() == 2;
+  const double touch_s = slides ? first_contact_s(problem, contact) : 0.0;
   if (!std::isfinite(touch_s) || touch_s == 0.0) return;
   const Eigen::Vector3d tangent = tangent_of(contact.normal);
   const Eigen::Vector3d v =
@@ -127,6 +128,12 @@ void check_slip_in_flight(const Problem& problem, Plan& plan) {
       ended && slip_m > edge_m ? ": nodes are past the end of their partner's surface, and the run "
                                  "stops there"
                                : ": pressure and friction act that far from their place"));
+}
+
+}  // namespace
+
+void check_slip_in_flight(const Problem& problem, Plan& plan) {
+  for (const ContactGeometry& contact : problem.contacts) check_slip_in_flight(problem, contact, plan);
 }
 
 }  // namespace ricochet::scene

@@ -53,7 +53,7 @@ Interval reached(const Problem& problem, int index) {
                end_s = problem.scene.time.end_s;
   Interval interval = disturbed(problem.scene.bodies[at(index)], body);
   if (!interval.empty()) interval = {interval.low - speed * end_s, interval.high + speed * end_s};
-  const std::vector<int> contact = contact_nodes(problem.contact, index);
+  const std::vector<int> contact = contact_nodes(problem.contacts, index);
   const double reach = contact.empty() ? -1.0 : speed * (end_s - first_contact_s(problem));
   for (const int node : reach >= 0.0 ? contact : std::vector<int>{}) {
     interval.add(axis_of(body, node) - reach);
@@ -85,8 +85,7 @@ std::string beyond(const BodyProblem& body, double place, bool above, double end
 
 }  // namespace
 
-double first_contact_s(const Problem& problem) {
-  const ContactGeometry& contact = problem.contact;
+double first_contact_s(const Problem& problem, const ContactGeometry& contact) {
   double closing = 0.0, gap = std::numeric_limits<double>::infinity();
   for (const auto& [index, sign] : {std::pair{contact.body_a, 1.0}, std::pair{contact.body_b, -1.0}}) {
     if (index < 0) continue;
@@ -100,6 +99,13 @@ double first_contact_s(const Problem& problem) {
   for (const ContactPair& pair : contact.pairs) gap = std::min(gap, pair.gap0_m);
   if (gap == 0.0) return 0.0;
   return closing > 0.0 ? gap / closing : std::numeric_limits<double>::infinity();
+}
+
+double first_contact_s(const Problem& problem) {
+  double first_s = std::numeric_limits<double>::infinity();
+  for (const ContactGeometry& contact : problem.contacts)
+    first_s = std::min(first_s, first_contact_s(problem, contact));
+  return first_s;
 }
 
 std::vector<std::string> unreached_ends(const Problem& problem) {

@@ -13,8 +13,10 @@ namespace ricochet::scene {
 /// sqrt(E/rho).
 [[nodiscard]] std::vector<std::string> unreached_ends(const Problem& problem);
 
-/// When the two bodies of the contact, which only fly until then, first touch; 0 where they do more than fly, infinity
+/// When the two bodies of a contact, which only fly until then, first touch; 0 where they do more than fly, infinity
 /// if they never touch [s].
+[[nodiscard]] double first_contact_s(const Problem& problem, const ContactGeometry& contact);
+/// The first of all contacts.
 [[nodiscard]] double first_contact_s(const Problem& problem);
 
 }  // namespace ricochet::scene

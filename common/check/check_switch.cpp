@@ -9,7 +9,7 @@ namespace ricochet::scene {
 
 std::string switch_obstacle(const Problem& problem) {
   const Scene& scene = problem.scene;
-  const bool asked = scene.contact && scene.coupling.after_separation == AfterSeparation::switch_to_explicit;
+  const bool asked = !scene.contacts.empty() && scene.coupling.after_separation == AfterSeparation::switch_to_explicit;
   if (!asked || !scene.coupling.protocol.may_switch) return "";
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> all(body.mesh.elements.size(), true);

@@ -24,15 +24,16 @@ void set_absorbing(const Scene& scene, const Body& spec, BodyProblem& body);
 /// Throws ConfigError if a contact node lies on an absorbing surface.
 void refuse_absorbing_contact(const Problem& problem);
 
-/// Node pairs of the contact surfaces. Throws ConfigError for unknown or curved surfaces and such as lie nowhere
-/// opposite, for bodies that overlap, and for a pair that is held in the normal direction on every side.
-[[nodiscard]] ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies);
+/// Pairs of the contact surfaces. Throws ConfigError for unknown surfaces and such as lie nowhere opposite, for bodies
+/// that overlap, and for a pair that is held in the normal direction on every side.
+[[nodiscard]] std::vector<ContactGeometry> build_contacts(const Scene& scene, const std::vector<BodyProblem>& bodies);
 
 /// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
 void set_partition(Problem& problem);
 
-/// The contact nodes of a body, ascending; empty if it takes no part in the contact.
+/// The contact nodes of a body, ascending; empty if it takes no part in the contact, or in any.
 [[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
+[[nodiscard]] std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body);
 
 /// Per element: a corner of it is among these nodes, which ascend.
 [[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);

@@ -96,7 +96,7 @@ void set_absorbing(const Scene& scene, const Body& spec, BodyProblem& body) {
 void refuse_absorbing_contact(const Problem& problem) {
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
     const Body& spec = problem.scene.bodies[b];
-    const std::vector<int> contact = contact_nodes(problem.contact, static_cast<int>(b));
+    const std::vector<int> contact = contact_nodes(problem.contacts, static_cast<int>(b));
     for (std::size_t i = 0; i < spec.absorbing.size(); ++i)
       for (const int node : fem::surface_nodes(problem.bodies[b].mesh, spec.absorbing[i].surface)) {
         if (!std::binary_search(contact.begin(), contact.end(), node)) continue;

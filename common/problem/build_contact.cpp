@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
 
 #include "common/base/error.hpp"
 #include "common/problem/build.hpp"
@@ -13,20 +16,26 @@ namespace {
 
 constexpr double flat_tolerance = 1e-6;   ///< of the shortest edge; also of a unit normal
 constexpr double depth_tolerance = 1e-9;  ///< of the size of the first body
+/// Chords of curved surfaces may cut each other by this share of the shortest edge.
+constexpr double chord_tolerance = 0.05;
+/// A surface whose normals cancel to this share of its area faces no one way.
+constexpr double least_one_sided = 0.1;
 
-const char* const surfaces_key = "contact.surfaces";
-
-/// One side of the contact: nodes sorted along the surface, their tributary areas, and where the surface lies.
+/// One side of a contact: nodes sorted along the surface, their tributary areas, and where the surface lies.
 struct Side {
   std::string name;
   const BodyProblem* body = nullptr;
   std::vector<int> nodes;
   std::vector<double> area_m2;
-  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< outward
-  Eigen::Vector3d point{0.0, 0.0, 0.0};
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< outward, the mean of a curved surface
+  Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< farthest out along it
   double shortest_edge_m = std::numeric_limits<double>::infinity();
+  bool flat = true;
 
   [[nodiscard]] const Eigen::Vector3d& position(std::size_t i) const { return body->mesh.position[at(nodes[i])]; }
+  [[nodiscard]] const std::vector<fem::Face>& faces() const {
+    return body->mesh.surfaces.at(name.substr(name.find('.') + 1));
+  }
 };
 
 std::string text(const Side& side, const Eigen::Vector3d& x) {
@@ -34,9 +43,16 @@ std::string text(const Side& side, const Eigen::Vector3d& x) {
   return fmt::format("({:.9g}, {:.9g}) m", x[0], x[1]);
 }
 
-[[noreturn]] void refuse(const Scene& scene, const std::string& found, const std::string& allowed) {
-  throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene.where(surfaces_key), found, allowed));
-}
+/// What is being built: for the texts of errors and the keys of the contact.
+struct Context {
+  const Scene& scene;
+  const Contact& contact;
+
+  [[nodiscard]] std::string key(const char* of) const { return contact.key() + "." + of; }
+  [[noreturn]] void refuse(const std::string& found, const std::string& allowed) const {
+    throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene.where(key("surfaces")), found, allowed));
+  }
+};
 
 /// Outward normal at the end of a bar: away from the other node of its element.
 Eigen::Vector3d bar_normal(const fem::Mesh& mesh, int node) {
@@ -59,19 +75,33 @@ double shortest_side(const fem::Mesh& mesh, const fem::Face& face) {
   return shortest;
 }
 
-void require_flat(const Scene& scene, const Side& side) {
-  const fem::Mesh& mesh = side.body->mesh;
-  const bool solid = scene.model == Model::solid;
+bool is_flat(const Side& side) {
   for (std::size_t i = 0; i < side.nodes.size(); ++i)
     if (std::abs((side.position(i) - side.point).dot(side.normal)) > flat_tolerance * side.shortest_edge_m)
-      refuse(scene,
-             fmt::format("surface \"{}\", whose node at {} lies off the {} through {}", side.name,
-                         text(side, side.position(i)), solid ? "plane" : "line", text(side, side.point)),
-             "flat surfaces");
-  for (const fem::Face& face : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1)))
-    if (fem::face_normal(mesh, face).dot(side.normal) < 1.0 - flat_tolerance)
-      refuse(scene, fmt::format("surface \"{}\", whose {} face different ways", side.name, solid ? "faces" : "edges"),
-             "flat surfaces");
+      return false;
+  return std::all_of(side.faces().begin(), side.faces().end(), [&](const fem::Face& face) {
+    return fem::face_normal(side.body->mesh, face).dot(side.normal) >= 1.0 - flat_tolerance;
+  });
+}
+
+/// Area of a face.
+double whole_area(const Side& side, const fem::Face& face) {
+  const fem::FaceArea nodal = fem::face_area(side.body->section, side.body->mesh, face);
+  return std::accumulate(nodal.begin(), nodal.end(), 0.0);
+}
+
+/// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels.
+Eigen::Vector3d mean_normal(const Context& context, const Side& side) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0.0;
+  for (const fem::Face& face : side.faces()) {
+    sum += whole_area(side, face) * fem::face_normal(side.body->mesh, face);
+    area += whole_area(side, face);
+  }
+  if (context.scene.model == Model::axisymmetric) sum[0] = 0.0;
+  if (sum.norm() > least_one_sided * area) return sum.normalized();
+  context.refuse(fmt::format("surface \"{}\", which faces all ways", side.name),
+                 "the part of it that may touch, as a surface of its own");
 }
 
 void take_faces(const std::vector<fem::Face>& faces, Side& side) {
@@ -85,20 +115,24 @@ void take_faces(const std::vector<fem::Face>& faces, Side& side) {
   for (const int node : side.nodes) side.area_m2.push_back(area[at(node)]);
 }
 
-Side make_side(const Scene& scene, const std::vector<BodyProblem>& bodies, const SurfaceName& name) {
+Side make_side(const Context& context, const std::vector<BodyProblem>& bodies, const SurfaceName& name) {
+  const Model model = context.scene.model;
   Side side;
   side.name = name.body + "." + name.surface;
   side.body = &*std::find_if(bodies.begin(), bodies.end(), [&](const BodyProblem& b) { return b.name == name.body; });
   const fem::Mesh& mesh = side.body->mesh;
-  require_surface(scene, surfaces_key, mesh, name.surface);
-  const auto& faces = mesh.surfaces.at(name.surface);
+  require_surface(context.scene, context.key("surfaces"), mesh, name.surface);
   side.nodes = fem::surface_nodes(mesh, name.surface);
-  take_faces(faces, side);
+  take_faces(side.faces(), side);
   side.point = side.position(0);
-  side.normal = scene.model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, faces[0]);
-  if (scene.model == Model::bar && side.nodes.size() > 1)
-    refuse(scene, fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
-  if (scene.model != Model::bar) require_flat(scene, side);
+  side.normal = model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, side.faces()[0]);
+  if (model == Model::bar && side.nodes.size() > 1)
+    context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
+  if (model == Model::bar || is_flat(side)) return side;
+  side.flat = false;
+  side.normal = mean_normal(context, side);
+  for (std::size_t i = 0; i < side.nodes.size(); ++i)
+    if (side.position(i).dot(side.normal) > side.point.dot(side.normal)) side.point = side.position(i);
   return side;
 }
 
@@ -145,44 +179,56 @@ Matches match(const Side& a, const Side& b) {
   return found;
 }
 
-/// A law that moves masses or weighs by impedances pair by pair needs pairs of nodes, and so do solids.
-void require_matching(const Scene& scene, std::vector<std::string> lonely) {
-  const auto& law = *scene.contact;
-  const bool massless = law.multiplier_update == MultiplierUpdate::massless;
-  const bool by_impedance = law.enforcement == Enforcement::penalty && law.impact_update == ImpactUpdate::impedance;
-  const bool solid = scene.components() == 3;
-  if (!massless && !by_impedance && !solid) return;
-  const std::size_t count = lonely.size();
-  lonely.resize(std::min<std::size_t>(count, 4));
-  refuse(scene,
-         fmt::format("{} nodes without a partner at the same place along the surface: {}{}", count,
-                     fmt::join(lonely, ", "), count > lonely.size() ? ", ..." : ""),
-         fmt::format("with {} surfaces whose nodes face each other in pairs", solid ? "model = \"solid\""
-                                                                              : massless
-                                                                                  ? "multiplier_update = \"massless\""
-                                                                                  : "impact_update = \"impedance\""));
+/// Laws that move masses or weigh by impedances go by pairs of nodes.
+bool needs_pairs(const Scene& scene) {
+  const Contact& law = scene.contact_law();
+  return scene.massless_contact() ||
+         (law.enforcement == Enforcement::penalty && law.impact_update == ImpactUpdate::impedance);
 }
 
-/// A side's edges along a line; areas as `take_edges` has them.
-std::vector<SurfaceEdge> edges_along(const Side& side, const Eigen::Vector3d& tangent) {
+/// Refuses what has no node opposite, under a law that needs one.
+void require_matching(const Context& context, std::vector<std::string> lonely) {
+  if (!needs_pairs(context.scene)) return;
+  const std::size_t count = lonely.size();
+  lonely.resize(std::min<std::size_t>(count, 4));
+  context.refuse(fmt::format("{} nodes without a partner at the same place along the surface: {}{}", count,
+                             fmt::join(lonely, ", "), count > lonely.size() ? ", ..." : ""),
+                 fmt::format("with {} flat surfaces whose nodes face each other in pairs",
+                             context.scene.massless_contact() ? "multiplier_update = \"massless\""
+                                                              : "impact_update = \"impedance\""));
+}
+
+/// Areas as face_area has them.
+std::vector<SurfaceFace> faces_of(const Side& side) {
   const fem::Mesh& mesh = side.body->mesh;
   const auto& section = side.body->section;
-  const auto measure = [&](const Eigen::Vector3d& x) {
-    return section.measure * (section.model == Model::axisymmetric ? x[0] : 1.0);
-  };
-  std::vector<SurfaceEdge> edges;
-  for (const auto& nodes : mesh.surfaces.at(side.name.substr(side.name.find('.') + 1))) {
-    const Eigen::Vector3d& a = mesh.position[at(nodes[0])];
-    const Eigen::Vector3d b = fem::nearest_image(mesh, mesh.position[at(nodes[1])], a);
-    SurfaceEdge edge{{nodes[0], nodes[1]}, {tangent.dot(a), tangent.dot(b)}, {measure(a), measure(b)}};
-    if (edge.along_m[0] > edge.along_m[1]) {
-      std::swap(edge.node[0], edge.node[1]);
-      std::swap(edge.along_m[0], edge.along_m[1]);
-      std::swap(edge.measure[0], edge.measure[1]);
+  std::vector<SurfaceFace> faces;
+  for (const fem::Face& nodes : side.faces()) {
+    SurfaceFace face{nodes, {}, {}, fem::face_normal(mesh, nodes)};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      face.x[i] = fem::nearest_image(mesh, mesh.position[at(nodes[i])], mesh.position[at(nodes[0])]);
+      face.measure[i] = section.measure * (section.model == Model::axisymmetric ? face.x[i][0] : 1.0);
     }
-    edges.push_back(edge);
+    faces.push_back(face);
   }
-  return edges;
+  return faces;
+}
+
+/// Per node of a side the mean of the normals of the faces there; on an axis along it.
+std::vector<Eigen::Vector3d> nodal_normals(const Side& side) {
+  if (side.flat) return std::vector<Eigen::Vector3d>(side.nodes.size(), side.normal);
+  std::map<int, Eigen::Vector3d> sum;
+  for (const fem::Face& face : side.faces()) {
+    const Eigen::Vector3d weighted = whole_area(side, face) * fem::face_normal(side.body->mesh, face);
+    for (const int node : face) sum.insert({node, Eigen::Vector3d::Zero()}).first->second += weighted;
+  }
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t i = 0; i < side.nodes.size(); ++i) {
+    Eigen::Vector3d normal = sum.at(side.nodes[i]);
+    if (side.body->section.model == Model::axisymmetric && side.position(i)[0] == 0.0) normal[0] = 0.0;
+    normals.push_back(normal.normalized());
+  }
+  return normals;
 }
 
 double size_of(const fem::Mesh& mesh) {
@@ -210,48 +256,109 @@ bool held_along(const Side& side, int node, const Eigen::Vector3d& normal) {
   return held;
 }
 
-/// Gap of a pair whose node of the first surface, those opposite and area are known; `b` is null for a rigid plane.
-void complete(const Scene& scene, const Side& a, const Side* b, ContactPair& pair) {
-  const Eigen::Vector3d& x = a.body->mesh.position[at(pair.node_a)];
-  pair.distance_m = x[0];
-  const double distance = b != nullptr ? (b->point - x).dot(a.normal) : 0.0;
-  const double nose = scene.contact->nose_radius_m;
-  pair.gap0_m = distance + scene.contact->initial_gap_m;
-  if (nose > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * nose);
-  double motion = -initial_motion(a, pair.node_a, a.normal);
-  bool held = held_along(a, pair.node_a, a.normal);
-  for (const auto& [node, weight] : pair.b) {
-    motion += weight * initial_motion(*b, node, a.normal);
-    held = held && held_along(*b, node, a.normal);
+/// Gaps of pairs whose nodes are known; `b` is null for a rigid plane.
+class Gaps {
+ public:
+  Gaps(const Context& context, const Side& a, const Side* b) : context_(context), a_(a), b_(b) {}
+
+  void complete(ContactPair& pair) const {
+    const Eigen::Vector3d& x = a_.body->mesh.position[at(pair.node_a)];
+    pair.distance_m = x[0];
+    const double nose = context_.contact.nose_radius_m;
+    pair.gap0_m = distance(pair, x) + context_.contact.initial_gap_m;
+    if (nose > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * nose);
   }
-  const double tolerance = depth_tolerance * size_of(a.body->mesh);
-  if (std::min(pair.gap0_m, pair.gap0_m + motion) < -tolerance)
-    refuse(scene,
-           fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion),
-                       text(a, x), pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
-           "a gap >= 0 at the start: move a mesh by start_m or give initial_gap_m");
-  pair.gap0_m = std::max(pair.gap0_m, 0.0);
-  if (!(pair.area_m2 > 0.0)) refuse(scene, "a contact node without area at " + text(a, x), "area > 0");
-  if (held)
-    refuse(scene, "a pair held along the normal by supports on every side, at " + text(a, x),
-           "contact nodes that are free along the normal on one side at least");
+  /// At the start.
+  void check(ContactPair& pair) const {
+    const Eigen::Vector3d& x = a_.body->mesh.position[at(pair.node_a)];
+    double motion = -initial_motion(a_, pair.node_a, pair.normal);
+    bool held = held_along(a_, pair.node_a, pair.normal);
+    for (const auto& [node, weight] : pair.b) {
+      motion += weight * initial_motion(*b_, node, pair.normal);
+      held = held && held_along(*b_, node, pair.normal);
+    }
+    const double tolerance = both_flat() ? depth_tolerance * size_of(a_.body->mesh) : chord_tolerance * edge_m();
+    if (std::min(pair.gap0_m, pair.gap0_m + motion) < -tolerance)
+      context_.refuse(
+          fmt::format("bodies that overlap by {:.6g} m at {}{}", -std::min(pair.gap0_m, pair.gap0_m + motion),
+                      text(a_, x), pair.gap0_m < -tolerance ? "" : " after the initial displacement"),
+          "a gap >= 0 at the start: move a mesh by start_m or give initial_gap_m");
+    pair.gap0_m = std::max(pair.gap0_m, 0.0);
+    if (!(pair.area_m2 > 0.0)) context_.refuse("a contact node without area at " + text(a_, x), "area > 0");
+    if (held)
+      context_.refuse("a pair held along the normal by supports on every side, at " + text(a_, x),
+                      "contact nodes that are free along the normal on one side at least");
+  }
+
+ private:
+  [[nodiscard]] bool both_flat() const { return a_.flat && (b_ == nullptr || b_->flat); }
+  [[nodiscard]] double edge_m() const {
+    return b_ == nullptr ? a_.shortest_edge_m : std::min(a_.shortest_edge_m, b_->shortest_edge_m);
+  }
+  /// Of the meshes, along the normal. A rigid plane touches the first surface where that is farthest out.
+  [[nodiscard]] double distance(const ContactPair& pair, const Eigen::Vector3d& x) const {
+    if (both_flat()) return b_ != nullptr ? (b_->point - x).dot(a_.normal) : 0.0;
+    if (b_ == nullptr) return (a_.point - x).dot(a_.normal);
+    Eigen::Vector3d opposite = Eigen::Vector3d::Zero();
+    for (const auto& [node, weight] : pair.b)
+      opposite += weight * fem::nearest_image(b_->body->mesh, b_->body->mesh.position[at(node)], x);
+    return (opposite - x).dot(pair.normal);
+  }
+
+  const Context& context_;
+  const Side &a_, *b_;
+};
+
+/// Pairs of nodes where they match, else none.
+std::vector<ContactPair> matching_pairs(const Context& context, const Side& a, const Side& b) {
+  std::vector<ContactPair> pairs;
+  const bool parallel = a.flat && b.flat && a.normal.dot(b.normal) <= flat_tolerance - 1.0;
+  if (!parallel) {
+    require_matching(context,
+                     {fmt::format("those of \"{}\" and \"{}\", which are curved or not parallel", a.name, b.name)});
+    return pairs;
+  }
+  const Matches found = match(a, b);
+  if (!found.lonely.empty()) {
+    require_matching(context, found.lonely);
+    return pairs;
+  }
+  for (std::size_t i = 0; i < a.nodes.size(); ++i)
+    pairs.push_back(
+        {.node_a = a.nodes[i], .b = {{b.nodes[found.partner[i]], 1.0}}, .normal = a.normal, .area_m2 = a.area_m2[i]});
+  return pairs;
+}
+
+std::vector<ContactPair> mortar_pairs(const ContactMesh& mesh, const Eigen::Vector3d& shift_m) {
+  std::vector<ContactPair> pairs;
+  for (auto& row : mesh.second.rows(mesh.first, shift_m))
+    pairs.push_back(
+        {.node_a = row.node, .b = std::move(row.opposite), .normal = mesh.normal.at(row.node), .area_m2 = row.area_m2});
+  return pairs;
+}
+
+ContactMesh mesh_of(const Side& a, const Side& b) {
+  const bool flat = a.flat && b.flat;
+  const auto along = flat ? std::optional(tangent_of(a.normal)) : std::nullopt;
+  ContactMesh mesh{faces_of(a), OppositeFaces(faces_of(b), along, a.body->mesh.period_m), {}};
+  const std::vector<Eigen::Vector3d> normals = nodal_normals(a);
+  for (std::size_t i = 0; i < normals.size(); ++i) mesh.normal.emplace(a.nodes[i], normals[i]);
+  return mesh;
 }
 
 /// Pairs of nodes where they match, else rows of the dual mortar.
-std::vector<ContactPair> pairs_of(const Scene& scene, const Side& a, const Side& b) {
-  const Matches found = match(a, b);
-  const bool matching = found.lonely.empty();
-  std::vector<ContactPair> pairs;
-  for (std::size_t i = 0; matching && i < a.nodes.size(); ++i)
-    pairs.push_back({.node_a = a.nodes[i], .b = {{b.nodes[found.partner[i]], 1.0}}, .area_m2 = a.area_m2[i]});
-  if (matching) return pairs;
-  require_matching(scene, found.lonely);
-  const Eigen::Vector3d tangent = tangent_of(a.normal);
-  for (auto& row : mortar_rows(edges_along(a, tangent), edges_along(b, tangent), a.body->mesh.period_m))
-    pairs.push_back({.node_a = row.node, .b = std::move(row.opposite), .area_m2 = row.area_m2});
+std::vector<ContactPair> pairs_of(const Context& context, const Side& a, const Side& b) {
+  const auto numbers = [&](const Eigen::Vector3d& x) {
+    return fmt::format("({:.4g})", fmt::join(x.data(), x.data() + context.scene.components(), ", "));
+  };
+  if (a.normal.dot(b.normal) >= 0.0)
+    context.refuse(fmt::format("outward normals {} and {}", numbers(a.normal), numbers(b.normal)),
+                   "surfaces that face each other");
+  std::vector<ContactPair> pairs = matching_pairs(context, a, b);
+  if (pairs.empty()) pairs = mortar_pairs(mesh_of(a, b), Eigen::Vector3d::Zero());
   if (pairs.empty())
-    refuse(scene, fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
-           "surfaces that face each other along a part of them at least");
+    context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
+                   "surfaces that face each other along a part of them at least");
   return pairs;
 }
 
@@ -259,34 +366,53 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
   return static_cast<int>(body - bodies.data());
 }
 
-}  // namespace
+/// Against a rigid plane.
+std::vector<ContactPair> plane_pairs(const Side& a) {
+  std::vector<ContactPair> pairs;
+  for (std::size_t i = 0; i < a.nodes.size(); ++i)
+    pairs.push_back({.node_a = a.nodes[i], .b = {}, .normal = a.normal, .area_m2 = a.area_m2[i]});
+  return pairs;
+}
 
-ContactGeometry build_contact(const Scene& scene, const std::vector<BodyProblem>& bodies) {
+ContactGeometry build_one(const Context& context, const std::vector<BodyProblem>& bodies) {
+  const Side a = make_side(context, bodies, context.contact.first);
+  std::optional<Side> b;
+  if (context.contact.second) b = make_side(context, bodies, *context.contact.second);
   ContactGeometry geometry;
-  if (!scene.contact) return geometry;
-  const Side a = make_side(scene, bodies, scene.contact->first);
+  geometry.name = context.contact.name;
   geometry.body_a = index_of(bodies, a.body);
+  geometry.body_b = b ? index_of(bodies, b->body) : -1;
   geometry.normal = a.normal;
-  if (scene.contact->second) {
-    const Side b = make_side(scene, bodies, *scene.contact->second);
-    geometry.body_b = index_of(bodies, b.body);
-    if (a.normal.dot(b.normal) > flat_tolerance - 1.0)
-      refuse(scene,
-             fmt::format("outward normals ({:.4g}) and ({:.4g})",
-                         fmt::join(a.normal.data(), a.normal.data() + scene.components(), ", "),
-                         fmt::join(b.normal.data(), b.normal.data() + scene.components(), ", ")),
-             "surfaces that face each other");
-    geometry.pairs = pairs_of(scene, a, b);
-    for (auto& pair : geometry.pairs) complete(scene, a, &b, pair);
-  } else {
-    for (std::size_t i = 0; i < a.nodes.size(); ++i) {
-      geometry.pairs.push_back({.node_a = a.nodes[i], .b = {}, .area_m2 = a.area_m2[i]});
-      complete(scene, a, nullptr, geometry.pairs.back());
-    }
+  geometry.pairs = b ? pairs_of(context, a, *b) : plane_pairs(a);
+  geometry.matching =
+      std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
+  const Gaps gaps(context, a, b ? &*b : nullptr);
+  for (auto& pair : geometry.pairs) {
+    gaps.complete(pair);
+    gaps.check(pair);
   }
   std::stable_sort(geometry.pairs.begin(), geometry.pairs.end(),
                    [](const ContactPair& p, const ContactPair& q) { return p.distance_m < q.distance_m; });
   return geometry;
+}
+
+}  // namespace
+
+std::vector<ContactGeometry> build_contacts(const Scene& scene, const std::vector<BodyProblem>& bodies) {
+  std::vector<ContactGeometry> contacts;
+  for (const Contact& contact : scene.contacts) contacts.push_back(build_one({scene, contact}, bodies));
+  return contacts;
+}
+
+std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body) {
+  std::vector<int> nodes;
+  for (const ContactGeometry& contact : contacts) {
+    const std::vector<int> own = contact_nodes(contact, body);
+    nodes.insert(nodes.end(), own.begin(), own.end());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
 }
 
 std::vector<int> contact_nodes(const ContactGeometry& contact, int body) {

@@ -49,19 +49,18 @@ Whole assemble(const Problem& problem) {
 }
 
 /// alpha_n n n^T between the nodes of each pair.
-void add_springs(const Problem& problem, Whole& whole) {
-  const ContactGeometry& contact = problem.contact;
+void add_springs(const Problem& problem, const ContactGeometry& contact, Whole& whole) {
   const int components = problem.scene.components();
   for (const ContactPair& pair : contact.pairs) {
     std::vector<std::pair<int, double>> ends{{whole.first_node[at(contact.body_a)] + pair.node_a, -1.0}};
     for (const auto& [node, weight] : pair.b) ends.emplace_back(whole.first_node[at(contact.body_b)] + node, weight);
-    const double stiffness = problem.scene.contact->penalty_pa_m * pair.area_m2;
+    const double stiffness = problem.scene.contact_law().penalty_pa_m * pair.area_m2;
     for (const auto& [p, sign_p] : ends)
       for (const auto& [q, sign_q] : ends)
         for (int i = 0; i < components; ++i)
           for (int j = 0; j < components; ++j)
             whole.stiffness.emplace_back(p * components + i, q * components + j,
-                                         stiffness * sign_p * sign_q * contact.normal[i] * contact.normal[j]);
+                                         stiffness * sign_p * sign_q * pair.normal[i] * pair.normal[j]);
   }
 }
 
@@ -139,7 +138,7 @@ std::vector<double> element_critical_steps(const Problem& problem) {
   std::vector<double> steps;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     const BodyProblem& body = problem.bodies[at(index)];
-    const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contact, index));
+    const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contacts, index));
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       if (at_contact[at(e)]) continue;
       steps.push_back(step_of(
@@ -151,7 +150,7 @@ std::vector<double> element_critical_steps(const Problem& problem) {
 
 double penalty_critical_time_step(const Problem& problem) {
   Whole whole = assemble(problem);
-  add_springs(problem, whole);
+  for (const ContactGeometry& contact : problem.contacts) add_springs(problem, contact, whole);
   const int components = problem.scene.components();
   const auto nodes = static_cast<Eigen::Index>(whole.mass.size());
   fem::SparseMatrix stiffness(nodes * components, nodes * components);

@@ -76,11 +76,14 @@ Outline outline_of(const fem::Mesh& mesh) {
 std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
   std::vector<BodyPair> pairs;
   const int bodies = static_cast<int>(problem.bodies.size());
-  const int low = std::min(problem.contact.body_a, problem.contact.body_b);
-  const int high = std::max(problem.contact.body_a, problem.contact.body_b);
+  const auto touch = [&](int i, int j) {
+    return std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const ContactGeometry& contact) {
+      return std::min(contact.body_a, contact.body_b) == i && std::max(contact.body_a, contact.body_b) == j;
+    });
+  };
   for (int i = 0; i < bodies; ++i)
     for (int j = i + 1; j < bodies; ++j)
-      if (i != low || j != high) pairs.push_back({i, j});
+      if (!touch(i, j)) pairs.push_back({i, j});
   return pairs;
 }
 

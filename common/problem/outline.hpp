@@ -19,7 +19,7 @@ struct Outline {
 struct BodyPair {
   int first = 0, second = 0;  ///< indices into Problem::bodies, first < second
 };
-/// All pairs of bodies but the two of the contact.
+/// All pairs of bodies but those of a contact.
 [[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
 
 /// A body where it has got to. Bars and meshes that repeat across are intervals along the axis.

@@ -25,7 +25,7 @@ ParticipantPart make_part(const Problem& problem, int index, const ParticipantSp
   std::vector<int> elements, extra_nodes;
   for (std::size_t e = 0; e < owned.size(); ++e)
     if (owned[e]) elements.push_back(static_cast<int>(e));
-  if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contact, index);
+  if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contacts, index);
   ParticipantPart result;
   result.body = index;
   result.part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements, extra_nodes);

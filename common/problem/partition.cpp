@@ -14,10 +14,13 @@
 namespace ricochet::scene {
 namespace {
 
-/// Elements that lie within `length` of the contact surface, measured against its outward normal.
-std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector3d& outward, int contact_node,
-                                double length) {
-  const Eigen::Vector3d surface = body.mesh.position[at(contact_node)];
+/// Elements that lie within `length` of the contact surface, measured against its outward normal from where it is
+/// farthest out.
+std::vector<bool> within_length(const BodyProblem& body, const Eigen::Vector3d& outward,
+                                const std::vector<int>& contact, double length) {
+  Eigen::Vector3d surface = body.mesh.position[at(contact.front())];
+  for (const int node : contact)
+    if ((body.mesh.position[at(node)] - surface).dot(outward) > 0.0) surface = body.mesh.position[at(node)];
   std::vector<bool> inside;
   for (const auto& element : body.mesh.elements) {
     bool whole = true;
@@ -70,7 +73,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   const Layout layout = scene.coupling.protocol.layout;
   if (layout != Layout::hybrid) return std::vector<bool>(body.mesh.elements.size(), layout == Layout::all_implicit);
-  const std::vector<int> contact = contact_nodes(problem.contact, index);
+  const std::vector<int> contact = contact_nodes(problem.contacts, index);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
     case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value() / scene.coupling.substeps);
@@ -78,10 +81,15 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);
   if (length == scene.partition.implicit_length_m.end()) return std::vector<bool>(body.mesh.elements.size(), false);
-  const Eigen::Vector3d& normal = problem.contact.normal;
-  std::vector<bool> inside = within_length(body, index == problem.contact.body_a ? normal : Eigen::Vector3d(-normal),
-                                           contact.front(), length->second);
-  if (scene.contact->multiplier_update != MultiplierUpdate::massless) return inside;
+  std::vector<bool> inside(body.mesh.elements.size(), false);
+  for (const ContactGeometry& geometry : problem.contacts) {
+    const std::vector<int> nodes = contact_nodes(geometry, index);
+    if (nodes.empty()) continue;
+    const Eigen::Vector3d outward = index == geometry.body_a ? geometry.normal : Eigen::Vector3d(-geometry.normal);
+    const std::vector<bool> near = within_length(body, outward, nodes, length->second);
+    std::transform(inside.begin(), inside.end(), near.begin(), inside.begin(), std::logical_or<>());
+  }
+  if (!scene.massless_contact()) return inside;
   const std::vector<bool> layer =
       elements_at(body.mesh, contact);  // massless nodes are moved by the elements behind them
   std::transform(inside.begin(), inside.end(), layer.begin(), inside.begin(), std::logical_or<>());
@@ -216,7 +224,7 @@ namespace {
 /// at once, and of a dual protocol, whose shared nodes' velocities the contact must leave alone.
 void require_implicit_contact(const Problem& problem) {
   const Scene& scene = problem.scene;
-  const bool massless = scene.contact && scene.contact->multiplier_update == MultiplierUpdate::massless;
+  const bool massless = scene.massless_contact();
   const bool dual = scene.coupling.protocol.dual;
   if (!massless && !dual) return;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
@@ -224,7 +232,7 @@ void require_implicit_contact(const Problem& problem) {
     std::vector<bool> is_explicit = body.implicit_element;
     is_explicit.flip();
     const std::vector<bool> touched = touched_nodes(body, is_explicit);
-    for (const int node : contact_nodes(problem.contact, index))
+    for (const int node : contact_nodes(problem.contacts, index))
       if (touched[at(node)])
         throw ConfigError(fmt::format(
             "{}: found \"{}\" and an explicit element at the contact node at {}; allowed: implicit elements all around "
@@ -243,7 +251,7 @@ void set_partition(Problem& problem) {
     body.implicit_element = implicit_elements(problem, index);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
-    for (const int node : contact_nodes(problem.contact, index)) body.implicit_node[at(node)] = true;
+    for (const int node : contact_nodes(problem.contacts, index)) body.implicit_node[at(node)] = true;
   }
   if (layout != Layout::hybrid) return;
   require_both_kinds(problem);

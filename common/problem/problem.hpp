@@ -17,15 +17,18 @@ struct ContactPair {
   int node_a = -1;  ///< of the first surface's body mesh
   /// Of the second surface: one node at the same place, several where meshes differ; rigid plane: none.
   std::vector<WeightedNode> b;
-  double gap0_m = 0.0;      ///< initial gap >= 0
-  double area_m2 = 0.0;     ///< tributary area: integral of N dA over the first surface's faces
-  double distance_m = 0.0;  ///< from the axis (first coordinate of node a), for the nose and for output
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
+  double gap0_m = 0.0;                    ///< initial gap >= 0
+  double area_m2 = 0.0;                   ///< tributary area: integral of N dA over the first surface's faces
+  double distance_m = 0.0;                ///< from the axis (first coordinate of node a), for the nose and for output
 };
 
 struct ContactGeometry {
+  std::string name;                       ///< of one of several
   int body_a = -1;                        ///< index into Problem::bodies
   int body_b = -1;                        ///< -1: rigid plane
-  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a; bar: (+-1, 0, 0)
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
+  bool matching = false;                  ///< pairs of nodes: every `b` is one node of weight 1, or none
   std::vector<ContactPair> pairs;         ///< sorted by distance
 };
 
@@ -54,14 +57,21 @@ struct BodyProblem {
 
 struct Problem {
   Scene scene;
-  std::vector<BodyProblem> bodies;  ///< in the scene's order
-  ContactGeometry contact;          ///< pairs empty without contact
-  double window_size_s = 0.0;       ///< Delta t, from step_s or the safety factor
+  std::vector<BodyProblem> bodies;        ///< in the scene's order
+  std::vector<ContactGeometry> contacts;  ///< in the scene's order, none without pairs
+  double window_size_s = 0.0;             ///< Delta t, from step_s or the safety factor
 };
+
+/// The direction that momentum is balanced along, and tangent_of it: the normal of the first contact; without one, the
+/// axis.
+[[nodiscard]] inline Eigen::Vector3d momentum_normal(const Problem& problem) {
+  if (!problem.contacts.empty()) return problem.contacts.front().normal;
+  return Eigen::Vector3d::Unit(problem.scene.components() - 1);
+}
 
 /// Builds meshes and partitions. `baseline` protocols: all_implicit makes every element implicit, all_explicit none.
 /// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError (names scene file, key,
-/// and the nodes where surfaces do not match; surfaces must be flat).
+/// and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
 
 /// The parts a participant owns, in the scene's order of bodies; a body without elements (and, for the implicit side,

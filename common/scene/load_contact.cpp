@@ -38,6 +38,32 @@ void load_surfaces(TableReader& table, const Scene& scene, Contact& contact) {
     table.refuse("surfaces", "two surfaces of body \"" + contact.first.body + "\"", "surfaces of two bodies");
 }
 
+/// A scene's only contact needs no name; of several each has one, which its columns and the overrides of studies use.
+void load_name(TableReader& table, const Scene& scene, bool named, Contact& contact) {
+  table.only_if(named, "name", "[[contact]], for one of several; a single [contact] has none");
+  if (!named) return;
+  contact.name = table.name("name");
+  for (const Contact& other : scene.contacts)
+    if (other.name == contact.name) table.refuse("name", "\"" + contact.name + "\" a second time", "a new name");
+  table.rename("contact." + contact.name);
+}
+
+/// The contacts of a scene are solved together.
+void require_same_law(const TableReader& table, const Contact& first, const Contact& contact) {
+  const auto require = [&](bool same, const char* key) {
+    if (!same)
+      table.refuse(key, "another value than that of contact \"" + first.name + "\"",
+                   "the same in every contact: left out, it is taken from the first");
+  };
+  require(contact.enforcement == first.enforcement, "enforcement");
+  require(contact.multiplier_update == first.multiplier_update, "multiplier_update");
+  require(contact.penalty_pa_m == first.penalty_pa_m, "penalty_pa_m");
+  require(contact.impact_update == first.impact_update, "impact_update");
+  require(contact.friction_coefficient == first.friction_coefficient, "friction_coefficient");
+  require(contact.friction_law == first.friction_law, "friction_law");
+  require(contact.friction_regularisation_s_m == first.friction_regularisation_s_m, "friction_regularisation_s_m");
+}
+
 void load_enforcement(TableReader& table, Contact& contact) {
   contact.enforcement = table.choice<Enforcement>(
       "enforcement", {{"multiplier", Enforcement::multiplier}, {"penalty", Enforcement::penalty}}, contact.enforcement);
@@ -51,7 +77,8 @@ void load_enforcement(TableReader& table, Contact& contact) {
                                       {"trapezoidal_reset", MultiplierUpdate::trapezoidal_reset},
                                       {"massless", MultiplierUpdate::massless}},
                                      contact.multiplier_update);
-  if (penalty) contact.penalty_pa_m = table.number("penalty_pa_m", above(0.0));
+  if (penalty && (contact.penalty_pa_m == 0.0 || table.has("penalty_pa_m")))
+    contact.penalty_pa_m = table.number("penalty_pa_m", above(0.0));
   contact.impact_update = table.choice<ImpactUpdate>(
       "impact_update",
       {{"none", ImpactUpdate::none}, {"impedance", ImpactUpdate::impedance}, {"mass", ImpactUpdate::mass}},
@@ -63,7 +90,7 @@ void load_friction(TableReader& table, Model model, Contact& contact) {
   if (model == Model::solid && table.has("friction_coefficient") &&
       table.number("friction_coefficient", at_least(0.0)) > 0.0)
     table.refuse("friction_coefficient", "friction between solids, which is not there yet", "0");
-  contact.friction_coefficient = table.number("friction_coefficient", at_least(0.0), 0.0);
+  contact.friction_coefficient = table.number("friction_coefficient", at_least(0.0), contact.friction_coefficient);
   table.only_if(table.has("friction_coefficient"), "friction_law", "friction_coefficient");
   contact.friction_law = table.choice<FrictionLaw>(
       "friction_law", {{"return_mapping", FrictionLaw::return_mapping}, {"regularised", FrictionLaw::regularised}},
@@ -76,14 +103,18 @@ void load_friction(TableReader& table, Model model, Contact& contact) {
 
 std::vector<std::string> contact_bodies(const Scene& scene) {
   std::vector<std::string> names;
-  if (!scene.contact) return names;
-  names.push_back(scene.contact->first.body);
-  if (scene.contact->second) names.push_back(scene.contact->second->body);
+  const auto add = [&](const std::string& body) {
+    if (std::find(names.begin(), names.end(), body) == names.end()) names.push_back(body);
+  };
+  for (const Contact& contact : scene.contacts) {
+    add(contact.first.body);
+    if (contact.second) add(contact.second->body);
+  }
   return names;
 }
 
 void load_implicit_length(TableReader& table, const Scene& scene, Partition& partition) {
-  table.only_if(scene.contact.has_value(), "implicit_length_m",
+  table.only_if(!scene.contacts.empty(), "implicit_length_m",
                 "a [contact] table: the length is measured from the contact surface; use implicit_groups");
   const std::vector<std::string> bodies = contact_bodies(scene);
   partition.rule = PartitionRule::implicit_length;
@@ -107,14 +138,18 @@ void load_implicit_groups(TableReader& table, const Scene& scene, Partition& par
 
 }  // namespace
 
-Contact load_contact(TableReader& table, const Scene& scene) {
+Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   Contact contact;
+  if (!scene.contacts.empty()) contact = scene.contact_law();
+  contact.second.reset();
+  load_name(table, scene, named, contact);
   load_surfaces(table, scene, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
   table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");
-  if (table.has("nose_radius_m")) contact.nose_radius_m = table.number("nose_radius_m", above(0.0));
+  contact.nose_radius_m = table.has("nose_radius_m") ? table.number("nose_radius_m", above(0.0)) : 0.0;
   load_enforcement(table, contact);
   load_friction(table, scene.model, contact);
+  if (!scene.contacts.empty()) require_same_law(table, scene.contact_law(), contact);
   table.finish();
   return contact;
 }

@@ -43,31 +43,31 @@ void check_automatic_partition(const TableReader& root, const TableReader& time,
 
 /// Which protocol runs is known after the contact has been read.
 void check_contact_keys(TableReader& root, const Scene& scene) {
-  if (!scene.contact || scene.coupling.protocol.layout != Layout::all_explicit) return;
+  if (scene.contacts.empty() || scene.coupling.protocol.layout != Layout::all_explicit) return;
   const std::string needed = "an implicit side, which \"all_explicit\" has not";
-  auto contact = root.table("contact", "contact");
-  contact.only_if(false, "impact_update", needed);
-  if (scene.contact->multiplier_update == MultiplierUpdate::fully_implicit)
-    contact.refuse("multiplier_update", "\"fully_implicit\" under \"all_explicit\"",
-                   "\"trapezoidal_reset\" or \"massless\", or " + needed);
+  for (auto& contact : root.table_or_tables("contact", "contact")) {
+    contact.only_if(false, "impact_update", needed);
+    if (contact.has("multiplier_update") && scene.contact_law().multiplier_update == MultiplierUpdate::fully_implicit)
+      contact.refuse("multiplier_update", "\"fully_implicit\" under \"all_explicit\"",
+                     "\"trapezoidal_reset\" or \"massless\", or " + needed);
+  }
 }
 
 void load_tables(TableReader& root, Scene& scene) {
   scene.model = load_model(root);
   load_bodies(root, scene);
-  if (root.has("contact")) {
-    TableReader table = root.table("contact", "contact");
-    scene.contact = load_contact(table, scene);
-  }
+  const bool several = root.is_array("contact");
+  for (TableReader& table : root.table_or_tables("contact", "contact"))
+    scene.contacts.push_back(load_contact(table, scene, several));
   if (root.has("partition")) {
     TableReader table = root.table("partition", "partition");
     scene.partition = load_partition(table, scene);
   }
   TableReader time = root.table("time", "time");
-  scene.time = load_time(time, scene.contact.has_value());
+  scene.time = load_time(time, !scene.contacts.empty());
   if (root.has("coupling")) {
     TableReader table = root.table("coupling", "coupling");
-    scene.coupling = load_coupling(table, scene.contact.has_value());
+    scene.coupling = load_coupling(table, !scene.contacts.empty());
   }
   check_contact_keys(root, scene);
   check_automatic_partition(root, time, scene);

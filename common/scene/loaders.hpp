@@ -15,7 +15,7 @@ namespace ricochet::scene {
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
 
 [[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder);
-[[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene);
+[[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene, bool named);
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
 [[nodiscard]] CouplingSettings load_coupling(TableReader& table, bool has_contact);

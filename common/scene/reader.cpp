@@ -84,6 +84,8 @@ std::string TableReader::full(const std::string& key) const {
 
 bool TableReader::has(const std::string& key) const { return value_->contains(key); }
 
+bool TableReader::is_array(const std::string& key) const { return has(key) && value_->at(key).is_array(); }
+
 const toml::value* TableReader::take(const std::string& key) {
   const std::vector<std::string>& known = context_.schema->at(kind_);
   if (std::find(known.begin(), known.end(), key) == known.end())
@@ -240,6 +242,13 @@ std::vector<TableReader> TableReader::tables(const std::string& key, const std::
   for (const toml::value& entry : to_array(*value, key, "tables", 0))
     result.emplace_back(entry, kind, fmt::format("{}[{}]", full(key), result.size()), context_);
   return result;
+}
+
+std::vector<TableReader> TableReader::table_or_tables(const std::string& key, const std::string& kind) {
+  if (!has(key) || is_array(key)) return tables(key, kind);
+  std::vector<TableReader> one;
+  one.push_back(table(key, kind));
+  return one;
 }
 
 const toml::value& TableReader::body_table(const std::string& key, const std::vector<std::string>& allowed) {

@@ -41,6 +41,7 @@ class TableReader {
   TableReader(const toml::value& value, std::string kind, std::string path, Context context);
 
   [[nodiscard]] bool has(const std::string& key) const;
+  [[nodiscard]] bool is_array(const std::string& key) const;
   /// From here on the table is called `path` in errors and in `lines` (a body once its name is known).
   void rename(const std::string& path);
 
@@ -72,6 +73,8 @@ class TableReader {
   [[nodiscard]] TableReader table(const std::string& key, const std::string& kind);
   /// Array of tables ([[key]] or key = [{...}]); empty if the key is missing.
   [[nodiscard]] std::vector<TableReader> tables(const std::string& key, const std::string& kind);
+  /// One table ([key]) or an array of them; empty if the key is missing.
+  [[nodiscard]] std::vector<TableReader> table_or_tables(const std::string& key, const std::string& kind);
   /// A table whose keys must be among `allowed` (bodies): numbers in `range`, or lists of texts.
   [[nodiscard]] std::map<std::string, double> numbers_by_name(const std::string& key, const Range& range,
                                                               const std::vector<std::string>& allowed);

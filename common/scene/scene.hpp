@@ -106,6 +106,7 @@ enum class ImpactUpdate { none, impedance, mass };
 enum class FrictionLaw { return_mapping, regularised };
 
 struct Contact {
+  std::string name;                   ///< of one of several; empty of a scene's only one
   SurfaceName first;                  ///< n points out of this surface
   std::optional<SurfaceName> second;  ///< empty: rigid plane
   double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
@@ -117,6 +118,8 @@ struct Contact {
   double friction_coefficient = 0.0;
   FrictionLaw friction_law = FrictionLaw::return_mapping;
   double friction_regularisation_s_m = 1.0;  ///< xi of Eq. 15
+
+  [[nodiscard]] std::string key() const { return name.empty() ? "contact" : "contact." + name; }
 };
 
 enum class PartitionRule { implicit_length, implicit_groups, automatic };
@@ -178,7 +181,7 @@ struct Scene {
   std::string sha256;  ///< of its text (and of the mesh files it names), hex
   Model model = Model::bar;
   std::vector<Body> bodies;
-  std::optional<Contact> contact;
+  std::vector<Contact> contacts;
   Partition partition;
   Time time;
   CouplingSettings coupling;
@@ -188,6 +191,11 @@ struct Scene {
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
   [[nodiscard]] std::string where(const std::string& key) const;
+  /// The law of all contacts, which are solved together: their keys but surfaces, gap, nose and friction coefficient.
+  [[nodiscard]] const Contact& contact_law() const { return contacts.front(); }
+  [[nodiscard]] bool massless_contact() const {
+    return !contacts.empty() && contact_law().multiplier_update == MultiplierUpdate::massless;
+  }
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown

@@ -23,7 +23,7 @@ std::vector<std::string> split(const std::string& key) {
   return words;
 }
 
-/// The table of that `name` in an array of tables (bodies, participants).
+/// The table of that `name` in an array of tables (bodies, contacts, participants).
 toml::value& named(toml::value& tables, const std::string& name, const Override& change) {
   std::vector<std::string> names;
   for (auto& table : tables.as_array()) {

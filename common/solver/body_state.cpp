@@ -68,8 +68,7 @@ void BodyState::update_momentum() {
 namespace {
 
 void set_directions(const scene::Problem& problem, BodyState& state) {
-  const bool contact = !problem.contact.pairs.empty();
-  state.normal = contact ? problem.contact.normal : Eigen::Vector3d::Unit(problem.scene.components() - 1);
+  state.normal = scene::momentum_normal(problem);
   state.tangent = scene::tangent_of(state.normal);
 }
 

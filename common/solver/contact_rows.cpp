@@ -44,20 +44,22 @@ ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector3
 }  // namespace
 
 std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
-  const auto& geometry = problem.contact;
-  const Eigen::Vector3d tangent = scene::tangent_of(geometry.normal);
   const int components = problem.scene.components();
-  const Eigen::Vector3d binormal = components == 3 ? geometry.normal.cross(tangent) : Eigen::Vector3d::Zero();
   std::vector<Pair> pairs;
-  for (const auto& pair : geometry.pairs) {
-    std::vector<PartNode> nodes;
-    for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
-    nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
-    pairs.push_back({.normal = row_of_nodes(nodes, geometry.normal, components),
-                     .tangent = row_of_nodes(nodes, tangent, components),
-                     .binormal = row_of_nodes(nodes, binormal, components),
-                     .gap0_m = pair.gap0_m,
-                     .area_m2 = pair.area_m2});
+  for (const auto& geometry : problem.contacts) {
+    for (const auto& pair : geometry.pairs) {
+      const Eigen::Vector3d tangent = scene::tangent_of(pair.normal);
+      const Eigen::Vector3d binormal = components == 3 ? pair.normal.cross(tangent) : Eigen::Vector3d::Zero();
+      std::vector<PartNode> nodes;
+      for (const auto& [node, weight] : pair.b)
+        nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
+      nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
+      pairs.push_back({.normal = row_of_nodes(nodes, pair.normal, components),
+                       .tangent = row_of_nodes(nodes, tangent, components),
+                       .binormal = row_of_nodes(nodes, binormal, components),
+                       .gap0_m = pair.gap0_m,
+                       .area_m2 = pair.area_m2});
+    }
   }
   return pairs;
 }

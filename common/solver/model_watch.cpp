@@ -71,10 +71,17 @@ void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
 }
 
 void ModelWatch::prepare_pairs(const scene::Problem& problem) {
-  const auto& contact = problem.contact;
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i)
+    prepare_pairs(problem, problem.contacts[i], problem.scene.contacts[i].first.surface);
+}
+
+void ModelWatch::prepare_pairs(const scene::Problem& problem, const scene::ContactGeometry& contact,
+                               const std::string& first_surface) {
   const auto& body_a = problem.bodies[static_cast<std::size_t>(contact.body_a)];
-  two_bodies_ = contact.body_b >= 0;
   const Eigen::Vector3d tangent = scene::tangent_of(contact.normal), binormal = contact.normal.cross(tangent);
+  Stretch& stretch = stretches_.emplace_back();
+  stretch.begin = pairs_.size();
+  stretch.two_bodies = contact.body_b >= 0;
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
     pairs_.push_back({{tangent.dot(x), binormal.dot(x)},
@@ -82,42 +89,44 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem) {
                       std::numeric_limits<double>::infinity(),
                       x});
   }
-  set_ends(problem);
+  stretch.end = pairs_.size();
+  set_ends(body_a.mesh, contact, first_surface, stretch);
   for (const bool first : {true, false}) {
     const int body = first ? contact.body_a : contact.body_b;
     if (body < 0) continue;
     const auto depth_m = depths(problem.bodies[static_cast<std::size_t>(body)].mesh, contact.normal);
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
       const auto take = [&](int node) {
         pairs_[i].depth_m = std::min(pairs_[i].depth_m, depth_m[static_cast<std::size_t>(node)]);
       };
-      if (first) take(contact.pairs[i].node_a);
-      for (const auto& opposite : contact.pairs[i].b) {
+      const auto& pair = contact.pairs[i - stretch.begin];
+      if (first) take(pair.node_a);
+      for (const auto& opposite : pair.b) {
         if (!first) take(opposite.node);
       }
     }
   }
-  for (auto& pair : pairs_) {
-    if (!std::isfinite(pair.edge_m)) pair.edge_m = pair.depth_m;  // the one pair of two bars
+  for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
+    if (!std::isfinite(pairs_[i].edge_m)) pairs_[i].edge_m = pairs_[i].depth_m;  // the one pair of two bars
   }
 }
 
 /// And the edges beside each pair.
-void ModelWatch::set_ends(const scene::Problem& problem) {
-  const auto& contact = problem.contact;
-  const auto& mesh = problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh;
+void ModelWatch::set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& contact,
+                          const std::string& first_surface, Stretch& stretch) {
   const int directions = surface_->components - 1;
-  const bool ended = two_bodies_ && mesh.period_m == 0.0;
-  std::vector<std::size_t> order(pairs_.size());
-  std::iota(order.begin(), order.end(), 0);
+  const bool ended = stretch.two_bodies && contact.matching && mesh.period_m == 0.0;
+  std::vector<std::size_t> order(stretch.end - stretch.begin);
+  std::iota(order.begin(), order.end(), stretch.begin);
   for (std::size_t k = 0; k < static_cast<std::size_t>(directions); ++k) {
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t i, std::size_t j) { return pairs_[i].along_m[k] < pairs_[j].along_m[k]; });
-    if (ended) ends_.push_back({order.front(), order.back()});
+    if (ended) stretch.ends.push_back({order.front(), order.back()});
   }
   if (directions == 2) {
-    const auto edges = shortest_edges(mesh, problem.scene.contact->first.surface);
-    for (std::size_t i = 0; i < pairs_.size(); ++i) pairs_[i].edge_m = edges.at(contact.pairs[i].node_a);
+    const auto edges = shortest_edges(mesh, first_surface);
+    for (std::size_t i = stretch.begin; i < stretch.end; ++i)
+      pairs_[i].edge_m = edges.at(contact.pairs[i - stretch.begin].node_a);
     return;
   }
   for (std::size_t k = 1; k < order.size(); ++k) {
@@ -197,11 +206,13 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
 void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>& states) {
   Worst penetration;
   slipped_ = false;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const double gap_m = surface_->pairs[i].gap(displacement_of(states));
-    penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
-    if (!two_bodies_ || surface_->components == 1) continue;
-    slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
+  for (const auto& stretch : stretches_) {
+    for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
+      const double gap_m = surface_->pairs[i].gap(displacement_of(states));
+      penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
+      if (!stretch.two_bodies || surface_->components == 1) continue;
+      slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
+    }
   }
   const int part = surface_->pairs.front().normal.part_of(Side::a);
   if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
@@ -223,10 +234,11 @@ double ModelWatch::along(std::size_t direction, std::size_t pair, Side side,
 }
 
 /// How far a node of a pair is past the ends of the other surface; < 0 between them [m].
-double ModelWatch::past_end(std::size_t pair, const std::vector<BodyState>& states) const {
+double ModelWatch::past_end(std::size_t pair, const std::vector<Ends>& ends,
+                            const std::vector<BodyState>& states) const {
   double past_m = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < ends_.size(); ++k) {
-    const auto [low, high] = ends_[k];
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const auto [low, high] = ends[k];
     const double a = along(k, pair, Side::a, states), b = along(k, pair, Side::b, states);
     past_m = std::max({past_m, along(k, low, Side::b, states) - a, a - along(k, high, Side::b, states),
                        along(k, low, Side::a, states) - b, b - along(k, high, Side::a, states)});
@@ -237,10 +249,12 @@ double ModelWatch::past_end(std::size_t pair, const std::vector<BodyState>& stat
 void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
   Worst slipped, past;
   const auto& pairs = surface_->pairs;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (pairs[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
-    slipped.take(slip(i, states), pairs_[i].x);
-    past.take(past_end(i, states) / pairs_[i].edge_m, pairs_[i].x);
+  for (const auto& stretch : stretches_) {
+    for (std::size_t i = stretch.begin; stretch.two_bodies && i < stretch.end; ++i) {
+      if (pairs[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
+      slipped.take(slip(i, states), pairs_[i].x);
+      past.take(past_end(i, stretch.ends, states) / pairs_[i].edge_m, pairs_[i].x);
+    }
   }
   const int part = pairs.front().normal.part_of(Side::a);
   if (slipped.size > slip_limit) report(Kind::slip, part, before, window, slipped);

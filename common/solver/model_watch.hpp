@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/participant/participant.hpp"
@@ -59,8 +60,20 @@ class ModelWatch {
     Eigen::Vector3d x{0.0, 0.0, 0.0};
   };
   void prepare_elements(const std::vector<BodyState>& states);
+  struct Ends {
+    std::size_t low = 0, high = 0;  ///< pairs
+  };
+  /// The pairs of one contact.
+  struct Stretch {
+    std::size_t begin = 0, end = 0;
+    bool two_bodies = false;  ///< else a plane, on which all places are alike
+    std::vector<Ends> ends;   ///< of matching surfaces, along the tangent and, of a solid, n x t; none if they repeat
+  };
   void prepare_pairs(const scene::Problem& problem);
-  void set_ends(const scene::Problem& problem);
+  void prepare_pairs(const scene::Problem& problem, const scene::ContactGeometry& contact,
+                     const std::string& first_surface);
+  void set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& contact, const std::string& first_surface,
+                Stretch& stretch);
   template <int dimension>
   void look_at_element(const Element& element, const fem::Element& nodes, const std::array<Eigen::Vector3d, 8>& u,
                        const Eigen::Vector3d& place, Worst& strain, Worst& rotation) const;
@@ -70,18 +83,15 @@ class ModelWatch {
   [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
   [[nodiscard]] double along(std::size_t direction, std::size_t pair, Side side,
                              const std::vector<BodyState>& states) const;
-  [[nodiscard]] double past_end(std::size_t pair, const std::vector<BodyState>& states) const;
+  [[nodiscard]] double past_end(std::size_t pair, const std::vector<Ends>& ends,
+                                const std::vector<BodyState>& states) const;
   void report(participant::DepartureKind kind, int part, std::int64_t last_without, std::int64_t window,
               const Worst& worst);
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;
   std::vector<PairPlace> pairs_;
-  struct Ends {
-    std::size_t low = 0, high = 0;  ///< pairs
-  };
-  std::vector<Ends> ends_;   ///< of the surfaces, along the tangent and, of a solid, n x t; none if they repeat
-  bool two_bodies_ = false;  ///< else a plane, on which all places are alike
+  std::vector<Stretch> stretches_;  ///< a contact each
   bool slipped_ = false;
   std::int64_t last_look_ = 0, last_window_ = 0;
   std::vector<participant::Departure> found_;

@@ -23,15 +23,16 @@ std::optional<fem::NaturalPoint> face_middle(const fem::Element& nodes, const fe
 }  // namespace
 
 SurfaceStress::SurfaceStress(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
-  if (problem.contact.pairs.empty()) return;
-  if (!collect(problem, parts, problem.contact.body_a, true) && problem.contact.body_b >= 0) {
-    collect(problem, parts, problem.contact.body_b, false);
+  if (problem.contacts.empty()) return;
+  const auto& contact = problem.contacts.front();
+  if (!collect(problem, parts, contact.body_a, true) && contact.body_b >= 0) {
+    collect(problem, parts, contact.body_b, false);
   }
 }
 
 bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, int body,
                             bool first) {
-  const auto& surface = first ? problem.scene.contact->first.surface : problem.scene.contact->second->surface;
+  const auto& surface = first ? problem.scene.contact_law().first.surface : problem.scene.contact_law().second->surface;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const auto& part = parts[p].part;
     const auto found = part.mesh.surfaces.find(surface);

@@ -7,7 +7,7 @@
 
 namespace ricochet::solver {
 
-/// Mean over the contact surface of the most compressive principal stress, positive in compression [Pa]:
+/// Mean over the surface of the (first) contact of the most compressive principal stress, positive in compression [Pa]:
 ///   sigma_mean = - sum_e A_e sigma_III(middle of the face of e) / sum_e A_e
 /// over the elements along the contact surface of the first body that has any here (the scene's first surface first).
 /// This is the "mean value of principal stress on the contact surface" of the paper's Fig. 3-5.

@@ -39,7 +39,7 @@ double length_along(const scene::BodyProblem& body, const Eigen::Vector3d& norma
 /// Until the wave of the impact is back at the contact [s]; it is not where an absorbing surface takes it up.
 double transit(const scene::Problem& problem, std::size_t body) {
   if (!problem.scene.bodies[body].absorbing.empty()) return HUGE_VAL;
-  return 2 * length_along(problem.bodies[body], problem.contact.normal) / wave_speed(problem, body);
+  return 2 * length_along(problem.bodies[body], problem.contacts.front().normal) / wave_speed(problem, body);
 }
 
 double velocity_along(const scene::Body& body, const Eigen::Vector3d& normal) {
@@ -67,14 +67,15 @@ bool flies_freely(const scene::Body& body, const Eigen::Vector3d& normal) {
 }  // namespace
 
 std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
-  const auto& contact = problem.contact;
-  if (contact.pairs.empty() || contact.body_b < 0) return std::nullopt;
+  if (problem.contacts.size() != 1) return std::nullopt;
+  const auto& contact = problem.contacts.front();
+  if (contact.body_b < 0) return std::nullopt;
   const auto a = static_cast<std::size_t>(contact.body_a);
   const auto b = static_cast<std::size_t>(contact.body_b);
   for (const auto body : {a, b}) {
     if (!flies_freely(problem.scene.bodies[body], contact.normal)) return std::nullopt;
   }
-  if (problem.scene.contact->nose_radius_m > 0) return std::nullopt;
+  if (problem.scene.contact_law().nose_radius_m > 0) return std::nullopt;
   const double closing =
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;

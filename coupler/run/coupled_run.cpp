@@ -44,8 +44,8 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       results_(results),
       summary_(first_summary(problem, plan)),
       tally_(impact_theory(problem)),
-      history_file_(results.file("history.csv"), body_names(scene_), !problem.contact.pairs.empty()),
-      progress_(plan.windows, !problem.contact.pairs.empty()),
+      history_file_(results.file("history.csv"), body_names(scene_), !problem.contacts.empty()),
+      progress_(plan.windows, !problem.contacts.empty()),
       set_(make_process_set(problem, executables, results, summary_.run_id)),
       outside_(problem) {
   reserve_summary();

@@ -85,7 +85,7 @@ class StabilityStudy {
 };
 
 std::vector<FrozenContact> StabilityStudy::contacts() const {
-  if (problem_.contact.pairs.empty()) return {FrozenContact::open};
+  if (problem_.contacts.empty()) return {FrozenContact::open};
   return {FrozenContact::open, FrozenContact::sticking};
 }
 

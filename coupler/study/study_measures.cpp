@@ -146,7 +146,7 @@ Observation exact_impact(const scene::Problem& problem) {
   require(theory.has_value(), scene, other);
   require(theory->other_body_returns_later, scene, "a wave of the other bar that changes the force before the end");
   Observation exact;
-  const auto& pair = problem.contact.pairs.front();
+  const auto& pair = problem.contacts.front().pairs.front();
   const double begin_s = pair.gap0_m / theory->closing_velocity_m_s, end_s = begin_s + theory->contact_duration_s;
   const double force_n = theory->stress_pa * pair.area_m2;
   exact.contact_begin_s = begin_s;
@@ -157,9 +157,10 @@ Observation exact_impact(const scene::Problem& problem) {
   exact.separation_time_s = end_s;
   for (int b = 0; b < 2; ++b) {
     const auto& body = scene.bodies[static_cast<std::size_t>(b)];
-    const double mass_kg = masses_kg[static_cast<std::size_t>(b)], direction = b == problem.contact.body_a ? -1.0 : 1.0;
+    const double mass_kg = masses_kg[static_cast<std::size_t>(b)],
+                 direction = b == problem.contacts.front().body_a ? -1.0 : 1.0;
     const double before =
-        body.initial_velocity_m_s.empty() ? 0.0 : problem.contact.normal[0] * body.initial_velocity_m_s[0];
+        body.initial_velocity_m_s.empty() ? 0.0 : problem.contacts.front().normal[0] * body.initial_velocity_m_s[0];
     const double after = before + direction * force_n * theory->contact_duration_s / mass_kg;
     exact.rebound_velocity_m_s.push_back(after);
     exact.greatest_speed_m_s = std::max({exact.greatest_speed_m_s, std::abs(before), std::abs(after)});

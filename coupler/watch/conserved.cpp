@@ -6,8 +6,7 @@ namespace ricochet::coupler {
 
 Conserved conserved_by(const scene::Problem& problem) {
   Conserved conserved;
-  const bool contact = !problem.contact.pairs.empty();
-  const Eigen::Vector3d normal = contact ? problem.contact.normal : Eigen::Vector3d(0.0, 1.0, 0.0);
+  const Eigen::Vector3d normal = scene::momentum_normal(problem);
   if (problem.scene.model == scene::Model::axisymmetric)
     conserved.directions = {{normal[1], normal[0]}};  // t = (-n_y, n_x)
   const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(),

@@ -21,7 +21,7 @@ using solver::Side;
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                                  const std::vector<BodyState>& states)
-    : problem_(&problem), law_(&*problem.scene.contact), shared_(false), surface_(std::move(surface)) {
+    : problem_(&problem), law_(&problem.scene.contact_law()), shared_(false), surface_(std::move(surface)) {
   shared_ = solver::share_nodes(surface_.pairs);
   int offset = 0;
   for (const auto& state : states) {

@@ -169,10 +169,11 @@ void require(bool holds, const scene::Scene& scene, const char* allowed) {
 
 std::string calculix_deck(const scene::Problem& problem, long steps) {
   const auto& scene = problem.scene;
-  const auto& contact = problem.contact;
+  const auto& contact = problem.contacts.front();
   require(scene.model == scene::Model::axisymmetric, scene, "axisymmetric scenes");
   require(contact.body_a >= 0 && contact.body_b >= 0, scene, "the contact of two bodies");
-  require(scene.contact->initial_gap_m == 0.0 && scene.contact->nose_radius_m == 0.0, scene, "contact without a gap");
+  require(scene.contacts.front().initial_gap_m == 0.0 && scene.contacts.front().nose_radius_m == 0.0, scene,
+          "contact without a gap");
   for (const auto& body : scene.bodies) {
     const bool heavy =
         std::any_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), [](double g) { return g != 0.0; });
@@ -193,7 +194,7 @@ std::string calculix_deck(const scene::Problem& problem, long steps) {
   for (const auto& body : bodies) add_material(body, deck);
   deck += "*INITIAL CONDITIONS, TYPE=VELOCITY\n";
   for (const auto& body : bodies) add_velocities(body, deck);
-  add_contact(*scene.contact, bodies[at(contact.body_a)], bodies[at(contact.body_b)], deck);
+  add_contact(scene.contact_law(), bodies[at(contact.body_a)], bodies[at(contact.body_b)], deck);
   deck += fmt::format("*STEP, INC=1000000\n*DYNAMIC, DIRECT, ALPHA=0.\n{}, {}\n", number(problem.window_size_s),
                       number(static_cast<double>(steps) * problem.window_size_s));
   return deck + "*CONTACT PRINT, SLAVE=FIRST, MASTER=SECOND, FREQUENCY=1\nCF\n*END STEP\n";

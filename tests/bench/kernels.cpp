@@ -104,9 +104,9 @@ ImplicitOperator make_operator(int refinement) {
         if (j >= 0) entries.emplace_back(i, j, factor * it.value());
       }
     }
-    for (const auto& pair : problem.contact.pairs) {
+    for (const auto& pair : problem.contacts.front().pairs) {
       const auto node =
-          static_cast<std::size_t>(owned.body == problem.contact.body_a ? pair.node_a : pair.b.front().node);
+          static_cast<std::size_t>(owned.body == problem.contacts.front().body_a ? pair.node_a : pair.b.front().node);
       for (const std::size_t dof : {2 * node, 2 * node + 1}) {
         if (unknown_of[offset + dof] >= 0) result.root.push_back(unknown_of[offset + dof]);
       }

@@ -62,10 +62,10 @@ Motion after_one_window(const std::string& text) {
   solver.accept();
   EXPECT_EQ(solver.contact_status().pairs_closed, 3);
   Motion motion;
-  for (const auto& pair : problem.contact.pairs) {
+  for (const auto& pair : problem.contacts.front().pairs) {
     const Eigen::Vector2d lower = solver.state().bodies.at(0).v.segment<2>(2 * pair.node_a);
     const Eigen::Vector2d upper = solver.state().bodies.at(1).v.segment<2>(2 * pair.b.at(0).node);
-    if (&pair != problem.contact.pairs.data()) {
+    if (&pair != problem.contacts.front().pairs.data()) {
       EXPECT_LT((lower - motion.lower).norm() + (upper - motion.upper).norm(), 1e-4);
     }
     motion = {lower, upper};

@@ -10,7 +10,7 @@ namespace {
 scene::Problem baseline(const std::string& config, scene::MultiplierUpdate update) {
   auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
   scene.coupling.protocol = scene::protocol_traits("all_implicit");
-  scene.contact->multiplier_update = update;
+  scene.contacts.front().multiplier_update = update;
   scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch, {}}};
   for (const auto& body : scene.bodies) scene.participants[0].bodies.push_back(body.name);
   return scene::build_problem(scene);

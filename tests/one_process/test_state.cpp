@@ -20,7 +20,7 @@ struct Alone {
                                    scene::MultiplierUpdate law) {
     auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
     scene.coupling.protocol = scene::protocol_traits(protocol);
-    scene.contact->multiplier_update = law;
+    scene.contacts.front().multiplier_update = law;
     const auto role = protocol == "all_implicit" ? scene::Role::implicit_solver : scene::Role::explicit_solver;
     scene.participants = {{"alone", role, {}, "", scene::Start::launch, {}}};
     for (const auto& body : scene.bodies) scene.participants[0].bodies.push_back(body.name);

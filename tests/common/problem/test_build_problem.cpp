@@ -21,7 +21,7 @@ int count(const std::vector<bool>& flags) { return static_cast<int>(std::count(f
 
 TEST(ContactPairs, LieAtTheSamePlaceAndAreSortedFromTheAxis) {
   const Problem problem = build(cylinders);
-  const ContactGeometry& contact = problem.contact;
+  const ContactGeometry& contact = problem.contacts.front();
   ASSERT_EQ(contact.pairs.size(), 5U);
   EXPECT_EQ(contact.body_a, 0);
   EXPECT_EQ(contact.body_b, 1);
@@ -38,49 +38,49 @@ TEST(ContactPairs, LieAtTheSamePlaceAndAreSortedFromTheAxis) {
 
 TEST(ContactPairs, AreasAddUpToTheSurface) {
   double circle = 0.0, rectangle = 0.0;
-  for (const ContactPair& pair : build(cylinders).contact.pairs) circle += pair.area_m2;
+  for (const ContactPair& pair : build(cylinders).contacts.front().pairs) circle += pair.area_m2;
   EXPECT_NEAR(circle, pi * 0.004 * 0.004, 1e-12 * circle);
   const Problem plane = build(plates);
-  for (const ContactPair& pair : plane.contact.pairs) rectangle += pair.area_m2;
+  for (const ContactPair& pair : plane.contacts.front().pairs) rectangle += pair.area_m2;
   EXPECT_NEAR(rectangle, 0.2 * 0.5, 1e-13);
-  EXPECT_NEAR(plane.contact.pairs[0].area_m2, 0.025 * 0.5, 1e-14);
-  EXPECT_EQ(build(bars).contact.pairs.at(0).area_m2, 6.4516e-4);
+  EXPECT_NEAR(plane.contacts.front().pairs[0].area_m2, 0.025 * 0.5, 1e-14);
+  EXPECT_EQ(build(bars).contacts.front().pairs.at(0).area_m2, 6.4516e-4);
 }
 
 TEST(ContactPairs, AxisNodeHasTheIntegralOfItsShapeFunction) {
   // integral over 0..h of (1 - r/h) r dr times 2 pi = pi h^2 / 3
-  EXPECT_NEAR(build(cylinders).contact.pairs[0].area_m2, pi * 1e-6 / 3.0, 1e-18);
+  EXPECT_NEAR(build(cylinders).contacts.front().pairs[0].area_m2, pi * 1e-6 / 3.0, 1e-18);
 }
 
 TEST(ContactGap, IsMeshDistancePlusInitialGapPlusNose) {
-  EXPECT_NEAR(build(bars).contact.pairs[0].gap0_m, 0.508e-3, 1e-17);
+  EXPECT_NEAR(build(bars).contacts.front().pairs[0].gap0_m, 0.508e-3, 1e-17);
   const Problem problem =
       build(replaced(cylinders, "friction_coef", "initial_gap_m = 1e-5\nnose_radius_m = 0.01\nfriction_coef"));
-  for (const ContactPair& pair : problem.contact.pairs)
+  for (const ContactPair& pair : problem.contacts.front().pairs)
     EXPECT_NEAR(pair.gap0_m, 1e-5 + pair.distance_m * pair.distance_m / 0.02, 1e-17);
 }
 
 TEST(ContactGap, OfARigidPlaneIsMeasuredFromTheSurface) {
   const std::string text = replaced(replaced(bars, "\"right.start\"", "\"rigid_plane\""), ", right = 0.0635", "");
   const Problem problem = build(replaced(text, "surfaces", "initial_gap_m = 0.25\nsurfaces"));
-  EXPECT_EQ(problem.contact.body_b, -1);
-  EXPECT_TRUE(problem.contact.pairs.at(0).b.empty());
-  EXPECT_EQ(problem.contact.pairs.at(0).gap0_m, 0.25);
+  EXPECT_EQ(problem.contacts.front().body_b, -1);
+  EXPECT_TRUE(problem.contacts.front().pairs.at(0).b.empty());
+  EXPECT_EQ(problem.contacts.front().pairs.at(0).gap0_m, 0.25);
 }
 
 TEST(ContactNormal, OfABarPointsOutOfIt) {
-  EXPECT_EQ(build(bars).contact.normal[0], 1.0);
+  EXPECT_EQ(build(bars).contacts.front().normal[0], 1.0);
   const Problem other = build(replaced(bars, "[\"left.end\", \"right.start\"]", "[\"right.start\", \"left.end\"]"));
-  EXPECT_EQ(other.contact.normal[0], -1.0);
-  EXPECT_EQ(other.bodies[static_cast<std::size_t>(other.contact.body_a)].name, "right");
+  EXPECT_EQ(other.contacts.front().normal[0], -1.0);
+  EXPECT_EQ(other.bodies[static_cast<std::size_t>(other.contacts.front().body_a)].name, "right");
 }
 
 TEST(ContactPairs, OfSolidsHaveTheAreasOfTheirNodes) {
   const Problem problem = build(blocks);
-  ASSERT_EQ(problem.contact.pairs.size(), 12U);
-  EXPECT_EQ(problem.contact.normal, Eigen::Vector3d(0.0, 0.0, 1.0));
+  ASSERT_EQ(problem.contacts.front().pairs.size(), 12U);
+  EXPECT_EQ(problem.contacts.front().normal, Eigen::Vector3d(0.0, 0.0, 1.0));
   double area = 0.0, smallest = 1.0;
-  for (const ContactPair& pair : problem.contact.pairs) {
+  for (const ContactPair& pair : problem.contacts.front().pairs) {
     EXPECT_LT((problem.bodies[0].mesh.position[static_cast<std::size_t>(pair.node_a)] -
                problem.bodies[1].mesh.position[static_cast<std::size_t>(pair.b.at(0).node)])
                   .norm(),
@@ -98,8 +98,8 @@ TEST(ContactNormal, MayLieAcross) {
       replaced(plates, "[\"lower.end\", \"upper.start\"]", "[\"lower.outer\", \"rigid_plane\"]");
   const std::string text = replaced(surfaces, "{ lower = 0.1, upper = 0.05 }", "{ lower = 0.1 }");
   const Problem problem = build(text);
-  EXPECT_NEAR((problem.contact.normal - Eigen::Vector3d(1.0, 0.0, 0.0)).norm(), 0.0, 1e-15);
-  EXPECT_EQ(problem.contact.pairs.size(), 7U);
+  EXPECT_NEAR((problem.contacts.front().normal - Eigen::Vector3d(1.0, 0.0, 0.0)).norm(), 0.0, 1e-15);
+  EXPECT_EQ(problem.contacts.front().pairs.size(), 7U);
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 2 * 6);  // two columns of 50 mm from the outer side
 }
 
@@ -111,8 +111,8 @@ TEST(Periodic, WrapsTheMeshAcross) {
   const BodyProblem& lower = problem.bodies[0];
   EXPECT_EQ(lower.mesh.position.size(), 4U * 7U);
   EXPECT_EQ(lower.mesh.surfaces.size(), 2U);
-  ASSERT_EQ(problem.contact.pairs.size(), 4U);
-  for (const ContactPair& pair : problem.contact.pairs) EXPECT_NEAR(pair.area_m2, 0.05 * 0.5, 1e-14);
+  ASSERT_EQ(problem.contacts.front().pairs.size(), 4U);
+  for (const ContactPair& pair : problem.contacts.front().pairs) EXPECT_NEAR(pair.area_m2, 0.05 * 0.5, 1e-14);
   std::vector<int> all;
   for (int e = 0; e < 24; ++e) all.push_back(e);
   const fem::Part part = fem::extract_part(lower.mesh, "lower", lower.section, lower.material, all);
@@ -167,9 +167,9 @@ TEST(Gmsh, TwoBodiesOutOfOneFile) {
   EXPECT_EQ(problem.bodies[1].mesh.elements.size(), 392U);
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 80);
   EXPECT_EQ(count(problem.bodies[1].implicit_element), 140);
-  EXPECT_EQ(problem.contact.pairs.size(), 9U);
+  EXPECT_EQ(problem.contacts.front().pairs.size(), 9U);
   double area = 0.0;
-  for (const ContactPair& pair : problem.contact.pairs) area += pair.area_m2;
+  for (const ContactPair& pair : problem.contacts.front().pairs) area += pair.area_m2;
   EXPECT_NEAR(area, pi * 0.005 * 0.005, 1e-12 * area);
 }
 

@@ -107,7 +107,7 @@ TEST(PairsWithoutContact, AreAllButTheContactsOne) {
   EXPECT_TRUE(pairs_without_contact(problem).empty());
   problem.bodies.push_back(problem.bodies.front());
   EXPECT_EQ(pairs_without_contact(problem).size(), 2U);
-  problem.contact = {};
+  problem.contacts.clear();
   EXPECT_EQ(pairs_without_contact(problem).size(), 3U);
 }
 

@@ -96,8 +96,9 @@ TEST(AutomaticRule, TakesFromAGradedMeshWhatTheElementsOwnFrequenciesSay) {
   for (int index = 0; index < 2; ++index) {
     const BodyProblem& body = problem.bodies[static_cast<std::size_t>(index)];
     std::vector<bool> contact(body.mesh.position.size(), false);
-    for (const ContactPair& pair : problem.contact.pairs)
-      contact[static_cast<std::size_t>(index == problem.contact.body_a ? pair.node_a : pair.b.at(0).node)] = true;
+    for (const ContactPair& pair : problem.contacts.front().pairs)
+      contact[static_cast<std::size_t>(index == problem.contacts.front().body_a ? pair.node_a : pair.b.at(0).node)] =
+          true;
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       const auto& nodes = body.mesh.elements[static_cast<std::size_t>(e)];
       const bool touches =

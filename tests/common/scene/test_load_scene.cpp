@@ -120,7 +120,7 @@ TEST(LoadScene, SupportsAndLoadsFieldByField) {
 }
 
 TEST(LoadScene, ContactFieldByField) {
-  const Contact contact = load_text(full).contact.value();
+  const Contact contact = load_text(full).contacts.at(0);
   EXPECT_EQ(contact.first.body, "steel");
   EXPECT_EQ(contact.first.surface, "end");
   EXPECT_EQ(contact.second->body, "carbide");
@@ -181,8 +181,8 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
   EXPECT_EQ(scene.coupling.transport, Transport::automatic);
   EXPECT_EQ(scene.output.history_every, 1);
   EXPECT_EQ(scene.output.axial_stress_every, 0);
-  EXPECT_EQ(scene.contact->enforcement, Enforcement::multiplier);
-  EXPECT_EQ(scene.contact->multiplier_update, Contact{}.multiplier_update);
+  EXPECT_EQ(scene.contacts.front().enforcement, Enforcement::multiplier);
+  EXPECT_EQ(scene.contacts.front().multiplier_update, Contact{}.multiplier_update);
   EXPECT_THAT(scene.body("carbide").initial_velocity_m_s, ElementsAre(0.0, 0.0));
   EXPECT_FALSE(scene.time.until_separated_plus_s.has_value());
 }
@@ -198,8 +198,8 @@ TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {
 
 TEST(LoadScene, RigidPlaneIsAContactWithoutSecondSurface) {
   const Scene scene = load_text(replaced(replaced(bars, "\"right.start\"", "\"rigid_plane\""), ", right = 0.0635", ""));
-  EXPECT_EQ(scene.contact->first.surface, "end");
-  EXPECT_FALSE(scene.contact->second.has_value());
+  EXPECT_EQ(scene.contacts.front().first.surface, "end");
+  EXPECT_FALSE(scene.contacts.front().second.has_value());
 }
 
 TEST(LoadScene, HashIsOfTheText) {

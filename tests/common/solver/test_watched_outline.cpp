@@ -41,7 +41,7 @@ TEST(WatchedOutline, OfRodsIsTheirEndsInTheNumbersOfTheWholeBody) {
 
 TEST(WatchedOutline, OfAPlateLeavesOutItsInnerNodesAndHasBothComponents) {
   test::ContactPlates plates("all_implicit");
-  plates.problem.contact = {};  // as if the scene had none
+  plates.problem.contacts.clear();  // as if the scene had none
   auto& upper = plates.states[1];
   for (int dof = 0; dof < upper.part.dofs(); ++dof) upper.u[dof] = dof;
   const auto nodes = WatchedOutline(plates.problem, plates.states).nodes(plates.states);
