@@ -256,18 +256,33 @@ bool held_along(const Side& side, int node, const Eigen::Vector3d& normal) {
   return held;
 }
 
+/// Sets what a pair's node says, and its gap, the meshes being apart along the normal by `distance_m`.
+void complete(const Contact& contact, const fem::Mesh& mesh_a, double distance_m, ContactPair& pair) {
+  pair.distance_m = mesh_a.position[at(pair.node_a)][0];
+  pair.gap0_m = distance_m + contact.initial_gap_m;
+  if (contact.nose_radius_m > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * contact.nose_radius_m);
+}
+
+/// Of the meshes, along the pair's normal, where nodes of the second lie opposite.
+double mesh_distance(const fem::Mesh& mesh_a, const fem::Mesh& mesh_b, const ContactPair& pair) {
+  const Eigen::Vector3d& x = mesh_a.position[at(pair.node_a)];
+  Eigen::Vector3d opposite = Eigen::Vector3d::Zero();
+  for (const auto& [node, weight] : pair.b)
+    opposite += weight * fem::nearest_image(mesh_b, mesh_b.position[at(node)], x);
+  return (opposite - x).dot(pair.normal);
+}
+
+void sort_by_distance(std::vector<ContactPair>& pairs) {
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const ContactPair& p, const ContactPair& q) { return p.distance_m < q.distance_m; });
+}
+
 /// Gaps of pairs whose nodes are known; `b` is null for a rigid plane.
 class Gaps {
  public:
   Gaps(const Context& context, const Side& a, const Side* b) : context_(context), a_(a), b_(b) {}
 
-  void complete(ContactPair& pair) const {
-    const Eigen::Vector3d& x = a_.body->mesh.position[at(pair.node_a)];
-    pair.distance_m = x[0];
-    const double nose = context_.contact.nose_radius_m;
-    pair.gap0_m = distance(pair, x) + context_.contact.initial_gap_m;
-    if (nose > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * nose);
-  }
+  void complete(ContactPair& pair) const { scene::complete(context_.contact, a_.body->mesh, distance(pair), pair); }
   /// At the start.
   void check(ContactPair& pair) const {
     const Eigen::Vector3d& x = a_.body->mesh.position[at(pair.node_a)];
@@ -296,13 +311,11 @@ class Gaps {
     return b_ == nullptr ? a_.shortest_edge_m : std::min(a_.shortest_edge_m, b_->shortest_edge_m);
   }
   /// Of the meshes, along the normal. A rigid plane touches the first surface where that is farthest out.
-  [[nodiscard]] double distance(const ContactPair& pair, const Eigen::Vector3d& x) const {
+  [[nodiscard]] double distance(const ContactPair& pair) const {
+    const Eigen::Vector3d& x = a_.body->mesh.position[at(pair.node_a)];
     if (both_flat()) return b_ != nullptr ? (b_->point - x).dot(a_.normal) : 0.0;
     if (b_ == nullptr) return (a_.point - x).dot(a_.normal);
-    Eigen::Vector3d opposite = Eigen::Vector3d::Zero();
-    for (const auto& [node, weight] : pair.b)
-      opposite += weight * fem::nearest_image(b_->body->mesh, b_->body->mesh.position[at(node)], x);
-    return (opposite - x).dot(pair.normal);
+    return mesh_distance(a_.body->mesh, b_->body->mesh, pair);
   }
 
   const Context& context_;
@@ -374,6 +387,24 @@ std::vector<ContactPair> plane_pairs(const Side& a) {
   return pairs;
 }
 
+/// Something moves the bodies along each other from the start, or may.
+bool may_slide(const Scene& scene, const Side& a, const Side& b) {
+  const auto along = [&](const std::vector<double>& x) {
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < x.size(); ++c) vector[static_cast<Eigen::Index>(c)] = x[c];
+    return Eigen::Vector3d(vector - vector.dot(a.normal) * a.normal);
+  };
+  const auto driven = [&](const Body& body) {
+    const auto pulled = [&](const Traction& traction) { return !along(traction.traction_pa).isZero(0.0); };
+    const auto moved = [&](const PrescribedDisplacement& p) { return std::abs(a.normal[p.component]) < 1.0; };
+    return !along(body.gravity_m_s2).isZero(0.0) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
+           std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
+  };
+  const Body &first = scene.body(a.body->name), &second = scene.body(b.body->name);
+  const Eigen::Vector3d closing = along(first.initial_velocity_m_s) - along(second.initial_velocity_m_s);
+  return !closing.isZero(0.0) || driven(first) || driven(second);
+}
+
 ContactGeometry build_one(const Context& context, const std::vector<BodyProblem>& bodies) {
   const Side a = make_side(context, bodies, context.contact.first);
   std::optional<Side> b;
@@ -391,8 +422,10 @@ ContactGeometry build_one(const Context& context, const std::vector<BodyProblem>
     gaps.complete(pair);
     gaps.check(pair);
   }
-  std::stable_sort(geometry.pairs.begin(), geometry.pairs.end(),
-                   [](const ContactPair& p, const ContactPair& q) { return p.distance_m < q.distance_m; });
+  sort_by_distance(geometry.pairs);
+  const bool two_dimensions_or_three = context.scene.model != Model::bar && context.scene.model != Model::axisymmetric;
+  if (b && two_dimensions_or_three && !needs_pairs(context.scene) && may_slide(context.scene, a, *b))
+    geometry.sliding = std::make_shared<const ContactMesh>(mesh_of(a, *b));
   return geometry;
 }
 
@@ -402,6 +435,16 @@ std::vector<ContactGeometry> build_contacts(const Scene& scene, const std::vecto
   std::vector<ContactGeometry> contacts;
   for (const Contact& contact : scene.contacts) contacts.push_back(build_one({scene, contact}, bodies));
   return contacts;
+}
+
+std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t index, const Eigen::Vector3d& shift_m) {
+  const ContactGeometry& geometry = problem.contacts[index];
+  const fem::Mesh &mesh_a = problem.bodies[at(geometry.body_a)].mesh,
+                  &mesh_b = problem.bodies[at(geometry.body_b)].mesh;
+  std::vector<ContactPair> pairs = mortar_pairs(*geometry.sliding, shift_m);
+  for (auto& pair : pairs) complete(problem.scene.contacts[index], mesh_a, mesh_distance(mesh_a, mesh_b, pair), pair);
+  sort_by_distance(pairs);
+  return pairs;
 }
 
 std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body) {
@@ -423,6 +466,11 @@ std::vector<int> contact_nodes(const ContactGeometry& contact, int body) {
       if (body == contact.body_b) nodes.push_back(opposite.node);
     }
   }
+  const auto add = [&](const std::vector<SurfaceFace>& faces) {
+    for (const auto& face : faces) nodes.insert(nodes.end(), face.node.begin(), face.node.end());
+  };
+  if (contact.sliding && body == contact.body_a) add(contact.sliding->first);
+  if (contact.sliding && body == contact.body_b) add(contact.sliding->second.faces());
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;

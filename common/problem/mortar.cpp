@@ -90,6 +90,7 @@ Polygon clipped(Polygon piece, const Polygon& by) {
     }
     piece = std::move(inside);
   }
+  if (piece.size() < 3) piece.clear();  // a side of it lies along one of the other
   return piece;
 }
 

@@ -51,6 +51,7 @@ class OppositeFaces {
   /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending.
   [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first,
                                             const Eigen::Vector3d& shift_m) const;
+  [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
 
  private:
   struct Image {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct ContactGeometry {
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
   bool matching = false;                  ///< pairs of nodes: every `b` is one node of weight 1, or none
   std::vector<ContactPair> pairs;         ///< sorted by distance
+  /// Of bodies that may slide along each other: from this the pairs are found anew. Then all nodes of both surfaces are
+  /// contact nodes, else those of the pairs.
+  std::shared_ptr<const ContactMesh> sliding;
 };
 
 /// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to
@@ -73,6 +77,11 @@ struct Problem {
 /// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError (names scene file, key,
 /// and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
+
+/// The pairs of a contact that slides, once the second body has moved by `shift_m` along the first; sorted by distance,
+/// without nodes that lie opposite nothing.
+[[nodiscard]] std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t contact,
+                                                  const Eigen::Vector3d& shift_m);
 
 /// The parts a participant owns, in the scene's order of bodies; a body without elements (and, for the implicit side,
 /// without contact nodes) of this participant is left out.
