@@ -51,6 +51,9 @@ std::vector<int> MotionDriven::driven_nodes(std::size_t b) const {
       if (e.part == static_cast<int>(b)) nodes.push_back(e.dof / contact_->surface().components);
     }
   }
+  for (const auto& idle : contact_->surface().idle) {
+    if (idle.part == static_cast<int>(b)) nodes.push_back(idle.node);
+  }
   return nodes;
 }
 

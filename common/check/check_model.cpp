@@ -106,7 +106,7 @@ void check_overlaps(const Problem& problem, Plan& plan) {
 namespace {
 
 void check_slip_in_flight(const Problem& problem, const ContactGeometry& contact, Plan& plan) {
-  const bool slides = contact.body_b >= 0 && problem.scene.components() == 2;
+  const bool slides = contact.body_b >= 0 && problem.scene.components() == 2 && !contact.sliding;
   const double touch_s = slides ? first_contact_s(problem, contact) : 0.0;
   if (!std::isfinite(touch_s) || touch_s == 0.0) return;
   const Eigen::Vector3d tangent = tangent_of(contact.normal);

@@ -31,10 +31,6 @@ void refuse_absorbing_contact(const Problem& problem);
 /// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
 void set_partition(Problem& problem);
 
-/// The contact nodes of a body, ascending; empty if it takes no part in the contact, or in any.
-[[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
-[[nodiscard]] std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body);
-
 /// Per element: a corner of it is among these nodes, which ascend.
 [[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);
 

@@ -83,6 +83,10 @@ struct Problem {
 [[nodiscard]] std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t contact,
                                                   const Eigen::Vector3d& shift_m);
 
+/// The contact nodes of a body, ascending; empty if it takes no part in the contact, or in any.
+[[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
+[[nodiscard]] std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body);
+
 /// The parts a participant owns, in the scene's order of bodies; a body without elements (and, for the implicit side,
 /// without contact nodes) of this participant is left out.
 struct ParticipantPart {

@@ -17,11 +17,10 @@ struct PartNode {
   double weight;
 };
 
-PartNode find_node(const std::vector<scene::ParticipantPart>& parts, int body, int body_node, Side side,
-                   double weight) {
+PartNode find_node(const std::vector<PartNodes>& parts, int body, int body_node, Side side, double weight) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     if (parts[p].body != body) continue;
-    const auto& nodes = parts[p].part.body_node;
+    const auto& nodes = *parts[p].body_node;
     const auto found = std::lower_bound(nodes.begin(), nodes.end(), body_node);
     if (found != nodes.end() && *found == body_node)
       return {static_cast<int>(p), static_cast<int>(found - nodes.begin()), side, weight};
@@ -43,25 +42,38 @@ ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector3
 
 }  // namespace
 
-std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
+Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
+             const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m) {
+  const auto& geometry = problem.contacts[contact];
   const int components = problem.scene.components();
+  const Eigen::Vector3d tangent = scene::tangent_of(pair.normal);
+  const Eigen::Vector3d binormal = components == 3 ? pair.normal.cross(tangent) : Eigen::Vector3d::Zero();
+  std::vector<PartNode> nodes;
+  for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
+  nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
+  return {.normal = row_of_nodes(nodes, pair.normal, components),
+          .tangent = row_of_nodes(nodes, tangent, components),
+          .binormal = row_of_nodes(nodes, binormal, components),
+          .gap0_m = pair.gap0_m,
+          .area_m2 = pair.area_m2,
+          .contact = contact,
+          .node_a = pair.node_a,
+          .slid_m = shift_m.dot(tangent)};
+}
+
+std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts) {
   std::vector<Pair> pairs;
-  for (const auto& geometry : problem.contacts) {
-    for (const auto& pair : geometry.pairs) {
-      const Eigen::Vector3d tangent = scene::tangent_of(pair.normal);
-      const Eigen::Vector3d binormal = components == 3 ? pair.normal.cross(tangent) : Eigen::Vector3d::Zero();
-      std::vector<PartNode> nodes;
-      for (const auto& [node, weight] : pair.b)
-        nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
-      nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
-      pairs.push_back({.normal = row_of_nodes(nodes, pair.normal, components),
-                       .tangent = row_of_nodes(nodes, tangent, components),
-                       .binormal = row_of_nodes(nodes, binormal, components),
-                       .gap0_m = pair.gap0_m,
-                       .area_m2 = pair.area_m2});
-    }
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    for (const auto& pair : problem.contacts[i].pairs)
+      pairs.push_back(pair_of(problem, i, pair, parts, Eigen::Vector3d::Zero()));
   }
   return pairs;
+}
+
+std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
+  std::vector<PartNodes> nodes;
+  for (const auto& part : parts) nodes.push_back({part.body, &part.part.body_node});
+  return contact_rows(problem, nodes);
 }
 
 double ContactRow::inverse_mass(const std::vector<BodyState>& states) const {

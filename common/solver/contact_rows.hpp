@@ -65,6 +65,9 @@ struct Pair {
   ContactRow binormal{};       ///< of a solid: along n x t, where no force acts; else no entries
   double gap0_m = 0.0;
   double area_m2 = 0.0;
+  std::size_t contact = 0;  ///< index into Problem::contacts
+  int node_a = -1;          ///< of the first surface's body mesh
+  double slid_m = 0.0;      ///< along t, by how much the rows have B displaced against A
 
   /// g0 + N u [m]
   template <class OfPart>
@@ -73,7 +76,17 @@ struct Pair {
   }
 };
 
+/// The numbering of a part: its nodes as its body numbers them, ascending.
+struct PartNodes {
+  int body = -1;
+  const std::vector<int>* body_node = nullptr;
+};
+
+/// The rows of a pair whose second body has moved by `shift_m` against the first.
+[[nodiscard]] Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
+                           const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m);
 /// The rows of a scene's contact pairs (all contact nodes must be among the parts).
+[[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
                                              const std::vector<scene::ParticipantPart>& parts);
 

@@ -2,11 +2,30 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
 
 namespace ricochet::solver {
 
 ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
-    : components(problem.scene.components()), pairs(contact_rows(problem, parts)), stress(problem, parts) {}
+    : components(problem.scene.components()), pairs(contact_rows(problem, parts)), stress(problem, parts) {
+  std::set<std::pair<int, int>> paired;
+  for (const auto& pair : pairs) {
+    for (const auto& e : pair.normal.entries) paired.emplace(e.part, e.dof / components);
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const auto& own = parts[p].part.body_node;
+    for (const auto& contact : problem.contacts) {
+      if (!contact.sliding) continue;
+      for (const int node : scene::contact_nodes(contact, parts[p].body)) {
+        const auto found = std::lower_bound(own.begin(), own.end(), node);
+        const int local = static_cast<int>(found - own.begin());
+        if (found != own.end() && *found == node && paired.emplace(static_cast<int>(p), local).second)
+          idle.push_back({static_cast<int>(p), local});
+      }
+    }
+  }
+}
 
 double ContactSurface::gap_min(const std::vector<BodyState>& states) const {
   double smallest = std::numeric_limits<double>::max();
@@ -32,7 +51,7 @@ ContactRecord ContactSurface::report(const std::vector<BodyState>& states, const
     area += pairs[i].area_m2;
   }
   report.gap_min_m = gap_min(states);
-  report.contact_pressure_mean_pa = report.contact_force_n / area;
+  if (area > 0.0) report.contact_pressure_mean_pa = report.contact_force_n / area;
   report.principal_stress_mean_pa = stress.mean(displacement_of(states));
   return report;
 }

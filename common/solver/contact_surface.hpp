@@ -25,6 +25,11 @@ struct ContactSurface {
 
   int components;
   std::vector<Pair> pairs;
+  /// A node of surfaces that slide which lies opposite nothing yet.
+  struct IdleNode {
+    int part, node;
+  };
+  std::vector<IdleNode> idle;
   SurfaceStress stress;
 
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]

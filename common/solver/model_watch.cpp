@@ -53,7 +53,9 @@ ModelWatch::ModelWatch(const scene::Problem& problem, const std::vector<BodyStat
                        const ContactSurface* surface)
     : surface_(surface) {
   prepare_elements(states);
-  if (surface_) prepare_pairs(problem);
+  if (!surface_) return;
+  rows_ = surface_->pairs;
+  prepare_pairs(problem);
 }
 
 void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
@@ -82,6 +84,7 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem, const scene::Conta
   Stretch& stretch = stretches_.emplace_back();
   stretch.begin = pairs_.size();
   stretch.two_bodies = contact.body_b >= 0;
+  stretch.follows = contact.sliding != nullptr;
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
     pairs_.push_back({{tangent.dot(x), binormal.dot(x)},
@@ -203,32 +206,48 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
   }
 }
 
+/// Of contacts whose pairs change, against the smallest depth at the pairs of the start.
+void ModelWatch::look_at_following(const std::vector<BodyState>& states, Worst& penetration) const {
+  for (std::size_t contact = 0; contact < stretches_.size(); ++contact) {
+    const Stretch& stretch = stretches_[contact];
+    if (!stretch.follows) continue;
+    const auto begin = pairs_.begin() + static_cast<std::ptrdiff_t>(stretch.begin),
+               end = pairs_.begin() + static_cast<std::ptrdiff_t>(stretch.end);
+    const auto shallow =
+        std::min_element(begin, end, [](const PairPlace& p, const PairPlace& q) { return p.depth_m < q.depth_m; });
+    for (const auto& pair : surface_->pairs) {
+      if (pair.contact == contact) penetration.take(-pair.gap(displacement_of(states)) / shallow->depth_m, shallow->x);
+    }
+  }
+}
+
 void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>& states) {
   Worst penetration;
   slipped_ = false;
+  look_at_following(states, penetration);
   for (const auto& stretch : stretches_) {
-    for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
-      const double gap_m = surface_->pairs[i].gap(displacement_of(states));
+    for (std::size_t i = stretch.begin; !stretch.follows && i < stretch.end; ++i) {
+      const double gap_m = rows_[i].gap(displacement_of(states));
       penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
       if (!stretch.two_bodies || surface_->components == 1) continue;
       slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
     }
   }
-  const int part = surface_->pairs.front().normal.part_of(Side::a);
+  const int part = rows_.front().normal.part_of(Side::a);
   if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
 }
 
 /// Of a pair's nodes against each other, in edges.
 double ModelWatch::slip(std::size_t pair, const std::vector<BodyState>& states) const {
-  const double along = surface_->pairs[pair].tangent.times(displacement_of(states));
-  const double across = surface_->pairs[pair].binormal.times(displacement_of(states));
+  const double along = rows_[pair].tangent.times(displacement_of(states));
+  const double across = rows_[pair].binormal.times(displacement_of(states));
   return std::hypot(along, across) / pairs_[pair].edge_m;
 }
 
 /// Where a node of a pair has got to, along the tangent or n x t [m].
 double ModelWatch::along(std::size_t direction, std::size_t pair, Side side,
                          const std::vector<BodyState>& states) const {
-  const auto& rows = surface_->pairs[pair];
+  const auto& rows = rows_[pair];
   const ContactRow& row = direction == 0 ? rows.tangent : rows.binormal;
   return pairs_[pair].along_m[direction] + row.of(side, displacement_of(states));
 }
@@ -248,15 +267,14 @@ double ModelWatch::past_end(std::size_t pair, const std::vector<Ends>& ends,
 
 void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
   Worst slipped, past;
-  const auto& pairs = surface_->pairs;
   for (const auto& stretch : stretches_) {
-    for (std::size_t i = stretch.begin; stretch.two_bodies && i < stretch.end; ++i) {
-      if (pairs[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
+    for (std::size_t i = stretch.begin; stretch.two_bodies && !stretch.follows && i < stretch.end; ++i) {
+      if (rows_[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
       slipped.take(slip(i, states), pairs_[i].x);
       past.take(past_end(i, stretch.ends, states) / pairs_[i].edge_m, pairs_[i].x);
     }
   }
-  const int part = pairs.front().normal.part_of(Side::a);
+  const int part = rows_.front().normal.part_of(Side::a);
   if (slipped.size > slip_limit) report(Kind::slip, part, before, window, slipped);
   if (past.size >= off_limit) report(Kind::off_partner, part, before, window, past);
 }

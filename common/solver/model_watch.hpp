@@ -67,6 +67,7 @@ class ModelWatch {
   struct Stretch {
     std::size_t begin = 0, end = 0;
     bool two_bodies = false;  ///< else a plane, on which all places are alike
+    bool follows = false;     ///< the rows follow what slides: nothing to say of it
     std::vector<Ends> ends;   ///< of matching surfaces, along the tangent and, of a solid, n x t; none if they repeat
   };
   void prepare_pairs(const scene::Problem& problem);
@@ -78,6 +79,7 @@ class ModelWatch {
   void look_at_element(const Element& element, const fem::Element& nodes, const std::array<Eigen::Vector3d, 8>& u,
                        const Eigen::Vector3d& place, Worst& strain, Worst& rotation) const;
   void look_at_elements(std::int64_t window, const std::vector<BodyState>& states);
+  void look_at_following(const std::vector<BodyState>& states, Worst& penetration) const;
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
   [[nodiscard]] double slip(std::size_t pair, const std::vector<BodyState>& states) const;
@@ -90,6 +92,7 @@ class ModelWatch {
 
   std::vector<std::vector<Element>> elements_;  ///< per part
   const ContactSurface* surface_ = nullptr;
+  std::vector<Pair> rows_;  ///< of the start
   std::vector<PairPlace> pairs_;
   std::vector<Stretch> stretches_;  ///< a contact each
   bool slipped_ = false;

@@ -14,7 +14,8 @@ class SeparationWatch {
 
   /// Call once per accepted window.
   void update(std::int64_t window, int pairs_closed, double gap_min_m) {
-    const bool growing = gap_min_m > last_gap_m_;
+    const bool nothing_opposite = gap_min_m == std::numeric_limits<double>::max();
+    const bool growing = gap_min_m > last_gap_m_ || nothing_opposite;
     last_gap_m_ = gap_min_m;
     if (pairs_closed > 0) {
       last_gap_m_ =

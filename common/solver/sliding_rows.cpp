@@ -1,0 +1,116 @@
+#include "common/solver/sliding_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace ricochet::solver {
+namespace {
+
+/// Shifts that differ by less of an edge are the same.
+constexpr double same_share = 1e-12;
+
+double shortest_edge(const std::vector<scene::SurfaceFace>& faces) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& face : faces) {
+    for (std::size_t i = 0; i < face.node.size(); ++i)
+      shortest = std::min(shortest, (face.x[(i + 1) % face.node.size()] - face.x[i]).norm());
+  }
+  return shortest;
+}
+
+}  // namespace
+
+SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states) : problem_(&problem) {
+  for (const auto& state : states) parts_.push_back({state.body, &state.part.body_node});
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    if (problem.contacts[i].sliding) contacts_.push_back({i, shortest_edge(problem.contacts[i].sliding->first), {}});
+  }
+}
+
+bool SlidingRows::slipped(const Sliding& sliding, const std::vector<BodyState>& states,
+                          const std::vector<Pair>& pairs) const {
+  const auto u = displacement_of(states);
+  return std::any_of(pairs.begin(), pairs.end(), [&](const Pair& pair) {
+    return pair.contact == sliding.contact && pair.slip(u).norm() > start_share * sliding.edge_m;
+  });
+}
+
+Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const {
+  const int components = problem_->scene.components();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), mass = sum;
+  for (const auto& state : states) {
+    if (state.body != body) continue;
+    for (int dof = 0; dof < state.part.dofs(); ++dof) {
+      sum[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
+      mass[dof % components] += state.mass[dof];
+    }
+  }
+  for (int c = 0; c < components; ++c) sum[c] = mass[c] > 0.0 ? sum[c] / mass[c] : 0.0;
+  return sum;
+}
+
+bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs) {
+  bool moved = false;
+  for (auto& sliding : contacts_) {
+    sliding.slide.follows = sliding.slide.follows || slipped(sliding, states, pairs);
+    if (!sliding.slide.follows) continue;
+    const auto& geometry = problem_->contacts[sliding.contact];
+    Eigen::Vector3d shift = mean_motion(geometry.body_b, states, ahead_s);
+    shift -= mean_motion(geometry.body_a, states, ahead_s);
+    shift -= shift.dot(geometry.normal) * geometry.normal;
+    if ((shift - sliding.slide.shift_m).norm() <= same_share * sliding.edge_m) continue;
+    sliding.slide.shift_m = shift;
+    moved = true;
+  }
+  if (moved) write(pairs);
+  return moved;
+}
+
+/// Pairs of contacts that do not follow stay as they are.
+void SlidingRows::write(std::vector<Pair>& pairs) const {
+  std::vector<Pair> written;
+  for (std::size_t i = 0; i < problem_->contacts.size(); ++i) {
+    const auto sliding =
+        std::find_if(contacts_.begin(), contacts_.end(), [i](const Sliding& s) { return s.contact == i; });
+    if (sliding == contacts_.end() || !sliding->slide.follows) {
+      std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(written),
+                   [i](const Pair& p) { return p.contact == i; });
+      continue;
+    }
+    for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
+      written.push_back(pair_of(*problem_, i, pair, parts_, sliding->slide.shift_m));
+  }
+  pairs = std::move(written);
+}
+
+SlidingRows::State SlidingRows::state() const {
+  State state;
+  for (const auto& sliding : contacts_) state.push_back(sliding.slide);
+  return state;
+}
+
+void SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
+  bool any_follows = false, any_stops = false;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    any_follows = any_follows || state[i].follows;
+    any_stops = any_stops || (contacts_[i].slide.follows && !state[i].follows);
+    contacts_[i].slide = state[i];
+  }
+  if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid
+  if (any_follows) write(pairs);
+}
+
+std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to) {
+  std::map<std::pair<std::size_t, int>, int> known;
+  for (std::size_t i = 0; i < from.size(); ++i) known[{from[i].contact, from[i].node_a}] = static_cast<int>(i);
+  std::vector<int> same;
+  for (const auto& pair : to) {
+    const auto found = known.find({pair.contact, pair.node_a});
+    same.push_back(found == known.end() ? -1 : found->second);
+  }
+  return same;
+}
+
+}  // namespace ricochet::solver

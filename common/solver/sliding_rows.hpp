@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+#include "common/solver/body_state.hpp"
+#include "common/solver/contact_rows.hpp"
+
+namespace ricochet::solver {
+
+/// Writes the rows of contacts anew whose bodies slide along each other (ContactGeometry::sliding), from the place that
+/// the second body has got to against the first:
+///   s = (I - n n^T) (d_B - d_A),   d = sum m u / sum m over the nodes of the body that are here
+/// with n the contact's normal. So a body slides as a whole, in its reference shape: a flat surface stays flat, and
+/// with all of both bodies here the forces keep sum m (x + d) x v, the angular momentum of small strain. (A participant
+/// that has a layer of a body alone takes that layer's mean.) Rows stay as they were until some pair has slid by
+/// `start_share` of the shortest edge of the first surface, as in most impacts none does; from then on they follow.
+class SlidingRows {
+ public:
+  static constexpr double start_share = 0.01;
+
+  /// `problem` must outlive it.
+  SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states);
+
+  /// Whether any contact may slide.
+  [[nodiscard]] bool any() const { return !contacts_.empty(); }
+  /// Brings the pairs to where the bodies are `ahead_s` later, at their present velocities. Returns whether it wrote
+  /// them anew.
+  bool follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs);
+
+  struct Slide {
+    bool follows = false;
+    Eigen::Vector3d shift_m{0.0, 0.0, 0.0};  ///< s that the rows are written for
+  };
+  using State = std::vector<Slide>;  ///< per contact of the scene that may slide
+  [[nodiscard]] State state() const;
+  /// Also writes the pairs of that state.
+  void restore(const State& state, std::vector<Pair>& pairs);
+
+ private:
+  struct Sliding {
+    std::size_t contact;
+    double edge_m;
+    Slide slide;
+  };
+  [[nodiscard]] bool slipped(const Sliding& sliding, const std::vector<BodyState>& states,
+                             const std::vector<Pair>& pairs) const;
+  [[nodiscard]] Eigen::Vector3d mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const;
+  void write(std::vector<Pair>& pairs) const;
+
+  const scene::Problem* problem_;
+  std::vector<PartNodes> parts_;
+  std::vector<Sliding> contacts_;
+};
+
+/// Per pair of `to` the index of the same contact and node in `from`, or -1: what a law keeps of a pair stays with it.
+[[nodiscard]] std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to);
+
+/// Values of pairs in the order of others (same_pairs); new ones are `fresh`.
+template <class T>
+[[nodiscard]] std::vector<T> carried(const std::vector<int>& same, const std::vector<T>& values, const T& fresh = {}) {
+  std::vector<T> result;
+  for (const int i : same) result.push_back(i < 0 ? fresh : values[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+}  // namespace ricochet::solver
