@@ -59,41 +59,45 @@ double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>
 }
 
 ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
-                                                   double rate_t, double acting_time) const {
+                                                   const Eigen::Vector2d& rate_along, double acting_time) const {
   const auto& pair = surface_.pairs[i];
   if (frozen_ == participant::FrozenContact::open) return {};
-  if (frozen_) return holding_force(pair, states, rate_n, rate_t, acting_time);
+  if (frozen_) return holding_force(pair, states, rate_n, rate_along, acting_time);
   Force force;
   force.normal = normal_force(i, states, rate_n, acting_time);
   if (force.normal == 0.0) return force;
   force.state = ContactState::slip;
   if (law_->friction_coefficient == 0.0) return force;
-  const double inverse = pair.tangent.inverse_mass(states);
-  const double holding = inverse > 0.0 ? -rate_t / (acting_time * inverse) : 0.0;
-  force.tangential = solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_t, holding);
+  const Eigen::Matrix2d inverse = acting_time * pair.inverse_mass_along(states);
+  const Eigen::Vector2d holding = solver::holding_of_pair(inverse, rate_along);
+  force.tangential =
+      solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_along, holding, inverse);
   if (force.tangential == holding) force.state = ContactState::stick;
   return force;
 }
 
 /// Frozen sticking: the linear part of `find_force`, normally and (with friction) tangentially.
 ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const std::vector<BodyState>& states,
-                                                      double rate_n, double rate_t, double acting_time) const {
-  const auto hold = [&](const ContactRow& row, double rate) {
-    const double inverse = row.inverse_mass(states);
-    const double moved = row.times(displacement_of(states)) + dt_ * rate;
-    return inverse > 0.0 ? -moved / (dt_ * acting_time * inverse) : 0.0;
-  };
+                                                      double rate_n, const Eigen::Vector2d& rate_along,
+                                                      double acting_time) const {
   const bool penalty = law_->enforcement == scene::Enforcement::penalty;
   const bool friction = law_->friction_coefficient > 0.0;
-  const double spring = -law_->penalty_pa_m * pair.area_m2 * pair.normal.times(displacement_of(states));
-  return {.normal = penalty ? spring : hold(pair.normal, rate_n),
-          .tangential = friction ? hold(pair.tangent, rate_t) : 0.0,
-          .state = ContactState::stick};
+  const double moved_n = pair.normal.times(displacement_of(states)), inverse_n = pair.normal.inverse_mass(states);
+  Force force{.normal = 0.0, .state = ContactState::stick};
+  if (penalty) {
+    force.normal = -law_->penalty_pa_m * pair.area_m2 * moved_n;
+  } else if (inverse_n > 0.0) {
+    force.normal = -(moved_n + dt_ * rate_n) / (dt_ * acting_time * inverse_n);
+  }
+  if (!friction) return force;
+  const Eigen::Vector2d slipped = pair.slip(displacement_of(states)) + dt_ * rate_along;
+  force.tangential = solver::holding_of_pair(dt_ * acting_time * pair.inverse_mass_along(states), slipped);
+  return force;
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {
   pair.normal.push(force.normal, states, push_accelerations(states));
-  pair.tangent.push(force.tangential, states, push_accelerations(states));
+  pair.push_along(force.tangential, states, push_accelerations(states));
 }
 
 void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
@@ -106,11 +110,13 @@ void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
   const double made = mean.normal * moved(pair.normal);
   if (massless_) made_j_[i] = made;
   state_.work_normal_j += made;
-  state_.dissipated_friction_j -= mean.tangential * moved(pair.tangent);
+  double taken = mean.tangential[0] * moved(pair.tangent);
+  if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
+  state_.dissipated_friction_j -= taken;
   book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
 }
 
-void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s,
+void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                                    std::vector<BodyState>& states) {
   state_.impulse_normal_n_s += normal_n_s;
   state_.impulse_tangential_n_s += tangential_n_s;
@@ -118,23 +124,24 @@ void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, double t
 }
 
 /// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping
-/// pair that this does not turn around, on it.
+/// pair that this does not turn around, on it. It keeps its direction e.
 void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& states) {
   const auto& pair = surface_.pairs[i];
-  double& mean = state_.mean_forces[i].tangential;
+  Eigen::Vector2d& force = state_.mean_forces[i].tangential;
+  const double mean = std::hypot(force[0], force[1]);
+  if (mean == 0.0) return;
+  const Eigen::Vector2d e = force / mean;
   const double limit = law_->friction_coefficient * state_.mean_forces[i].normal,
-               inverse = pair.tangent.inverse_mass(states);
-  const double target = state_.mean_forces[i].state == ContactState::slip && mean != 0.0
-                            ? std::copysign(limit, mean)
-                            : std::clamp(mean, -limit, limit);
+               inverse = e.dot(pair.inverse_mass_along(states) * e);
+  const double target = state_.mean_forces[i].state == ContactState::slip ? limit : std::min(mean, limit);
   if (target == mean || inverse == 0.0) return;
-  const double rate = pair.tangent.times(velocity_of(states));
+  const double rate = e.dot(pair.slip(velocity_of(states)));
   double impulse = dt_ * (target - mean);
-  if (std::abs(target) > std::abs(mean) && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
-  pair.tangent.push(impulse, states, push_velocities(states));
+  if (target > mean && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
+  pair.push_along(impulse * e, states, push_velocities(states));
   state_.dissipated_friction_j -= impulse * (rate + 0.5 * impulse * inverse);
-  book_impulse(pair, 0.0, impulse, states);
-  mean += impulse / dt_;
+  book_impulse(pair, 0.0, impulse * e, states);
+  force += impulse / dt_ * e;
 }
 
 void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
@@ -148,7 +155,7 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
     const double impulse =
         massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states, velocity_of_part_);
     state_.mean_forces[i].normal += impulse / dt_;
-    book_impulse(surface_.pairs[i], impulse, 0.0, states);
+    book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states);
     clip_friction(i, states);
   }
   state_.work_normal_j += massless_->trial_work_j();
@@ -159,12 +166,14 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
 /// it at once; that change is the energy an impact at the start costs.
 double ExplicitContact::staggered_correction(const Pair& pair, const std::vector<BodyState>& states) const {
   double sum = 0.0;
-  const auto& normal = pair.normal.entries;
-  for (const auto* row : {&pair.normal, &pair.tangent}) {
+  const auto has = [](const ContactRow& row, const solver::RowEntry& e) {
+    return std::any_of(row.entries.begin(), row.entries.end(),
+                       [&](const auto& n) { return n.part == e.part && n.dof == e.dof; });
+  };
+  for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
     for (const auto& e : row->entries) {
-      const bool counted = row == &pair.tangent && std::any_of(normal.begin(), normal.end(), [&](const auto& n) {
-                             return n.part == e.part && n.dof == e.dof;  // where n is along no coordinate
-                           });
+      const bool counted = (row != &pair.normal && has(pair.normal, e)) ||  // where n is along no coordinate
+                           (row == &pair.binormal && has(pair.tangent, e));
       const auto& state = states[static_cast<std::size_t>(e.part)];
       if (!counted) sum += 0.125 * dt_ * dt_ * state.mass[e.dof] * state.a[e.dof] * state.a[e.dof];
     }
@@ -179,7 +188,7 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
   auto& forces = state_.forces;
   const auto find = [&](std::size_t i) {
     const auto& pair = surface_.pairs[i];
-    forces[i] = find_force(i, states, rate(pair.normal), rate(pair.tangent), acting_time);
+    forces[i] = find_force(i, states, rate(pair.normal), {rate(pair.tangent), rate(pair.binormal)}, acting_time);
     push_pair(pair, forces[i]);
   };
   for (std::size_t i = 0; i < forces.size(); ++i) find(i);
@@ -192,8 +201,8 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
       const Force before = forces[i];
       push_pair(surface_.pairs[i], {.normal = -before.normal, .tangential = -before.tangential});
       find(i);
-      change = std::max(
-          {change, std::abs(forces[i].normal - before.normal), std::abs(forces[i].tangential - before.tangential)});
+      change = std::max({change, std::abs(forces[i].normal - before.normal),
+                         (forces[i].tangential - before.tangential).cwiseAbs().maxCoeff()});
       largest = std::max(largest, std::abs(forces[i].normal));
     }
   }
@@ -249,7 +258,8 @@ void ExplicitContact::restore(const State& state) {
 ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) {
   ContactRecord report = surface_.report(states, state_.mean_forces);
   report.contact_impulse_n_s = state_.impulse_normal_n_s;
-  report.friction_impulse_n_s = state_.impulse_tangential_n_s;
+  report.friction_impulse_n_s = state_.impulse_tangential_n_s[0];
+  report.friction_impulse_b_n_s = state_.impulse_tangential_n_s[1];
   report.contact_iterations = std::exchange(state_.iterations, 0);
   report.contact_residual = std::exchange(state_.largest_residual, 0.0);
   report.contact_unconverged = state_.unconverged;

@@ -13,9 +13,9 @@
 /// that is one closed-form scalar per pair:
 ///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
 /// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9,
-/// 14). Pairs that share nodes are gone through again until no force changes: projected Gauss-Seidel on N M^-1 N^T.
-/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
-/// does.
+/// 14), of solids radially to the circular one. Pairs that share nodes are gone through again until no force changes:
+/// projected Gauss-Seidel on N M^-1 N^T. Neither force lowers the critical time step. With enforcement "penalty", r =
+/// alpha w max(0, -g(u_n)) (Eq. 8-10) does.
 namespace ricochet::explicit_solver {
 
 class ExplicitContact {
@@ -53,7 +53,8 @@ class ExplicitContact {
     std::vector<Force> mean_forces;   ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
+    double impulse_normal_n_s = 0.0;
+    Eigen::Vector2d impulse_tangential_n_s{0.0, 0.0};
     int iterations = 0;             ///< sweeps over pairs that share nodes, since the last report
     double largest_residual = 0.0;  ///< largest last change of a force over the largest force, since the last report
     int unconverged = 0;            ///< so far
@@ -64,19 +65,19 @@ class ExplicitContact {
 
  private:
   /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
-  Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n, double rate_t,
-                   double acting_time) const;
+  Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
+                   const Eigen::Vector2d& rate_along, double acting_time) const;
   [[nodiscard]] double normal_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
                                     double acting_time) const;
   [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                    double rate_n, double rate_t, double acting_time) const;
+                                    double rate_n, const Eigen::Vector2d& rate_along, double acting_time) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   template <class Rate, class Push>
   void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time, Push push_pair);
   void account(std::size_t pair, std::vector<solver::BodyState>& states,
                const std::vector<const Eigen::VectorXd*>& u_before);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
-  void book_impulse(const solver::Pair& pair, double normal_n_s, double tangential_n_s,
+  void book_impulse(const solver::Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                     std::vector<solver::BodyState>& states);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair,
                                             const std::vector<solver::BodyState>& states) const;

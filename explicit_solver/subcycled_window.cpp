@@ -119,6 +119,7 @@ void SubcycledWindow::account(const BodyState& state, int dof, double mean_force
   given.work_j += mean_force * moved;
   given.impulse_n += dt_ * mean_force * state.normal[c];
   given.impulse_t += dt_ * mean_force * state.tangent[c];
+  given.impulse_b += dt_ * mean_force * state.binormal[c];
   if (state.arm.size() > 0) given.angular_impulse += dt_ * mean_force * state.arm[dof];
 }
 
@@ -234,6 +235,7 @@ void SubcycledWindow::accept(BodyState& state) {
   state.totals.energy_external_j += given_.work_j + d_given_.work_j;
   state.totals.impulse_n_kg_m_s += given_.impulse_n + d_given_.impulse_n;
   state.totals.impulse_t_kg_m_s += given_.impulse_t + d_given_.impulse_t;
+  state.totals.impulse_b_kg_m_s += given_.impulse_b + d_given_.impulse_b;
   state.totals.angular_impulse_kg_m2_s += given_.angular_impulse + d_given_.angular_impulse;
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const int dof = near_[i];

@@ -47,7 +47,7 @@ class SubcycledWindow {
  private:
   /// What the surroundings did during a trial.
   struct Given {
-    double work_j = 0.0, impulse_n = 0.0, impulse_t = 0.0, angular_impulse = 0.0;
+    double work_j = 0.0, impulse_n = 0.0, impulse_t = 0.0, impulse_b = 0.0, angular_impulse = 0.0;
   };
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
   void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& force);

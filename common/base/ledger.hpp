@@ -18,8 +18,10 @@ struct BodyTotals {
   double energy_interface_j = 0.0;  ///< work done so far by the link
   double momentum_n_kg_m_s = 0.0;   ///< along the contact normal (without contact: the axis)
   double momentum_t_kg_m_s = 0.0;
-  double impulse_n_kg_m_s = 0.0;  ///< given so far by loads, supports, prescribed motion and a rigid plane
+  double momentum_b_kg_m_s = 0.0;  ///< of solids: along the binormal n x t
+  double impulse_n_kg_m_s = 0.0;   ///< given so far by loads, supports, prescribed motion and a rigid plane
   double impulse_t_kg_m_s = 0.0;
+  double impulse_b_kg_m_s = 0.0;
   /// Plane strain: about the origin, with the reference positions as arms, which is what small displacements conserve.
   /// Else 0.
   double angular_momentum_kg_m2_s = 0.0;
@@ -35,10 +37,12 @@ struct ContactRecord {
   double contact_pressure_mean_pa = 0.0;  ///< that over the area of all pairs
   double principal_stress_mean_pa = 0.0;
   double friction_force_n = 0.0;                                 ///< on B along +t, over the window
+  double friction_force_b_n = 0.0;                               ///< of solids: on B along +(n x t)
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
   double energy_contact_j = 0.0;   ///< work so far of the normal contact forces: what impacts cost (a loss is negative)
   double energy_friction_j = 0.0;  ///< dissipated so far by friction
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
+  double friction_impulse_b_n_s = 0.0;
   // Of the contact problems since the row before; all zero where they have a closed form.
   double contact_iterations = 0.0;
   double contact_residual = 0.0;     ///< largest violation of their conditions, relative to the largest normal force
@@ -49,7 +53,7 @@ struct ContactRecord {
 template <class Totals>
 using Quantity = std::pair<std::string_view, double Totals::*>;
 
-inline constexpr std::array<Quantity<BodyTotals>, 11> body_quantities = {{
+inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
     {"mass_kg", &BodyTotals::mass_kg},
     {"energy_kinetic_j", &BodyTotals::energy_kinetic_j},
     {"energy_strain_j", &BodyTotals::energy_strain_j},
@@ -57,18 +61,21 @@ inline constexpr std::array<Quantity<BodyTotals>, 11> body_quantities = {{
     {"energy_interface_j", &BodyTotals::energy_interface_j},
     {"momentum_n_kg_m_s", &BodyTotals::momentum_n_kg_m_s},
     {"momentum_t_kg_m_s", &BodyTotals::momentum_t_kg_m_s},
+    {"momentum_b_kg_m_s", &BodyTotals::momentum_b_kg_m_s},
     {"impulse_n_kg_m_s", &BodyTotals::impulse_n_kg_m_s},
     {"impulse_t_kg_m_s", &BodyTotals::impulse_t_kg_m_s},
+    {"impulse_b_kg_m_s", &BodyTotals::impulse_b_kg_m_s},
     {"angular_momentum_kg_m2_s", &BodyTotals::angular_momentum_kg_m2_s},
     {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
 }};
 
-inline constexpr std::array<Quantity<ContactRecord>, 15> contact_quantities = {{
+inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
     {"gap_min_m", &ContactRecord::gap_min_m},
     {"contact_force_n", &ContactRecord::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRecord::contact_pressure_mean_pa},
     {"principal_stress_mean_pa", &ContactRecord::principal_stress_mean_pa},
     {"friction_force_n", &ContactRecord::friction_force_n},
+    {"friction_force_b_n", &ContactRecord::friction_force_b_n},
     {"pairs_stick", &ContactRecord::pairs_stick},
     {"pairs_slip", &ContactRecord::pairs_slip},
     {"pairs_open", &ContactRecord::pairs_open},
@@ -76,6 +83,7 @@ inline constexpr std::array<Quantity<ContactRecord>, 15> contact_quantities = {{
     {"energy_friction_j", &ContactRecord::energy_friction_j},
     {"contact_impulse_n_s", &ContactRecord::contact_impulse_n_s},
     {"friction_impulse_n_s", &ContactRecord::friction_impulse_n_s},
+    {"friction_impulse_b_n_s", &ContactRecord::friction_impulse_b_n_s},
     {"contact_iterations", &ContactRecord::contact_iterations},
     {"contact_residual", &ContactRecord::contact_residual},
     {"contact_unconverged", &ContactRecord::contact_unconverged},

@@ -24,11 +24,13 @@ struct Mesh {
   std::map<std::string, std::vector<int>> element_groups;
   std::map<std::string, std::vector<Face>> surfaces;
   double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
+  double period_wide_m = 0.0;  ///< of solids: the same of the second coordinate
 };
 
 /// `x`, or its periodic image, that lies within half a period of `reference` [m].
 inline Eigen::Vector3d nearest_image(const Mesh& mesh, Eigen::Vector3d x, const Eigen::Vector3d& reference) {
   if (mesh.period_m > 0.0) x[0] -= mesh.period_m * std::round((x[0] - reference[0]) / mesh.period_m);
+  if (mesh.period_wide_m > 0.0) x[1] -= mesh.period_wide_m * std::round((x[1] - reference[1]) / mesh.period_wide_m);
   return x;
 }
 

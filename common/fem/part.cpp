@@ -132,6 +132,7 @@ Part extract_part(const Mesh& whole, const std::string& body, const Section& sec
   part.material = material;
   part.mesh.model = whole.model;
   part.mesh.period_m = whole.period_m;
+  part.mesh.period_wide_m = whole.period_wide_m;
   part.body_element = elements;
   std::sort(part.body_element.begin(), part.body_element.end());
   take_elements(whole, extra_nodes, part);

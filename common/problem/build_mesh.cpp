@@ -8,20 +8,24 @@
 namespace ricochet::scene {
 namespace {
 
-/// Makes the last column of nodes the first one of the next period. Nodes are numbered row by row.
-void wrap_across(fem::Mesh& mesh, int columns, double period_m) {
-  const auto wrapped = [columns](int node) {
-    const int row = node / (columns + 1), column = node % (columns + 1);
-    return row * columns + column % columns;
+/// Makes the last column of nodes the first one of the next period, of a solid the last row of each layer, too. Nodes
+/// are numbered row by row; `rows` elements wide, 0 in two dimensions, where there is one layer that does not repeat.
+void wrap_across(fem::Mesh& mesh, int columns, int rows, double period_m) {
+  const int layer = rows > 0 ? rows + 1 : static_cast<int>(mesh.position.size());
+  const int kept_rows = rows > 0 ? rows : layer;
+  const auto wrapped = [=](int node) {
+    const int line = node / (columns + 1), column = node % (columns + 1);
+    return (line / layer * kept_rows + line % layer % kept_rows) * columns + column % columns;
   };
   std::vector<Eigen::Vector3d> position;
-  for (std::size_t i = 0; i < mesh.position.size(); ++i)
-    if (static_cast<int>(i) % (columns + 1) != columns) position.push_back(mesh.position[i]);
+  for (std::size_t i = 0; i < mesh.position.size(); ++i) {
+    const int line = static_cast<int>(i) / (columns + 1), column = static_cast<int>(i) % (columns + 1);
+    if (column != columns && line % layer != kept_rows) position.push_back(mesh.position[i]);
+  }
   mesh.position = std::move(position);
   for (auto& element : mesh.elements)
     for (int& node : element) node = wrapped(node);
-  mesh.surfaces.erase("inner");
-  mesh.surfaces.erase("outer");
+  for (const char* side : {"inner", "outer", "front", "back"}) mesh.surfaces.erase(side);
   for (auto& [name, faces] : mesh.surfaces)
     for (fem::Face& face : faces)
       for (int& node : face) node = wrapped(node);
@@ -34,11 +38,14 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
   if (model == Model::bar) return fem::bar_mesh(along);
   const std::vector<double> across =
       fem::graded_coordinates(0.0, spec.across_m, spec.elements_across, spec.grading_across);
-  if (model == Model::solid)
-    return fem::block_mesh(across, fem::graded_coordinates(0.0, spec.width_m, spec.elements_wide, spec.grading_wide),
-                           along);
-  fem::Mesh mesh = fem::quadrilateral_mesh(model, across, along);
-  if (spec.periodic_across) wrap_across(mesh, spec.elements_across, spec.across_m);
+  const bool solid = model == Model::solid;
+  fem::Mesh mesh =
+      solid ? fem::block_mesh(across, fem::graded_coordinates(0.0, spec.width_m, spec.elements_wide, spec.grading_wide),
+                              along)
+            : fem::quadrilateral_mesh(model, across, along);
+  if (!spec.periodic_across) return mesh;
+  wrap_across(mesh, spec.elements_across, solid ? spec.elements_wide : 0, spec.across_m);
+  if (solid) mesh.period_wide_m = spec.width_m;
   return mesh;
 }
 

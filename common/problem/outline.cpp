@@ -89,7 +89,7 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
 
 Shape::Shape(const BodyProblem& body) : outline_(outline_of(body.mesh)) {
   last_axis_ = fem::components(body.section.model) - 1;
-  if (body.mesh.period_m > 0.0) first_axis_ = 1;
+  if (body.mesh.period_m > 0.0) first_axis_ = body.mesh.period_wide_m > 0.0 ? 2 : 1;
   for (const int node : outline_.nodes) reference_.push_back(body.mesh.position[at(node)]);
   shortest_edge_m_ = std::numeric_limits<double>::infinity();
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e)

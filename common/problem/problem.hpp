@@ -37,7 +37,7 @@ struct ContactGeometry {
 };
 
 /// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to
-/// the left; of a solid whose surface is across z, x. (A solid has more of them; its contact is without friction.)
+/// the left; of a solid whose surface is across z, x. A solid has the binormal n x t besides.
 [[nodiscard]] inline Eigen::Vector3d tangent_of(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d turned(-normal[1], normal[0], 0.0);
   if (normal[2] == 0.0) return turned;

@@ -74,16 +74,19 @@ std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model,
   const bool has_height = model == Model::plane_strain || model == Model::solid;
   table.only_if(has_height, "height_m", R"(model = "plane_strain" or "solid")");
   table.only_if(model == Model::solid, "width_m", "model = \"solid\"");
-  table.only_if(model == Model::plane_strain, "periodic_across", "model = \"plane_strain\"");
+  table.only_if(has_height, "periodic_across", R"(model = "plane_strain" or "solid")");
   if (model == Model::axisymmetric) mesh.across_m = table.number("radius_m", above(0.0));
   if (has_height) mesh.across_m = table.number("height_m", above(0.0));
   if (model == Model::solid) mesh.width_m = table.number("width_m", above(0.0));
-  if (model == Model::plane_strain) mesh.periodic_across = table.boolean("periodic_across", false);
+  if (has_height) mesh.periodic_across = table.boolean("periodic_across", false);
   load_divisions(table, model, mesh);
-  if (mesh.periodic_across && mesh.elements_across < fewest_periodic_elements)
-    table.refuse("elements", fmt::format("{} across", mesh.elements_across), "3 or more across a periodic mesh");
-  if (mesh.periodic_across && mesh.grading_across != 1.0)
-    table.refuse("grading", fmt::format("{} across", mesh.grading_across), "1 across a periodic mesh");
+  const bool solid = model == Model::solid;
+  const int fewest = solid ? std::min(mesh.elements_across, mesh.elements_wide) : mesh.elements_across;
+  if (mesh.periodic_across && fewest < fewest_periodic_elements)
+    table.refuse("elements", fmt::format("{} across", fewest), "3 or more across a periodic mesh");
+  const double grading = solid && mesh.grading_across == 1.0 ? mesh.grading_wide : mesh.grading_across;
+  if (mesh.periodic_across && grading != 1.0)
+    table.refuse("grading", fmt::format("{} across", grading), "1 across a periodic mesh");
   table.finish();
   return mesh;
 }

@@ -86,10 +86,8 @@ void load_enforcement(TableReader& table, Contact& contact) {
 }
 
 void load_friction(TableReader& table, Model model, Contact& contact) {
-  table.only_if(model != Model::bar, "friction_coefficient", "a two-dimensional model: a bar has no tangential motion");
-  if (model == Model::solid && table.has("friction_coefficient") &&
-      table.number("friction_coefficient", at_least(0.0)) > 0.0)
-    table.refuse("friction_coefficient", "friction between solids, which is not there yet", "0");
+  table.only_if(model != Model::bar, "friction_coefficient",
+                "a model of two or three dimensions: a bar has no tangential motion");
   contact.friction_coefficient = table.number("friction_coefficient", at_least(0.0), contact.friction_coefficient);
   table.only_if(table.has("friction_coefficient"), "friction_law", "friction_coefficient");
   contact.friction_law = table.choice<FrictionLaw>(

@@ -32,7 +32,9 @@ struct StructuredMesh {
   double grading_along = 1.0;  ///< size of the last element over size of the first, geometric in between
   double grading_across = 1.0;
   double grading_wide = 1.0;
-  bool periodic_across = false;  ///< plane strain: "outer" is "inner" moved by across_m; both surfaces vanish
+  /// Plane strain: "outer" is "inner" moved by across_m; both surfaces vanish. Solid: "back" is "front" moved by
+  /// width_m, too.
+  bool periodic_across = false;
 };
 
 /// Gmsh MSH 4.1 file; the physical surface (1D: curve, 3D: volume) named like the body holds its elements, other

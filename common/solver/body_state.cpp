@@ -62,6 +62,7 @@ void BodyState::update_momentum() {
       components == 3 ? momentum_by_lanes<24>(mass, v, components) : momentum_by_lanes<8>(mass, v, components);
   totals.momentum_n_kg_m_s = normal.dot(momentum);
   totals.momentum_t_kg_m_s = tangent.dot(momentum);
+  totals.momentum_b_kg_m_s = binormal.dot(momentum);
   if (arm.size() > 0) totals.angular_momentum_kg_m2_s = (arm.array() * mass.array() * v.array()).sum();
 }
 
@@ -70,6 +71,8 @@ namespace {
 void set_directions(const scene::Problem& problem, BodyState& state) {
   state.normal = scene::momentum_normal(problem);
   state.tangent = scene::tangent_of(state.normal);
+  state.binormal = Eigen::Vector3d::Zero();
+  if (problem.scene.components() == 3) state.binormal = state.normal.cross(state.tangent);
 }
 
 void set_arm(BodyState& state) {

@@ -71,7 +71,7 @@ struct BodyState : BodyMotion {
   std::vector<ConstrainedDof> constrained;
   std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
-  Eigen::Vector3d normal, tangent;  ///< directions of the momentum balance
+  Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
   Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -117,6 +117,7 @@ struct BodyState : BodyMotion {
     totals.energy_external_j += work_j;
     totals.impulse_n_kg_m_s += normal.head<most>().dot(impulse);
     totals.impulse_t_kg_m_s += tangent.head<most>().dot(impulse);
+    if constexpr (most == 3) totals.impulse_b_kg_m_s += binormal.dot(impulse);
     totals.angular_impulse_kg_m2_s += angular;
   }
 };

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -89,6 +90,23 @@ double ContactRow::inverse_mass_of(Side side, const std::vector<BodyState>& stat
   return sum;
 }
 
+Eigen::Matrix2d Pair::inverse_mass_along(const std::vector<BodyState>& states) const {
+  Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
+  inverse(0, 0) = tangent.inverse_mass(states);
+  inverse(1, 1) = binormal.inverse_mass(states);
+  // Zero but for round-off where a node is free in all directions.
+  for (const auto& e : binormal.entries) {
+    for (const auto& other : tangent.entries) {
+      if (e.part == other.part && e.dof == other.dof)
+        inverse(0, 1) +=
+            e.coefficient * other.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+    }
+  }
+  if (std::abs(inverse(0, 1)) <= 1e-14 * inverse.trace()) inverse(0, 1) = 0.0;
+  inverse(1, 0) = inverse(0, 1);
+  return inverse;
+}
+
 bool ContactRow::has(Side side) const { return part_of(side) >= 0; }
 
 int ContactRow::part_of(Side side) const {
@@ -110,15 +128,17 @@ bool share_nodes(const std::vector<Pair>& pairs) {
   return false;
 }
 
-void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states) {
+void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
+                  std::vector<BodyState>& states) {
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
   state.totals.impulse_n_kg_m_s -= normal_n_s;
-  state.totals.impulse_t_kg_m_s -= tangential_n_s;
+  state.totals.impulse_t_kg_m_s -= tangential_n_s[0];
+  state.totals.impulse_b_kg_m_s -= tangential_n_s[1];
   if (state.arm.size() == 0) return;
   const auto arm = [&](int) -> const Eigen::VectorXd& { return state.arm; };
   state.totals.angular_impulse_kg_m2_s +=
-      normal_n_s * pair.normal.times(arm) + tangential_n_s * pair.tangent.times(arm);
+      normal_n_s * pair.normal.times(arm) + tangential_n_s[0] * pair.tangent.times(arm);
 }
 
 }  // namespace ricochet::solver

@@ -8,9 +8,9 @@
 
 /// Contact as sparse rows over the degrees of freedom of a participant's parts: all that a contact law of either solver
 /// knows of a geometry. Normal n from the first surface (A) to the second (B), tangent t =
-/// (-n_y, n_x) (scene::tangent_of).
+/// (-n_y, n_x) (scene::tangent_of), of solids the binormal n x t besides.
 ///   gap     g = g0 + N u,   open when g > 0            (Eq. 11, 17, 18)
-///   slip      = T du over a window
+///   slip      = T du over a window, of solids with a component along the binormal
 /// With N = n . (u_B - u_A) for two nodes that lie opposite, N = -n . u_A against a rigid plane, and a node against two
 /// of the other side shared by their weights. A contact force r >= 0 acts as N^T r, on B along +n and on A along -n; a
 /// friction force as T^T times it. The law that closes a gap at once needs the compliance N M^-1 N^T.
@@ -62,7 +62,7 @@ struct ContactRow {
 /// A place where the surfaces may touch: two nodes that lie opposite, or a node and a plane.
 struct Pair {
   ContactRow normal, tangent;  ///< no entries along the tangent in one dimension
-  ContactRow binormal{};       ///< of a solid: along n x t, where no force acts; else no entries
+  ContactRow binormal{};       ///< of a solid: along n x t; else no entries
   double gap0_m = 0.0;
   double area_m2 = 0.0;
   std::size_t contact = 0;  ///< index into Problem::contacts
@@ -74,6 +74,19 @@ struct Pair {
   [[nodiscard]] double gap(const OfPart& u_of_part) const {
     return gap0_m + normal.times(u_of_part);
   }
+  /// T x, along tangent and binormal.
+  template <class OfPart>
+  [[nodiscard]] Eigen::Vector2d slip(const OfPart& of_part) const {
+    return {tangent.times(of_part), binormal.times(of_part)};
+  }
+  /// x += M^-1 T^T force.
+  template <class OfPart>
+  void push_along(const Eigen::Vector2d& force, const std::vector<BodyState>& states, const OfPart& of_part) const {
+    tangent.push(force[0], states, of_part);
+    binormal.push(force[1], states, of_part);
+  }
+  /// T M^-1 T^T [1/kg]
+  [[nodiscard]] Eigen::Matrix2d inverse_mass_along(const std::vector<BodyState>& states) const;
 };
 
 /// The numbering of a part: its nodes as its body numbers them, ascending.
@@ -101,6 +114,7 @@ inline constexpr int most_sweeps = 1000;
 
 /// The normal impulse `normal_n_s` and the tangential one on B, and the opposite ones on A, change no total momentum of
 /// two bodies; what a rigid plane gives A is booked to its totals.
-void book_impulse(const Pair& pair, double normal_n_s, double tangential_n_s, std::vector<BodyState>& states);
+void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
+                  std::vector<BodyState>& states);
 
 }  // namespace ricochet::solver

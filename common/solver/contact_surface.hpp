@@ -13,9 +13,10 @@
 
 namespace ricochet::solver {
 
-/// Force of one pair: normal >= 0 on B along +n, tangential on B along +t [N].
+/// Force of one pair: normal >= 0 on B along +n, tangential on B along +t and, of solids, along the binormal n x t [N].
 struct PairForce {
-  double normal = 0.0, tangential = 0.0;
+  double normal = 0.0;
+  Eigen::Vector2d tangential{0.0, 0.0};
   ContactState state = ContactState::open;
 };
 

@@ -35,6 +35,11 @@ double RootProblem::gauss_seidel_sweep(const Eigen::VectorXd& gap_free, const Ei
     x[i] = std::max(0.0, x[i] - gap / alone(i));
     change = std::max(change, std::abs(x[i] - normal_before));
     if (held(i)) continue;
+    if (cone_) {
+      for (const int unknown : {pairs_ + i, 2 * pairs_ + i}) motion_[unknown] = compliance.row(unknown).dot(x);
+      change = std::max(change, set_along(i, cone_alone(i, slip_free, slip_velocity, last)));
+      continue;
+    }
     const int t = pairs_ + i;
     const double before = x[t];
     x[t] = tangential_alone(i, slip_free[i] + compliance.row(t).dot(x), slip_velocity[i], last.force[t]);
@@ -54,6 +59,10 @@ double RootProblem::jacobi_sweep(const Eigen::VectorXd& gap_free, const Eigen::V
     const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];
     x[i] = std::max(0.0, x[i] - gap / alone(i));
     if (held(i)) continue;
+    if (cone_) {
+      set_along(i, cone_alone(i, slip_free, slip_velocity, last));
+      continue;
+    }
     const int t = pairs_ + i;
     x[t] = tangential_alone(i, slip_free[i] + motion_[t], slip_velocity[i], last.force[t]);
   }

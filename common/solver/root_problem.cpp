@@ -25,6 +25,7 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
       friction_(law.friction_coefficient > 0.0),
       regularised_(law.friction_law == scene::FrictionLaw::regularised),
       pairs_(static_cast<int>(area_m2.size())),
+      cone_(friction_ && compliance.size() == Eigen::Index{3} * pairs_),
       dt_(dt),
       compliance_(std::move(compliance)),
       area_m2_(std::move(area_m2)),
@@ -35,6 +36,14 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
       cone_slope_(Eigen::VectorXd::Zero(pairs_)),
       solution_(open()) {
   if (compliance_.dense()) matrix_.resize(compliance_.size(), compliance_.size());
+  if (!cone_) return;
+  cone_rows_.resize(area_m2_.size());
+  for (int i = 0; i < pairs_; ++i) {
+    const int t = pairs_ + i, b = 2 * pairs_ + i;
+    auto& block = block_.emplace_back(Eigen::Matrix2d::Zero());
+    block.diagonal() << compliance_.alone(t), compliance_.alone(b);
+    if (compliance_.dense()) block(0, 1) = block(1, 0) = (*compliance_.dense())(t, b);
+  }
 }
 
 RootProblem::Solution RootProblem::open() const {
@@ -59,22 +68,27 @@ void RootProblem::start_from(const Solution& last) {
     const bool plus = last.force[pairs_ + i] > 0.0;
     state.tangent = regularised_                    ? Tangent::regularised
                     : before == ContactState::stick ? Tangent::stick
+                    : cone_                         ? Tangent::slip
                     : plus                          ? Tangent::slip_plus
                                                     : Tangent::slip_minus;
   }
 }
 
-bool RootProblem::held(int pair) const { return !friction_ || compliance_.alone(pairs_ + pair) <= 0.0; }
+bool RootProblem::held(int pair) const {
+  return !friction_ ||
+         (compliance_.alone(pairs_ + pair) <= 0.0 && (!cone_ || block_[static_cast<std::size_t>(pair)](1, 1) <= 0.0));
+}
 
 void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  if (friction_ && regularised_ && !compliance_.dense()) compliance_.times(solution_.force, motion_);
+  if (friction_ && regularised_ && !cone_ && !compliance_.dense()) compliance_.times(solution_.force, motion_);
+  if (cone_) find_cone_rows(slip_free, slip_velocity, last);
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
     if (!state.closed) continue;
     rhs_[i] = -gap_free[i] / alone(i);
-    if (!friction_) continue;
+    if (!friction_ || cone_) continue;
     const int t = pairs_ + i;
     if (state.tangent == Tangent::stick) rhs_[t] = (slack(i) * last.force[t] - slip_free[i]) / alone(t);
     if (state.tangent != Tangent::regularised) continue;
@@ -90,6 +104,7 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     cone_slope_[i] = mu * tanh;
     rhs_[t] = slip_slope_[i] * (slipped - 0.5 * dt_ * (velocity - about));
   }
+  if (cone_) cone_right_hand_side();
   solve_states();
 }
 
@@ -97,7 +112,8 @@ double RootProblem::moved(int unknown) const {
   return compliance_.dense() ? compliance_.dense()->row(unknown).dot(solution_.force) : motion_[unknown];
 }
 
-bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
+bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                                const Solution& last) {
   const double mu = law_.friction_coefficient;
   compliance_.times(solution_.force, motion_);
   const double force_scale = round_off * solution_.force.head(pairs_).cwiseAbs().maxCoeff();
@@ -111,7 +127,12 @@ bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::Ve
       state = {};
     } else if (!state.closed && gap_free[i] + motion_[i] < -gap_scale) {
       state.closed = true;
-      if (!held(i)) state.tangent = regularised_ ? Tangent::regularised : Tangent::stick;
+      // Of solids a pair that closes is first given mu times its force, against its slip: held, it may be torn open
+      // again.
+      if (!held(i)) state.tangent = regularised_ ? Tangent::regularised : cone_ ? Tangent::slip : Tangent::stick;
+    } else if (state.closed && !held(i) && cone_ && !regularised_) {
+      const double outside = reach(i, slip_free, last).norm() - mu * normal;
+      if (std::abs(outside) > force_scale) state.tangent = outside > 0.0 ? Tangent::slip : Tangent::stick;
     } else if (state.closed && !held(i) && !regularised_) {
       const double tangential = solution_.force[pairs_ + i];
       const double slip = slip_free[i] + motion_[pairs_ + i];
@@ -131,8 +152,37 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
                                                 const Eigen::VectorXd& slip_velocity, const Solution& last) {
   start_from(last);
   solution_.force = last.force;
+  solution_.iterations = 0;
+  find_states(gap_free, slip_free, slip_velocity, last);
+  solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+  if (solution_.residual > converged_residual) {
+    solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
+    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+  }
+  if (solution_.residual > converged_residual && (cone_ || !regularised_) && compliance_.dense()) {
+    const Eigen::VectorXd swept = solution_.force;
+    const double of_sweeps = solution_.residual;
+    if (cone_) {
+      find_states(gap_free, slip_free, slip_velocity, last);
+    } else {
+      solution_.iterations += lemke(gap_free, slip_free, last);
+    }
+    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+    if (!(solution_.residual <= of_sweeps)) {
+      solution_.force = swept;
+      states_of_forces();
+      solution_.residual = of_sweeps;
+    }
+  }
+  finish();
+  return solution_;
+}
+
+/// From the present states and forces, until neither changes; for a stated number of times.
+void RootProblem::find_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                              const Eigen::VectorXd& slip_velocity, const Solution& last) {
   bool settled = false;
-  for (solution_.iterations = 0; !settled && solution_.iterations < max_state_iterations; ++solution_.iterations) {
+  for (int n = 0; !settled && n < max_state_iterations; ++n, ++solution_.iterations) {
     before_ = solution_.force;
     const bool any = std::any_of(states_.begin(), states_.end(), [](const PairState& s) { return s.closed; });
     if (any) {
@@ -140,28 +190,10 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
     } else {
       solution_.force.setZero();
     }
-    const bool changed = update_states(gap_free, slip_free);
+    const bool changed = update_states(gap_free, slip_free, last);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
-    settled = !changed && (!(friction_ && regularised_) || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff());
+    settled = !changed && (!turns() || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff());
   }
-  solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
-  if (solution_.residual > converged_residual) {
-    solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
-    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
-  }
-  if (solution_.residual > converged_residual && !regularised_ && compliance_.dense()) {
-    before_ = solution_.force;
-    const double of_sweeps = solution_.residual;
-    solution_.iterations += lemke(gap_free, slip_free, last);
-    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
-    if (solution_.residual > of_sweeps) {
-      solution_.force = before_;
-      states_of_forces();
-      solution_.residual = of_sweeps;
-    }
-  }
-  finish();
-  return solution_;
 }
 
 void RootProblem::stick_all() {
@@ -175,7 +207,11 @@ const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, 
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
     rhs_[i] = -gap_free[i] / alone(i);
-    if (!held(i)) rhs_[pairs_ + i] = -slip_free[i] / alone(pairs_ + i);
+    if (!held(i) && !cone_) rhs_[pairs_ + i] = -slip_free[i] / alone(pairs_ + i);
+  }
+  if (cone_) {
+    find_cone_rows(slip_free, slip_free, open());
+    cone_right_hand_side();
   }
   solve_states();
   solution_.iterations = 1;
@@ -190,6 +226,7 @@ const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, con
   for (int i = 0; i < pairs_ && law_.enforcement == scene::Enforcement::penalty; ++i) {
     solution_.force[i] = -gap[i] / slack(i);
     if (!held(i)) solution_.force[pairs_ + i] = -slip[i] / slack(i);
+    if (!held(i) && cone_) solution_.force[2 * pairs_ + i] = -slip[pairs_ + i] / slack(i);
   }
   finish();
   return solution_;
@@ -209,6 +246,11 @@ void RootProblem::states_of_forces() {
     auto& state = states_[static_cast<std::size_t>(i)];
     state = {.closed = x[i] > 0.0, .tangent = Tangent::none};
     if (!state.closed || held(i)) continue;
+    if (cone_ && !regularised_) {
+      const double limit = law_.friction_coefficient * x[i] * (1.0 - round_off);
+      state.tangent = along(i, x).norm() < limit ? Tangent::stick : Tangent::slip;
+      continue;
+    }
     const double tangential = x[pairs_ + i], limit = law_.friction_coefficient * x[i];
     state.tangent = regularised_                                       ? Tangent::regularised
                     : std::abs(tangential) < limit * (1.0 - round_off) ? Tangent::stick
@@ -226,6 +268,10 @@ double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::Vecto
     const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];
     largest = std::max(largest, std::abs(x[i] - std::max(0.0, x[i] - gap / alone(i))));
     if (held(i)) continue;
+    if (cone_) {
+      largest = std::max(largest, (along(i, x) - cone_alone(i, slip_free, slip_velocity, last)).norm());
+      continue;
+    }
     const int t = pairs_ + i;
     const double right = tangential_alone(i, slip_free[i] + motion_[t], slip_velocity[i], last.force[t]);
     largest = std::max(largest, std::abs(x[t] - right));
@@ -239,6 +285,7 @@ void RootProblem::finish() {
     const auto& state = states_[static_cast<std::size_t>(i)];
     if (!state.closed) solution_.force[i] = 0.0;  // what the dense solve leaves of its identity row is round-off
     if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
+    if (!state.closed && cone_) solution_.force[2 * pairs_ + i] = 0.0;
     const bool stick = state.tangent == Tangent::stick || (friction_ && held(i));
     solution_.states[static_cast<std::size_t>(i)] = !state.closed ? ContactState::open
                                                     : stick       ? ContactState::stick

@@ -76,6 +76,10 @@ void RootProblem::assemble() {
       matrix_(i, i) = 1.0;
     }
     if (!friction_) continue;
+    if (cone_) {
+      assemble_cone(i);
+      continue;
+    }
     const int t = pairs_ + i;
     matrix_.row(t).setZero();
     matrix_(t, t) = 1.0;
@@ -88,6 +92,7 @@ void RootProblem::assemble() {
         break;
       case Tangent::slip_plus: matrix_(t, i) = -mu; break;
       case Tangent::slip_minus: matrix_(t, i) = mu; break;
+      case Tangent::slip: break;
       case Tangent::regularised:
         matrix_.row(t) = slip_slope_[i] * compliance.row(t);
         matrix_(t, t) += 1.0;
@@ -105,8 +110,13 @@ void RootProblem::times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) con
     const auto& state = states_[static_cast<std::size_t>(i)];
     y[i] = state.closed ? (y[i] + slack(i) * x[i]) / alone(i) : x[i];
     if (!friction_) continue;
+    if (cone_) {
+      times_cone(i, x, y);
+      continue;
+    }
     const int t = pairs_ + i;
     switch (state.tangent) {
+      case Tangent::slip: break;
       case Tangent::none: y[t] = x[t]; break;
       case Tangent::stick: y[t] = (y[t] + slack(i) * x[t]) / alone(t); break;
       case Tangent::slip_plus: y[t] = x[t] - mu * x[i]; break;
@@ -118,9 +128,8 @@ void RootProblem::times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) con
 
 /// Forces of the present states, from `rhs_`.
 void RootProblem::solve_states() {
-  const bool nonlinear = friction_ && regularised_;
   if (compliance_.dense()) {
-    if (nonlinear || factored_states_ != states_) {
+    if (turns() || factored_states_ != states_) {
       assemble();
       factor_.compute(matrix_);
       factored_states_ = states_;
@@ -135,6 +144,7 @@ void RootProblem::solve_states() {
     const auto& state = states_[static_cast<std::size_t>(i)];
     if (!state.closed) start[i] = 0.0;
     if (friction_ && state.tangent == Tangent::none) start[pairs_ + i] = 0.0;
+    if (cone_ && state.tangent == Tangent::none) start[2 * pairs_ + i] = 0.0;
   }
   const StatesMatrix matrix([this](const Eigen::VectorXd& x, Eigen::VectorXd& y) { times_matrix(x, y); },
                             compliance_.size());

@@ -49,19 +49,22 @@ void Errors::add(HistoryRow& row) {
   const double created = energy_.created_j(row);
   row.energy_error = ratio(created, energy_.reference_j());
 
-  const auto along = [](const Conserved::Direction& d, double n, double t) { return d.n * n + d.t * t; };
+  const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
+    return d.n * n + d.t * t + d.b * b;
+  };
   double momentum = 0;
   for (const auto& body : row.bodies) {
     double square = 0;
     for (const auto& d : conserved_.directions)
-      square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s), 2);
+      square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s, body.momentum_b_kg_m_s), 2);
     momentum += std::sqrt(square);
   }
   largest_momentum_ = std::max(largest_momentum_, momentum);
   std::vector<double> balance;
   for (const auto& d : conserved_.directions) {
     balance.push_back(along(d, row.sum.momentum_n_kg_m_s - row.sum.impulse_n_kg_m_s,
-                            row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s));
+                            row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s,
+                            row.sum.momentum_b_kg_m_s - row.sum.impulse_b_kg_m_s));
   }
   const double angular = row.sum.angular_momentum_kg_m2_s - row.sum.angular_impulse_kg_m2_s;
   if (first_.empty()) {

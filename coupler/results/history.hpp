@@ -47,7 +47,7 @@ class EnergyBalance {
 /// Which momenta a scene conserves.
 struct Conserved {
   struct Direction {
-    double n = 0, t = 0;  ///< components along the contact normal and the tangent
+    double n = 0, t = 0, b = 0;  ///< components along the contact normal, the tangent and, of solids, the binormal
   };
   std::vector<Direction> directions = {{1, 0}, {0, 1}};
   /// Half the scene's extent, by which momentum becomes the scale of angular momentum; 0: angular momentum is not

@@ -49,22 +49,31 @@ constexpr Column columns[] = {
     {"contact_unconverged", [](const HistoryRow& row) -> double { return row.contact.contact_unconverged; }},
 };
 
+constexpr Column solid_columns[] = {
+    {"friction_force_b_n", [](const HistoryRow& row) -> double { return row.contact.friction_force_b_n; }},
+    {"friction_impulse_b_n_s", [](const HistoryRow& row) -> double { return row.contact.friction_impulse_b_n_s; }},
+    {"momentum_b_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_b_kg_m_s; }},
+};
+
 }  // namespace
 
-std::vector<std::string> history_columns(const std::vector<std::string>& bodies) {
+std::vector<std::string> history_columns(const std::vector<std::string>& bodies, bool solid) {
   std::vector<std::string> names;
   for (const auto& column : columns) names.emplace_back(column.name);
   for (const auto& body : bodies) names.push_back(fmt::format("velocity_mean_{}_m_s", body));
+  if (!solid) return names;
+  for (const auto& column : solid_columns) names.emplace_back(column.name);
   return names;
 }
 
-HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact)
+HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact, bool solid)
     : path_(std::move(path)),
       has_contact_(has_contact),
+      solid_(solid),
       descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
       flushed_(std::chrono::steady_clock::now()) {
   if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
-  pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies), ","));
+  pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies, solid), ","));
   flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
 
@@ -87,6 +96,9 @@ void HistoryFile::add(HistoryRow row) {
   };
   for (const auto& column : columns) put(column.value(row));
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
+  if (solid_) {
+    for (const auto& column : solid_columns) put(column.value(row));
+  }
   pending_ += '\n';
   if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();
 }

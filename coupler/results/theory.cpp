@@ -16,8 +16,8 @@ double wave_speed(const scene::Problem& problem, std::size_t body) {
   const auto& m = problem.bodies[body].material;
   const double nu = m.poisson_ratio;
   const double bar = m.youngs_modulus_pa / m.density_kg_m3;
-  if (problem.scene.model != scene::Model::plane_strain) return std::sqrt(bar);
   const bool confined = periodic(problem.scene.bodies[body]);
+  if (problem.scene.model != scene::Model::plane_strain && !confined) return std::sqrt(bar);
   return std::sqrt(bar * (confined ? (1 - nu) / ((1 + nu) * (1 - 2 * nu)) : 1 / (1 - nu * nu)));
 }
 

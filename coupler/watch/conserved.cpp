@@ -9,6 +9,7 @@ Conserved conserved_by(const scene::Problem& problem) {
   const Eigen::Vector3d normal = scene::momentum_normal(problem);
   if (problem.scene.model == scene::Model::axisymmetric)
     conserved.directions = {{normal[1], normal[0]}};  // t = (-n_y, n_x)
+  if (problem.scene.model == scene::Model::solid) conserved.directions.push_back({.b = 1});
   const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(),
                                     [](const scene::BodyProblem& body) { return body.mesh.period_m > 0.0; });
   if (problem.scene.model != scene::Model::plane_strain || periodic) return conserved;

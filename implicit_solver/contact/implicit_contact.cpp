@@ -34,7 +34,10 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   };
   for (const auto& pair : surface_.pairs) {
     std::vector<RowEntry> entries = pair.normal.entries;
-    if (friction()) entries.insert(entries.end(), pair.tangent.entries.begin(), pair.tangent.entries.end());
+    if (friction()) {
+      entries.insert(entries.end(), pair.tangent.entries.begin(), pair.tangent.entries.end());
+      entries.insert(entries.end(), pair.binormal.entries.begin(), pair.binormal.entries.end());
+    }
     std::sort(entries.begin(), entries.end(),
               [](const RowEntry& x, const RowEntry& y) { return std::pair(x.side, x.dof) < std::pair(y.side, y.dof); });
     for (const auto& e : entries) {
@@ -51,7 +54,8 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
       return sum;
     };
     weights_.push_back({{{weight(pair.normal, Side::a), weight(pair.normal, Side::b)},
-                         {weight(pair.tangent, Side::a), weight(pair.tangent, Side::b)}}});
+                         {weight(pair.tangent, Side::a), weight(pair.tangent, Side::b)},
+                         {weight(pair.binormal, Side::a), weight(pair.binormal, Side::b)}}});
   }
   impulse_.resize(surface_.pairs.size());
   state_.impulse = impulse_;
@@ -99,19 +103,16 @@ void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Ei
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
-  const auto n = static_cast<int>(surface_.pairs.size());
-  Eigen::MatrixXd gather =
-      Eigen::MatrixXd::Zero(friction() ? 2 * n : n, static_cast<Eigen::Index>(root_dofs_.size()));  // G
-  for (int i = 0; i < n; ++i) {
-    const auto& pair = surface_.pairs[static_cast<std::size_t>(i)];
-    const auto take = [&](int row, const ContactRow& of) {
-      for (const auto& e : of.entries) {
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
+  Eigen::MatrixXd gather = Eigen::MatrixXd::Zero(directions() * n, static_cast<Eigen::Index>(root_dofs_.size()));  // G
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index d = 0; d < directions(); ++d) {
+      const auto& row = row_of(surface_.pairs[static_cast<std::size_t>(i)], static_cast<Direction>(d));
+      for (const auto& e : row.entries) {
         const int column = root_of_dof_[static_cast<std::size_t>(combined(e))];
-        if (column >= 0) gather(row, column) = e.coefficient;
+        if (column >= 0) gather(d * n + i, column) = e.coefficient;
       }
-    };
-    take(i, pair.normal);
-    if (friction()) take(n + i, pair.tangent);
+    }
   }
   const Eigen::MatrixXd dense = (kappa() * 0.25 * dt * dt) * (gather * root_inverse * gather.transpose());
   start(dense, dt);
@@ -120,9 +121,9 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
 void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
   const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   const double scale = kappa() * 0.25 * dt * dt;
-  Eigen::VectorXd bound(friction() ? 2 * n : n);
-  bound.head(n) = scale * sums_of_couplings(states, along_normal);
-  if (friction()) bound.tail(n) = scale * sums_of_couplings(states, along_tangent);
+  Eigen::VectorXd bound(directions() * n);
+  for (Eigen::Index d = 0; d < directions(); ++d)
+    bound.segment(d * n, n) = scale * sums_of_couplings(states, static_cast<Direction>(d));
   const auto product = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
                            const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
     root_forces_of(x, forces);
@@ -157,14 +158,15 @@ void ImplicitContact::start(solver::Compliance compliance, double dt) {
   root_.emplace(*law_, std::move(compliance), std::move(area), dt);
   trial_ = state_.solution = root_->open();
   gap_free_.setZero(n);
-  slip_free_.setZero(n);
-  slip_velocity_.setZero(n);
+  const Eigen::Index along = std::max<Eigen::Index>(1, surface_.components - 1);
+  slip_free_.setZero(along * n);
+  slip_velocity_.setZero(along * n);
   root_force_.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
 }
 
 /// G^T x per root dof.
 void ImplicitContact::root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const {
-  const auto n = surface_.pairs.size();
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   forces.setZero(static_cast<Eigen::Index>(root_dofs_.size()));
   const auto push = [&](const ContactRow& row, double force) {
     for (const auto& e : row.entries) {
@@ -172,15 +174,15 @@ void ImplicitContact::root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& 
       if (root >= 0) forces[root] += e.coefficient * force;
     }
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    push(surface_.pairs[i].normal, x[static_cast<Eigen::Index>(i)]);
-    if (friction()) push(surface_.pairs[i].tangent, x[static_cast<Eigen::Index>(n + i)]);
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    for (Eigen::Index d = 0; d < directions(); ++d)
+      push(row_of(surface_.pairs[i], static_cast<Direction>(d)), x[d * n + static_cast<Eigen::Index>(i)]);
   }
 }
 
 /// G times the motion of the root dofs.
 void ImplicitContact::motion_of_pairs(const Eigen::VectorXd& motion, Eigen::VectorXd& y) const {
-  const auto n = surface_.pairs.size();
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   const auto times = [&](const ContactRow& row) {
     double sum = 0.0;
     for (const auto& e : row.entries) {
@@ -189,9 +191,9 @@ void ImplicitContact::motion_of_pairs(const Eigen::VectorXd& motion, Eigen::Vect
     }
     return sum;
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    y[static_cast<Eigen::Index>(i)] = times(surface_.pairs[i].normal);
-    if (friction()) y[static_cast<Eigen::Index>(n + i)] = times(surface_.pairs[i].tangent);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index d = 0; d < directions(); ++d)
+      y[d * n + i] = times(row_of(surface_.pairs[static_cast<std::size_t>(i)], static_cast<Direction>(d)));
   }
 }
 
@@ -204,6 +206,7 @@ void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eig
     };
     gap_free_[static_cast<Eigen::Index>(i)] = moved(pair.normal);
     slip_free_[static_cast<Eigen::Index>(i)] = moved(pair.tangent);
+    if (surface_.components == 3) slip_free_[gap_free_.size() + static_cast<Eigen::Index>(i)] = moved(pair.binormal);
   }
 }
 
@@ -237,6 +240,9 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     if (!friction()) continue;
     slip_free_[k] = pair.tangent.times(of_part(increment));
     slip_velocity_[k] = pair.tangent.times(velocity_of(states));
+    if (surface_.components < 3) continue;
+    slip_free_[gap_free_.size() + k] = pair.binormal.times(of_part(increment));
+    slip_velocity_[gap_free_.size() + k] = pair.binormal.times(velocity_of(states));
   }
   trial_ = root_->solve(gap_free_, slip_free_, slip_velocity_, state_.solution);
   solver::require_solved(trial_);
@@ -249,7 +255,7 @@ ImplicitContact::Mean ImplicitContact::mean_shares(const Pair& pair, const std::
   const double wa = row.inverse_mass_of(Side::a, states), wb = row.inverse_mass_of(Side::b, states);
   if (wa + wb == 0.0) return {0.0, 0.0};
   if (!by_impedance() || wa == 0.0 || wb == 0.0) return {wa / (wa + wb), wb / (wa + wb)};
-  // Eq. 25-27: weights rho C, longitudinal along n, shear along t
+  // Eq. 25-27: weights rho C, longitudinal along n, shear along the surface
   const auto impedance = [&](int part) {
     const auto& body = problem_->bodies[static_cast<std::size_t>(states[static_cast<std::size_t>(part)].body)];
     const double speed = direction == along_normal ? fem::longitudinal_wave_speed(problem_->scene.model, body.material)
@@ -327,8 +333,7 @@ void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::Ve
   if (!resets()) return;
   const auto sweep = [&](Eigen::VectorXd& values) {
     for (const auto& pair : surface_.pairs) {
-      set_mean(pair, states, along_normal, values);
-      if (friction()) set_mean(pair, states, along_tangent, values);
+      for (Eigen::Index d = 0; d < directions(); ++d) set_mean(pair, states, static_cast<Direction>(d), values);
     }
   };
   for (auto* values : {&velocity, &acceleration}) {
@@ -359,35 +364,70 @@ void ImplicitContact::reset_normal(std::size_t i, const std::vector<BodyState>& 
   remembered = 0.0;
 }
 
-/// Friction by impulses: what holds the pair, clipped to the cone of the normal impulse; likewise the remembered force.
+Eigen::Vector2d ImplicitContact::along_surface(std::size_t i, const Eigen::VectorXd& values) const {
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size()), k = static_cast<Eigen::Index>(i);
+  return {directions() > 1 ? values[n + k] : 0.0, directions() > 2 ? values[2 * n + k] : 0.0};
+}
+
+/// The impulse along the surface of a closed pair of which `impulse` is what it got so far and `rate` its relative
+/// velocity then: what holds it, clipped to the cone of the normal impulse.
+ImplicitContact::Friction ImplicitContact::friction_impulse(const Eigen::Matrix2d& inverse,
+                                                            const solver::PairForce& impulse,
+                                                            const Eigen::Vector2d& rate) const {
+  Friction friction;
+  friction.limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
+  Eigen::Vector2d free_rate;
+  for (int k = 0; k < 2; ++k)
+    free_rate[k] = rate[k] - inverse(k, k) * impulse.tangential[k] - inverse(k, 1 - k) * impulse.tangential[1 - k];
+  const Eigen::Vector2d holding = solver::holding_of_pair(inverse, free_rate);
+  friction.given = solver::friction_of_pair(*law_, friction.limit, free_rate, holding, inverse);
+  friction.sticks = friction.given == holding;
+  return friction;
+}
+
+/// The force that the acceleration then remembers, likewise: `force` is in it, and leaves the relative acceleration
+/// `rate`.
+Eigen::Vector2d ImplicitContact::remembered_friction(const Friction& friction, const Eigen::Matrix2d& inverse,
+                                                     double normal_n, const Eigen::Vector2d& force,
+                                                     const Eigen::Vector2d& rate) const {
+  const double limit = law_->friction_coefficient * std::max(0.0, normal_n);
+  if (friction.sticks) return solver::clip_to_cone(force + solver::holding_of_pair(inverse, rate), limit);
+  if (!(friction.limit > 0.0)) return Eigen::Vector2d::Zero();
+  return limit * friction.given / friction.limit;
+}
+
+/// Friction by impulses, and the remembered force. With impedances the two sides' own means, not an impulse.
 void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                     Eigen::VectorXd& acceleration) {
   const auto& pair = surface_.pairs[i];
-  const double inverse = pair.tangent.inverse_mass(states);
-  if (inverse == 0.0) return;
+  const Eigen::Matrix2d inverse = pair.inverse_mass_along(states);
+  if (inverse.isZero(0.0)) return;
   auto& impulse = impulse_[i];
-  const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
-  const double free_rate = pair.tangent.times(of_part(velocity)) - inverse * impulse.tangential;
-  const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
-  const bool sticks = given == holding;
-  if (sticks && by_impedance()) {
-    const double before = mass_times(i, states, along_tangent, velocity);
-    set_mean(pair, states, along_tangent, velocity);
-    impulse.tangential += mass_times(i, states, along_tangent, velocity) - before;
+  const Friction friction = friction_impulse(inverse, impulse, pair.slip(of_part(velocity)));
+  const auto set_means = [&](Eigen::VectorXd& values) {
+    for (Eigen::Index d = 1; d < directions(); ++d) set_mean(pair, states, static_cast<Direction>(d), values);
+  };
+  if (friction.sticks && by_impedance()) {
+    const auto momentum = [&] {
+      Eigen::Vector2d sum(0.0, 0.0);
+      for (Eigen::Index d = 1; d < directions(); ++d)
+        sum[d - 1] = mass_times(i, states, static_cast<Direction>(d), velocity);
+      return sum;
+    };
+    const Eigen::Vector2d before = momentum();
+    set_means(velocity);
+    impulse.tangential += momentum() - before;
   } else {
-    push(pair, states, along_tangent, given - impulse.tangential, velocity);
-    impulse.tangential = given;
+    pair.push_along(friction.given - impulse.tangential, states, of_part(velocity));
+    impulse.tangential = friction.given;
   }
-  impulse.state = sticks ? ContactState::stick : ContactState::slip;
-  const double force = trial_.force[static_cast<Eigen::Index>(surface_.pairs.size() + i)];
-  const double force_limit = mu * std::max(0.0, remembered_normal_n_[i]);
-  const double holding_force = force - pair.tangent.times(of_part(acceleration)) / inverse;
-  const double slipping_force = limit > 0.0 ? force_limit * given / limit : 0.0;
-  const double remembered = sticks ? std::clamp(holding_force, -force_limit, force_limit) : slipping_force;
-  if (sticks && by_impedance() && remembered == holding_force) {
-    set_mean(pair, states, along_tangent, acceleration);
+  impulse.state = friction.sticks ? ContactState::stick : ContactState::slip;
+  const Eigen::Vector2d force = along_surface(i, trial_.force), rate = pair.slip(of_part(acceleration));
+  const Eigen::Vector2d remembered = remembered_friction(friction, inverse, remembered_normal_n_[i], force, rate);
+  if (friction.sticks && by_impedance() && remembered == force + solver::holding_of_pair(inverse, rate)) {
+    set_means(acceleration);
   } else {
-    push(pair, states, along_tangent, remembered - force, acceleration);
+    pair.push_along(remembered - force, states, of_part(acceleration));
   }
 }
 
@@ -395,9 +435,9 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
 void ImplicitContact::clip_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity) {
   auto& impulse = impulse_[i];
   const double limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
-  const double given = std::clamp(impulse.tangential, -limit, limit);
+  const Eigen::Vector2d given = solver::clip_to_cone(impulse.tangential, limit);
   if (given == impulse.tangential) return;
-  push(surface_.pairs[i], states, along_tangent, given - impulse.tangential, velocity);
+  surface_.pairs[i].push_along(given - impulse.tangential, states, of_part(velocity));
   impulse.tangential = given;
 }
 
@@ -409,9 +449,9 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
     return;
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket),
-                   .tangential = friction() ? 0.5 * dt_ * on_b(i, along_tangent, bracket) : 0.0,
-                   .state = trial_.states[i]};
+    impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket), .state = trial_.states[i]};
+    for (Eigen::Index d = 1; d < directions(); ++d)
+      impulse_[i].tangential[d - 1] = 0.5 * dt_ * on_b(i, static_cast<Direction>(d), bracket);
     remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
     const bool touched = trial_.states[i] != ContactState::open || state_.solution.states[i] != ContactState::open;
     if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
@@ -473,6 +513,7 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
       };
       state_.work_normal_j += work(along_normal);
       state_.dissipated_friction_j -= work(along_tangent);
+      if (surface_.components == 3) state_.dissipated_friction_j -= work(along_binormal);
     }
     state_.impulse_normal_n_s += impulse_[i].normal;
     state_.impulse_tangential_n_s += impulse_[i].tangential;
@@ -519,7 +560,8 @@ ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
   }
   ContactRecord report = surface_.report(states, reported_);
   report.contact_impulse_n_s = state_.impulse_normal_n_s;
-  report.friction_impulse_n_s = state_.impulse_tangential_n_s;
+  report.friction_impulse_n_s = state_.impulse_tangential_n_s[0];
+  report.friction_impulse_b_n_s = state_.impulse_tangential_n_s[1];
   report.contact_iterations = std::exchange(state_.iterations, 0);
   report.contact_residual = std::exchange(state_.largest_residual, 0.0);
   report.contact_unconverged = state_.unconverged;

@@ -29,8 +29,9 @@ namespace ricochet::implicit_solver {
 /// (the two brackets are the contact forces that the accelerations remember and that act at n + 1). Pairs that share
 /// nodes are gone through again and again (shared_rows.cpp), and their forces are kept as numbers, since
 /// nodal forces no longer tell whose they are.
-/// Coulomb's law is held by impulses: the jump along the tangent, of slipping pairs, too, is the one that leaves |p_t|
-/// <= mu p_n and, inside that, no relative velocity. Likewise for the forces that the accelerations remember.
+/// Coulomb's law is held by impulses: the jump along the tangent (of solids a vector along tangent and binormal), of
+/// slipping pairs, too, is the one that leaves |p_t| <= mu p_n and, inside that, no relative velocity. Likewise for the
+/// forces that the accelerations remember.
 class ImplicitContact {
  public:
   /// `problem`, for its law and materials, must outlive it.
@@ -93,7 +94,8 @@ class ImplicitContact {
     std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
     std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N], of pairs that share nodes
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    double impulse_normal_n_s = 0.0, impulse_tangential_n_s = 0.0;
+    double impulse_normal_n_s = 0.0;
+    Eigen::Vector2d impulse_tangential_n_s{0.0, 0.0};
     int iterations = 0, unconverged = 0;  ///< since the last report; so far
     double largest_residual = 0.0;        ///< since the last report
     std::optional<solver::MasslessNodes::State> massless;
@@ -106,14 +108,18 @@ class ImplicitContact {
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
-  enum Direction : std::size_t { along_normal, along_tangent };
+  enum Direction : std::size_t { along_normal, along_tangent, along_binormal };
   struct Mean {
     double share_a, share_b;  ///< A moves by share_a * (x_B - x_A), B by -share_b * (x_B - x_A)
   };
   [[nodiscard]] static const solver::ContactRow& row_of(const solver::Pair& pair, Direction direction) {
-    return direction == along_normal ? pair.normal : pair.tangent;
+    return direction == along_normal ? pair.normal : direction == along_tangent ? pair.tangent : pair.binormal;
   }
   [[nodiscard]] bool friction() const { return law_->friction_coefficient > 0.0; }
+  /// Directions in which a pair has a force: along the normal and, with friction, along tangent and binormal.
+  [[nodiscard]] Eigen::Index directions() const { return !friction() ? 1 : surface_.components; }
+  /// Of a number per pair and direction, all normals first, those along tangent and binormal.
+  [[nodiscard]] Eigen::Vector2d along_surface(std::size_t pair, const Eigen::VectorXd& values) const;
   /// Combined number of an entry's degree of freedom, and a part's stretch of a combined vector.
   [[nodiscard]] int combined(const solver::RowEntry& e) const {
     return offsets_[static_cast<std::size_t>(e.part)] + e.dof;
@@ -140,6 +146,17 @@ class ImplicitContact {
   [[nodiscard]] bool by_impedance() const;
   void reset_normal(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                     Eigen::VectorXd& acceleration);
+  /// What friction gives a closed pair.
+  struct Friction {
+    double limit = 0.0;  ///< mu times the normal impulse [N s]
+    Eigen::Vector2d given{0.0, 0.0};
+    bool sticks = false;
+  };
+  [[nodiscard]] Friction friction_impulse(const Eigen::Matrix2d& inverse, const solver::PairForce& impulse,
+                                          const Eigen::Vector2d& rate) const;
+  [[nodiscard]] Eigen::Vector2d remembered_friction(const Friction& friction, const Eigen::Matrix2d& inverse,
+                                                    double normal_n, const Eigen::Vector2d& force,
+                                                    const Eigen::Vector2d& rate) const;
   void reset_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                      Eigen::VectorXd& acceleration);
   void clip_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
@@ -183,11 +200,11 @@ class ImplicitContact {
   /// [N].
   std::vector<solver::PairForce> impulse_;
   std::vector<double> remembered_normal_n_;
-  /// The same of pairs that share nodes, both directions; what their velocity jumps took [N s].
+  /// The same of pairs that share nodes, all directions; what their velocity jumps took [N s].
   std::vector<solver::PairForce> remembered_, jump_impulse_;
-  /// Per pair, along the normal and the tangent, for A and B: sum of the squared coefficients of the degrees of freedom
-  /// that no support holds; 1 for a node that is free.
-  std::vector<std::array<std::array<double, 2>, 2>> weights_;
+  /// Per pair, along normal, tangent and binormal, for A and B: sum of the squared coefficients of the degrees of
+  /// freedom that no support holds; 1 for a node that is free.
+  std::vector<std::array<std::array<double, 2>, 3>> weights_;
   std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
 };
 

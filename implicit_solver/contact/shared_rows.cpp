@@ -17,8 +17,8 @@ void ImplicitContact::update_shared(const std::vector<BodyState>& states, Eigen:
                                     Eigen::VectorXd& acceleration) {
   const std::size_t pairs = surface_.pairs.size();
   for (std::size_t i = 0; i < pairs; ++i) {
-    const double normal = trial_.force[static_cast<Eigen::Index>(i)],
-                 tangential = friction() ? trial_.force[static_cast<Eigen::Index>(pairs + i)] : 0.0;
+    const double normal = trial_.force[static_cast<Eigen::Index>(i)];
+    const Eigen::Vector2d tangential = along_surface(i, trial_.force);
     const auto& before = state_.remembered[i];
     impulse_[i] = {.normal = 0.5 * dt_ * (before.normal + kappa() * normal),
                    .tangential = 0.5 * dt_ * (before.tangential + kappa() * tangential),
@@ -39,10 +39,11 @@ void ImplicitContact::update_shared(const std::vector<BodyState>& states, Eigen:
       if (trial_.states[i] != ContactState::open) {
         change = std::max(change, reset_shared(i, states, velocity, acceleration));
       } else if (friction()) {
-        const double before = impulse_[i].tangential;
+        const Eigen::Vector2d before = impulse_[i].tangential;
         clip_tangent(i, states, velocity);
-        jump_impulse_[i].tangential += impulse_[i].tangential - before;
-        change = std::max(change, std::abs(impulse_[i].tangential - before));
+        const Eigen::Vector2d taken = impulse_[i].tangential - before;
+        jump_impulse_[i].tangential += taken;
+        change = std::max(change, taken.cwiseAbs().maxCoeff());
       }
       largest = std::max({largest, std::abs(impulse_[i].normal), dt_ * remembered_[i].normal});
     }
@@ -75,27 +76,22 @@ double ImplicitContact::reset_shared(std::size_t i, const std::vector<BodyState>
 double ImplicitContact::reset_shared_tangent(std::size_t i, const std::vector<BodyState>& states,
                                              Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration) {
   const auto& pair = surface_.pairs[i];
-  const double inverse = pair.tangent.inverse_mass(states);
-  if (inverse == 0.0) return 0.0;
+  const Eigen::Matrix2d inverse = pair.inverse_mass_along(states);
+  if (inverse.isZero(0.0)) return 0.0;
   auto& impulse = impulse_[i];
-  const double mu = law_->friction_coefficient, limit = mu * std::max(0.0, impulse.normal);
-  const double free_rate = pair.tangent.times(of_part(velocity)) - inverse * impulse.tangential;
-  const double holding = -free_rate / inverse, given = solver::friction_of_pair(*law_, limit, free_rate, holding);
-  const double jump = given - impulse.tangential;
-  push(pair, states, along_tangent, jump, velocity);
-  impulse.tangential = given;
+  const Friction friction = friction_impulse(inverse, impulse, pair.slip(of_part(velocity)));
+  const Eigen::Vector2d jump = friction.given - impulse.tangential;
+  pair.push_along(jump, states, of_part(velocity));
+  impulse.tangential = friction.given;
   jump_impulse_[i].tangential += jump;
-  const bool sticks = given == holding;
-  impulse.state = sticks ? ContactState::stick : ContactState::slip;
-  double& remembered = remembered_[i].tangential;
-  const double force_limit = mu * remembered_[i].normal;
-  const double holding_force = remembered - pair.tangent.times(of_part(acceleration)) / inverse;
-  const double slipping_force = limit > 0.0 ? force_limit * given / limit : 0.0;
-  const double force = sticks ? std::clamp(holding_force, -force_limit, force_limit) : slipping_force;
-  push(pair, states, along_tangent, force - remembered, acceleration);
-  const double change = std::max(std::abs(jump), dt_ * std::abs(force - remembered));
+  impulse.state = friction.sticks ? ContactState::stick : ContactState::slip;
+  Eigen::Vector2d& remembered = remembered_[i].tangential;
+  const Eigen::Vector2d force =
+      remembered_friction(friction, inverse, remembered_[i].normal, remembered, pair.slip(of_part(acceleration)));
+  const Eigen::Vector2d taken = force - remembered;
+  pair.push_along(taken, states, of_part(acceleration));
   remembered = force;
-  return change;
+  return std::max(jump.cwiseAbs().maxCoeff(), dt_ * taken.cwiseAbs().maxCoeff());
 }
 
 /// Work of the forces at n and n + 1 over the increment, and of the jumps.
@@ -107,7 +103,8 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
       return (impulse - jump) / dt_ * row.times(of_part(increment)) + jump * row.times(of_part(mean_velocity));
     };
     state_.work_normal_j += work(pair.normal, impulse_[i].normal, jump_impulse_[i].normal);
-    state_.dissipated_friction_j -= work(pair.tangent, impulse_[i].tangential, jump_impulse_[i].tangential);
+    state_.dissipated_friction_j -= work(pair.tangent, impulse_[i].tangential[0], jump_impulse_[i].tangential[0]);
+    state_.dissipated_friction_j -= work(pair.binormal, impulse_[i].tangential[1], jump_impulse_[i].tangential[1]);
     state_.impulse_normal_n_s += impulse_[i].normal;
     state_.impulse_tangential_n_s += impulse_[i].tangential;
     book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);

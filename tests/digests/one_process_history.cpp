@@ -14,7 +14,8 @@ int main(int argc, char** argv) try {
   const auto problem = ricochet::scene::build_problem(ricochet::scene::load_scene(argv[1]));
   std::vector<std::string> bodies;
   for (const auto& body : problem.bodies) bodies.push_back(body.name);
-  ricochet::coupler::HistoryFile file(argv[2], bodies, !problem.scene.contacts.empty());
+  ricochet::coupler::HistoryFile file(argv[2], bodies, !problem.scene.contacts.empty(),
+                                      problem.scene.components() == 3);
   for (const auto& row : rows) file.add(row);
   return 0;
 } catch (const std::exception& error) {

@@ -137,8 +137,8 @@ TEST(SharedRowsExplicit, HoldOrSlipByTheirCones) {
       if (forces[i].state == solver::ContactState::stick) {
         EXPECT_NEAR(rate, 0.0, 1e-11);
       } else {
-        EXPECT_NEAR(std::abs(forces[i].tangential), mu * forces[i].normal, 1e-12 * forces[i].normal);
-        EXPECT_LT(forces[i].tangential * rate, 0.0) << "against the slip";
+        EXPECT_NEAR(std::abs(forces[i].tangential[0]), mu * forces[i].normal, 1e-12 * forces[i].normal);
+        EXPECT_LT(forces[i].tangential[0] * rate, 0.0) << "against the slip";
       }
       EXPECT_EQ(forces[i].state, mu > 0.5 ? solver::ContactState::stick : solver::ContactState::slip);
     }

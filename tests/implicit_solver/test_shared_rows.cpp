@@ -74,10 +74,10 @@ TEST(SharedRows, HoldOrSlipByTheirCones) {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& impulse = state.impulse[i];
       const double rate = trial.along(trial.plates.surface.pairs[i].tangent, trial.velocity);
-      EXPECT_LE(std::abs(impulse.tangential), mu * impulse.normal * (1.0 + 1e-12));
+      EXPECT_LE(std::abs(impulse.tangential[0]), mu * impulse.normal * (1.0 + 1e-12));
       if (impulse.state == solver::ContactState::slip) {
-        EXPECT_NEAR(std::abs(impulse.tangential), mu * impulse.normal, 1e-12 * impulse.normal);
-        EXPECT_LE(impulse.tangential * rate, 0.0) << "against the slip";
+        EXPECT_NEAR(std::abs(impulse.tangential[0]), mu * impulse.normal, 1e-12 * impulse.normal);
+        EXPECT_LE(impulse.tangential[0] * rate, 0.0) << "against the slip";
       } else {
         EXPECT_NEAR(rate, 0.0, 1e-11);
       }

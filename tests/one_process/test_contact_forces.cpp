@@ -1,7 +1,9 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"
@@ -159,6 +161,88 @@ TEST_P(ContactForce, OfASlippingPlateIsOnTheConeInEveryWindow) {
     }
     EXPECT_GT(windows, 10);
     EXPECT_LT(worst, 1e-12) << friction;
+  }
+}
+
+/// The plates of `text` as solids as wide as they are high, sliding at an angle to the tangent.
+std::string as_solids(std::string text, double angle) {
+  text = test::replaced(text, "plane_strain", "solid");
+  const std::string mesh = "height_m = 0.075, elements = [3, ", velocity = "initial_velocity_m_s = [";
+  for (std::size_t at = 0; (at = text.find(mesh, at)) != std::string::npos;)
+    text.replace(at, mesh.size(), "height_m = 0.075, width_m = 0.075, elements = [3, 3, ");
+  for (std::size_t at = 0; (at = text.find(velocity, at)) != std::string::npos;) {
+    at += velocity.size();
+    std::size_t end = 0;
+    const double v_t = std::stod(text.substr(at), &end);
+    text.replace(at, end, fmt::format("{:.17g}, {:.17g}", v_t * std::cos(angle), v_t * std::sin(angle)));
+  }
+  return text;
+}
+
+/// Periodic plates move along one line, whichever it is: solids have the forces per area of plane strain, on that line.
+TEST_P(ContactForce, OfSolidsIsThatOfPlatesAlongAnyTangent) {
+  if (!applies(law(), protocol())) GTEST_SKIP() << "not a law of central difference";
+  constexpr double angle = 0.5, width_m = 0.075;
+  for (const char* friction : {"", "friction_law = \"regularised\"\n"}) {
+    // After ten windows exactly it would be round-off that says which pairs have met.
+    const auto meeting = test::replaced(two_plates(law(), protocol(), 1.0), "gap_m = 2e-3", "gap_m = 2.1e-3");
+    for (const auto& text : {on_a_plane(law(), protocol()), meeting}) {
+      const auto scene =
+          test::replaced(text, "friction_coefficient = 0.3\n", "friction_coefficient = 0.3\n" + std::string(friction));
+      const auto plates = rows(scene), solids = rows(as_solids(scene, angle));
+      ASSERT_EQ(plates.size(), solids.size());
+      double largest = 0.0, worst = 0.0;
+      for (const auto& row : plates) largest = std::max(largest, row.contact.contact_force_n * width_m);
+      // Out of the first body n is +z, t = x and n x t = y.
+      for (std::size_t i = 0; i < plates.size(); ++i) {
+        const auto &flat = plates[i].contact, &solid = solids[i].contact;
+        const double along = -flat.friction_force_n * width_m;  // t = -x in the plane
+        worst = std::max({worst, std::abs(solid.contact_force_n - flat.contact_force_n * width_m),
+                          std::abs(solid.friction_force_n - along * std::cos(angle)),
+                          std::abs(solid.friction_force_b_n - along * std::sin(angle))});
+        if (flat.contact_iterations >= 30.0) continue;  // it cycled, on the edge of the cone: either word is right
+        EXPECT_EQ(solid.pairs_stick, 3.0 * flat.pairs_stick) << "row " << i;
+      }
+      EXPECT_LT(worst, 1e-9 * largest) << friction;
+      EXPECT_NEAR(solids.back().contact.energy_friction_j, plates.back().contact.energy_friction_j * width_m,
+                  1e-9 * std::abs(plates.back().contact.energy_friction_j));
+    }
+  }
+}
+
+/// Blocks with free sides, whose pairs slip in directions of their own.
+TEST_P(ContactForce, OfSolidBlocksIsTheMomentumOfEachAlongAllThreeDirections) {
+  if (!applies(law(), protocol())) GTEST_SKIP() << "not a law of central difference";
+  auto text = as_solids(two_plates(law(), protocol(), 6.0), 0.5);
+  for (int body = 0; body < 2; ++body) text = test::replaced(text, ", periodic_across = true", "");
+  const auto history = rows(text);
+  double normal = 0.0, along_t = 0.0, along_b = 0.0;
+  for (std::size_t i = 1; i < history.size(); ++i) {
+    const auto& contact = history[i].contact;
+    const double dt = history[i].time_s - history[i - 1].time_s;
+    normal += dt * contact.contact_force_n;
+    along_t += dt * contact.friction_force_n;
+    along_b += dt * contact.friction_force_b_n;
+    if (law().takes_a_mean_by_impedance) continue;
+    EXPECT_LE(std::hypot(contact.friction_force_n, contact.friction_force_b_n),
+              0.3 * contact.contact_force_n * (1.0 + 1e-12) + 1e-6)
+        << i;
+  }
+  const auto& sums = history.back().contact;
+  EXPECT_NEAR(along_t, sums.friction_impulse_n_s, 1e-12 * normal);
+  EXPECT_NEAR(along_b, sums.friction_impulse_b_n_s, 1e-12 * normal);
+  ASSERT_GT(std::abs(along_b), 0.01 * normal);
+  const double allowed = protocol().momentum_error * normal * 2.0;
+  const std::tuple<double BodyTotals::*, double> directions[] = {{&BodyTotals::momentum_n_kg_m_s, normal},
+                                                                 {&BodyTotals::momentum_t_kg_m_s, along_t},
+                                                                 {&BodyTotals::momentum_b_kg_m_s, along_b}};
+  for (const auto& [momentum, impulse] : directions) {
+    const double on_a = history.back().bodies[0].*momentum - history.front().bodies[0].*momentum,
+                 on_b = history.back().bodies[1].*momentum - history.front().bodies[1].*momentum;
+    EXPECT_NEAR(0.5 * (on_b - on_a), impulse, allowed);
+    if (law().takes_a_mean_by_impedance) continue;  // Eq. 25 gives the two bodies different impulses
+    EXPECT_NEAR(on_b, impulse, allowed);
+    EXPECT_NEAR(on_a, -impulse, allowed);
   }
 }
 

@@ -19,7 +19,7 @@ std::string history_in_one_process(const std::string& scene, const std::string& 
   std::vector<std::string> bodies;
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   {
-    coupler::HistoryFile file(path, bodies, true);
+    coupler::HistoryFile file(path, bodies, true, false);
     run.run([&](std::int64_t) {
       for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
       while (const auto row = history.next(run.problem().window_size_s)) file.add(*row);

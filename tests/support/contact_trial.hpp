@@ -10,13 +10,14 @@ namespace ricochet::test {
 
 /// One window of plates that meet, their contact, and the trial's increments and rates. The operator is M alone, as for
 /// a very short window, so that everything can be worked out from the rows.
-struct Trial {
+template <class Meeting>
+struct TrialOf {
   static constexpr double dt = 1e-6;
-  ContactPlates plates;
+  Meeting plates;
   std::optional<implicit_solver::ImplicitContact> contact;
   Eigen::VectorXd mass, increment, velocity, acceleration, bracket;
 
-  explicit Trial(ContactPlates meeting) : plates(std::move(meeting)) {
+  explicit TrialOf(Meeting meeting) : plates(std::move(meeting)) {
     contact.emplace(plates.problem, plates.surface, plates.states);
     const auto& states = plates.states;
     mass.resize(states[0].mass.size() + states[1].mass.size());
@@ -52,11 +53,13 @@ struct Trial {
     return row.times([&](int part) { return values.data() + part * second; });
   }
   [[nodiscard]] double gap() const { return along(plates.surface.pairs[0].normal, increment); }
-  [[nodiscard]] Eigen::Vector2d momentum() const {
-    Eigen::Vector2d sum(0.0, 0.0);
-    for (Eigen::Index dof = 0; dof < mass.size(); ++dof) sum[dof % 2] += mass[dof] * velocity[dof];
+  [[nodiscard]] Eigen::VectorXd momentum() const {
+    const int components = plates.surface.components;
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(components);
+    for (Eigen::Index dof = 0; dof < mass.size(); ++dof) sum[dof % components] += mass[dof] * velocity[dof];
     return sum;
   }
 };
+using Trial = TrialOf<ContactPlates>;
 
 }  // namespace ricochet::test

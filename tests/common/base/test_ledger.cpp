@@ -22,6 +22,8 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
   record.energy_friction_j = 10;
   record.contact_impulse_n_s = 11;
   record.friction_impulse_n_s = 12;
+  record.friction_force_b_n = 16;
+  record.friction_impulse_b_n_s = 17;
   record.contact_iterations = 13;
   record.contact_residual = 14;
   record.contact_unconverged = 15;
@@ -37,6 +39,8 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
                                                   {"energy_friction_j", 10},
                                                   {"contact_impulse_n_s", 11},
                                                   {"friction_impulse_n_s", 12},
+                                                  {"friction_force_b_n", 16},
+                                                  {"friction_impulse_b_n_s", 17},
                                                   {"contact_iterations", 13},
                                                   {"contact_residual", 14},
                                                   {"contact_unconverged", 15}};

@@ -36,11 +36,11 @@ TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
   test::ContactPlates plates("all_implicit");
   plates.use_one_row();
   Pair pair = plates.surface.pairs[0];
-  book_impulse(pair, 2.0, 1.0, plates.states);
+  book_impulse(pair, 2.0, {1.0, 0.0}, plates.states);
   EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, 0.0) << "two bodies keep their momentum";
   for (auto* row : {&pair.normal, &pair.tangent})
     std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
-  book_impulse(pair, 2.0, 1.0, plates.states);
+  book_impulse(pair, 2.0, {1.0, 0.0}, plates.states);
   EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, -2.0);
   EXPECT_EQ(plates.states[0].totals.impulse_t_kg_m_s, -1.0);
   // at (0.1, 0): force (1, -2) on A, x F_y - y F_x = -0.2

@@ -35,11 +35,13 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   auto& plate = plates.states[0];
   for (int node = 0; node < plate.part.nodes(); ++node)
     plate.u[2 * node + 1] = -1e-3 * (plate.part.mesh.position[static_cast<std::size_t>(node)][1] + 0.2);
-  const std::vector<PairForce> forces = {
-      {3.0, 1.0, ContactState::stick}, {0.0, 0.0, ContactState::open}, {5.0, -2.5, ContactState::slip}};
+  const std::vector<PairForce> forces = {{3.0, {1.0, 4.0}, ContactState::stick},
+                                         {0.0, {0.0, 0.0}, ContactState::open},
+                                         {5.0, {-2.5, 0.5}, ContactState::slip}};
   ContactRecord report = plates.surface.report(plates.states, forces);
   EXPECT_EQ(report.contact_force_n, 8.0);
   EXPECT_EQ(report.friction_force_n, -1.5);
+  EXPECT_EQ(report.friction_force_b_n, 4.5);
   EXPECT_EQ(report.pairs_stick, 1);
   EXPECT_EQ(report.pairs_slip, 1);
   EXPECT_EQ(report.pairs_open, 1);
