@@ -30,8 +30,14 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 
 }  // namespace
 
-ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt)
-    : law_(&law), dt_(dt), surface_(std::move(surface)), shared_(solver::share_nodes(surface_.pairs)) {
+ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
+                                 std::optional<solver::SlidingRows> sliding)
+    : law_(&law),
+      dt_(dt),
+      surface_(std::move(surface)),
+      shared_(solver::share_nodes(surface_.pairs)),
+      sliding_(std::move(sliding)) {
+  if (sliding_ && !sliding_->any()) sliding_.reset();
   state_.forces.resize(surface_.pairs.size());
   state_.mean_forces.resize(surface_.pairs.size());
 }
@@ -100,20 +106,18 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
   pair.push_along(force.tangential, states, push_accelerations(states));
 }
 
-void ExplicitContact::account(std::size_t i, std::vector<BodyState>& states,
-                              const std::vector<const Eigen::VectorXd*>& u_before) {
-  const auto& pair = surface_.pairs[i];
-  const Force& mean = state_.mean_forces[i];
+double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector<BodyState>& states,
+                                const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto moved = [&](const ContactRow& row) {
     return row.times(displacement_of(states)) - row.times(before_of(u_before));
   };
   const double made = mean.normal * moved(pair.normal);
-  if (massless_) made_j_[i] = made;
   state_.work_normal_j += made;
   double taken = mean.tangential[0] * moved(pair.tangent);
   if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
   state_.dissipated_friction_j -= taken;
   book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
+  return made;
 }
 
 void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
@@ -223,8 +227,27 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
   });
 }
 
+/// Where the rows are written anew, the forces of n - 1 are accounted along those they acted along: half of the window
+/// that ended at n. Returns whether they were.
+bool ExplicitContact::follow(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
+  if (!sliding_ || frozen_) return false;
+  const std::vector<Pair> old = surface_.pairs;
+  if (!sliding_->follow(states, 0.0, surface_.pairs)) return false;
+  shared_ = true;
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const Force& force = old_forces_[i];
+    account(old[i], {.normal = 0.5 * force.normal, .tangential = 0.5 * force.tangential}, states, u_before);
+  }
+  const std::vector<int> same = solver::same_pairs(old, surface_.pairs);
+  old_forces_ = solver::carried(same, old_forces_);
+  state_.forces = solver::carried(same, state_.forces);
+  state_.mean_forces = solver::carried(same, state_.mean_forces);
+  return true;
+}
+
 void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   old_forces_ = state_.forces;
+  const bool followed = follow(states, u_before);
   const auto rate = [&](const ContactRow& row) {
     const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
     return half_velocity + dt_ * row.times(acceleration_of(states));
@@ -235,7 +258,10 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     state_.mean_forces[i] = {.normal = 0.5 * (old.normal + now.normal),
                              .tangential = 0.5 * (old.tangential + now.tangential),
                              .state = now.state};
-    account(i, states, u_before);
+    Force accounted = state_.mean_forces[i];
+    if (followed) accounted = {.normal = 0.5 * now.normal, .tangential = 0.5 * now.tangential};
+    const double made = account(surface_.pairs[i], accounted, states, u_before);
+    if (massless_) made_j_[i] = made;
   }
 }
 
@@ -247,11 +273,13 @@ int ExplicitContact::pairs_closed() const {
 ExplicitContact::State ExplicitContact::state() const {
   State state = state_;
   if (massless_) state.massless = massless_->state();
+  if (sliding_) state.sliding = sliding_->state();
   return state;
 }
 
 void ExplicitContact::restore(const State& state) {
   state_ = state;
+  if (sliding_) sliding_->restore(state.sliding, surface_.pairs);
   if (massless_) massless_->restore(*state.massless);
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
+#include "common/solver/sliding_rows.hpp"
 
 /// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
 ///
@@ -21,7 +22,8 @@ namespace ricochet::explicit_solver {
 class ExplicitContact {
  public:
   /// `law` must outlive it.
-  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt);
+  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
+                  std::optional<solver::SlidingRows> sliding = std::nullopt);
 
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
   /// one that closes the gap, and the gap at n is.
@@ -59,6 +61,7 @@ class ExplicitContact {
     double largest_residual = 0.0;  ///< largest last change of a force over the largest force, since the last report
     int unconverged = 0;            ///< so far
     std::optional<solver::MasslessNodes::State> massless;
+    solver::SlidingRows::State sliding;
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
@@ -74,8 +77,10 @@ class ExplicitContact {
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   template <class Rate, class Push>
   void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time, Push push_pair);
-  void account(std::size_t pair, std::vector<solver::BodyState>& states,
-               const std::vector<const Eigen::VectorXd*>& u_before);
+  /// The work and impulse of a pair's force over a window; returns the work along the normal [J].
+  double account(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states,
+                 const std::vector<const Eigen::VectorXd*>& u_before);
+  bool follow(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
   void book_impulse(const solver::Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                     std::vector<solver::BodyState>& states);
@@ -87,6 +92,7 @@ class ExplicitContact {
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
   bool shared_;  ///< pairs share nodes
+  std::optional<solver::SlidingRows> sliding_;
   State state_;
   std::optional<solver::MasslessNodes> massless_;
   std::vector<Force> old_forces_;

@@ -39,7 +39,7 @@ std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
   if (!has_contact()) return std::nullopt;
   return ExplicitContact(problem_.scene.contact_law(),
                          solver::ContactSurface(problem_, scene::participant_parts(problem_, *spec_)),
-                         setup_.window_size_s);
+                         setup_.window_size_s, solver::SlidingRows(problem_, states_));
 }
 
 ExplicitContact* ExplicitSolver::contact() {

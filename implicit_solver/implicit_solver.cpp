@@ -254,7 +254,7 @@ void ImplicitSolver::restore(const State& state) {
   forces_ = state.forces;
   interface_work_j_ = state.interface_work_j;
   first_staggered_j_ = state.first_staggered_j;
-  if (contact_) contact_->restore(*state.contact);
+  if (contact_) contact_->restore(*state.contact, states_);
   separation_ = state.separation;
   trial_.end.external = forces_.external;
   newmark_->forget();

@@ -130,6 +130,10 @@ bool share_nodes(const std::vector<Pair>& pairs) {
 
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states) {
+  if (pair.slid_m != 0.0) {
+    auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
+    if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;
+  }
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
   state.totals.impulse_n_kg_m_s -= normal_n_s;

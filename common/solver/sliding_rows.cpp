@@ -29,11 +29,13 @@ SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodySt
   }
 }
 
-bool SlidingRows::slipped(const Sliding& sliding, const std::vector<BodyState>& states,
+bool SlidingRows::slipped(const Sliding& sliding, const std::vector<BodyState>& states, double ahead_s,
                           const std::vector<Pair>& pairs) const {
   const auto u = displacement_of(states);
+  const auto v = velocity_of(states);
   return std::any_of(pairs.begin(), pairs.end(), [&](const Pair& pair) {
-    return pair.contact == sliding.contact && pair.slip(u).norm() > start_share * sliding.edge_m;
+    const Eigen::Vector2d slip = pair.slip(u) + ahead_s * pair.slip(v);
+    return pair.contact == sliding.contact && slip.norm() > start_share * sliding.edge_m;
   });
 }
 
@@ -54,7 +56,7 @@ Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>&
 bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs) {
   bool moved = false;
   for (auto& sliding : contacts_) {
-    sliding.slide.follows = sliding.slide.follows || slipped(sliding, states, pairs);
+    sliding.slide.follows = sliding.slide.follows || slipped(sliding, states, ahead_s, pairs);
     if (!sliding.slide.follows) continue;
     const auto& geometry = problem_->contacts[sliding.contact];
     Eigen::Vector3d shift = mean_motion(geometry.body_b, states, ahead_s);

@@ -44,7 +44,7 @@ class SlidingRows {
     double edge_m;
     Slide slide;
   };
-  [[nodiscard]] bool slipped(const Sliding& sliding, const std::vector<BodyState>& states,
+  [[nodiscard]] bool slipped(const Sliding& sliding, const std::vector<BodyState>& states, double ahead_s,
                              const std::vector<Pair>& pairs) const;
   [[nodiscard]] Eigen::Vector3d mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const;
   void write(std::vector<Pair>& pairs) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "common/fem/element.hpp"
@@ -21,17 +22,17 @@ using solver::Side;
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                                  const std::vector<BodyState>& states)
-    : problem_(&problem), law_(&problem.scene.contact_law()), shared_(false), surface_(std::move(surface)) {
-  shared_ = solver::share_nodes(surface_.pairs);
+    : problem_(&problem),
+      law_(&problem.scene.contact_law()),
+      surface_(std::move(surface)),
+      shared_(solver::share_nodes(surface_.pairs)) {
+  if (solver::SlidingRows sliding(problem, states); sliding.any()) sliding_ = std::move(sliding);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
     offset += state.part.dofs();
   }
   root_of_dof_.assign(static_cast<std::size_t>(offset), -1);
-  const auto is_free = [&](const RowEntry& e) {
-    return states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)];
-  };
   for (const auto& pair : surface_.pairs) {
     std::vector<RowEntry> entries = pair.normal.entries;
     if (friction()) {
@@ -40,16 +41,43 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
     }
     std::sort(entries.begin(), entries.end(),
               [](const RowEntry& x, const RowEntry& y) { return std::pair(x.side, x.dof) < std::pair(y.side, y.dof); });
-    for (const auto& e : entries) {
-      int& root = root_of_dof_[static_cast<std::size_t>(combined(e))];
-      if (root >= 0 || !is_free(e)) continue;
-      root = static_cast<int>(root_dofs_.size());
-      root_dofs_.push_back(combined(e));
+    for (const auto& e : entries) add_root(e, states);
+  }
+  // Nodes that bodies slide to have a force in all directions that those of the start have one in.
+  std::set<int> components;
+  for (const auto& pair : surface_.pairs) {
+    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
+      for (const auto& e : row->entries)
+        if (row == &pair.normal || friction()) components.insert(e.dof % surface_.components);
     }
+  }
+  for (const auto& [part, node] : surface_.idle) {
+    for (const int c : components) add_root({part, node * surface_.components + c}, states);
+  }
+  find_weights(states);
+  impulse_.resize(surface_.pairs.size());
+  state_.impulse = impulse_;
+  state_.remembered = remembered_ = jump_impulse_ = impulse_;
+}
+
+bool ImplicitContact::is_free(const RowEntry& e, const std::vector<BodyState>& states) {
+  return states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)];
+}
+
+void ImplicitContact::add_root(const RowEntry& e, const std::vector<BodyState>& states) {
+  int& root = root_of_dof_[static_cast<std::size_t>(combined(e))];
+  if (root >= 0 || !is_free(e, states)) return;
+  root = static_cast<int>(root_dofs_.size());
+  root_dofs_.push_back(combined(e));
+}
+
+void ImplicitContact::find_weights(const std::vector<BodyState>& states) {
+  weights_.clear();
+  for (const auto& pair : surface_.pairs) {
     const auto weight = [&](const ContactRow& row, Side side) {
       double sum = 0.0;
       for (const auto& e : row.entries) {
-        if (e.side == side && is_free(e)) sum += e.coefficient * e.coefficient;
+        if (e.side == side && is_free(e, states)) sum += e.coefficient * e.coefficient;
       }
       return sum;
     };
@@ -57,10 +85,6 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
                          {weight(pair.tangent, Side::a), weight(pair.tangent, Side::b)},
                          {weight(pair.binormal, Side::a), weight(pair.binormal, Side::b)}}});
   }
-  impulse_.resize(surface_.pairs.size());
-  state_.impulse = impulse_;
-  remembered_normal_n_.resize(surface_.pairs.size());
-  state_.remembered = remembered_ = jump_impulse_ = impulse_;
 }
 
 double ImplicitContact::kappa() const {
@@ -115,23 +139,31 @@ void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
     }
   }
   const Eigen::MatrixXd dense = (kappa() * 0.25 * dt * dt) * (gather * root_inverse * gather.transpose());
+  if (sliding_) root_inverse_ = root_inverse;
   start(dense, dt);
 }
 
 void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
-  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   const double scale = kappa() * 0.25 * dt * dt;
-  Eigen::VectorXd bound(directions() * n);
-  for (Eigen::Index d = 0; d < directions(); ++d)
-    bound.segment(d * n, n) = scale * sums_of_couplings(states, static_cast<Direction>(d));
-  const auto product = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
-                           const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
+  product_ = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
+                 const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
     root_forces_of(x, forces);
     forces *= scale;
     solve(forces, motion);
     motion_of_pairs(motion, y);
   };
-  start({product, bound}, dt);
+  dt_ = dt;
+  start({product_, bound_of_couplings(states)}, dt);
+}
+
+/// No less than the compliance, on its diagonal.
+Eigen::VectorXd ImplicitContact::bound_of_couplings(const std::vector<BodyState>& states) const {
+  const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
+  const double scale = kappa() * 0.25 * dt_ * dt_;
+  Eigen::VectorXd bound(directions() * n);
+  for (Eigen::Index d = 0; d < directions(); ++d)
+    bound.segment(d * n, n) = scale * sums_of_couplings(states, static_cast<Direction>(d));
+  return bound;
 }
 
 /// Per pair the sum of the magnitudes in its row of N M^-1 N^T: a diagonal of these is no less than that matrix.
@@ -151,12 +183,16 @@ Eigen::VectorXd ImplicitContact::sums_of_couplings(const std::vector<BodyState>&
 }
 
 void ImplicitContact::start(solver::Compliance compliance, double dt) {
+  dt_ = dt;
+  set_root(std::move(compliance));
+  trial_ = state_.solution = root_->open();
+}
+
+void ImplicitContact::set_root(solver::Compliance compliance) {
   const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
   std::vector<double> area;
   for (const auto& pair : surface_.pairs) area.push_back(pair.area_m2);
-  dt_ = dt;
-  root_.emplace(*law_, std::move(compliance), std::move(area), dt);
-  trial_ = state_.solution = root_->open();
+  root_.emplace(*law_, std::move(compliance), std::move(area), dt_);
   gap_free_.setZero(n);
   const Eigen::Index along = std::max<Eigen::Index>(1, surface_.components - 1);
   slip_free_.setZero(along * n);
@@ -231,6 +267,12 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     if (held()) find_moved(states, increment);
     trial_ = held() ? root_->hold(gap_free_, slip_free_) : root_->open();
     root_forces_of(trial_.force, root_force_);
+    return;
+  }
+  follow(states);
+  if (surface_.pairs.empty()) {  // the bodies have slid off each other
+    trial_ = root_->open();
+    root_force_.setZero();
     return;
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
@@ -347,6 +389,12 @@ void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::Ve
   }
 }
 
+/// The forces of the trial that its acceleration remembers, before velocities are reset.
+solver::PairForce ImplicitContact::trial_memory(std::size_t i) const {
+  if (!remembered()) return {};
+  return {.normal = trial_.force[static_cast<Eigen::Index>(i)], .tangential = along_surface(i, trial_.force)};
+}
+
 /// No relative velocity is left, and no relative acceleration unless that took a pull.
 void ImplicitContact::reset_normal(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity,
                                    Eigen::VectorXd& acceleration) {
@@ -357,7 +405,7 @@ void ImplicitContact::reset_normal(std::size_t i, const std::vector<BodyState>& 
   const double force = trial_.force[static_cast<Eigen::Index>(i)];
   const double without = mass_times(i, states, along_normal, acceleration) - force;
   set_mean(pair, states, along_normal, acceleration);
-  double& remembered = remembered_normal_n_[i];
+  double& remembered = remembered_[i].normal;
   remembered = mass_times(i, states, along_normal, acceleration) - without;
   if (remembered >= 0.0 || by_impedance()) return;
   push(pair, states, along_normal, -remembered, acceleration);
@@ -423,7 +471,8 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
   }
   impulse.state = friction.sticks ? ContactState::stick : ContactState::slip;
   const Eigen::Vector2d force = along_surface(i, trial_.force), rate = pair.slip(of_part(acceleration));
-  const Eigen::Vector2d remembered = remembered_friction(friction, inverse, remembered_normal_n_[i], force, rate);
+  const Eigen::Vector2d remembered = remembered_friction(friction, inverse, remembered_[i].normal, force, rate);
+  remembered_[i].tangential = remembered;
   if (friction.sticks && by_impedance() && remembered == force + solver::holding_of_pair(inverse, rate)) {
     set_means(acceleration);
   } else {
@@ -452,7 +501,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
     impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket), .state = trial_.states[i]};
     for (Eigen::Index d = 1; d < directions(); ++d)
       impulse_[i].tangential[d - 1] = 0.5 * dt_ * on_b(i, static_cast<Direction>(d), bracket);
-    remembered_normal_n_[i] = trial_.force[static_cast<Eigen::Index>(i)];
+    remembered_[i] = trial_memory(i);
     const bool touched = trial_.states[i] != ContactState::open || state_.solution.states[i] != ContactState::open;
     if (!touched) impulse_[i] = {};  // but for the rounding of the bracket
   }
@@ -523,6 +572,7 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
 
 void ImplicitContact::accept() {
   state_.solution = trial_;
+  old_pairs_.clear();
   state_.impulse = impulse_;
   state_.remembered = remembered_;
   state_.iterations += trial_.iterations;
@@ -544,11 +594,17 @@ int ImplicitContact::pairs_closed() const {
 ImplicitContact::State ImplicitContact::state() const {
   State state = state_;
   if (massless_) state.massless = massless_->state();
+  if (sliding_) state.sliding = sliding_->state();
   return state;
 }
 
-void ImplicitContact::restore(const State& state) {
+void ImplicitContact::restore(const State& state, const std::vector<BodyState>& states) {
   state_ = state;
+  if (sliding_) {
+    sliding_->restore(state.sliding, surface_.pairs);
+    old_pairs_.clear();
+    take_new_pairs(states);
+  }
   if (massless_) massless_->restore(*state.massless);
 }
 

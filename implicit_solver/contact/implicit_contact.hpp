@@ -9,6 +9,7 @@
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
 #include "common/solver/root_problem.hpp"
+#include "common/solver/sliding_rows.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -92,16 +93,17 @@ class ImplicitContact {
   struct State {
     solver::RootProblem::Solution solution;     ///< forces and states of the accepted window
     std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
-    std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N], of pairs that share nodes
+    std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N]
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
     double impulse_normal_n_s = 0.0;
     Eigen::Vector2d impulse_tangential_n_s{0.0, 0.0};
     int iterations = 0, unconverged = 0;  ///< since the last report; so far
     double largest_residual = 0.0;        ///< since the last report
     std::optional<solver::MasslessNodes::State> massless;
+    solver::SlidingRows::State sliding;
   };
   [[nodiscard]] State state() const;
-  void restore(const State& state);
+  void restore(const State& state, const std::vector<solver::BodyState>& states);
 
   [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
@@ -164,7 +166,16 @@ class ImplicitContact {
                  const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
   void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                   Eigen::VectorXd& acceleration) const;
+  [[nodiscard]] static bool is_free(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
+  void add_root(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
+  void find_weights(const std::vector<solver::BodyState>& states);
   void start(solver::Compliance compliance, double dt);
+  void set_root(solver::Compliance compliance);
+  [[nodiscard]] Eigen::VectorXd bound_of_couplings(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] Eigen::MatrixXd compliance_of_rows() const;
+  void follow(const std::vector<solver::BodyState>& states);
+  void take_new_pairs(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] solver::PairForce trial_memory(std::size_t pair) const;
   [[nodiscard]] Eigen::VectorXd sums_of_couplings(const std::vector<solver::BodyState>& states,
                                                   Direction direction) const;
   void root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const;
@@ -181,8 +192,9 @@ class ImplicitContact {
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
-  bool shared_;  ///< pairs share nodes
   solver::ContactSurface surface_;
+  bool shared_;  ///< pairs share nodes
+  std::optional<solver::SlidingRows> sliding_;
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
@@ -196,12 +208,15 @@ class ImplicitContact {
   Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
   State state_;
   solver::RootProblem::Solution trial_;
-  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the normal force that the acceleration remembers
-  /// [N].
-  std::vector<solver::PairForce> impulse_;
-  std::vector<double> remembered_normal_n_;
-  /// The same of pairs that share nodes, all directions; what their velocity jumps took [N s].
-  std::vector<solver::PairForce> remembered_, jump_impulse_;
+  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the forces that the acceleration remembers [N]; of
+  /// pairs that share nodes, what their velocity jumps took [N s].
+  std::vector<solver::PairForce> impulse_, remembered_, jump_impulse_;
+  /// Where rows are written anew in this window: the pairs of the last one, and what the acceleration remembers of
+  /// them.
+  std::vector<solver::Pair> old_pairs_;
+  std::vector<solver::PairForce> old_remembered_;
+  Eigen::MatrixXd root_inverse_;                                           ///< kept where bodies slide
+  std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> product_;  ///< by the compliance, where it is not dense
   /// Per pair, along normal, tangent and binormal, for A and B: sum of the squared coefficients of the degrees of
   /// freedom that no support holds; 1 for a node that is free.
   std::vector<std::array<std::array<double, 2>, 3>> weights_;

@@ -23,7 +23,7 @@ void ImplicitContact::update_shared(const std::vector<BodyState>& states, Eigen:
     impulse_[i] = {.normal = 0.5 * dt_ * (before.normal + kappa() * normal),
                    .tangential = 0.5 * dt_ * (before.tangential + kappa() * tangential),
                    .state = trial_.states[i]};
-    remembered_[i] = remembered() ? solver::PairForce{.normal = normal, .tangential = tangential} : solver::PairForce{};
+    remembered_[i] = trial_memory(i);
     jump_impulse_[i] = {};
   }
   if (frozen_) {
@@ -94,7 +94,8 @@ double ImplicitContact::reset_shared_tangent(std::size_t i, const std::vector<Bo
   return std::max(jump.cwiseAbs().maxCoeff(), dt_ * taken.cwiseAbs().maxCoeff());
 }
 
-/// Work of the forces at n and n + 1 over the increment, and of the jumps.
+/// Work of the forces at n and n + 1 over the increment, and of the jumps. Where rows were written anew, those at n
+/// acted along the rows before.
 void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen::VectorXd& increment,
                                      const Eigen::VectorXd& mean_velocity) {
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
@@ -102,12 +103,28 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
     const auto work = [&](const solver::ContactRow& row, double impulse, double jump) {
       return (impulse - jump) / dt_ * row.times(of_part(increment)) + jump * row.times(of_part(mean_velocity));
     };
-    state_.work_normal_j += work(pair.normal, impulse_[i].normal, jump_impulse_[i].normal);
-    state_.dissipated_friction_j -= work(pair.tangent, impulse_[i].tangential[0], jump_impulse_[i].tangential[0]);
-    state_.dissipated_friction_j -= work(pair.binormal, impulse_[i].tangential[1], jump_impulse_[i].tangential[1]);
-    state_.impulse_normal_n_s += impulse_[i].normal;
-    state_.impulse_tangential_n_s += impulse_[i].tangential;
-    book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
+    solver::PairForce own = impulse_[i];
+    if (!old_pairs_.empty()) {
+      own.normal -= 0.5 * dt_ * state_.remembered[i].normal;
+      own.tangential -= 0.5 * dt_ * state_.remembered[i].tangential;
+    }
+    state_.work_normal_j += work(pair.normal, own.normal, jump_impulse_[i].normal);
+    state_.dissipated_friction_j -= work(pair.tangent, own.tangential[0], jump_impulse_[i].tangential[0]);
+    state_.dissipated_friction_j -= work(pair.binormal, own.tangential[1], jump_impulse_[i].tangential[1]);
+    state_.impulse_normal_n_s += own.normal;
+    state_.impulse_tangential_n_s += own.tangential;
+    book_impulse(pair, own.normal, own.tangential, states);
+  }
+  for (std::size_t i = 0; i < old_pairs_.size(); ++i) {
+    const auto& pair = old_pairs_[i];
+    const double normal = 0.5 * dt_ * old_remembered_[i].normal;
+    const Eigen::Vector2d along = 0.5 * dt_ * old_remembered_[i].tangential,
+                          slipped = pair.slip(of_part(increment)) / dt_;
+    state_.work_normal_j += normal / dt_ * pair.normal.times(of_part(increment));
+    state_.dissipated_friction_j -= along.dot(slipped);
+    state_.impulse_normal_n_s += normal;
+    state_.impulse_tangential_n_s += along;
+    book_impulse(pair, normal, along, states);
   }
 }
 
