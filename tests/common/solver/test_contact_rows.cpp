@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 #include "common/solver/contact_rows.hpp"
+#include "tests/support/contact_blocks.hpp"
 #include "tests/support/contact_plates.hpp"
 
 namespace ricochet::solver {
@@ -45,6 +49,50 @@ TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
   EXPECT_EQ(plates.states[0].totals.impulse_t_kg_m_s, -1.0);
   // at (0.1, 0): force (1, -2) on A, x F_y - y F_x = -0.2
   EXPECT_NEAR(plates.states[0].totals.angular_impulse_kg_m2_s, -0.2, 1e-16);
+}
+
+TEST(ContactRows, OfSolidsMeasureTheSlipAlongTangentAndBinormal) {
+  test::ContactBlocks blocks("all_implicit");
+  ASSERT_EQ(blocks.surface.pairs.size(), 9U);
+  for (int node = 0; node < blocks.states[1].part.nodes(); ++node)
+    blocks.states[1].u.segment<3>(3 * node) << 2e-3, 3e-3, 5e-3;
+  for (const auto& pair : blocks.surface.pairs) {
+    EXPECT_NEAR(pair.gap(displacement_of(blocks.states)), 5e-3, 1e-18);
+    const Eigen::Vector2d slip = pair.slip(displacement_of(blocks.states));
+    EXPECT_LT((slip - Eigen::Vector2d(2e-3, 3e-3)).norm(), 1e-18) << "t = x, n x t = y";
+    const Eigen::Matrix2d inverse = pair.inverse_mass_along(blocks.states);
+    EXPECT_EQ(inverse(0, 1), 0.0);
+    EXPECT_EQ(inverse(0, 0), inverse(1, 1)) << "free nodes move alike in all directions";
+  }
+  Pair pair = blocks.surface.pairs[4];
+  for (auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
+    std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
+  book_impulse(pair, 2.0, {1.0, 3.0}, blocks.states);
+  EXPECT_EQ(blocks.states[0].totals.impulse_n_kg_m_s, -2.0);
+  EXPECT_EQ(blocks.states[0].totals.impulse_t_kg_m_s, -1.0);
+  EXPECT_EQ(blocks.states[0].totals.impulse_b_kg_m_s, -3.0);
+}
+
+/// Of a surface askew, with supports along x on both sides: what moves a pair along t moves it along n x t, too.
+TEST(ContactRows, OfAHeldNodeCoupleTangentAndBinormal) {
+  test::ContactBlocks blocks("all_implicit");
+  auto& state = blocks.states[0];
+  const int dof = blocks.surface.pairs[0].tangent.entries.back().dof;  // along x, of the lower node
+  ASSERT_EQ(dof % 3, 0);
+  state.inverse_mass[dof] = 0.0;
+  const double m = state.inverse_mass[dof + 1];
+  const auto along = [&](const Eigen::Vector3d& direction) {
+    ContactRow row;
+    for (int c = 0; c < 3; ++c) row.entries.push_back({0, dof + c, -direction[c], Side::a});
+    return row;
+  };
+  const Eigen::Vector3d t = Eigen::Vector3d(1, 1, 1).normalized(), b = Eigen::Vector3d(1, 1, -2).normalized();
+  const Pair askew{.normal = along(t.cross(b)), .tangent = along(t), .binormal = along(b)};
+  const Eigen::Matrix2d inverse = askew.inverse_mass_along(blocks.states);
+  EXPECT_NEAR(inverse(0, 0), 2.0 / 3.0 * m, 1e-14 * m);
+  EXPECT_NEAR(inverse(1, 1), 5.0 / 6.0 * m, 1e-14 * m);
+  EXPECT_NEAR(inverse(0, 1), (1.0 - 2.0) / std::sqrt(18.0) * m, 1e-14 * m);
+  EXPECT_EQ(inverse(1, 0), inverse(0, 1));
 }
 
 }  // namespace
