@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
+#include "common/base/error.hpp"
 #include "common/solver/contact_rows.hpp"
 #include "tests/support/contact_blocks.hpp"
 #include "tests/support/contact_plates.hpp"
@@ -73,26 +73,27 @@ TEST(ContactRows, OfSolidsMeasureTheSlipAlongTangentAndBinormal) {
   EXPECT_EQ(blocks.states[0].totals.impulse_b_kg_m_s, -3.0);
 }
 
-/// Of a surface askew, with supports along x on both sides: what moves a pair along t moves it along n x t, too.
-TEST(ContactRows, OfAHeldNodeCoupleTangentAndBinormal) {
-  test::ContactBlocks blocks("all_implicit");
-  auto& state = blocks.states[0];
+TEST(ContactRows, OfSolidsRefuseSupportsAskewToThem) {
+  test::ContactBlocks blocks(
+      "all_implicit", "",
+      "support = [{ surface = \"start\", fixed = [\"x\"] }, { surface = \"end\", fixed = [\"x\"] }]\n");
+  EXPECT_NO_THROW(require_supports_along_rows(blocks.surface.pairs, blocks.states)) << "t = x";
+  EXPECT_EQ(blocks.surface.pairs[0].inverse_mass_along(blocks.states)(0, 0), 0.0);
   const int dof = blocks.surface.pairs[0].tangent.entries.back().dof;  // along x, of the lower node
-  ASSERT_EQ(dof % 3, 0);
-  state.inverse_mass[dof] = 0.0;
-  const double m = state.inverse_mass[dof + 1];
   const auto along = [&](const Eigen::Vector3d& direction) {
     ContactRow row;
     for (int c = 0; c < 3; ++c) row.entries.push_back({0, dof + c, -direction[c], Side::a});
     return row;
   };
   const Eigen::Vector3d t = Eigen::Vector3d(1, 1, 1).normalized(), b = Eigen::Vector3d(1, 1, -2).normalized();
-  const Pair askew{.normal = along(t.cross(b)), .tangent = along(t), .binormal = along(b)};
-  const Eigen::Matrix2d inverse = askew.inverse_mass_along(blocks.states);
-  EXPECT_NEAR(inverse(0, 0), 2.0 / 3.0 * m, 1e-14 * m);
-  EXPECT_NEAR(inverse(1, 1), 5.0 / 6.0 * m, 1e-14 * m);
-  EXPECT_NEAR(inverse(0, 1), (1.0 - 2.0) / std::sqrt(18.0) * m, 1e-14 * m);
-  EXPECT_EQ(inverse(1, 0), inverse(0, 1));
+  const std::vector<Pair> askew = {{.normal = along(t.cross(b)), .tangent = along(t), .binormal = along(b)}};
+  try {
+    require_supports_along_rows(askew, blocks.states);
+    ADD_FAILURE() << "it is held along x, which is in all three rows";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("of body 'lower' at (0, 0, 0) m is held along a coordinate"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("contact.friction_coefficient"));
+  }
 }
 
 }  // namespace
