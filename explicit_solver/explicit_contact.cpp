@@ -217,6 +217,8 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
 }
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
+  if (law_->friction_coefficient > 0.0 && surface_.components == 3)
+    solver::require_supports_along_rows(surface_.pairs, states);
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
   };

@@ -207,22 +207,26 @@ bool apart(const Polygon& a, const Polygon& b) {
 }  // namespace
 
 OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
-                             double period_m)
-    : faces_(std::move(faces)), along_(along) {
+                             const Eigen::Vector2d& period_m)
+    : faces_(std::move(faces)), along_(along), period_m_(period_m) {
+  const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const Span extent = along ? extent_along(faces_[i], *along) : Span{0.0, 0.0};
     longest_m_ = std::max(longest_m_, extent.high - extent.low);
-    for (const double times : {0.0, -1.0, 1.0}) {
-      if (times != 0.0 && period_m == 0.0) continue;
-      const Eigen::Vector3d moved_m(times * period_m, 0.0, 0.0);
-      images_.push_back({i, moved_m, extent.low + (along ? along->dot(moved_m) : 0.0)});
+    for (const double first : times(period_m[0])) {
+      for (const double second : times(period_m[1])) {
+        const Eigen::Vector3d moved_m(first * period_m[0], second * period_m[1], 0.0);
+        images_.push_back({i, moved_m, extent.low + (along ? along->dot(moved_m) : 0.0)});
+      }
     }
   }
   std::stable_sort(images_.begin(), images_.end(), [](const Image& x, const Image& y) { return x.low_m < y.low_m; });
 }
 
-std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first,
-                                           const Eigen::Vector3d& shift_m) const {
+std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, Eigen::Vector3d shift_m) const {
+  for (Eigen::Index c = 0; c < 2; ++c) {
+    if (period_m_[c] > 0.0) shift_m[c] -= period_m_[c] * std::round(shift_m[c] / period_m_[c]);
+  }
   RowSums sums;
   std::vector<OppositePiece> pieces;
   for (const SurfaceFace& face : first) {

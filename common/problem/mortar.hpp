@@ -45,12 +45,13 @@ struct MortarRow {
 /// The second surface, so that what lies opposite a face need not be looked for among all of it.
 class OppositeFaces {
  public:
-  /// `along`: a direction in which flat surfaces are searched; none: curved. `period_m` > 0: x repeats so.
-  OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along, double period_m);
+  /// `along`: a direction in which flat surfaces are searched; none: curved. `period_m`: > 0 where a coordinate repeats.
+  OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
+                const Eigen::Vector2d& period_m);
 
   /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending.
   [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first,
-                                            const Eigen::Vector3d& shift_m) const;
+                                            Eigen::Vector3d shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
 
  private:
@@ -63,6 +64,7 @@ class OppositeFaces {
   std::optional<Eigen::Vector3d> along_;
   std::vector<Image> images_;  ///< ascending by low_m
   double longest_m_ = 0.0;
+  Eigen::Vector2d period_m_;
 };
 
 /// Two surfaces that may touch, of which rows are written for any place of the second.

@@ -1,5 +1,7 @@
 #include "common/solver/contact_rows.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -94,16 +96,6 @@ Eigen::Matrix2d Pair::inverse_mass_along(const std::vector<BodyState>& states) c
   Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
   inverse(0, 0) = tangent.inverse_mass(states);
   inverse(1, 1) = binormal.inverse_mass(states);
-  // Zero but for round-off where a node is free in all directions.
-  for (const auto& e : binormal.entries) {
-    for (const auto& other : tangent.entries) {
-      if (e.part == other.part && e.dof == other.dof)
-        inverse(0, 1) +=
-            e.coefficient * other.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
-    }
-  }
-  if (std::abs(inverse(0, 1)) <= 1e-14 * inverse.trace()) inverse(0, 1) = 0.0;
-  inverse(1, 0) = inverse(0, 1);
   return inverse;
 }
 
@@ -114,6 +106,32 @@ int ContactRow::part_of(Side side) const {
     if (e.side == side) return e.part;
   }
   return -1;
+}
+
+void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<BodyState>& states) {
+  constexpr double round_off = 1e-9;
+  const auto has = [](const ContactRow& row, const RowEntry& e) {
+    return std::any_of(row.entries.begin(), row.entries.end(), [&](const RowEntry& other) {
+      return other.part == e.part && other.dof == e.dof && std::abs(other.coefficient) > round_off;
+    });
+  };
+  for (const auto& pair : pairs) {
+    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
+      for (const auto& e : row->entries) {
+        const auto& state = states[static_cast<std::size_t>(e.part)];
+        if (state.free[static_cast<std::size_t>(e.dof)]) continue;
+        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) < 2) continue;
+        const int node = e.dof / 3;
+        const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
+        throw ConfigError(fmt::format(
+            "contact.friction_coefficient: the contact node {} of body '{}' at {} is held along a coordinate that is "
+            "neither along the normal nor along the tangent or the binormal of the contact; friction of solids knows "
+            "supports along those alone: turn the meshes, or allowed there: 0",
+            state.part.body_node[static_cast<std::size_t>(node)], state.name,
+            fem::place_text(state.part.mesh.model, x)));
+      }
+    }
+  }
 }
 
 bool share_nodes(const std::vector<Pair>& pairs) {

@@ -85,7 +85,7 @@ struct Pair {
     tangent.push(force[0], states, of_part);
     binormal.push(force[1], states, of_part);
   }
-  /// T M^-1 T^T [1/kg]
+  /// T M^-1 T^T [1/kg], diagonal for supports that `require_supports_along_rows` lets pass
   [[nodiscard]] Eigen::Matrix2d inverse_mass_along(const std::vector<BodyState>& states) const;
 };
 
@@ -102,6 +102,10 @@ struct PartNodes {
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
                                              const std::vector<scene::ParticipantPart>& parts);
+
+/// Of solids with friction: refuses, with a ConfigError, a contact node that is held along a coordinate which is in two
+/// of a pair's directions, so that what it does along one depends on the other. (In two dimensions nobody asks.)
+void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
 
 /// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs: then what a law gives
 /// one of them moves the other.

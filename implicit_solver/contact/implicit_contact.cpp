@@ -27,6 +27,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
       surface_(std::move(surface)),
       shared_(solver::share_nodes(surface_.pairs)) {
   if (solver::SlidingRows sliding(problem, states); sliding.any()) sliding_ = std::move(sliding);
+  if (friction() && surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, states);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
@@ -425,8 +426,7 @@ ImplicitContact::Friction ImplicitContact::friction_impulse(const Eigen::Matrix2
   Friction friction;
   friction.limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
   Eigen::Vector2d free_rate;
-  for (int k = 0; k < 2; ++k)
-    free_rate[k] = rate[k] - inverse(k, k) * impulse.tangential[k] - inverse(k, 1 - k) * impulse.tangential[1 - k];
+  for (int k = 0; k < 2; ++k) free_rate[k] = rate[k] - inverse(k, k) * impulse.tangential[k];
   const Eigen::Vector2d holding = solver::holding_of_pair(inverse, free_rate);
   friction.given = solver::friction_of_pair(*law_, friction.limit, free_rate, holding, inverse);
   friction.sticks = friction.given == holding;

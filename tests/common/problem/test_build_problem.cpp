@@ -103,6 +103,40 @@ TEST(ContactNormal, MayLieAcross) {
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 2 * 6);  // two columns of 50 mm from the outer side
 }
 
+TEST(Periodic, WrapsABlockAlongBothDirections) {
+  const Problem problem = build(R"(model = "solid"
+[[body]]
+name = "block"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { length_m = 0.4, height_m = 0.3, width_m = 0.2, elements = [3, 4, 2], periodic_across = true }
+[time]
+step_s = 1e-6
+end_s = 1e-5
+[coupling]
+protocol = "all_explicit"
+)");
+  const BodyProblem& block = problem.bodies[0];
+  EXPECT_EQ(block.mesh.position.size(), 3U * 4U * 3U);
+  EXPECT_EQ(block.mesh.surfaces.size(), 2U);
+  std::vector<int> all;
+  for (int e = 0; e < 24; ++e) all.push_back(e);
+  const fem::Part part = fem::extract_part(block.mesh, "block", block.section, block.material, all);
+  EXPECT_NEAR(part.lumped_mass.sum(), 1000.0 * 0.4 * 0.3 * 0.2, 1e-9);
+  // Uniform shear u_x = z, u_y = 2 z: forces on the two ends only, the same at every node of an end.
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(part.dofs());
+  for (int i = 0; i < part.nodes(); ++i) {
+    const double z = part.mesh.position[static_cast<std::size_t>(i)][2];
+    u.segment<2>(3 * i) << z, 2.0 * z;
+  }
+  const Eigen::VectorXd force = part.stiffness * u;
+  const double shear = 1e9 / 2.5 * 0.3 * 0.2 / 12.0;
+  for (int i = 0; i < part.nodes(); ++i) {
+    const double z = part.mesh.position[static_cast<std::size_t>(i)][2];
+    const double end = z == 0.0 ? -1.0 : z == 0.4 ? 1.0 : 0.0;
+    EXPECT_LT((force.segment<3>(3 * i) - end * shear * Eigen::Vector3d(1.0, 2.0, 0.0)).norm(), 1e-9 * shear) << i;
+  }
+}
+
 TEST(Periodic, WrapsTheMeshAcross) {
   const std::string periodic = "height_m = 0.2, elements = [4, 6], periodic_across = true";
   const std::string text = replaced(replaced(plates, "height_m = 0.2, elements = [4, 6]", periodic),

@@ -24,7 +24,7 @@ std::vector<SurfaceFace> line(const std::vector<double>& places, bool up, int fi
 
 std::vector<MortarRow> rows_of(const std::vector<SurfaceFace>& first, const std::vector<SurfaceFace>& second,
                                double period_m = 0.0, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
-  return OppositeFaces(second, Eigen::Vector3d(-1.0, 0.0, 0.0), period_m).rows(first, shift_m);
+  return OppositeFaces(second, Eigen::Vector3d(-1.0, 0.0, 0.0), {period_m, 0.0}).rows(first, shift_m);
 }
 
 std::vector<double> even(int elements, double low, double high) {
@@ -146,6 +146,21 @@ TEST(Mortar, FollowsASurfaceThatMoved) {
   }
 }
 
+/// Also by more than a period.
+TEST(Mortar, FollowsASurfaceThatRepeats) {
+  auto first = line(even(4, 0.0, 1.0), true), second = line(even(3, 0.1, 1.1), false);
+  first.back().node = {3, 0};
+  second.back().node = {2, 0};
+  const auto expected = rows_of(first, second, 1.0, {0.2, 0.0, 0.0}), found = rows_of(first, second, 1.0, {7.2, 0.0, 0.0});
+  ASSERT_EQ(found.size(), 4U);
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    EXPECT_NEAR(found[j].area_m2, 0.25, 1e-13);
+    ASSERT_EQ(found[j].opposite.size(), expected[j].opposite.size());
+    for (std::size_t k = 0; k < found[j].opposite.size(); ++k)
+      EXPECT_NEAR(found[j].opposite[k].weight, expected[j].opposite[k].weight, 1e-12);
+  }
+}
+
 /// A square [0, 1]^2 at z = 0 of cells x cells quadrilaterals or twice as many triangles, turned by an angle about its
 /// middle, facing up (down). Inner nodes may be moved so that no cell is a parallelogram.
 std::vector<SurfaceFace> square(int cells, bool triangles, double angle, bool up, double moved = 0.0) {
@@ -190,7 +205,7 @@ std::map<int, Eigen::Vector3d> places_of(const std::vector<SurfaceFace>& faces) 
 /// What a constant pressure of 1 gives each node of a surface.
 std::map<int, double> nodal_areas(const std::vector<SurfaceFace>& faces) {
   std::map<int, double> areas;
-  for (const auto& row : OppositeFaces(square(1, false, 0.0, false), std::nullopt, 0.0).rows(faces, {0.0, 0.0, 0.0}))
+  for (const auto& row : OppositeFaces(square(1, false, 0.0, false), std::nullopt, {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))
     areas[row.node] = row.area_m2;
   return areas;
 }
@@ -206,7 +221,7 @@ TEST(MortarOfFaces, KeepsForcesAndMomentsInBalanceAndHandsAPressureOver) {
     const auto places = places_of(first), others = places_of(second);
     double area = 0.0;
     std::map<int, double> force;
-    for (const auto& row : OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), 0.0).rows(first, {0.0, 0.0, 0.0})) {
+    for (const auto& row : OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, {0.0, 0.0, 0.0})) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       double weights = 0.0;
       for (const auto& [node, weight] : row.opposite) {
@@ -238,7 +253,7 @@ TEST(MortarOfFaces, IsInBalanceWhereSurfacesLieAcross) {
   }
   const auto places = places_of(first), others = places_of(second);
   const Eigen::Vector3d shift(0.11, -0.07, 0.0);
-  const auto rows = OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), 0.0).rows(first, shift);
+  const auto rows = OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, shift);
   ASSERT_EQ(rows.size(), 25U);
   for (const auto& row : rows) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -269,7 +284,7 @@ TEST(Mortar, OfCurvedSurfacesKeepsMomentsWhereTheyTouch) {
   ASSERT_GT(lower[20].normal[1], 0.9);
   ASSERT_LT(upper[13].normal[1], -0.9);
   const auto places = places_of(lower), others = places_of(upper);
-  for (const auto& row : OppositeFaces(upper, std::nullopt, 0.0).rows(lower, {0.0, 0.0, 0.0})) {
+  for (const auto& row : OppositeFaces(upper, std::nullopt, {0.0, 0.0}).rows(lower, {0.0, 0.0, 0.0})) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weights = 0.0;
     for (const auto& [node, weight] : row.opposite) {

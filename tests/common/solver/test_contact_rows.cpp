@@ -1,6 +1,10 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+
+#include "common/base/error.hpp"
 #include "common/solver/contact_rows.hpp"
+#include "tests/support/contact_blocks.hpp"
 #include "tests/support/contact_plates.hpp"
 
 namespace ricochet::solver {
@@ -45,6 +49,51 @@ TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
   EXPECT_EQ(plates.states[0].totals.impulse_t_kg_m_s, -1.0);
   // at (0.1, 0): force (1, -2) on A, x F_y - y F_x = -0.2
   EXPECT_NEAR(plates.states[0].totals.angular_impulse_kg_m2_s, -0.2, 1e-16);
+}
+
+TEST(ContactRows, OfSolidsMeasureTheSlipAlongTangentAndBinormal) {
+  test::ContactBlocks blocks("all_implicit");
+  ASSERT_EQ(blocks.surface.pairs.size(), 9U);
+  for (int node = 0; node < blocks.states[1].part.nodes(); ++node)
+    blocks.states[1].u.segment<3>(3 * node) << 2e-3, 3e-3, 5e-3;
+  for (const auto& pair : blocks.surface.pairs) {
+    EXPECT_NEAR(pair.gap(displacement_of(blocks.states)), 5e-3, 1e-18);
+    const Eigen::Vector2d slip = pair.slip(displacement_of(blocks.states));
+    EXPECT_LT((slip - Eigen::Vector2d(2e-3, 3e-3)).norm(), 1e-18) << "t = x, n x t = y";
+    const Eigen::Matrix2d inverse = pair.inverse_mass_along(blocks.states);
+    EXPECT_EQ(inverse(0, 1), 0.0);
+    EXPECT_EQ(inverse(0, 0), inverse(1, 1)) << "free nodes move alike in all directions";
+  }
+  Pair pair = blocks.surface.pairs[4];
+  for (auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
+    std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
+  book_impulse(pair, 2.0, {1.0, 3.0}, blocks.states);
+  EXPECT_EQ(blocks.states[0].totals.impulse_n_kg_m_s, -2.0);
+  EXPECT_EQ(blocks.states[0].totals.impulse_t_kg_m_s, -1.0);
+  EXPECT_EQ(blocks.states[0].totals.impulse_b_kg_m_s, -3.0);
+}
+
+TEST(ContactRows, OfSolidsRefuseSupportsAskewToThem) {
+  test::ContactBlocks blocks(
+      "all_implicit", "",
+      "support = [{ surface = \"start\", fixed = [\"x\"] }, { surface = \"end\", fixed = [\"x\"] }]\n");
+  EXPECT_NO_THROW(require_supports_along_rows(blocks.surface.pairs, blocks.states)) << "t = x";
+  EXPECT_EQ(blocks.surface.pairs[0].inverse_mass_along(blocks.states)(0, 0), 0.0);
+  const int dof = blocks.surface.pairs[0].tangent.entries.back().dof;  // along x, of the lower node
+  const auto along = [&](const Eigen::Vector3d& direction) {
+    ContactRow row;
+    for (int c = 0; c < 3; ++c) row.entries.push_back({0, dof + c, -direction[c], Side::a});
+    return row;
+  };
+  const Eigen::Vector3d t = Eigen::Vector3d(1, 1, 1).normalized(), b = Eigen::Vector3d(1, 1, -2).normalized();
+  const std::vector<Pair> askew = {{.normal = along(t.cross(b)), .tangent = along(t), .binormal = along(b)}};
+  try {
+    require_supports_along_rows(askew, blocks.states);
+    ADD_FAILURE() << "it is held along x, which is in all three rows";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("of body 'lower' at (0, 0, 0) m is held along a coordinate"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("contact.friction_coefficient"));
+  }
 }
 
 }  // namespace

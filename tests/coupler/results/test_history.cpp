@@ -160,6 +160,16 @@ TEST(Errors, AnInclinedDirectionIsConservedAlone) {
   EXPECT_NEAR(row.momentum_error, 0.0, 1e-15);
 }
 
+TEST(Errors, MomentumOfSolidsIsThatAlongTheBinormalToo) {
+  Errors errors(Conserved{{{1, 0}, {0, 1}, {0, 0, 1}}, 0});
+  auto row = row_of(1, 0, 0, 3, 0);
+  errors.add(row);
+  row.sum.momentum_b_kg_m_s = row.bodies[0].momentum_b_kg_m_s = 4;
+  row.sum.impulse_b_kg_m_s = 1.5;
+  errors.add(row);
+  EXPECT_DOUBLE_EQ(row.momentum_error, 0.5);
+}
+
 TEST(Errors, AngularMomentumAgainstMomentumTimesTheArm) {
   Errors errors(Conserved{{{1, 0}, {0, 1}}, 0.5}), unbalanced;
   for (auto* e : {&errors, &unbalanced}) {
@@ -217,6 +227,21 @@ TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
     ++documented;
   }
   EXPECT_EQ(documented, 18);
+}
+
+TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
+  const auto path = ::testing::TempDir() + "/history_of_solids.csv";
+  HistoryRow row;
+  row.contact.friction_force_b_n = 1.5;
+  row.contact.friction_impulse_b_n_s = 2.5;
+  row.sum.momentum_b_kg_m_s = 3.5;
+  {
+    HistoryFile file(path, {}, true, true);
+    file.add(row);
+  }
+  const std::string text = read(path);
+  EXPECT_THAT(text, HasSubstr("contact_unconverged,friction_force_b_n,friction_impulse_b_n_s,momentum_b_kg_m_s\n"));
+  EXPECT_THAT(text, testing::EndsWith(",1.5,2.5,3.5\n"));
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {
