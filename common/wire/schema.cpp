@@ -152,7 +152,7 @@ const std::vector<KindEntry>& schema() {
       {Kind::initialize,
        "initialize",
        {field<&Initialize::protocol>("protocol", "", "coupling protocol, as in the scene"),
-        field<&Initialize::output_directory>("output_directory", "", "absolute path for its result files"),
+        field<&Initialize::output_directory>("output_directory", "", "absolute path for its result files; empty: it is to write none"),
         field<&Initialize::window_size_s>("window_size_s", "s", "size of one window, > 0"),
         field<&Initialize::substeps>("substeps", "",
                                      "an explicit participant driven by force takes so many steps in a window, >= 1"),
