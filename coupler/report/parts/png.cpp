@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 namespace ricochet::report {
 namespace {
@@ -21,10 +22,16 @@ std::uint32_t crc32(std::string_view bytes) {
 }
 
 std::uint32_t adler32(std::string_view bytes) {
+  constexpr std::size_t before_overflow = 5552;  // so many bytes can be added up before the remainder is due
   std::uint32_t a = 1, b = 0;
-  for (const char byte : bytes) {
-    a = (a + static_cast<unsigned char>(byte)) % 65521U;
-    b = (b + a) % 65521U;
+  while (!bytes.empty()) {
+    for (const char byte : bytes.substr(0, before_overflow)) {
+      a += static_cast<unsigned char>(byte);
+      b += a;
+    }
+    a %= 65521U;
+    b %= 65521U;
+    bytes.remove_prefix(std::min(before_overflow, bytes.size()));
   }
   return b << 16U | a;
 }
@@ -41,21 +48,27 @@ std::string chunk(const std::string& type, const std::string& data) {
 class BitWriter {
  public:
   void add(std::uint32_t bits, unsigned count) {
-    for (unsigned i = 0; i < count; ++i) {
-      if (used_ == 0) bytes_ += '\0';
-      bytes_.back() = static_cast<char>(static_cast<unsigned char>(bytes_.back()) | (bits >> i & 1U) << used_);
-      used_ = (used_ + 1) % 8;
+    waiting_ |= static_cast<std::uint64_t>(bits) << used_;
+    for (used_ += count; used_ >= 8; used_ -= 8) {
+      bytes_ += static_cast<char>(waiting_ & 0xffU);
+      waiting_ >>= 8U;
     }
   }
   /// A code, whose highest bit comes first.
   void add_code(std::uint32_t code, unsigned count) {
-    for (unsigned i = count; i-- > 0;) add(code >> i & 1U, 1);
+    std::uint32_t reversed = 0;
+    for (unsigned i = 0; i < count; ++i) reversed |= (code >> i & 1U) << (count - 1 - i);
+    add(reversed, count);
   }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+  [[nodiscard]] std::string bytes() && {
+    if (used_ > 0) add(0, 8 - used_);
+    return std::move(bytes_);
+  }
 
  private:
   std::string bytes_;
-  unsigned used_ = 0;
+  std::uint64_t waiting_ = 0;
+  unsigned used_ = 0;  ///< bits that wait for the others of their byte
 };
 
 /// Literals, the end and lengths by the fixed codes (RFC 1951, 3.2.6).
@@ -106,12 +119,12 @@ std::string compressed(const std::string& data, std::size_t line) {
   bits.add(1, 2);  // fixed codes
   const auto repeated = [&](std::size_t at, std::size_t distance) {
     if (distance > at || distance > farthest) return std::size_t{0};
-    std::size_t length = 0;
-    while (length < most && at + length < data.size() && data[at + length] == data[at + length - distance]) ++length;
-    return length;
+    const char* const begin = data.data() + at;
+    const char* const end = begin + std::min(most, data.size() - at);
+    return static_cast<std::size_t>(std::mismatch(begin, end, begin - distance).first - begin);
   };
   for (std::size_t at = 0; at < data.size();) {
-    const std::size_t before = repeated(at, 1), above = repeated(at, line);
+    const std::size_t above = repeated(at, line), before = above < most ? repeated(at, 1) : 0;
     if (std::max(before, above) < least) {
       add_symbol(bits, static_cast<unsigned char>(data[at++]));
       continue;
@@ -120,7 +133,7 @@ std::string compressed(const std::string& data, std::size_t line) {
     at += std::max(before, above);
   }
   add_symbol(bits, 256);
-  std::string bytes = "\x78\x01" + bits.bytes();
+  std::string bytes = "\x78\x01" + std::move(bits).bytes();
   append_big_endian(bytes, adler32(data));
   return bytes;
 }

@@ -44,9 +44,10 @@ Canvas::Canvas(int width, int height) : width_(width), height_(height) {
   cell_.assign(pixels, -1);
 }
 
-/// Between the first and the last crossing of each row's middle, which of a convex polygon are all there are.
+/// Stretches of pixels [begin, end) between the first and the last crossing of each row's middle, which of a convex
+/// polygon are all there are.
 template <class Each>
-void Canvas::inside(const std::vector<Pixel>& corners, Each each) const {
+void Canvas::inside(std::span<const Pixel> corners, Each each) const {
   double top = height_, bottom = 0;
   for (const auto& corner : corners) {
     top = std::min(top, corner[1]);
@@ -60,13 +61,15 @@ void Canvas::inside(const std::vector<Pixel>& corners, Each each) const {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const auto &a = corners[i], &b = corners[(i + 1) % corners.size()];
       if ((a[1] <= middle) == (b[1] <= middle)) continue;
-      const double x = a[0] + (middle - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+      // From the upper end whichever way round, so that polygons which share an edge agree to the last bit.
+      const auto &high = a[1] < b[1] ? a : b, &low = a[1] < b[1] ? b : a;
+      const double x = high[0] + (middle - high[1]) / (low[1] - high[1]) * (low[0] - high[0]);
       left = std::min(left, x);
       right = std::max(right, x);
     }
     const int begin = static_cast<int>(std::max(0.0, std::ceil(left - 0.5)));
     const int end = static_cast<int>(std::min(width_ - 1.0, std::ceil(right - 0.5) - 1.0));
-    for (int x = begin; x <= end; ++x) each(x, y);
+    if (begin <= end) each(begin, end + 1, y);
   }
 }
 
@@ -85,16 +88,18 @@ void Canvas::along(const Pixel& from, const Pixel& to, int thickness, Each each)
   }
 }
 
-void Canvas::fill(const std::vector<Pixel>& corners, std::uint8_t colour, int cell) {
-  inside(corners, [&](int x, int y) {
-    colour_[at(x, y)] = colour;
-    cell_[at(x, y)] = cell;
+void Canvas::fill(std::span<const Pixel> corners, std::uint8_t colour, int cell) {
+  inside(corners, [&](int begin, int end, int y) {
+    std::fill_n(&colour_[at(begin, y)], end - begin, colour);
+    std::fill_n(&cell_[at(begin, y)], end - begin, cell);
   });
 }
 
-void Canvas::dot(const std::vector<Pixel>& corners, int spacing, int size) {
-  inside(corners, [&](int x, int y) {
-    if (x % spacing < size && y % spacing < size) colour_[at(x, y)] = ShadedPalette::line;
+void Canvas::dot(std::span<const Pixel> corners, int spacing, int size) {
+  inside(corners, [&](int begin, int end, int y) {
+    for (int x = begin; x < end; ++x) {
+      if (x % spacing < size && y % spacing < size) colour_[at(x, y)] = ShadedPalette::line;
+    }
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,9 @@ class Canvas {
 
   /// A polygon that is convex or nearly so: pixels whose centre lies inside. Polygons that share an edge leave no pixel
   /// between them.
-  void fill(const std::vector<Pixel>& corners, std::uint8_t colour, int cell);
+  void fill(std::span<const Pixel> corners, std::uint8_t colour, int cell);
   /// Black dots on what is seen of a polygon, in a grid over the whole canvas.
-  void dot(const std::vector<Pixel>& corners, int spacing, int size);
+  void dot(std::span<const Pixel> corners, int spacing, int size);
   /// Of `thickness` pixels, in the darkest shade of what is there.
   void darken(const Pixel& from, const Pixel& to, int thickness);
   /// In the colour of lines.
@@ -55,7 +56,7 @@ class Canvas {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
   template <class Each>
-  void inside(const std::vector<Pixel>& corners, Each each) const;
+  void inside(std::span<const Pixel> corners, Each each) const;
   template <class Each>
   void along(const Pixel& from, const Pixel& to, int thickness, Each each) const;
 

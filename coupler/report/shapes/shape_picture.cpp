@@ -71,18 +71,25 @@ struct ShapeScene {
   Magnification magnification;
   std::vector<std::vector<CellLook>> looks;
 
-  [[nodiscard]] std::vector<SeenCell> cells(const ShapeView& view, std::size_t panel, double least_strip_m) const {
+  [[nodiscard]] const Shapes::Body& body_of(const ShapePiece& piece) const {
+    return shapes.bodies[static_cast<std::size_t>(piece.body)];
+  }
+  [[nodiscard]] Place place(const ShapePiece& piece, std::size_t node, std::size_t panel) const {
     const auto w = windows[panel];
+    return magnification.place(piece.position[node], piece.displacement[w][node], body_of(piece).velocity_m_s,
+                               shapes.times_s[w]);
+  }
+  [[nodiscard]] std::vector<SeenCell> cells(const ShapeView& view, std::size_t panel, double least_strip_m) const {
     std::vector<SeenCell> seen;
+    std::size_t most = 0;
+    for (const auto& piece : shapes.pieces) most += (view.mirrored() ? 2 : 1) * piece.cells.size();
+    seen.reserve(most);
     for (std::size_t p = 0; p < shapes.pieces.size(); ++p) {
       const auto& piece = shapes.pieces[p];
-      const auto& body = shapes.bodies[static_cast<std::size_t>(piece.body)];
       std::vector<Place> places;
-      for (std::size_t i = 0; i < piece.position.size(); ++i) {
-        places.push_back(
-            magnification.place(piece.position[i], piece.displacement[w][i], body.velocity_m_s, shapes.times_s[w]));
-      }
-      view.add(piece, places, looks[p], w, std::max(body.strip_m, least_strip_m), seen);
+      places.reserve(piece.position.size());
+      for (std::size_t i = 0; i < piece.position.size(); ++i) places.push_back(place(piece, i, panel));
+      view.add(piece, places, looks[p], windows[panel], std::max(body_of(piece).strip_m, least_strip_m), seen);
     }
     return seen;
   }
@@ -98,8 +105,14 @@ ShapeFrame framed(const ShapeScene& scene, bool turned) {
   ShapeFrame frame{ShapeView(scene.shapes.model, turned), {}, 0};
   auto extent = Extent::empty();
   for (std::size_t panel = 0; panel < scene.windows.size(); ++panel) {
-    for (const auto& cell : scene.cells(frame.view, panel, 0)) {
-      for (const auto& corner : cell.corners) extent.include(corner);
+    for (const auto& piece : scene.shapes.pieces) {
+      for (std::size_t i = 0; i < piece.position.size(); ++i) {
+        const auto x = frame.view.seen(scene.place(piece, i, panel));
+        const double half = 0.5 * scene.body_of(piece).strip_m;
+        extent.include({x[0], x[1] - half});
+        extent.include({x[0], x[1] + half});
+        if (frame.view.mirrored()) extent.include(frame.view.mirror_image(x));
+      }
     }
   }
   const double thickness = scene.shapes.model == "bar" ? least_strip_px : 0;
@@ -121,8 +134,8 @@ bool shows_inner_edges(const std::vector<SeenCell>& cells, const PanelLayout& la
   std::vector<double> lengths;
   for (const auto& cell : cells) {
     double shortest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < cell.corners.size(); ++i) {
-      const auto &a = cell.corners[i], &b = cell.corners[(i + 1) % cell.corners.size()];
+    for (std::size_t i = 0; i < cell.count; ++i) {
+      const auto &a = cell.corner[i], &b = cell.corner[(i + 1) % cell.count];
       shortest = std::min(shortest, layout.scale_px_m * std::hypot(a[0] - b[0], a[1] - b[1]));
     }
     lengths.push_back(shortest);
@@ -161,43 +174,43 @@ class ShapePainter {
     if (solid) {  // painted from the farthest to the nearest
       std::sort(cells.begin(), cells.end(), [](const SeenCell& a, const SeenCell& b) { return a.depth_m < b.depth_m; });
     }
-    std::vector<std::vector<Pixel>> corners;
-    for (const auto& cell : cells) {
-      corners.emplace_back();
-      for (const auto& x : cell.corners) {
-        const auto at = frame_.layout.at(panel, x);
-        corners.back().push_back({sharpness * at[0], sharpness * at[1]});
-        if (panel == 0) boxes_.try_emplace(cell.body, Extent::empty()).first->second.include(at);
+    for (auto& cell : cells) {
+      for (auto& x : cell.corner) x = frame_.layout.at(panel, x);
+      if (panel == 0) {
+        auto& box = boxes_.try_emplace(cell.body, Extent::empty()).first->second;
+        for (const auto& x : cell.corners()) box.include(x);
       }
+      for (auto& x : cell.corner) x = {sharpness * x[0], sharpness * x[1]};
     }
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      fill(cells[i], corners[i], scene_.shapes.times_s[scene_.windows[panel]]);
-      if (solid) edge(cells[i], corners[i], EdgeKind::inner);
-      if (solid) edge(cells[i], corners[i], EdgeKind::outline);
+    for (const auto& cell : cells) {
+      fill(cell, scene_.shapes.times_s[scene_.windows[panel]]);
+      if (solid) edge(cell, EdgeKind::inner);
+      if (solid) edge(cell, EdgeKind::outline);
     }
     if (solid) return;
     for (const auto kind : {EdgeKind::inner, EdgeKind::outline}) {
-      for (std::size_t i = 0; i < cells.size(); ++i) edge(cells[i], corners[i], kind);
+      for (const auto& cell : cells) edge(cell, kind);
     }
   }
 
-  void fill(const SeenCell& cell, const std::vector<Pixel>& corners, double time_s) {
+  void fill(const SeenCell& cell, double time_s) {
     constexpr double tension_share = 0.15;
-    canvas_.fill(corners, ShadedPalette::index(scale_.share(cell.stress_pa), cell.shade),
+    canvas_.fill(cell.corners(), ShadedPalette::index(scale_.share(cell.stress_pa), cell.shade),
                  static_cast<int>(pointed_.size()));
     pointed_.push_back({time_s, cell.stress_pa, cell.body});
-    if (scale_.low_pa < 0 && cell.stress_pa >= tension_share * scale_.high_pa) canvas_.dot(corners, 8 * sharpness, 3);
+    const bool tension = scale_.low_pa < 0 && cell.stress_pa >= tension_share * scale_.high_pa;
+    if (tension) canvas_.dot(cell.corners(), 8 * sharpness, 3);
   }
 
-  void edge(const SeenCell& cell, const std::vector<Pixel>& corners, EdgeKind kind) {
+  void edge(const SeenCell& cell, EdgeKind kind) {
     if (kind == EdgeKind::inner && !inner_edges_) return;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t i = 0; i < cell.count; ++i) {
       if (cell.edges[i] != kind) continue;
-      const auto& next = corners[(i + 1) % corners.size()];
+      const auto &from = cell.corner[i], &to = cell.corner[(i + 1) % cell.count];
       if (kind == EdgeKind::inner) {
-        canvas_.darken(corners[i], next, 1);
+        canvas_.darken(from, to, 1);
       } else {
-        canvas_.draw(corners[i], next, sharpness);
+        canvas_.draw(from, to, sharpness);
       }
     }
   }
@@ -360,7 +373,7 @@ void add_pointed(Chart& chart, const ShapePainter& painter, const Shapes& shapes
       const int cell = canvas.cell(x, y);
       if (cell < 0) continue;
       const auto& found = painter.pointed(cell);
-      chart.rows.push_back({drawn(1.0 * x / sharpness), drawn(1.0 * y / sharpness), drawn(time_factor * found.time_s),
+      chart.rows.push_back({x / sharpness, y / sharpness, drawn(time_factor * found.time_s),
                             drawn(stress_factor * found.stress_pa),
                             shapes.bodies[static_cast<std::size_t>(found.body)].name});
     }
@@ -420,7 +433,7 @@ Chart chart_of_shapes(const ShapeScene& scene, const ShapeFrame& frame, const St
       fmt::format("Deformed bodies: {} at {} times", bar ? "axial stress" : "von Mises stress", scene.windows.size());
   chart.note = note_of_shapes(scene, frame, scale, painter.inner_edges());
   const double picture_px = 1.0 * painter.canvas().height() / sharpness, whole_px = picture_px + foot_px;
-  const double grid_px = std::max(6.0, std::ceil(std::sqrt(chart_width * picture_px / 6000)));
+  const double grid_px = std::max(6.0, std::ceil(std::sqrt(chart_width * picture_px / 2500)));
   add_pointed(chart, painter, shapes, grid_px, time_unit.factor, stress_unit.factor);
   const std::string time_title = fmt::format("time [{}]", time_unit.name),
                     stress_title = fmt::format("{} [{}]", bar ? "axial stress" : "von Mises stress", stress_unit.name);

@@ -150,6 +150,10 @@ ShapeView::ShapeView(std::string model, bool turned) : model_(std::move(model)),
 
 Pixel ShapeView::seen(const Place& x) const { return {along(right_, x), along(up_, x)}; }
 
+Pixel ShapeView::mirror_image(const Pixel& seen) const {
+  return turned_ ? Pixel{seen[0], -seen[1]} : Pixel{-seen[0], seen[1]};
+}
+
 std::vector<ShapeView::Axis> ShapeView::axes() const {
   std::vector<std::string> letters = {"x", "y", "z"};
   if (model_ == "axisymmetric") letters = {"r", "z"};
@@ -169,16 +173,21 @@ void ShapeView::add(const ShapePiece& piece, const std::vector<Place>& places, c
     if (looks[c].hidden) continue;
     const auto& cell = piece.cells[c];
     const std::size_t corners = corners_of(cell);
-    SeenCell seen_cell{{}, looks[c].edges, 0.0, 0, piece.stress_pa[window][c], piece.body};
+    SeenCell seen_cell;
+    seen_cell.edges = looks[c].edges;
+    seen_cell.stress_pa = piece.stress_pa[window][c];
+    seen_cell.body = piece.body;
     if (corners == 2) {
       const double a = corner_of(places, cell, 0)[0], b = corner_of(places, cell, 1)[0], half = 0.5 * strip_m;
-      seen_cell.corners = {{a, -half}, {b, -half}, {b, half}, {a, half}};
-      cells.push_back(std::move(seen_cell));
+      seen_cell.corner = {{{a, -half}, {b, -half}, {b, half}, {a, half}}};
+      seen_cell.count = 4;
+      cells.push_back(seen_cell);
       continue;
     }
+    seen_cell.count = corners;
     for (std::size_t i = 0; i < corners; ++i) {
       const auto& x = corner_of(places, cell, i);
-      seen_cell.corners.push_back(seen(x));
+      seen_cell.corner[i] = seen(x);
       seen_cell.depth_m += along(towards_, x) / static_cast<double>(corners);
     }
     if (model_ == "solid") {
@@ -189,8 +198,8 @@ void ShapeView::add(const ShapePiece& piece, const std::vector<Place>& places, c
     }
     cells.push_back(seen_cell);
     if (!mirrored()) continue;
-    for (auto& corner : seen_cell.corners) corner[turned_ ? 1 : 0] *= -1.0;
-    cells.push_back(std::move(seen_cell));
+    for (auto& corner : seen_cell.corner) corner = mirror_image(corner);
+    cells.push_back(seen_cell);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,15 @@ struct CellLook {
 
 /// A cell as it is seen.
 struct SeenCell {
-  std::vector<Pixel> corners;  ///< to the right and up [m]
+  std::array<Pixel, 4> corner{};  ///< to the right and up [m]
+  std::size_t count = 0;          ///< of its corners
   std::array<EdgeKind, 4> edges{};
   double depth_m = 0.0;  ///< towards the reader
   int shade = 0;
   double stress_pa = 0.0;
   int body = 0;
+
+  [[nodiscard]] std::span<const Pixel> corners() const { return {corner.data(), count}; }
 };
 
 /// From where a model is looked at. Bars, plane strain and axisymmetry: at their plane, of axisymmetry at both halves
@@ -38,6 +42,8 @@ class ShapeView {
   /// Cells of a piece at these places of its nodes. `strip_m`: of a bar.
   void add(const ShapePiece& piece, const std::vector<Place>& places, const std::vector<CellLook>& looks,
            std::size_t window, double strip_m, std::vector<SeenCell>& cells) const;
+  /// A mirrored picture's other half of a place that is seen.
+  [[nodiscard]] Pixel mirror_image(const Pixel& seen) const;
   /// Where a place is seen [m].
   [[nodiscard]] Pixel seen(const Place& x) const;
   struct Axis {
