@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,8 @@
 
 namespace ricochet::report {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// What one file holds.
 struct ShapeFile {
@@ -175,19 +178,24 @@ Shapes merged_shapes(std::vector<ShapeFile>&& files) {
 }  // namespace
 
 Shapes read_shapes(const std::string& folder, const Json& summary) {
-  namespace fs = std::filesystem;
+  const std::string ending = ".shapes.json";
+  std::map<std::string, std::string> paths;  // of participants
+  const fs::path fields = fs::path(folder) / "fields";
+  if (fs::is_directory(fields)) {
+    for (const auto& entry : fs::directory_iterator(fields)) {
+      const auto name = entry.path().filename().string();
+      if (name.ends_with(ending)) paths[name.substr(0, name.size() - ending.size())] = entry.path().string();
+    }
+  }
   std::vector<ShapeFile> files;
   std::vector<std::string> missing;
   for (const auto& process : summary.value("processes", Json::array())) {
     const auto name = process.value("name", "");
-    if (name == "coupler" || name.find('/') != std::string::npos) continue;
-    const auto path = fs::path(folder) / "fields" / (name + ".shapes.json");
-    if (!fs::exists(path)) {
-      missing.push_back(
-          fmt::format("The elements of '{}' are not drawn: it left no fields/{}.shapes.json.", name, name));
-      continue;
-    }
-    auto file = read_shape_file(path.string());
+    if (name == "coupler" || paths.count(name) > 0) continue;
+    missing.push_back(fmt::format("The elements of '{}' are not drawn: it left no fields/{}{}.", name, name, ending));
+  }
+  for (const auto& [name, path] : paths) {
+    auto file = read_shape_file(path);
     if (file.too_many_cells > 0) {
       missing.push_back(
           fmt::format("The elements of '{}' are not drawn: they are too many, {}.", name, file.too_many_cells));

@@ -37,9 +37,9 @@ struct Shapes {
   std::vector<std::string> missing;  ///< sentences: whose elements are not there, and why
 };
 
-/// Reads FOLDER/fields/NAME.shapes.json of each participant that the summary names. Windows with numbers that are not
-/// finite are left out. Throws ConfigError that names a file and what is wrong with it, Json::exception if it is not
-/// of the form that ShapeRecorder (common/solver) writes.
+/// Reads every FOLDER/fields/NAME.shapes.json; participants that the summary names without one are missing. Windows
+/// with numbers that are not finite are left out. Throws ConfigError that names a file and what is wrong with it,
+/// Json::exception if it is not of the form that ShapeRecorder (common/solver) writes.
 [[nodiscard]] Shapes read_shapes(const std::string& folder, const Json& summary);
 
 }  // namespace ricochet::report
