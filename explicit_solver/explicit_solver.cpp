@@ -60,6 +60,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   std::visit([&](const auto& drive) { drive.answer(output); }, *drive_);
   model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
+  shapes_.emplace(problem_, states_, setup_, spec_->name);
 }
 
 void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, LinkOutput& output) {
@@ -70,6 +71,7 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
       },
       *drive_);
   update_status();
+  if (window_ == 0) shapes_->note(window_);
 }
 
 void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
@@ -97,6 +99,7 @@ void ExplicitSolver::accept() {
   ++window_;
   update_status();
   model_watch_.look(window_, states_);
+  shapes_->note(window_);
 }
 
 void ExplicitSolver::update_status() {
@@ -146,6 +149,11 @@ void ExplicitSolver::load_state(const std::vector<double>& state, participant::F
 
 void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
   solver::read_motion(states_, setup_.window_size_s, state, scale);
+}
+
+void ExplicitSolver::finish() {
+  model_watch_.look(window_, states_, true);
+  shapes_->finish(window_);
 }
 
 void ExplicitSolver::write_fields(std::int64_t window) {

@@ -75,6 +75,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
                    setup_.window_size_s);
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
+  shapes_.emplace(problem_, states_, setup_, spec_->name);
   put_output(output);
 }
 
@@ -134,6 +135,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   }
   put_output(output);
   update_status();
+  if (window_ == 0) shapes_->note(window_);
 }
 
 void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
@@ -167,6 +169,7 @@ void ImplicitSolver::accept() {
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
   model_watch_.look(window_, states_);
+  shapes_->note(window_);
 }
 
 /// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise
@@ -270,6 +273,11 @@ void ImplicitSolver::load_state(const std::vector<double>& state, participant::F
 
 void ImplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
   solver::read_motion(states_, setup_.window_size_s, state, scale);
+}
+
+void ImplicitSolver::finish() {
+  model_watch_.look(window_, states_, true);
+  shapes_->finish(window_);
 }
 
 void ImplicitSolver::write_fields(std::int64_t window) {

@@ -9,6 +9,7 @@
 #include "common/solver/body_state.hpp"
 #include "common/solver/model_watch.hpp"
 #include "common/solver/separation.hpp"
+#include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
@@ -38,7 +39,7 @@ class ImplicitSolver final : public participant::Participant {
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
-  void finish() override { model_watch_.look(window_, states_, true); }
+  void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
 
@@ -77,6 +78,7 @@ class ImplicitSolver final : public participant::Participant {
   solver::AxialStressShares axial_stress_;
   solver::ModelWatch model_watch_;
   solver::WatchedOutline outline_;
+  std::optional<solver::ShapeRecorder> shapes_;  ///< from `initialize` on
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part

@@ -61,6 +61,10 @@ struct EdgeLengths {
 /// Principal stresses, algebraically largest first, of a stress in the order above [Pa].
 [[nodiscard]] Eigen::Vector3d principal_stresses(Model model, const StressVector& stress);
 
+/// sqrt(3/2 s:s) of the deviator s of a stress in the order above: what uniaxial tension of the same distortion energy
+/// has; of a bar the magnitude of its stress [Pa].
+[[nodiscard]] double von_mises_stress(Model model, const StressVector& stress);
+
 /// c_L = sqrt(E(1-nu)/(rho(1+nu)(1-2nu))) (Eq. 26); for a bar sqrt(E/rho) [m/s].
 [[nodiscard]] double longitudinal_wave_speed(Model model, const Material& material);
 /// c_S = sqrt(E/(2 rho (1+nu))) (Eq. 27) [m/s].

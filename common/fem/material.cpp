@@ -45,6 +45,13 @@ Eigen::Vector3d principal_stresses(Model model, const StressVector& stress) {
   return principal;
 }
 
+double von_mises_stress(Model model, const StressVector& stress) {
+  if (model == Model::bar) return std::abs(stress[0]);
+  const double a = stress[0] - stress[1], b = stress[1] - stress[2], c = stress[2] - stress[0];
+  const double shear = stress.tail(stress.size() - 3).squaredNorm();
+  return std::sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * shear);
+}
+
 double longitudinal_wave_speed(Model model, const Material& material) {
   const double young = material.youngs_modulus_pa;
   const double nu = material.poisson_ratio;

@@ -114,7 +114,6 @@ std::vector<double> output_of(const wire::Array& array, const char* field, const
 wire::Initialize initialize_request(const ContractRun& run, const ContractDrive& drive) {
   wire::Initialize message;
   message.protocol = "hughes_liu";
-  message.output_directory = "/tmp";
   message.window_size_s = run.window_size_s;
   message.driven_by = name_of(run.implicit() ? Drive::force : Drive::displacement);
   message.interface_mass_kg = run.description.interface_mass_kg;

@@ -128,8 +128,9 @@ void ProcessSet::check_exit_codes() {
   }
 }
 
-void ProcessSet::fail(int exit_code, const std::string& text) {
+void ProcessSet::fail(int exit_code, const std::string& text, std::chrono::milliseconds grace) {
   peers_.announce_failure(exit_code, text, "coupler");
+  if (grace.count() > 0) launcher_.wait_all(grace);
   launcher_.stop(std::chrono::milliseconds(2000));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,8 +55,8 @@ class ProcessSet {
   /// Waits until the launched processes have ended; ParticipantError naming the first that does not, or not with exit
   /// code 0.
   void check_exit_codes();
-  /// Tells everyone that the run is over, and why, and ends who does not end by itself.
-  void fail(int exit_code, const std::string& text);
+  /// Tells everyone that the run is over, and why, and ends who does not end by itself within `grace`.
+  void fail(int exit_code, const std::string& text, std::chrono::milliseconds grace = {});
   /// Closes every connection as if this process were gone, but ends nobody. Afterwards only `launcher` is of use.
   void hang_up() { listener_.reset(); }
 

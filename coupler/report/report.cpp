@@ -19,6 +19,7 @@
 #include "coupler/report/run_page/stress_waves.hpp"
 #include "coupler/report/run_page/summary_page.hpp"
 #include "coupler/report/run_page/timeline.hpp"
+#include "coupler/report/shapes/shape_picture.hpp"
 #include "coupler/report/stability_page/stability_maps.hpp"
 #include "coupler/report/stability_page/stability_page.hpp"
 #include "coupler/report/study_page/study_page.hpp"
@@ -68,9 +69,13 @@ std::string events_text(const std::vector<Event>& events) {
   return list.empty() ? "" : list + ".";
 }
 
-std::string help_html(const HistoryTable& table, const std::vector<Event>& events) {
-  if (table.rows() < 2) return "<p>The run ended before there was a history to draw.</p>";
-  std::string text =
+std::string help_html(const HistoryTable& table, const std::vector<Event>& events, const Shapes& shapes) {
+  std::string text;
+  if (shapes.pieces.empty()) {  // else the picture says who is missing
+    for (const auto& missing : shapes.missing) text += "<p>" + escape_html(missing) + "</p>";
+  }
+  if (table.rows() < 2) return text + "<p>The run ended before there was a history to draw.</p>";
+  text +=
       "<p>Point at a chart to read values. Drag over a stretch of time to enlarge it in all charts over time, "
       "double-click to go back.</p>";
   if (events.empty()) return text;
@@ -105,8 +110,13 @@ std::string page_of(const std::filesystem::path& folder) {
   auto table = read_history((folder / "history.csv").string());
   add_theory(table, summary);
   const auto events = events_of(summary);
+  const auto shapes = read_shapes(folder.string(), summary);
+  auto charts = charts_of(folder, table, events);
+  const double first_contact_s = number(summary, "first_contact_s").value_or(std::numeric_limits<double>::quiet_NaN());
+  if (auto picture = shape_picture(shapes, table, first_contact_s))
+    charts.insert(charts.begin(), std::move(*picture));  // first of all: what happened
   std::string figures, json;
-  for (const auto& chart : charts_of(folder, table, events)) {
+  for (const auto& chart : charts) {
     figures += to_html(chart);
     json += (json.empty() ? "" : ",\n") + to_json(chart);
   }
@@ -114,7 +124,7 @@ std::string page_of(const std::filesystem::path& folder) {
                                         {"style", std::string(asset("page.css"))},
                                         {"header", header_html(summary)},
                                         {"tables", tables_html(summary)},
-                                        {"help", help_html(table, events)},
+                                        {"help", help_html(table, events, shapes)},
                                         {"figures", figures},
                                         {"libraries", libraries_html()},
                                         {"charts", inside_script("[" + json + "]")},
@@ -137,8 +147,9 @@ Page write_report(const std::string& directory) {
       page = {"report.html", page_of(directory)};
     }
   } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: summary.json, trace.json or study.json is not that of this program: {}",
-                                  directory, error.what()));
+    throw ConfigError(
+        fmt::format("{}: summary.json, trace.json, fields/*.shapes.json or study.json is not that of this program: {}",
+                    directory, error.what()));
   }
   OwnFiles own(directory);
   own.claim({page.path});

@@ -33,6 +33,7 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
     names.push_back("logs/" + participant.name + ".log");
     names.push_back("keys/" + participant.name + ".key");
     names.push_back("fields/" + participant.name + "_#.vtu");
+    names.push_back("fields/" + participant.name + ".shapes.json");
   }
   if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml"});
   return names;

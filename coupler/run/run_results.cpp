@@ -28,7 +28,8 @@ double CoupledRun::cpu_time_s() {
 
 void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error) {
   progress_.close();
-  set_.fail(exit_code, error);
+  // Who has computed windows writes what the report's picture is drawn from.
+  set_.fail(exit_code, error, std::chrono::milliseconds(loop_ ? 1000 : 0));
   summary_.status = status;
   summary_.exit_code = exit_code;
   summary_.error = error;

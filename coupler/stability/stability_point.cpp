@@ -15,10 +15,10 @@
 namespace ricochet::coupler {
 namespace {
 
-/// No end, no history, no fields: nobody asks for them.
-wire::Initialize endless_request(const scene::Problem& problem, const ResultsDirectory& results) {
+/// No end, no history, no files: nobody asks for them.
+wire::Initialize endless_request(const scene::Problem& problem) {
   constexpr auto never = std::numeric_limits<std::int64_t>::max();
-  auto request = initialize_request(problem, never, results.file("fields"));
+  auto request = initialize_request(problem, never, "");
   request.history_every = std::numeric_limits<int>::max();
   request.fields_every = 0;
   request.until_separated_plus_s = -1.0;
@@ -26,7 +26,7 @@ wire::Initialize endless_request(const scene::Problem& problem, const ResultsDir
 }
 
 std::vector<ContactStability> measure(const scene::Problem& problem, const std::vector<FrozenContact>& frozen_contacts,
-                                      const ResultsDirectory& results, ProcessSet& set) {
+                                      ProcessSet& set) {
   set.launch();
   set.meet();
   const auto descriptions = set.describe();
@@ -37,7 +37,7 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   }
   Coupling coupling(set.peers().all(), descriptions, problem.window_size_s);
   const auto protocol = make_protocol(traits.name, protocol_settings(problem.scene.coupling));
-  protocol->start(coupling, endless_request(problem, results));
+  protocol->start(coupling, endless_request(problem));
   std::vector<ContactStability> measured;
   for (const auto contact : frozen_contacts) {
     measured.push_back({contact, spectral_radius(window_map(coupling, *protocol, contact))});
@@ -55,7 +55,7 @@ std::vector<ContactStability> measure_stability(const scene::Problem& problem,
   const auto executables = find_executables(problem.scene);
   auto set = make_process_set(problem, executables, results, make_run_id());
   try {
-    return measure(problem, frozen_contacts, results, set);
+    return measure(problem, frozen_contacts, set);
   } catch (const std::exception& error) {
     set.fail(exit_code_of(error), error.what());
     throw;

@@ -74,7 +74,7 @@ TEST(SolidBarsByEveryLaw, DoWhatBarsDo) {
 }
 
 constexpr double speed = 10.0, length = 0.5, size = 0.03;
-const double c_l = std::sqrt(1e9 * 0.75 / (1000 * 1.25 * 0.5));
+const double wave_speed_m_s = std::sqrt(1e9 * 0.75 / (1000 * 1.25 * 0.5));
 
 /// Two blocks whose sides are held meet end on: uniaxial strain, pressure rho c_L v until 2 L/c_L.
 std::string blocks(const std::string& mesh, const TemporaryFolder& folder) {
@@ -115,7 +115,8 @@ TEST_P(SolidPlates, MeetUnderTheExactPressureAndPart) {
   const auto& [mesh, protocol] = GetParam();
   const TemporaryFolder folder;
   const RunResult r = run_text(with_protocol(blocks(mesh, folder), protocol), folder);
-  const double pressure = 1000 * c_l * speed, period = 2.0 * length / c_l, mass = 1000 * length * size * size;
+  const double pressure = 1000 * wave_speed_m_s * speed, period = 2.0 * length / wave_speed_m_s,
+               mass = 1000 * length * size * size;
   EXPECT_NEAR(r.mean("contact_pressure_mean_pa", 0.1 * period, 0.9 * period), pressure, 0.005 * pressure);
   EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10);
   EXPECT_NEAR(r.column("contact_impulse_n_s").back(), 2.0 * mass * speed, 0.02 * 2.0 * mass * speed);

@@ -41,6 +41,30 @@ TEST(PrincipalStresses, OfABarHoldTwoZeros) {
   EXPECT_EQ(principal_stresses(Model::bar, StressVector::Constant(1, -5.0)), Eigen::Vector3d(0.0, 0.0, -5.0));
 }
 
+StressVector stress_of(std::initializer_list<double> values) {
+  StressVector stress(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), stress.begin());
+  return stress;
+}
+
+TEST(VonMisesStress, OfKnownStates) {
+  for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
+    EXPECT_DOUBLE_EQ(von_mises_stress(model, stress_of({-7, 0, 0, 0})), 7) << "uniaxial";
+    EXPECT_DOUBLE_EQ(von_mises_stress(model, stress_of({0, 0, 7, 0})), 7);
+    EXPECT_DOUBLE_EQ(von_mises_stress(model, stress_of({5, 5, 5, 0})), 0) << "pressure";
+    EXPECT_DOUBLE_EQ(von_mises_stress(model, stress_of({0, 0, 0, -2})), std::sqrt(12.0)) << "shear";
+  }
+  EXPECT_EQ(von_mises_stress(Model::bar, stress_of({-7})), 7);
+}
+
+TEST(VonMisesStress, IsThatOfThePrincipalStresses) {
+  const StressVector stress = stress_of({1, -4, 2.5, 3, -0.5, 6});
+  const Eigen::Vector3d p = principal_stresses(Model::solid, stress);
+  const double expected =
+      std::sqrt(0.5 * (std::pow(p[0] - p[1], 2) + std::pow(p[1] - p[2], 2) + std::pow(p[2] - p[0], 2)));
+  EXPECT_NEAR(von_mises_stress(Model::solid, stress), expected, 1e-13 * expected);
+}
+
 TEST(WaveSpeeds, FollowTheElasticConstants) {
   const double lambda = elasticity(Model::plane_strain, steel)(0, 1);
   const double mu = elasticity(Model::plane_strain, steel)(3, 3);

@@ -1,6 +1,6 @@
-// node open_page.mjs NODE_MODULES DIR[=CHART]...: opens DIR/report.html of each results folder (DIR may be a page itself) in
+// node open_page.mjs NODE_MODULES DIR[=CHART,...]...: opens DIR/report.html of each results folder (DIR may be a page itself) in
 // headless Chromium, points at every chart and fails if a tooltip is missing, a chart is empty, or the console or the
-// network has anything to say. DIR=CHART: the page must have that chart.
+// network has anything to say. DIR=CHART,...: the page must have these charts.
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -42,8 +42,42 @@ async function expectStressWaves(page, chart) {
   expect(/axial position \[/.test(text) && /axial stress \[.*Pa\]\s*[−-]?\d/.test(text), `tooltip of the stress waves: ${text}`);
 }
 
+// The pointer finds the stress of the element below it, and the picture has the colours of its scale and dark lines.
+async function expectDeformedBodies(page, chart) {
+  await chart.scrollIntoViewIfNeeded();
+  const { colours, dark, white } = await chart.locator("canvas").evaluate((canvas) => {
+    const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    const seen = new Set(new Uint32Array(pixels.buffer));
+    let dark = 0, white = 0;
+    for (let i = 0; i < pixels.length; i += 4) {
+      if (pixels[i] + pixels[i + 1] + pixels[i + 2] < 150) ++dark;
+      if (pixels[i] + pixels[i + 1] + pixels[i + 2] === 765) ++white;
+    }
+    return { colours: seen.size, dark: dark / (pixels.length / 4), white: white / (pixels.length / 4) };
+  });
+  expect(colours > 100, `the bodies have only ${colours} colours`);
+  expect(dark > 0.001 && dark < 0.3, `a share of ${dark} of the bodies' picture is dark`);
+  expect(white > 0.1 && white < 0.95, `a share of ${white} of the bodies' picture is white`);
+  const place = await page.evaluate(() => {
+    const chart = JSON.parse(document.getElementById("charts").textContent).find((c) => c.id === "deformed_bodies");
+    const row = chart.rows[Math.floor(chart.rows.length / 2)];
+    return { x: row[0], y: row[1], body: row[4], width: chart.spec.width, height: chart.spec.height };
+  });
+  const box = await chart.locator("canvas").boundingBox();
+  // The legend above moves the plot down, by what the canvas is higher than the plot and its margin of 5 px below.
+  await page.mouse.move(box.x + 5 + place.x, box.y + box.height - 5 - place.height + place.y);
+  const tooltip = page.locator("#vg-tooltip-element.visible");
+  await tooltip.waitFor({ timeout: 5000 });
+  const text = await tooltip.innerText();
+  expect(/time \[.*s\]/.test(text) && /stress \[.*Pa\]\s*[−-]?\d/.test(text) && text.includes(place.body),
+    `tooltip of the deformed bodies: ${text}`);
+  await page.mouse.move(5, 5);
+}
+
 async function dragEnlargesAllChartsOverTime(page) {
-  const at = await centre(page.locator(".chart").first());
+  const overTime = await page.evaluate(() =>
+    JSON.parse(document.getElementById("charts").textContent).find((chart) => chart.link === "time").id);
+  const at = await centre(page.locator("#" + overTime));
   const range = () => page.evaluate(() => views.filter((v) => v.link === "time")
     .map((v) => [v.view.signal("from"), v.view.signal("to")]));
   const before = await range();
@@ -85,8 +119,9 @@ async function check(browser, argument) {
     expect(/\d/.test(text), `no tooltip with a value on ${ids[i]}`);
     await page.mouse.move(5, 5);
     if (ids[i].startsWith("axial_stress")) await expectStressWaves(page, charts.nth(i));
+    if (ids[i] === "deformed_bodies") await expectDeformedBodies(page, charts.nth(i));
   }
-  if (wanted) expect(ids.includes(wanted), `no chart ${wanted} among ${ids.join(", ")}`);
+  for (const id of wanted ? wanted.split(",") : []) expect(ids.includes(id), `no chart ${id} among ${ids.join(", ")}`);
   if (await page.evaluate(() => views.some((v) => v.link === "time"))) await dragEnlargesAllChartsOverTime(page);
   expect(complaints.size === 0, [...complaints].join("\n"));
   console.log(`${folder}: ${ids.join(", ")}`);

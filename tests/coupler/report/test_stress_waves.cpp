@@ -22,6 +22,17 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
+/// What a script prints of a file.
+std::string said_by_python(const std::string& script, const std::string& path) {
+  const std::string command = "/usr/bin/python3 -c \"" + script + "\" '" + path + "' 2>&1";
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
+    text.append(buffer.data(), count);
+  return text;
+}
+
 /// What an independent reader finds in a PNG file of ours: width, height, then the colours as hexadecimal numbers.
 std::string decoded(const std::string& path) {
   const std::string script =
@@ -33,13 +44,7 @@ std::string decoded(const std::string& path) {
       "w,h=struct.unpack('>II',c[b'IHDR'][:8]); l=zlib.decompress(c[b'IDAT']); assert len(l)==h*(w+1) and b'IEND' in "
       "c\n"
       "print(w,h,*[c[b'PLTE'][3*l[r*(w+1)+1+x]:][:3].hex() for r in range(min(h,3)) for x in range(min(w,3))])\n";
-  const std::string command = "/usr/bin/python3 -c \"" + script + "\" '" + path + "' 2>&1";
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  std::string text;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
-    text.append(buffer.data(), count);
-  return text;
+  return said_by_python(script, path);
 }
 
 class StressWaves : public SampleRun {
@@ -56,9 +61,31 @@ class StressWaves : public SampleRun {
 TEST_F(StressWaves, PngIsReadByAnIndependentReader) {
   write("a.png", png(2, 2, {0, 1, 1, 2}, {{255, 0, 0}, {0, 255, 0}, {1, 2, 3}}));
   EXPECT_EQ(decoded(path("a.png")), "2 2 ff0000 00ff00 00ff00 010203\n");
-  write("b.png", png(300, 250, std::vector<std::uint8_t>(75000, 0), {{9, 8, 7}}));  // more than one stored block
+  write("b.png", png(300, 250, std::vector<std::uint8_t>(75000, 0), {{9, 8, 7}}));
   EXPECT_THAT(decoded(path("b.png")), HasSubstr("300 250 090807"));
+  EXPECT_LT(std::filesystem::file_size(path("b.png")), 1500U) << "what repeats is compressed";
   EXPECT_THROW((void)png(2, 2, {0}, {{0, 0, 0}}), std::invalid_argument);
+}
+
+// Repeats of every length and of two distances, and colours of every number between them.
+TEST_F(StressWaves, EveryPixelOfAPngIsReadBack) {
+  constexpr std::size_t width = 777, height = 40;
+  std::vector<std::uint8_t> pixels;
+  for (std::uint32_t random = 1, length = 1; pixels.size() < width * height; ++length) {
+    random = 1664525U * random + 1013904223U;
+    pixels.insert(pixels.end(), length % 300, static_cast<std::uint8_t>(random >> 24U));
+    for (std::uint32_t i = 0; i < length % 7 && pixels.size() > width; ++i)
+      pixels.push_back(pixels[pixels.size() - width]);
+  }
+  pixels.resize(width * height);
+  write("a.png", png(width, height, pixels, std::vector<Rgb>(256)));
+  const std::string script =
+      "import sys,zlib; d=open(sys.argv[1],'rb').read(); at=d.index(b'IDAT'); n=int.from_bytes(d[at-4:at],'big')\n"
+      "print(zlib.decompress(d[at+4:at+4+n]).hex(),end='')";
+  std::string expected;
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    expected += fmt::format("{}{:02x}", i % width == 0 ? "00" : "", pixels[i]);
+  EXPECT_TRUE(said_by_python(script, path("a.png")) == expected);
 }
 
 TEST_F(StressWaves, RowsAreInDisplayUnitsWithOneColumnForEachLayer) {

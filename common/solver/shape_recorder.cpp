@@ -1,0 +1,236 @@
+#include "common/solver/shape_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "common/base/base64.hpp"
+#include "common/base/write_file.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// A face of a solid, with its element: equal sorted nodes make two of them one face inside the body.
+struct SolidFace {
+  fem::Face sorted, face;
+  int element = 0;
+};
+
+/// Faces that belong to one element of the part alone, element by element.
+std::vector<SolidFace> surface_of(const fem::Mesh& mesh) {
+  std::vector<SolidFace> faces;
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const auto& element = mesh.elements[fem::at(e)];
+    for (const auto& local : fem::traits(element.kind).faces) {
+      fem::Face face = local;
+      for (int& node : face) node = element[fem::at(node)];
+      faces.push_back({fem::sorted(face), face, e});
+    }
+  }
+  std::sort(faces.begin(), faces.end(), [](const SolidFace& a, const SolidFace& b) {
+    return std::pair(a.sorted, a.element) < std::pair(b.sorted, b.element);
+  });
+  std::vector<SolidFace> surface;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const bool twin_before = i > 0 && faces[i - 1].sorted == faces[i].sorted;
+    const bool twin_after = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
+    if (!twin_before && !twin_after) surface.push_back(faces[i]);
+  }
+  return surface;
+}
+
+}  // namespace
+
+/// In local nodes, each with its element.
+std::vector<ShapeRecorder::Placed> ShapeRecorder::cells_of(const fem::Mesh& mesh) {
+  std::vector<Placed> cells;
+  const auto add = [&cells](const auto& nodes, int element) {
+    cells.push_back({{-1, -1, -1, -1}, element});
+    std::copy(nodes.begin(), nodes.end(), cells.back().nodes.begin());
+  };
+  if (mesh.model == fem::Model::solid) {
+    for (const auto& face : surface_of(mesh)) add(face.face, face.element);
+  } else {
+    for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) add(mesh.elements[fem::at(e)], e);
+  }
+  return cells;
+}
+
+namespace {
+
+template <class Number>
+std::string packed(const std::vector<Number>& values) {
+  return fmt::format("\"{}\"", base64({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)}));
+}
+
+const char* model_name(fem::Model model) {
+  switch (model) {
+    case fem::Model::bar: return "bar";
+    case fem::Model::plane_strain: return "plane_strain";
+    case fem::Model::axisymmetric: return "axisymmetric";
+    default: return "solid";
+  }
+}
+
+}  // namespace
+
+ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states,
+                             const participant::Setup& setup, std::string participant)
+    : states_(states),
+      participant_(std::move(participant)),
+      model_(problem.scene.model),
+      window_size_s_(setup.window_size_s),
+      nose_(problem.scene.contact && problem.scene.contact->nose_radius_m > 0.0) {
+  if (setup.output_directory.empty()) return;
+  path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
+  windows_.reserve(most_windows + 1);
+  std::vector<std::vector<Placed>> cells;
+  std::size_t count = 0;
+  for (const auto& state : states) {
+    cells.push_back(cells_of(state.part.mesh));
+    count += cells.back().size();
+  }
+  if (count > most_cells) {
+    too_many_cells_ = count;
+    return;
+  }
+  for (std::size_t p = 0; p < states.size(); ++p)
+    parts_.push_back(drawn_part(states[p], problem.bodies[static_cast<std::size_t>(states[p].body)], cells[p]));
+}
+
+ShapeRecorder::~ShapeRecorder() { write(); }
+
+/// A node, and its image across the period where a cell reaches it there, are two nodes of the picture.
+ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const scene::BodyProblem& body,
+                                               const std::vector<Placed>& cells) const {
+  const auto& mesh = state.part.mesh;
+  const int components = fem::components(model_);
+  Drawn drawn;
+  drawn.name = state.name;
+  drawn.strip_m = model_ == fem::Model::bar ? std::sqrt(state.part.section.measure) : 0.0;
+  for (Eigen::Index dof = 0; dof < body.initial_velocity_m_s.size(); ++dof)
+    drawn.velocity_m_s[dof % components] += body.initial_velocity_m_s[dof];
+  drawn.velocity_m_s /= static_cast<double>(body.mesh.position.size());
+  std::array<std::vector<int>, 2> number;  // of the nodes, of their images: index in the picture
+  for (auto& of : number) of.assign(mesh.position.size(), -1);
+  std::vector<bool> keep(mesh.position.size(), false);
+  for (const auto& cell : cells) {
+    drawn.cells.push_back({-1, -1, -1, -1});
+    drawn.element.push_back(cell.element);
+    for (const int node : mesh.elements[fem::at(cell.element)]) keep[fem::at(node)] = true;
+    for (std::size_t i = 0; i < 4 && cell.nodes[i] >= 0; ++i) {
+      const auto node = fem::at(cell.nodes[i]);
+      const Eigen::Vector3d x = fem::nearest_image(mesh, mesh.position[node], mesh.position[fem::at(cell.nodes[0])]);
+      const bool image = x[0] != mesh.position[node][0];
+      int& index = number[image ? 1 : 0][node];
+      if (index < 0) {
+        index = static_cast<int>(drawn.node.size());
+        drawn.node.push_back(cell.nodes[i]);
+        drawn.body_node.push_back(image ? -1 - state.part.body_node[node] : state.part.body_node[node]);
+        for (int c = 0; c < components; ++c) drawn.position_m.push_back(static_cast<float>(x[c]));
+      }
+      drawn.cells.back()[i] = index;
+    }
+  }
+  for (int dof = 0; dof < state.part.dofs(); ++dof) {
+    if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
+  }
+  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size()));
+  return drawn;
+}
+
+void ShapeRecorder::note(std::int64_t window) {
+  if (path_.empty() || window % every_ != 0) return;
+  if (!windows_.empty() && windows_.back() == window) {
+    windows_.pop_back();  // the start may be synchronised more than once
+  } else if (windows_.size() == most_windows) {
+    every_ *= 2;
+    for (std::size_t i = 0; 2 * i < most_windows; ++i) {
+      windows_[i] = windows_[2 * i];
+      for (auto& part : parts_) part.kept[i].swap(part.kept[2 * i]);
+    }
+    windows_.resize(most_windows / 2);
+    if (window % every_ != 0) return;
+  }
+  keep(window);
+}
+
+void ShapeRecorder::keep(std::int64_t window) {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    auto& part = parts_[p];
+    auto& values = part.kept[windows_.size()];
+    for (std::size_t i = 0; i < part.kept_dof.size(); ++i)
+      values[static_cast<Eigen::Index>(i)] = states_[p].u[part.kept_dof[i]];
+  }
+  windows_.push_back(window);
+}
+
+void ShapeRecorder::finish(std::int64_t window) {
+  if (path_.empty()) return;
+  if (!windows_.empty() && windows_.back() == window) windows_.pop_back();
+  keep(window);
+  write();
+}
+
+void ShapeRecorder::write() {
+  const std::string path = std::exchange(path_, "");
+  try {
+    if (path.empty() || windows_.empty() || !std::filesystem::exists(std::filesystem::path(path).parent_path())) return;
+    write_atomically(path, text());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: no picture of its elements in report.html: {}\n", participant_, error.what());
+  }
+}
+
+std::string ShapeRecorder::text() const {
+  std::string bodies;
+  for (std::size_t p = 0; p < parts_.size(); ++p) bodies.append(p == 0 ? "\n" : ",\n").append(text_of(p));
+  return fmt::format(
+      "{{\"format\": \"ricochet shapes 1\", \"model\": \"{}\", \"window_size_s\": {:.17g}, \"nose\": {}, \"windows\": "
+      "[{}], "
+      "\"too_many_cells\": {}, \"bodies\": [{}]}}\n",
+      model_name(model_), window_size_s_, nose_, fmt::join(windows_, ", "), too_many_cells_, bodies);
+}
+
+std::string ShapeRecorder::text_of(std::size_t part) const {
+  const auto& drawn = parts_[part];
+  const auto& mesh_part = states_[part].part;
+  const int components = fem::components(model_);
+  std::string displacements, stresses;
+  for (std::size_t w = 0; w < windows_.size(); ++w) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
+    for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
+      u[drawn.kept_dof[i]] = drawn.kept[w][static_cast<Eigen::Index>(i)];
+    std::vector<float> displacement, stress;
+    displacement.reserve(drawn.node.size() * static_cast<std::size_t>(components));
+    for (const int node : drawn.node) {
+      for (int c = 0; c < components; ++c) displacement.push_back(static_cast<float>(u[node * components + c]));
+    }
+    stress.reserve(drawn.element.size());
+    for (const int e : drawn.element) {
+      const auto geometry = fem::element_geometry(mesh_part.mesh, e);
+      const auto tensor =
+          fem::element_stress(mesh_part.section, mesh_part.material, geometry,
+                              fem::element_displacement(mesh_part.mesh, e, u), fem::traits(geometry.kind).centre);
+      stress.push_back(
+          static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
+    }
+    displacements.append(w == 0 ? "" : ",\n").append(packed(displacement));
+    stresses.append(w == 0 ? "" : ",\n").append(packed(stress));
+  }
+  std::vector<int> cells;
+  for (const auto& cell : drawn.cells) cells.insert(cells.end(), cell.begin(), cell.end());
+  const auto& v = drawn.velocity_m_s;
+  return fmt::format(
+      "{{\"name\": \"{}\", \"strip_m\": {:.9g}, \"initial_velocity_m_s\": [{:.9g}, {:.9g}, {:.9g}],\n\"node\": {},\n"
+      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]}}",
+      drawn.name, drawn.strip_m, v[0], v[1], v[2], packed(drawn.body_node), packed(drawn.position_m), packed(cells),
+      displacements, stresses);
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/participant/participant.hpp"
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::solver {
+
+/// Keeps the displacements of a participant's elements at a few windows, evenly spaced over the run however long it
+/// becomes, and writes them with the stress of what can be seen to DIRECTORY/NAME.shapes.json, from which `ricochet
+/// report` draws the deformed bodies. Stresses are reckoned at the end, and for those windows alone: while the run goes
+/// on, a window costs a copy of u at most. It is a picture only: if it cannot be written, a line on stderr says so and
+/// nothing fails; in a folder that is not there (on another machine) it does not try.
+class ShapeRecorder {
+ public:
+  /// Windows kept; one more when this many are there: then every second goes, and half as many are kept from there on.
+  static constexpr std::size_t most_windows = 8;
+  /// Of elements (of a solid: faces of its surface). More are not drawn; the file says how many there are.
+  static constexpr std::size_t most_cells = 100000;
+
+  /// Keeps nothing if `setup` has no output directory. `states` must outlive this object unmoved.
+  ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
+                std::string participant);
+  ShapeRecorder(const ShapeRecorder&) = delete;
+  ShapeRecorder& operator=(const ShapeRecorder&) = delete;
+  /// Writes what there is of a run that did not come to its end.
+  ~ShapeRecorder();
+
+  /// After `window` is accepted, and at the start; takes no memory from the heap.
+  void note(std::int64_t window);
+  /// After the last window, which is kept whatever its number.
+  void finish(std::int64_t window);
+
+ private:
+  /// What is drawn of one part: nodes, and cells of two to four of them.
+  struct Drawn {
+    std::string name;
+    double strip_m = 0.0;                   ///< of a bar: the side of a square of its cross section
+    Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< mean over the body at the start
+    std::vector<int> node;                  ///< of the part
+    std::vector<int> body_node;             ///< its number in the body; < 0: the image of a node across the period
+    std::vector<float> position_m;          ///< `components` per node
+    std::vector<std::array<int, 4>> cells;  ///< indices into `node`, -1 beyond a cell's own
+    std::vector<int> element;               ///< of the part, per cell
+    std::vector<int> kept_dof;              ///< of all nodes of these elements
+    std::array<Eigen::VectorXd, most_windows + 1> kept;
+  };
+  /// A cell in the nodes of its part, and the element that it shows.
+  struct Placed {
+    std::array<int, 4> nodes;
+    int element = 0;
+  };
+  [[nodiscard]] static std::vector<Placed> cells_of(const fem::Mesh& mesh);
+  [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body,
+                                 const std::vector<Placed>& cells) const;
+  void keep(std::int64_t window);
+  void write();
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::string text_of(std::size_t part) const;
+
+  const std::vector<BodyState>& states_;
+  std::string path_, participant_;
+  fem::Model model_ = fem::Model::bar;
+  double window_size_s_ = 0.0;
+  bool nose_ = false;  ///< of the contact
+  std::vector<Drawn> parts_;
+  std::size_t too_many_cells_ = 0;  ///< how many there are; 0: not too many
+  std::vector<std::int64_t> windows_;
+  std::int64_t every_ = 1;
+};
+
+}  // namespace ricochet::solver

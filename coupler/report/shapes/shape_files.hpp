@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "coupler/report/parts/chart.hpp"
+
+namespace ricochet::report {
+
+using Place = std::array<double, 3>;  ///< [m]; of models with fewer coordinates the rest is 0
+
+/// What one participant drew of one body.
+struct ShapePiece {
+  int body = 0;                                  ///< index into Shapes::bodies
+  std::vector<int> node;                         ///< number in the body
+  std::vector<Place> position;                   ///< per node, undeformed
+  std::vector<std::array<int, 4>> cells;         ///< indices into `node`, -1 beyond the two to four of a cell
+  std::vector<std::vector<Place>> displacement;  ///< per window, per node
+  std::vector<std::vector<double>> stress_pa;    ///< per window, per cell: von Mises, axial of a bar
+};
+
+/// The elements of a run's bodies, deformed, at the windows that all who drew them kept.
+struct Shapes {
+  struct Body {
+    std::string name;
+    double strip_m = 0;    ///< of a bar: the width it is drawn with
+    Place velocity_m_s{};  ///< at the start, mean over the body
+  };
+  std::string model;  ///< "bar", "plane_strain", "axisymmetric" or "solid"
+  bool nose = false;  ///< the contact has a rounded nose, which is no part of the mesh
+  std::vector<Body> bodies;
+  double window_size_s = 0;
+  std::vector<double> times_s;  ///< ascending
+  std::vector<ShapePiece> pieces;
+  std::vector<std::string> missing;  ///< sentences: whose elements are not there, and why
+};
+
+/// Reads every FOLDER/fields/NAME.shapes.json; participants that the summary names without one are missing. Windows
+/// with numbers that are not finite are left out. Throws ConfigError that names a file and what is wrong with it,
+/// Json::exception if it is not of the form that ShapeRecorder (common/solver) writes.
+[[nodiscard]] Shapes read_shapes(const std::string& folder, const Json& summary);
+
+}  // namespace ricochet::report

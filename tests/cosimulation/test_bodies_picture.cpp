@@ -1,0 +1,98 @@
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "tests/support/run.hpp"
+#include "tests/support/vtu.hpp"
+
+// What a whole run leaves for the picture of the deformed bodies on its page, without a key that asks for it.
+
+namespace ricochet::test {
+namespace {
+
+nlohmann::json shapes_of(const RunResult& run, const std::string& participant) {
+  return nlohmann::json::parse(file_text(run.folder + "/fields/" + participant + ".shapes.json"));
+}
+
+std::vector<float> floats(const nlohmann::json& packed) {
+  const std::string bytes = decode_base64(packed.get<std::string>());
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+class PictureOfProtocols : public testing::TestWithParam<const char*> {};
+
+// The same displacements and stresses as in the fields that ParaView opens, at windows that all participants have.
+TEST_P(PictureOfProtocols, IsOfTheFieldsOfTheRun) {
+  const TemporaryFolder folder;
+  const std::string text = with_protocol(config_text("two_bars"), GetParam());
+  const RunResult run = run_text(with_key(text, "output", "fields_every", "1"), folder);
+  const int steps = run.summary.at("steps").get<int>();
+  std::vector<int> windows;
+  for (const auto& process : run.summary.at("processes")) {
+    const auto name = process.at("name").get<std::string>();
+    if (name == "coupler") continue;
+    const auto shapes = shapes_of(run, name);
+    const auto kept = shapes.at("windows").get<std::vector<int>>();
+    if (windows.empty()) windows = kept;
+    EXPECT_EQ(kept, windows) << name;
+    for (std::size_t w = 0; w < kept.size(); ++w) {
+      char file[60];
+      std::snprintf(file, sizeof file, "/fields/%s_%08d.vtu", name.c_str(), kept[w]);
+      const auto u = vtu_array(run.folder + file, "displacement"),
+                 stress = vtu_array(run.folder + file, "stress_axial");
+      std::size_t nodes = 0, cells = 0;
+      for (const auto& body : shapes.at("bodies")) {
+        for (const float value : floats(body.at("displacement_m")[w]))
+          EXPECT_FLOAT_EQ(value, static_cast<float>(u[3 * nodes++]));
+        for (const float value : floats(body.at("stress_pa")[w]))
+          EXPECT_FLOAT_EQ(value, static_cast<float>(stress[cells++]));
+      }
+      EXPECT_EQ(nodes, u.size() / 3);
+      EXPECT_EQ(cells, stress.size());
+    }
+  }
+  ASSERT_GE(windows.size(), 5U);
+  EXPECT_EQ(windows.front(), 0);
+  EXPECT_EQ(windows.back(), steps);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), testing::HasSubstr("<h2>Deformed bodies: axial stress at "));
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, PictureOfProtocols,
+                         testing::Values("hughes_liu", "prakash_hjelmstad", "fixed_point", "all_implicit",
+                                         "all_explicit"));
+
+TEST(BodiesPicture, OfARunThatFailsShowsItUpToThere) {
+  const TemporaryFolder folder;
+  const RunResult run = run_file(std::string(RICOCHET_SOURCE) + "/tests/coupler/report/stopped.toml", folder);
+  EXPECT_EQ(run.outcome.code, 3);
+  EXPECT_EQ(shapes_of(run, "explicit").at("windows").front(), 0);
+  EXPECT_GE(shapes_of(run, "implicit").at("windows").size(), 4U);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), testing::HasSubstr("<h2>Deformed bodies: axial stress at "));
+}
+
+// As one on another machine, or one of another maker, would.
+TEST(BodiesPicture, SaysWhoLeftNothingToDraw) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(config_text("two_bars"), folder);
+  std::filesystem::remove(run.folder + "/fields/explicit.shapes.json");
+  EXPECT_EQ(run_command({ricochet_binary(), "report", run.folder}, folder.path().string()).code, 0);
+  EXPECT_THAT(file_text(run.folder + "/report.html"),
+              testing::HasSubstr("The elements of 'explicit' are not drawn: it left no fields/explicit.shapes.json."));
+  EXPECT_TRUE(std::filesystem::exists(run.folder + "/charts/deformed_bodies.svg"));
+}
+
+TEST(BodiesPicture, OfAFormerRunIsRemovedByTheNext) {
+  const TemporaryFolder folder;
+  const RunResult first = run_text(config_text("two_bars"), folder);
+  EXPECT_TRUE(std::filesystem::exists(first.folder + "/fields/explicit.shapes.json"));
+  const RunResult second = run_text(with_protocol(config_text("two_bars"), "all_implicit"), folder);
+  EXPECT_EQ(first.folder, second.folder);
+  EXPECT_TRUE(std::filesystem::exists(first.folder + "/fields/implicit.shapes.json"));
+  EXPECT_FALSE(std::filesystem::exists(first.folder + "/fields/explicit.shapes.json"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
