@@ -122,8 +122,9 @@ double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector
 
 void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                                    std::vector<BodyState>& states) {
-  state_.impulse_normal_n_s += normal_n_s;
-  state_.impulse_tangential_n_s += tangential_n_s;
+  const Eigen::Vector3d given = pair.to_contact(normal_n_s, tangential_n_s);
+  state_.impulse_normal_n_s += given[0];
+  state_.impulse_tangential_n_s += given.tail<2>();
   solver::book_impulse(pair, normal_n_s, tangential_n_s, states);
 }
 

@@ -33,7 +33,7 @@ struct BodyTotals {
 /// exactly.
 struct ContactRecord {
   double gap_min_m = 0.0;
-  double contact_force_n = 0.0;           ///< on B along +n, over the window
+  double contact_force_n = 0.0;           ///< on B along +n, over the window; of several contacts the sum
   double contact_pressure_mean_pa = 0.0;  ///< that over the area of all pairs
   double principal_stress_mean_pa = 0.0;
   double friction_force_n = 0.0;                                 ///< on B along +t, over the window

@@ -353,7 +353,8 @@ std::vector<ContactPair> mortar_pairs(const ContactMesh& mesh, const Eigen::Vect
 ContactMesh mesh_of(const Side& a, const Side& b) {
   const bool flat = a.flat && b.flat;
   const auto along = flat ? std::optional(tangent_of(a.normal)) : std::nullopt;
-  ContactMesh mesh{faces_of(a), OppositeFaces(faces_of(b), along, {a.body->mesh.period_m, a.body->mesh.period_wide_m}), {}};
+  ContactMesh mesh{
+      faces_of(a), OppositeFaces(faces_of(b), along, {a.body->mesh.period_m, a.body->mesh.period_wide_m}), {}};
   const std::vector<Eigen::Vector3d> normals = nodal_normals(a);
   for (std::size_t i = 0; i < normals.size(); ++i) mesh.normal.emplace(a.nodes[i], normals[i]);
   return mesh;

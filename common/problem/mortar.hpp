@@ -45,13 +45,13 @@ struct MortarRow {
 /// The second surface, so that what lies opposite a face need not be looked for among all of it.
 class OppositeFaces {
  public:
-  /// `along`: a direction in which flat surfaces are searched; none: curved. `period_m`: > 0 where a coordinate repeats.
+  /// `along`: a direction in which flat surfaces are searched; none: curved. `period_m`: > 0 where a coordinate
+  /// repeats.
   OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
                 const Eigen::Vector2d& period_m);
 
   /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending.
-  [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first,
-                                            Eigen::Vector3d shift_m) const;
+  [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, Eigen::Vector3d shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
 
  private:

@@ -43,6 +43,19 @@ ContactRow row_of_nodes(const std::vector<PartNode>& nodes, const Eigen::Vector3
   return row;
 }
 
+/// Columns n, t, b.
+Eigen::Matrix3d axes_of(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d tangent = scene::tangent_of(normal);
+  Eigen::Matrix3d axes;
+  axes << normal, tangent, normal.cross(tangent);
+  return axes;
+}
+
+Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  if (from == to) return {};
+  return {true, axes_of(to).transpose() * axes_of(from)};
+}
+
 }  // namespace
 
 Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
@@ -54,6 +67,8 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
   std::vector<PartNode> nodes;
   for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
   nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
+  Turn to_contact = turn_of(pair.normal, geometry.normal);
+  if (problem.scene.model == scene::Model::axisymmetric) to_contact.matrix(1, 0) = 0.0;
   return {.normal = row_of_nodes(nodes, pair.normal, components),
           .tangent = row_of_nodes(nodes, tangent, components),
           .binormal = row_of_nodes(nodes, binormal, components),
@@ -61,7 +76,9 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
           .area_m2 = pair.area_m2,
           .contact = contact,
           .node_a = pair.node_a,
-          .slid_m = shift_m.dot(tangent)};
+          .slid_m = shift_m.dot(tangent),
+          .to_contact = to_contact,
+          .to_momentum = turn_of(pair.normal, scene::momentum_normal(problem))};
 }
 
 std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts) {
@@ -154,9 +171,10 @@ void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& ta
   }
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
-  state.totals.impulse_n_kg_m_s -= normal_n_s;
-  state.totals.impulse_t_kg_m_s -= tangential_n_s[0];
-  state.totals.impulse_b_kg_m_s -= tangential_n_s[1];
+  const Eigen::Vector3d given = pair.to_momentum(normal_n_s, tangential_n_s);
+  state.totals.impulse_n_kg_m_s -= given[0];
+  state.totals.impulse_t_kg_m_s -= given[1];
+  state.totals.impulse_b_kg_m_s -= given[2];
   if (state.arm.size() == 0) return;
   const auto arm = [&](int) -> const Eigen::VectorXd& { return state.arm; };
   state.totals.angular_impulse_kg_m2_s +=

@@ -59,6 +59,17 @@ struct ContactRow {
   [[nodiscard]] int part_of(Side side) const;  ///< of the side's first entry; -1 if it has none
 };
 
+/// Components along n, t and b = n x t of one place as those of another.
+struct Turn {
+  bool turned = false;
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+
+  [[nodiscard]] Eigen::Vector3d operator()(double normal, const Eigen::Vector2d& along) const {
+    const Eigen::Vector3d given(normal, along[0], along[1]);
+    return turned ? Eigen::Vector3d(matrix * given) : given;
+  }
+};
+
 /// A place where the surfaces may touch: two nodes that lie opposite, or a node and a plane.
 struct Pair {
   ContactRow normal, tangent;  ///< no entries along the tangent in one dimension
@@ -68,6 +79,9 @@ struct Pair {
   std::size_t contact = 0;  ///< index into Problem::contacts
   int node_a = -1;          ///< of the first surface's body mesh
   double slid_m = 0.0;      ///< along t, by how much the rows have B displaced against A
+  /// To the directions of its contact, in which forces are reported, and to those of the momentum balance. About an
+  /// axis what normal forces have across it cancels.
+  Turn to_contact{}, to_momentum{};
 
   /// g0 + N u [m]
   template <class OfPart>

@@ -43,9 +43,10 @@ ContactRecord ContactSurface::report(const std::vector<BodyState>& states, const
   ContactRecord report;
   double area = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    report.contact_force_n += forces[i].normal;
-    report.friction_force_n += forces[i].tangential[0];
-    report.friction_force_b_n += forces[i].tangential[1];
+    const Eigen::Vector3d force = pairs[i].to_contact(forces[i].normal, forces[i].tangential);
+    report.contact_force_n += force[0];
+    report.friction_force_n += force[1];
+    report.friction_force_b_n += force[2];
     report.pairs_open += forces[i].state == ContactState::open;
     report.pairs_stick += forces[i].state == ContactState::stick;
     report.pairs_slip += forces[i].state == ContactState::slip;

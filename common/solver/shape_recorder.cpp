@@ -85,7 +85,8 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
       participant_(std::move(participant)),
       model_(problem.scene.model),
       window_size_s_(setup.window_size_s),
-      nose_(problem.scene.contact && problem.scene.contact->nose_radius_m > 0.0) {
+      nose_(std::any_of(problem.scene.contacts.begin(), problem.scene.contacts.end(),
+                        [](const scene::Contact& contact) { return contact.nose_radius_m > 0.0; })) {
   if (setup.output_directory.empty()) return;
   path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
   windows_.reserve(most_windows + 1);

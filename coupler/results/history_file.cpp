@@ -87,7 +87,8 @@ HistoryFile::~HistoryFile() {
 }
 
 void HistoryFile::add(HistoryRow row) {
-  if (!has_contact_ || row.contact.gap_min_m == std::numeric_limits<double>::max()) row.contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
+  if (!has_contact_ || row.contact.gap_min_m == std::numeric_limits<double>::max())
+    row.contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
   auto out = std::back_inserter(pending_);
   const char* separator = "";
   const auto put = [&](double value) {

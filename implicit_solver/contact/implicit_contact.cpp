@@ -564,8 +564,9 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
       state_.dissipated_friction_j -= work(along_tangent);
       if (surface_.components == 3) state_.dissipated_friction_j -= work(along_binormal);
     }
-    state_.impulse_normal_n_s += impulse_[i].normal;
-    state_.impulse_tangential_n_s += impulse_[i].tangential;
+    const Eigen::Vector3d given = pair.to_contact(impulse_[i].normal, impulse_[i].tangential);
+    state_.impulse_normal_n_s += given[0];
+    state_.impulse_tangential_n_s += given.tail<2>();
     book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
   }
 }

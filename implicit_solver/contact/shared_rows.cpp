@@ -111,8 +111,9 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
     state_.work_normal_j += work(pair.normal, own.normal, jump_impulse_[i].normal);
     state_.dissipated_friction_j -= work(pair.tangent, own.tangential[0], jump_impulse_[i].tangential[0]);
     state_.dissipated_friction_j -= work(pair.binormal, own.tangential[1], jump_impulse_[i].tangential[1]);
-    state_.impulse_normal_n_s += own.normal;
-    state_.impulse_tangential_n_s += own.tangential;
+    const Eigen::Vector3d given = pair.to_contact(own.normal, own.tangential);
+    state_.impulse_normal_n_s += given[0];
+    state_.impulse_tangential_n_s += given.tail<2>();
     book_impulse(pair, own.normal, own.tangential, states);
   }
   for (std::size_t i = 0; i < old_pairs_.size(); ++i) {
@@ -122,8 +123,9 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
                           slipped = pair.slip(of_part(increment)) / dt_;
     state_.work_normal_j += normal / dt_ * pair.normal.times(of_part(increment));
     state_.dissipated_friction_j -= along.dot(slipped);
-    state_.impulse_normal_n_s += normal;
-    state_.impulse_tangential_n_s += along;
+    const Eigen::Vector3d given = pair.to_contact(normal, along);
+    state_.impulse_normal_n_s += given[0];
+    state_.impulse_tangential_n_s += given.tail<2>();
     book_impulse(pair, normal, along, states);
   }
 }

@@ -88,6 +88,10 @@ TEST(OneBall, OnARigidPlaneHasTheForceOfTwo) {
   const RunResult one = run_text(replaced(text, "\"upper.upper_cap\"", "\"rigid_plane\""), plane_folder);
   EXPECT_NEAR(one.summary.at("peak_contact_force_n").get<double>(),
               two.summary.at("peak_contact_force_n").get<double>(), 0.005 * Hertz(10.0).force_n);
+  // Forces of all directions about the axis have one resultant, which changes the momentum.
+  const auto& momentum = one.column("momentum_n_kg_m_s");
+  EXPECT_NEAR(one.last("contact_impulse_n_s"), momentum.front() - momentum.back(), 1e-12 * momentum.front());
+  EXPECT_GT(one.last("contact_impulse_n_s"), 0.5 * momentum.front());
 }
 
 }  // namespace

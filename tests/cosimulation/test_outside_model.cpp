@@ -55,12 +55,15 @@ Outcome check(const std::string& text, const TemporaryFolder& folder) {
   return run_command({ricochet_binary(), "check", folder.write(text, "check.toml")}, folder.path().string());
 }
 
-/// A block that flies 100 mm to the side of its 50 mm partner before it comes down.
-std::string sideways(const std::string& protocol, double velocity_m_s) {
+/// A block that flies 100 mm to the side of its 50 mm partner before it comes down. The law "massless" keeps the pairs
+/// of nodes that it starts with.
+std::string sideways(const std::string& protocol, double velocity_m_s, const std::string& law = "massless") {
   const std::string mesh = "height_m = 0.05, elements = [5, 4], length_m = 0.04";
   return "model = \"plane_strain\"\n" + body("lower", "start_m = -0.04, " + mesh, "[0.0, 0.0]") +
          body("upper", mesh, list(velocity_m_s, ", -1.0")) +
-         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\n"
+         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\nmultiplier_update = \"" +
+         law +
+         "\"\n"
          "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" +
          settings(5e-6, 1.3e-3, protocol);
 }
@@ -75,6 +78,15 @@ TEST_P(OffPartner, IsNoContact) {
       << "in the first window of the contact, or the next";
   EXPECT_NEAR(run.summary.at("valid_until_s").get<double>(), 1e-3, 1e-4);
   EXPECT_LE(run.last("time_s"), 1e-3 + 2e-4);
+}
+
+/// Other laws follow it: nothing lies below, so that nothing is hit, and nothing leaves the model.
+TEST_P(OffPartner, IsMissedWhereRowsFollow) {
+  const TemporaryFolder folder;
+  const auto run = run_text(sideways(GetParam(), 100.0, "trapezoidal_reset"), folder);
+  EXPECT_EQ(run.largest("contact_force_n"), 0.0);
+  EXPECT_TRUE(run.summary.at("outside_model").empty()) << run.summary.at("outside_model");
+  EXPECT_THAT(check(sideways(GetParam(), 100.0, "trapezoidal_reset"), folder).out, Not(HasSubstr("element edges")));
 }
 
 TEST(Flight, AsideOfThePartnerIsPredicted) {

@@ -48,8 +48,8 @@ protocol = "{}"
 energy_growth_limit = 1.0
 )",
                                  s.base_is_held ? "[[body.support]]\nsurface = \"start\"\nfixed = [\"x\", \"y\"]" : "",
-                                 s.velocity_x_m_s, s.velocity_y_m_s, -s.gravity_m_s2, s.friction, s.multiplier_update, s.end_s,
-                                 s.protocol);
+                                 s.velocity_x_m_s, s.velocity_y_m_s, -s.gravity_m_s2, s.friction, s.multiplier_update,
+                                 s.end_s, s.protocol);
   return text;
 }
 
@@ -197,10 +197,13 @@ TEST(Slides, KeepingAngularMomentum) {
         Case{"all_implicit", "implicit", "fully_implicit", 1e-10},
         Case{"all_implicit", "implicit", "trapezoidal_reset", 2e-4}}) {
     const TemporaryFolder folder;
-    const RunResult r = run_sliding(
-        {.protocol = protocol, .end_s = 20e-6, .velocity_x_m_s = 300.0, .velocity_y_m_s = -5.0, .base_is_held = false,
-         .multiplier_update = law},
-        folder, 8);
+    const RunResult r = run_sliding({.protocol = protocol,
+                                     .end_s = 20e-6,
+                                     .velocity_x_m_s = 300.0,
+                                     .velocity_y_m_s = -5.0,
+                                     .base_is_held = false,
+                                     .multiplier_update = law},
+                                    folder, 8);
     EXPECT_GT(r.last("contact_impulse_n_s"), block_mass_kg * 5.0) << protocol;
     const double lever = 6e-3 * block_mass_kg * 300.0;
     const double start = angular_momentum(r, participant, 0);

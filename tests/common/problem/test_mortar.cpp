@@ -151,7 +151,8 @@ TEST(Mortar, FollowsASurfaceThatRepeats) {
   auto first = line(even(4, 0.0, 1.0), true), second = line(even(3, 0.1, 1.1), false);
   first.back().node = {3, 0};
   second.back().node = {2, 0};
-  const auto expected = rows_of(first, second, 1.0, {0.2, 0.0, 0.0}), found = rows_of(first, second, 1.0, {7.2, 0.0, 0.0});
+  const auto expected = rows_of(first, second, 1.0, {0.2, 0.0, 0.0}),
+             found = rows_of(first, second, 1.0, {7.2, 0.0, 0.0});
   ASSERT_EQ(found.size(), 4U);
   for (std::size_t j = 0; j < found.size(); ++j) {
     EXPECT_NEAR(found[j].area_m2, 0.25, 1e-13);
@@ -205,7 +206,8 @@ std::map<int, Eigen::Vector3d> places_of(const std::vector<SurfaceFace>& faces) 
 /// What a constant pressure of 1 gives each node of a surface.
 std::map<int, double> nodal_areas(const std::vector<SurfaceFace>& faces) {
   std::map<int, double> areas;
-  for (const auto& row : OppositeFaces(square(1, false, 0.0, false), std::nullopt, {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))
+  for (const auto& row :
+       OppositeFaces(square(1, false, 0.0, false), std::nullopt, {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))
     areas[row.node] = row.area_m2;
   return areas;
 }
@@ -221,7 +223,8 @@ TEST(MortarOfFaces, KeepsForcesAndMomentsInBalanceAndHandsAPressureOver) {
     const auto places = places_of(first), others = places_of(second);
     double area = 0.0;
     std::map<int, double> force;
-    for (const auto& row : OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, {0.0, 0.0, 0.0})) {
+    for (const auto& row :
+         OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, {0.0, 0.0, 0.0})) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       double weights = 0.0;
       for (const auto& [node, weight] : row.opposite) {
