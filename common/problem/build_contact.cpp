@@ -91,7 +91,7 @@ double whole_area(const Side& side, const fem::Face& face) {
 }
 
 /// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels.
-Eigen::Vector3d mean_normal(const Context& context, const Side& side) {
+Eigen::Vector3d mean_normal(const Context& context, const Side& side, const std::vector<double>& given) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double area = 0.0;
   for (const fem::Face& face : side.faces()) {
@@ -99,6 +99,12 @@ Eigen::Vector3d mean_normal(const Context& context, const Side& side) {
     area += whole_area(side, face);
   }
   if (context.scene.model == Model::axisymmetric) sum[0] = 0.0;
+  if (!given.empty()) {
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < given.size(); ++c) normal[static_cast<Eigen::Index>(c)] = given[c];
+    if (normal.dot(sum) > 0.0) return normal;
+    context.refuse(fmt::format("a normal into surface \"{}\"", side.name), "one out of it");
+  }
   if (sum.norm() > least_one_sided * area) return sum.normalized();
   context.refuse(fmt::format("surface \"{}\", which faces all ways", side.name),
                  "the part of it that may touch, as a surface of its own");
@@ -115,7 +121,9 @@ void take_faces(const std::vector<fem::Face>& faces, Side& side) {
   for (const int node : side.nodes) side.area_m2.push_back(area[at(node)]);
 }
 
-Side make_side(const Context& context, const std::vector<BodyProblem>& bodies, const SurfaceName& name) {
+/// `normal`: of a curved surface, if it is given.
+Side make_side(const Context& context, const std::vector<BodyProblem>& bodies, const SurfaceName& name,
+               const std::vector<double>& normal) {
   const Model model = context.scene.model;
   Side side;
   side.name = name.body + "." + name.surface;
@@ -130,7 +138,7 @@ Side make_side(const Context& context, const std::vector<BodyProblem>& bodies, c
     context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
   if (model == Model::bar || is_flat(side)) return side;
   side.flat = false;
-  side.normal = mean_normal(context, side);
+  side.normal = mean_normal(context, side, normal);
   for (std::size_t i = 0; i < side.nodes.size(); ++i)
     if (side.position(i).dot(side.normal) > side.point.dot(side.normal)) side.point = side.position(i);
   return side;
@@ -214,7 +222,8 @@ std::vector<SurfaceFace> faces_of(const Side& side) {
   return faces;
 }
 
-/// Per node of a side the mean of the normals of the faces there; on an axis along it.
+/// Per node of a side the mean of the normals of the faces there; on an axis along it, and on a plane of symmetry,
+/// which holds the node, in it.
 std::vector<Eigen::Vector3d> nodal_normals(const Side& side) {
   if (side.flat) return std::vector<Eigen::Vector3d>(side.nodes.size(), side.normal);
   std::map<int, Eigen::Vector3d> sum;
@@ -225,8 +234,11 @@ std::vector<Eigen::Vector3d> nodal_normals(const Side& side) {
   std::vector<Eigen::Vector3d> normals;
   for (std::size_t i = 0; i < side.nodes.size(); ++i) {
     Eigen::Vector3d normal = sum.at(side.nodes[i]);
-    if (side.body->section.model == Model::axisymmetric && side.position(i)[0] == 0.0) normal[0] = 0.0;
-    normals.push_back(normal.normalized());
+    const int components = fem::components(side.body->section.model);
+    Eigen::Vector3d free = normal;
+    for (int c = 0; c < components; ++c)
+      if (side.body->fixed_dof[at(side.nodes[i] * components + c)]) free[c] = 0.0;
+    normals.push_back((free.isZero(0.0) ? normal : free).normalized());
   }
   return normals;
 }
@@ -407,9 +419,11 @@ bool may_slide(const Scene& scene, const Side& a, const Side& b) {
 }
 
 ContactGeometry build_one(const Context& context, const std::vector<BodyProblem>& bodies) {
-  const Side a = make_side(context, bodies, context.contact.first);
+  const Side a = make_side(context, bodies, context.contact.first, context.contact.normal);
+  if (a.flat && !context.contact.normal.empty())
+    context.refuse(fmt::format("a normal for surface \"{}\", which is flat", a.name), "no key normal");
   std::optional<Side> b;
-  if (context.contact.second) b = make_side(context, bodies, *context.contact.second);
+  if (context.contact.second) b = make_side(context, bodies, *context.contact.second, {});
   ContactGeometry geometry;
   geometry.name = context.contact.name;
   geometry.body_a = index_of(bodies, a.body);

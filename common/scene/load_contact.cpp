@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/names.hpp"
 #include "common/scene/loaders.hpp"
@@ -36,6 +37,17 @@ void load_surfaces(TableReader& table, const Scene& scene, Contact& contact) {
   contact.second = load_surface_name(table, names[1], scene);
   if (contact.first.body == contact.second->body)
     table.refuse("surfaces", "two surfaces of body \"" + contact.first.body + "\"", "surfaces of two bodies");
+}
+
+void load_normal(TableReader& table, const Scene& scene, Contact& contact) {
+  contact.normal.clear();
+  table.only_if(scene.model != Model::bar, "normal", "a model of two or three dimensions");
+  if (!table.has("normal")) return;
+  contact.normal = table.numbers("normal", any_number(), static_cast<std::size_t>(scene.components()));
+  double square = 0.0;
+  for (const double x : contact.normal) square += x * x;
+  if (!(square > 0.0)) table.refuse("normal", "a direction without length", "a vector out of the first surface");
+  for (double& x : contact.normal) x /= std::sqrt(square);
 }
 
 /// A scene's only contact needs no name; of several each has one, which its columns and the overrides of studies use.
@@ -142,6 +154,7 @@ Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   contact.second.reset();
   load_name(table, scene, named, contact);
   load_surfaces(table, scene, contact);
+  load_normal(table, scene, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
   table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");
   contact.nose_radius_m = table.has("nose_radius_m") ? table.number("nose_radius_m", above(0.0)) : 0.0;

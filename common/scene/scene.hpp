@@ -111,6 +111,7 @@ struct Contact {
   std::string name;                   ///< of one of several; empty of a scene's only one
   SurfaceName first;                  ///< n points out of this surface
   std::optional<SurfaceName> second;  ///< empty: rigid plane
+  std::vector<double> normal;         ///< of a curved first surface, a unit vector; empty: the mean of its faces
   double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
   double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
   Enforcement enforcement = Enforcement::multiplier;

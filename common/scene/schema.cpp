@@ -18,7 +18,7 @@ const Schema& scene_schema() {
       {"amplitude", {"time_s", "factor"}},
       {"absorbing", {"surface", "wave"}},
       {"contact",
-       {"name", "surfaces", "initial_gap_m", "nose_radius_m", "enforcement", "multiplier_update", "penalty_pa_m",
+       {"name", "surfaces", "normal", "initial_gap_m", "nose_radius_m", "enforcement", "multiplier_update", "penalty_pa_m",
         "impact_update", "friction_coefficient", "friction_law", "friction_regularisation_s_m"}},
       {"partition", {"implicit_length_m", "implicit_groups", "rule"}},
       {"time", {"step_s", "largest_step_s", "safety_factor", "end_s", "until_separated_plus_s"}},

@@ -163,12 +163,33 @@ bool share_nodes(const std::vector<Pair>& pairs) {
   return false;
 }
 
+namespace {
+
+/// What a support is booked with is the force on its node, of the contact, too: that is taken back.
+void take_from_supports(const ContactRow& row, double given_n_s, std::vector<BodyState>& states) {
+  for (const auto& e : row.entries) {
+    auto& state = states[static_cast<std::size_t>(e.part)];
+    if (given_n_s == 0.0 || state.free[static_cast<std::size_t>(e.dof)]) continue;
+    const double on_support = e.coefficient * given_n_s;
+    const int c = e.dof % fem::components(state.part.mesh.model);
+    state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;
+    state.totals.impulse_t_kg_m_s -= state.tangent[c] * on_support;
+    state.totals.impulse_b_kg_m_s -= state.binormal[c] * on_support;
+    if (state.arm.size() > 0) state.totals.angular_impulse_kg_m2_s -= state.arm[e.dof] * on_support;
+  }
+}
+
+}  // namespace
+
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states) {
   if (pair.slid_m != 0.0) {
     auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
     if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;
   }
+  take_from_supports(pair.normal, normal_n_s, states);
+  take_from_supports(pair.tangent, tangential_n_s[0], states);
+  take_from_supports(pair.binormal, tangential_n_s[1], states);
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
   const Eigen::Vector3d given = pair.to_momentum(normal_n_s, tangential_n_s);

@@ -130,9 +130,10 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
 inline constexpr double settled_share = 1e-13;
 inline constexpr int most_sweeps = 1000;
 
-/// The normal impulse `normal_n_s` and the tangential one on B, and the opposite ones on A, change no total momentum of
-/// two bodies; what a rigid plane gives A is booked to its totals. So is what a body that has slid by s along t adds to
-/// an angular momentum whose arms are the reference places, s p_n: its own arms are longer by s.
+/// Books a pair's impulse to the totals of its bodies. The normal impulse `normal_n_s` and the tangential one on B, and
+/// the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A is booked to its totals.
+/// So is what a body that has slid by s along t adds to an angular momentum whose arms are the reference places, s p_n:
+/// its own arms are longer by s.
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states);
 
