@@ -102,7 +102,7 @@ Eigen::Vector3d mean_normal(const Context& context, const Side& side, const std:
   if (!given.empty()) {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     for (std::size_t c = 0; c < given.size(); ++c) normal[static_cast<Eigen::Index>(c)] = given[c];
-    if (normal.dot(sum) > 0.0) return normal;
+    if (normal.dot(sum) > -least_one_sided * area) return normal;
     context.refuse(fmt::format("a normal into surface \"{}\"", side.name), "one out of it");
   }
   if (sum.norm() > least_one_sided * area) return sum.normalized();

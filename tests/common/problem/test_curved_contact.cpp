@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "common/base/error.hpp"
+#include "common/problem/problem.hpp"
+#include "tests/common/scene/scene_text.hpp"
+#include "tests/support/block_mesh.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+Problem build_config(const std::string& name) {
+  return build_problem(load_scene(RICOCHET_SOURCE "/configs/" + name + ".toml"));
+}
+
+/// Of the lower of two balls that touch: normals from its middle, gaps of two parabolas.
+TEST(CurvedContact, HasTheNormalsAndGapsOfBalls) {
+  const Problem problem = build_config("two_balls");
+  const ContactGeometry& contact = problem.contacts.front();
+  EXPECT_FALSE(contact.matching);
+  EXPECT_EQ(contact.normal, Eigen::Vector3d(0.0, 1.0, 0.0)) << "about an axis, along it";
+  const auto& mesh = problem.bodies[0].mesh;
+  for (const ContactPair& pair : contact.pairs) {
+    const Eigen::Vector3d& x = mesh.position[static_cast<std::size_t>(pair.node_a)];
+    const Eigen::Vector3d out = (x - Eigen::Vector3d(0.0, -0.01, 0.0)) / 0.01;
+    EXPECT_NEAR((pair.normal - out).norm(), 0.0, x[0] < 4e-3 ? 0.02 : 0.06) << x.transpose();
+    if (x[0] < 1e-3) {
+      EXPECT_NEAR(pair.gap0_m, x[0] * x[0] / 0.01, 1e-7 + 0.02 * pair.gap0_m) << x[0] << ": r^2 / (2 R) of each";
+    }
+  }
+  EXPECT_EQ(contact.pairs.front().normal, Eigen::Vector3d(0.0, 1.0, 0.0)) << "the node on the axis";
+}
+
+/// Nodes on planes of symmetry have normals in them.
+TEST(CurvedContact, OfAQuarterKeepsItsPlanesOfSymmetry) {
+  const Problem problem = build_config("two_balls_solid");
+  const auto& body = problem.bodies[0];
+  int on_planes = 0;
+  for (const ContactPair& pair : problem.contacts.front().pairs) {
+    for (int c = 0; c < 2; ++c) {
+      if (!body.fixed_dof[static_cast<std::size_t>(3 * pair.node_a + c)]) continue;
+      EXPECT_EQ(pair.normal[c], 0.0);
+      ++on_planes;
+    }
+    EXPECT_NEAR(pair.normal.norm(), 1.0, 1e-14);
+  }
+  EXPECT_GT(on_planes, 10);
+}
+
+std::string refusal(const std::string& scene, const SceneFolder& folder) {
+  try {
+    (void)build_problem(load_scene(folder.write(scene)));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CurvedContact, RefusesNormalsIntoTheBodyAndSurfacesThatFaceAllWays) {
+  const SceneFolder folder;
+  (void)folder.write(test::block_msh("ball", {.across = 2, .along = 2}), "ball.msh");
+  const std::string scene = R"(model = "solid"
+[[body]]
+name = "ball"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.2, density_kg_m3 = 1000.0 }
+mesh = { gmsh = "ball.msh" }
+[contact]
+surfaces = ["ball.sides", "rigid_plane"]
+[time]
+safety_factor = 0.9
+end_s = 1.0
+[coupling]
+protocol = "all_explicit"
+)";
+  EXPECT_THAT(refusal(scene, folder), testing::HasSubstr("surface \"ball.sides\", which faces all ways"));
+  const std::string given = replaced(scene, "rigid_plane\"]", "rigid_plane\"]\nnormal = [2.0, 0.0, 0.0]");
+  EXPECT_EQ(refusal(given, folder), "accepted") << "of a surface all around, what is given";
+  std::ifstream file(RICOCHET_SOURCE "/configs/two_balls.toml");
+  std::string balls{std::istreambuf_iterator<char>(file), {}};
+  for (int body = 0; body < 2; ++body)
+    balls = replaced(balls, "gmsh = \"two", std::string("gmsh =  \"") + RICOCHET_SOURCE "/configs/two");
+  EXPECT_THAT(refusal(replaced(balls, "upper_cap\"]", "upper_cap\"]\nnormal = [0.0, -1.0]"), folder),
+              testing::HasSubstr("a normal into surface \"lower.lower_cap\""));
+}
+
+}  // namespace
+}  // namespace ricochet::scene
