@@ -79,6 +79,17 @@ const char* model_name(fem::Model model) {
 
 }  // namespace
 
+namespace {
+
+/// Displacements that are drawn larger than they are would push the bodies into each other.
+bool uneven(const scene::ContactGeometry& contact) {
+  const auto by_gap = [](const scene::ContactPair& x, const scene::ContactPair& y) { return x.gap0_m < y.gap0_m; };
+  const auto [low, high] = std::minmax_element(contact.pairs.begin(), contact.pairs.end(), by_gap);
+  return contact.sliding || high->gap0_m > low->gap0_m;
+}
+
+}  // namespace
+
 ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states,
                              const participant::Setup& setup, std::string participant)
     : states_(states),
@@ -86,7 +97,8 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
       model_(problem.scene.model),
       window_size_s_(setup.window_size_s),
       nose_(std::any_of(problem.scene.contacts.begin(), problem.scene.contacts.end(),
-                        [](const scene::Contact& contact) { return contact.nose_radius_m > 0.0; })) {
+                        [](const scene::Contact& contact) { return contact.nose_radius_m > 0.0; })),
+      uneven_(std::any_of(problem.contacts.begin(), problem.contacts.end(), uneven)) {
   if (setup.output_directory.empty()) return;
   path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
   windows_.reserve(most_windows + 1);
@@ -192,10 +204,11 @@ std::string ShapeRecorder::text() const {
   std::string bodies;
   for (std::size_t p = 0; p < parts_.size(); ++p) bodies.append(p == 0 ? "\n" : ",\n").append(text_of(p));
   return fmt::format(
-      "{{\"format\": \"ricochet shapes 1\", \"model\": \"{}\", \"window_size_s\": {:.17g}, \"nose\": {}, \"windows\": "
+      "{{\"format\": \"ricochet shapes 1\", \"model\": \"{}\", \"window_size_s\": {:.17g}, \"nose\": {}, \"uneven\": "
+      "{}, \"windows\": "
       "[{}], "
       "\"too_many_cells\": {}, \"bodies\": [{}]}}\n",
-      model_name(model_), window_size_s_, nose_, fmt::join(windows_, ", "), too_many_cells_, bodies);
+      model_name(model_), window_size_s_, nose_, uneven_, fmt::join(windows_, ", "), too_many_cells_, bodies);
 }
 
 std::string ShapeRecorder::text_of(std::size_t part) const {

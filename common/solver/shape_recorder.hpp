@@ -66,7 +66,8 @@ class ShapeRecorder {
   std::string path_, participant_;
   fem::Model model_ = fem::Model::bar;
   double window_size_s_ = 0.0;
-  bool nose_ = false;  ///< of the contact
+  bool nose_ = false;    ///< of a contact
+  bool uneven_ = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
   std::vector<Drawn> parts_;
   std::size_t too_many_cells_ = 0;  ///< how many there are; 0: not too many
   std::vector<std::int64_t> windows_;

@@ -61,8 +61,7 @@ std::string sideways(const std::string& protocol, double velocity_m_s, const std
   const std::string mesh = "height_m = 0.05, elements = [5, 4], length_m = 0.04";
   return "model = \"plane_strain\"\n" + body("lower", "start_m = -0.04, " + mesh, "[0.0, 0.0]") +
          body("upper", mesh, list(velocity_m_s, ", -1.0")) +
-         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\nmultiplier_update = \"" +
-         law +
+         "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\ninitial_gap_m = 1e-3\nmultiplier_update = \"" + law +
          "\"\n"
          "[partition]\nimplicit_length_m = { lower = 0.011, upper = 0.011 }\n" +
          settings(5e-6, 1.3e-3, protocol);

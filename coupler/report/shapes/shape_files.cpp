@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 struct ShapeFile {
   std::string path, model;
   double window_size_s = 0;
-  bool nose = false;
+  bool nose = false, uneven = false;
   std::vector<std::int64_t> windows;
   std::vector<Shapes::Body> bodies;
   std::vector<ShapePiece> pieces;  ///< of the body with the same index in `bodies`
@@ -102,6 +102,7 @@ ShapeFile read_shape_file(const std::string& path) {
   file.model = json.at("model").get<std::string>();
   file.window_size_s = json.at("window_size_s").get<double>();
   file.nose = json.at("nose").get<bool>();
+  file.uneven = json.at("uneven").get<bool>();
   file.windows = json.at("windows").get<std::vector<std::int64_t>>();
   file.too_many_cells = json.at("too_many_cells").get<std::int64_t>();
   for (const auto& body : json.at("bodies")) {
@@ -159,6 +160,7 @@ Shapes merged_shapes(std::vector<ShapeFile>&& files) {
   shapes.model = files.front().model;
   shapes.window_size_s = files.front().window_size_s;
   shapes.nose = files.front().nose;
+  shapes.uneven = files.front().uneven;
   const auto windows = common_windows(files);
   for (const auto window : windows) shapes.times_s.push_back(static_cast<double>(window) * shapes.window_size_s);
   for (auto& file : files) {

@@ -28,8 +28,9 @@ struct Shapes {
     double strip_m = 0;    ///< of a bar: the width it is drawn with
     Place velocity_m_s{};  ///< at the start, mean over the body
   };
-  std::string model;  ///< "bar", "plane_strain", "axisymmetric" or "solid"
-  bool nose = false;  ///< the contact has a rounded nose, which is no part of the mesh
+  std::string model;    ///< "bar", "plane_strain", "axisymmetric" or "solid"
+  bool nose = false;    ///< the contact has a rounded nose, which is no part of the mesh
+  bool uneven = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
   std::vector<Body> bodies;
   double window_size_s = 0;
   std::vector<double> times_s;  ///< ascending

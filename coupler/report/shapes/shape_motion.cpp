@@ -92,7 +92,7 @@ Magnification magnification_of(const Shapes& shapes, const std::vector<std::size
     const bool closed_by_flight = std::abs(result.flight_s - first_contact_s) <= 2.0 * shapes.window_size_s;
     if (!closed_by_flight) return result;
   }
-  if (shapes.nose) return result;
+  if (shapes.nose || shapes.uneven) return result;
   double most = 0.0;
   for (const auto& piece : shapes.pieces) {
     const auto& velocity = shapes.bodies[static_cast<std::size_t>(piece.body)].velocity_m_s;

@@ -27,7 +27,8 @@ struct Magnification {
 
 /// 1, 2 or 5 times a power of ten: so that what is enlarged reaches up to 15 % of the bodies' extent. 1 where bodies
 /// would not touch as they do in the run: where a gap of the start is closed by something else than free flight, and
-/// where the contact has a nose that the mesh has not. `first_contact_s`, `first_gap_m`: nan if there is none.
+/// where the contact has a nose that the mesh has not, where gaps differ over it and where bodies slide.
+/// `first_contact_s`, `first_gap_m`: nan if there is none.
 [[nodiscard]] Magnification magnification_of(const Shapes& shapes, const std::vector<std::size_t>& windows,
                                              double first_contact_s, double first_gap_m);
 

@@ -38,7 +38,8 @@ TEST(ContactPairs, LieAtTheSamePlaceAndAreSortedFromTheAxis) {
 
 TEST(ContactPairs, AreasAddUpToTheSurface) {
   double circle = 0.0, rectangle = 0.0;
-  for (const ContactPair& pair : build(cylinders).contacts.front().pairs) circle += pair.area_m2;
+  const Problem round = build(cylinders);
+  for (const ContactPair& pair : round.contacts.front().pairs) circle += pair.area_m2;
   EXPECT_NEAR(circle, pi * 0.004 * 0.004, 1e-12 * circle);
   const Problem plane = build(plates);
   for (const ContactPair& pair : plane.contacts.front().pairs) rectangle += pair.area_m2;

@@ -67,6 +67,7 @@ TEST(ShapeRecorder, KeepsDisplacementsAndTheStressOfEachBar) {
   EXPECT_EQ(file["windows"], Json({0, 7}));
   EXPECT_EQ(file["window_size_s"], 0.1);
   EXPECT_EQ(file["nose"], false);
+  EXPECT_EQ(file["uneven"], false);
   ASSERT_EQ(file["bodies"].size(), 2U);
   const auto& left = file["bodies"][0];
   EXPECT_EQ(left["name"], "left");

@@ -26,6 +26,7 @@ inline Json square_file(const std::vector<int>& windows, const std::vector<Squar
                {"model", "plane_strain"},
                {"window_size_s", 0.5},
                {"nose", false},
+               {"uneven", false},
                {"windows", windows},
                {"too_many_cells", 0},
                {"bodies", Json::array()}};

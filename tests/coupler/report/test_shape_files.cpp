@@ -196,8 +196,12 @@ TEST(Magnification, LeavesTheFlightToScaleAndBodiesThatTouchTouching) {
 TEST(Magnification, IsNoneWhereBodiesWouldNotTouch) {
   EXPECT_EQ(magnification_of(pressed_bodies(0.25, 0.25, 0.01), {0, 1}, 0.4, 0.25).factor, 1.0) << "closed by another";
   auto shapes = pressed_bodies(0.0, 0.0, 0.01);
+  EXPECT_GT(magnification_of(shapes, {0, 1}, 0.0, 0.0).factor, 1.0);
   shapes.nose = true;
   EXPECT_EQ(magnification_of(shapes, {0, 1}, 0.0, 0.0).factor, 1.0);
+  shapes.nose = false;
+  shapes.uneven = true;
+  EXPECT_EQ(magnification_of(shapes, {0, 1}, 0.0, 0.0).factor, 1.0) << "curved, or sliding";
 }
 
 TEST(Magnification, WithoutContactIsOfWhatGoesBeyondTheFlight) {
