@@ -19,7 +19,8 @@ struct Principal {
   Eigen::Array2d inverse, free_rate;
 
   Principal(const Eigen::Matrix2d& w, const Eigen::Vector2d& rate) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(w);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+    solver.computeDirect(w);
     directions = solver.eigenvectors();
     inverse = solver.eigenvalues();
     free_rate = directions.transpose() * rate;

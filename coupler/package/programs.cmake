@@ -10,7 +10,7 @@ install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet COMPONEN
 
 # Licences: ours, and those of the libraries that consist of headers, whose code is within the programs.
 install(FILES coupler/package/copyright LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
-foreach(package cppzmq-dev libcli11-dev libeigen3-dev libmsgpack-cxx-dev libspectra-dev libtoml11-dev nlohmann-json3-dev)
+foreach(package cppzmq-dev libcli11-dev libeigen3-dev libmsgpack-cxx-dev libtoml11-dev nlohmann-json3-dev)
   install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}/licences RENAME ${package}
     COMPONENT programs)
 endforeach()

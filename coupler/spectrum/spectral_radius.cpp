@@ -1,13 +1,23 @@
 #include "coupler/spectrum/spectral_radius.hpp"
 
-#include <Spectra/GenEigsSolver.h>
+#include <arpack/arpack.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <vector>
+
+extern "C" {
+// LAPACK: eigenvalues of a matrix, singular values of a matrix. Both overwrite it.
+void dgeev_(const char* left, const char* right, const int* n, double* a, const int* stride, double* real,
+            double* imaginary, double* left_vectors, const int* left_stride, double* right_vectors,
+            const int* right_stride, double* work, const int* work_size, int* info);
+void dgesvd_(const char* left, const char* right, const int* rows, const int* columns, double* a, const int* stride,
+             double* values, double* left_vectors, const int* left_stride, double* right_vectors,
+             const int* right_stride, double* work, const int* work_size, int* info);
+}
 
 namespace ricochet::coupler {
 namespace {
@@ -92,33 +102,55 @@ Growth measure_growth(const LinearMap& map) {
   return growth;
 }
 
-/// The map as Spectra wants it.
-class Operation {
- public:
-  using Scalar = double;
-  explicit Operation(const LinearMap& map) : map_(&map) {}
-  [[nodiscard]] Index rows() const { return map_->size; }
-  [[nodiscard]] Index cols() const { return map_->size; }
-  void perform_op(const double* x_in, double* y_out) const {
-    map_->load(Eigen::Map<const VectorXd>(x_in, map_->size));
-    map_->advance(1);
-    map_->read(y_);
-    Eigen::Map<VectorXd>(y_out, map_->size) = y_;
+/// Largest |eigenvalue| by ARPACK's implicitly restarted Arnoldi method, which asks for products with the map; none if
+/// it has not converged after `most_restarts`.
+std::optional<double> arnoldi(const LinearMap& map, VectorXd start, std::int64_t& windows) {
+  const int size = static_cast<int>(map.size), basis = static_cast<int>(std::min(krylov_dimension, map.size));
+  const int work_size = 3 * basis * (basis + 2);
+  int wanted = 1, request = 0, info = 1;  // 1: begin with `start`
+  int settings[11] = {1, 0, most_restarts, 1, 0, 0, 1, 0, 0, 0, 0}, places[14] = {};
+  VectorXd vectors(size * basis), work(work_size), ends(3 * size), y;
+  while (true) {
+    dnaupd_c(&request, "I", size, "LM", wanted, arnoldi_tolerance, start.data(), basis, vectors.data(), size, settings,
+             places, ends.data(), work.data(), work_size, &info);
+    if (request != 1 && request != -1) break;
+    map.load(ends.segment(places[0] - 1, size));
+    map.advance(1);
+    map.read(y);
+    ends.segment(places[1] - 1, size) = y;
+    ++windows;
   }
+  if (info != 0 || settings[4] < wanted) return {};
+  const auto ritz = [&](int at) { return work.segment(at - 1, basis); };  // places 6 and 7: real and imaginary parts
+  const VectorXd error = ritz(places[7]);
+  double largest = 0.0;
+  for (Index i = 0; i < basis; ++i) {
+    const double value = std::hypot(ritz(places[5])[i], ritz(places[6])[i]);
+    if (std::abs(error[i]) <= arnoldi_tolerance * value) largest = std::max(largest, value);
+  }
+  return largest;
+}
 
- private:
-  const LinearMap* map_;
-  mutable VectorXd y_;
-};
+/// Largest |eigenvalue| of a matrix.
+double largest_eigenvalue_of(Eigen::MatrixXd matrix) {
+  const int n = static_cast<int>(matrix.rows()), one = 1, work_size = 34 * n;
+  VectorXd real(n), imaginary(n), work(work_size);
+  int info = 0;
+  dgeev_("N", "N", &n, matrix.data(), &n, real.data(), imaginary.data(), nullptr, &one, nullptr, &one, work.data(),
+         &work_size, &info);
+  if (info != 0) throw std::runtime_error("LAPACK's dgeev finds no eigenvalues of the map of one window");
+  return (real.array().square() + imaginary.array().square()).sqrt().maxCoeff();
+}
 
-std::optional<double> arnoldi(const LinearMap& map, const VectorXd& start, std::int64_t& windows) {
-  Operation operation(map);
-  Spectra::GenEigsSolver<Operation> solver(operation, 1, std::min(krylov_dimension, map.size));
-  solver.init(start.data());
-  const Index converged = solver.compute(Spectra::SortRule::LargestMagn, most_restarts, arnoldi_tolerance);
-  windows += solver.num_operations();
-  if (converged < 1) return {};
-  return solver.eigenvalues().cwiseAbs().maxCoeff();
+/// max |A x| / |x|, the largest singular value.
+double operator_norm_of(Eigen::MatrixXd matrix) {
+  const int n = static_cast<int>(matrix.rows()), one = 1, work_size = 66 * n;
+  VectorXd values(n), work(work_size);
+  int info = 0;
+  dgesvd_("N", "N", &n, &n, matrix.data(), &n, values.data(), nullptr, &one, nullptr, &one, work.data(), &work_size,
+          &info);
+  if (info != 0) throw std::runtime_error("LAPACK's dgesvd finds no singular values of the map of one window");
+  return values[0];
 }
 
 }  // namespace
@@ -132,15 +164,13 @@ SpectralRadius exact_spectral_radius(const LinearMap& map) {
     map.read(column);
     matrix.col(i) = column;
   }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
   const VectorXd x = random_start(map.size);
   map.load(x);
   map.advance(1);
   map.read(column);
-  const double norm = matrix.operatorNorm(), defect = (column - matrix * x).norm();
+  const double norm = operator_norm_of(matrix), defect = (column - matrix * x).norm();
   const double perturbation = std::max(defect, std::numeric_limits<double>::epsilon() * norm);
-  return {solver.eigenvalues().cwiseAbs().maxCoeff(), 10.0 * std::sqrt(norm * perturbation), "exact", map.size,
-          map.size + 1};
+  return {largest_eigenvalue_of(matrix), 10.0 * std::sqrt(norm * perturbation), "exact", map.size, map.size + 1};
 }
 
 SpectralRadius iterated_spectral_radius(const LinearMap& map) {

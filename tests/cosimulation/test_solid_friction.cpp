@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <complex>
-#include <cstdio>
-#include <sstream>
 
 #include "tests/support/block_mesh.hpp"
 #include "tests/support/run.hpp"
@@ -228,30 +226,13 @@ INSTANTIATE_TEST_SUITE_P(Protocols, SlidingBlock,
                                   (std::get<1>(test.param) ? "_periodic" : "_with_sides");
                          });
 
-/// The places of a Gmsh file's nodes, turned about the z axis.
-std::string turned(const std::string& msh, double angle) {
-  std::istringstream lines(msh);
-  std::string text, line;
-  bool nodes = false;
-  while (std::getline(lines, line)) {
-    if (line[0] == '$') nodes = line == "$Nodes";
-    double x = 0.0, y = 0.0, z = 0.0;
-    char rest = 0;
-    if (nodes && std::sscanf(line.c_str(), "%lf %lf %lf %c", &x, &y, &z, &rest) == 3)
-      line = fmt::format("{:.17g} {:.17g} {:.17g}", x * std::cos(angle) - y * std::sin(angle),
-                         x * std::sin(angle) + y * std::cos(angle), z);
-    text += line + '\n';
-  }
-  return text;
-}
-
 /// Two blocks with free sides meet askew, turned about the contact's normal.
 RunResult askew_impact(double angle, const std::string& protocol, const std::string& law) {
   const TemporaryFolder folder;
   std::string text = "model = \"solid\"\n";
   for (const auto& [name, start, sign] : {std::tuple{"lower", -0.1, 1.0}, std::tuple{"upper", 0.0, -1.0}}) {
     const BlockMesh block{.size_m = 0.03, .start_m = start, .length_m = 0.1, .across = 3, .along = 10};
-    (void)folder.write(turned(block_msh(name, block), angle), std::string(name) + ".msh");
+    (void)folder.write(turned(block_msh(name, block), {.about_z = angle}), std::string(name) + ".msh");
     const Along v = std::polar(sign * 2.5, 0.4 + angle);
     text += fmt::format(
         "[[body]]\nname = \"{0}\"\nmaterial = {{ youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 "

@@ -21,7 +21,7 @@ mkdir -p "$build"
 # The libraries are unpacked and not set up, for no program among them is needed. The emulator, too: set up, its package would
 # change how this machine starts programs.
 sysroot=$build/sysroot
-libraries=libc6-dev,libstdc++-12-dev,libeigen3-dev,libsuitesparse-dev,libspectra-dev,libzmq3-dev,cppzmq-dev,libmsgpack-cxx-dev
+libraries=libc6-dev,libstdc++-12-dev,libeigen3-dev,libsuitesparse-dev,libarpack2-dev,liblapack-dev,libzmq3-dev,cppzmq-dev,libmsgpack-cxx-dev
 libraries+=,libtoml11-dev,libcli11-dev,libfmt-dev,libuv1-dev,nlohmann-json3-dev,libssl-dev,libboost-dev
 if [ ! -f "$build/sysroot_is_complete" ]; then
   rm -rf --one-file-system "$sysroot"
@@ -31,7 +31,9 @@ if [ ! -f "$build/sysroot_is_complete" ]; then
     dpkg-deb --fsys-tarfile "$package" | tar -x -C "$sysroot" --keep-directory-symlink  # /lib is a link
   done
   for library in blas lapack; do  # what Debian's alternatives would choose
-    ln -sf "$library/lib$library.so.3" "$sysroot/usr/lib/aarch64-linux-gnu/lib$library.so.3"
+    for link in so so.3; do
+      ln -sf "$library/lib$library.$link" "$sysroot/usr/lib/aarch64-linux-gnu/lib$library.$link"
+    done
   done
   apt-get update -qq > /dev/null
   (cd "$build" && apt-get download -qq -o APT::Sandbox::User=root qemu-user-static)

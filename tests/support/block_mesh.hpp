@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -69,6 +72,37 @@ inline std::string block_msh(const std::string& body, const BlockMesh& b) {
     text += fmt::format("{} {} {} {}\n{}", e < 3 ? 2 : 3, e < 3 ? static_cast<int>(e) + 1 : 1,
                         (e < 3 ? 3 : 5) - (b.tetrahedra ? 1 : 0), count[e], lines[e]);
   return text + "$EndElements\n";
+}
+
+using Vector3 = std::array<double, 3>;
+
+/// A turn about z, then about x [rad].
+struct Turn {
+  double about_z = 0.0, about_x = 0.0;
+
+  [[nodiscard]] Vector3 of(const Vector3& v) const {
+    const double c = std::cos(about_z), s = std::sin(about_z), y = s * v[0] + c * v[1];
+    return {c * v[0] - s * v[1], std::cos(about_x) * y - std::sin(about_x) * v[2],
+            std::sin(about_x) * y + std::cos(about_x) * v[2]};
+  }
+};
+
+/// MSH text with the places of its nodes turned.
+inline std::string turned(const std::string& msh, const Turn& turn) {
+  std::istringstream lines(msh);
+  std::string text, line;
+  bool nodes = false;
+  while (std::getline(lines, line)) {
+    if (line[0] == '$') nodes = line == "$Nodes";
+    Vector3 x;
+    char rest = 0;
+    if (nodes && std::sscanf(line.c_str(), "%lf %lf %lf %c", &x[0], &x[1], &x[2], &rest) == 3) {
+      x = turn.of(x);
+      line = fmt::format("{:.17g} {:.17g} {:.17g}", x[0], x[1], x[2]);
+    }
+    text += line + '\n';
+  }
+  return text;
 }
 
 }  // namespace ricochet::test
