@@ -16,6 +16,7 @@
 #include "tests/bench/contact_growth_rows.hpp"
 #include "tests/bench/flood_rows.hpp"
 #include "tests/bench/kernel_rows.hpp"
+#include "tests/bench/memory_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
 
@@ -27,7 +28,8 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "striker", "contact", "exchange", "flood", "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes",   "striker", "contact", "memory",
+                                   "exchange", "flood",   "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -66,6 +68,7 @@ class Measurements {
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("contact")) contacts_.emplace(folder_);
+    if (options.wants("memory")) memory_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
@@ -74,6 +77,7 @@ class Measurements {
     if (scenes_) scenes_->repeat();
     if (striker_) striker_->repeat();
     if (contacts_) contacts_->repeat();
+    if (memory_) memory_->repeat();
     if (exchanges_) exchanges_->repeat();
     if (floods_) floods_->repeat();
     if (calculix_) calculix_->repeat();
@@ -84,6 +88,7 @@ class Measurements {
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
     if (striker_) add(striker_->rows());
     if (contacts_) add(contacts_->rows());
+    if (memory_) add(memory_->rows());
     if (exchanges_) add(exchanges_->rows());
     if (floods_) add(floods_->rows());
     if (calculix_) add(calculix_->rows());
@@ -107,6 +112,7 @@ class Measurements {
   std::optional<SceneRuns> scenes_;
   std::optional<RoundedStriker> striker_;
   std::optional<ContactGrowth> contacts_;
+  std::optional<Memory> memory_;
   std::optional<Exchanges> exchanges_;
   std::optional<Floods> floods_;
   std::optional<CalculixRuns> calculix_;
