@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_record.hpp"
 #include "common/solver/contact_rows.hpp"
-#include "common/solver/separation.hpp"
 #include "common/solver/surface_stress.hpp"
 
 namespace ricochet::solver {
