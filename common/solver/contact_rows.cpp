@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -155,11 +156,14 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
 }
 
 bool share_nodes(const std::vector<Pair>& pairs) {
+  std::map<std::pair<int, int>, std::size_t> contact_of;  // with a force there
   for (const auto row : {&Pair::normal, &Pair::tangent}) {
     std::set<std::pair<int, int>> known;
     for (const auto& pair : pairs) {
       for (const auto& e : (pair.*row).entries) {
         if (!known.emplace(e.part, e.dof).second) return true;
+        if (row == &Pair::tangent && pair.friction_coefficient == 0.0) continue;
+        if (contact_of.emplace(std::pair(e.part, e.dof), pair.contact).first->second != pair.contact) return true;
       }
     }
   }

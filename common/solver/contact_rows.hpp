@@ -125,8 +125,9 @@ struct PartNodes {
 void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
                                  const std::vector<BodyState>& states);
 
-/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs: then what a law gives
-/// one of them moves the other.
+/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs, or along the
+/// tangent of one with friction and the normal of another contact's, as in a corner: then what a law gives one of them
+/// moves the other.
 [[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
 
 /// What contacts have been given so far, each along n, t and b of its own [N s].

@@ -153,6 +153,8 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   solution_.force = last.force;
   solution_.iterations = 0;
   find_states(gap_free, slip_free, slip_velocity, last);
+  // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
+  if (!solution_.force.allFinite()) solution_.force = last.force;
   solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   if (solution_.residual > converged_residual) {
     solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);

@@ -556,6 +556,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
+    // Of several contacts the force along the surface of a pair without friction is another's.
+    const Eigen::Index own = surface_.contact_keys.size() > 1 ? directions(pair) : surface_.components;
     for (const Side side : {Side::a, Side::b}) {
       const auto work = [&](Direction direction) {
         const auto moved = [&](const Eigen::VectorXd& values) {
@@ -565,8 +567,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
                force_on(side, i, direction, jump) * moved(mean_velocity);
       };
       state_.work_normal_j += work(along_normal);
-      state_.dissipated_friction_j -= work(along_tangent);
-      if (surface_.components == 3) state_.dissipated_friction_j -= work(along_binormal);
+      if (own > 1) state_.dissipated_friction_j -= work(along_tangent);
+      if (own > 2) state_.dissipated_friction_j -= work(along_binormal);
     }
     book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states, state_.impulses);
   }
