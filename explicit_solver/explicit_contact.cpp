@@ -40,6 +40,8 @@ ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurfa
   if (sliding_ && !sliding_->any()) sliding_.reset();
   state_.forces.resize(surface_.pairs.size());
   state_.mean_forces.resize(surface_.pairs.size());
+  state_.impulses = surface_.no_impulses();
+  report_ = surface_.empty_record();
 }
 
 void ExplicitContact::move_masses(std::vector<BodyState>& states) {
@@ -73,11 +75,11 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
   force.normal = normal_force(i, states, rate_n, acting_time);
   if (force.normal == 0.0) return force;
   force.state = ContactState::slip;
-  if (law_->friction_coefficient == 0.0) return force;
+  if (pair.friction_coefficient == 0.0) return force;
   const Eigen::Matrix2d inverse = acting_time * pair.inverse_mass_along(states);
   const Eigen::Vector2d holding = solver::holding_of_pair(inverse, rate_along);
   force.tangential =
-      solver::friction_of_pair(*law_, law_->friction_coefficient * force.normal, rate_along, holding, inverse);
+      solver::friction_of_pair(*law_, pair.friction_coefficient * force.normal, rate_along, holding, inverse);
   if (force.tangential == holding) force.state = ContactState::stick;
   return force;
 }
@@ -87,7 +89,6 @@ ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const st
                                                       double rate_n, const Eigen::Vector2d& rate_along,
                                                       double acting_time) const {
   const bool penalty = law_->enforcement == scene::Enforcement::penalty;
-  const bool friction = law_->friction_coefficient > 0.0;
   const double moved_n = pair.normal.times(displacement_of(states)), inverse_n = pair.normal.inverse_mass(states);
   Force force{.normal = 0.0, .state = ContactState::stick};
   if (penalty) {
@@ -95,7 +96,7 @@ ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const st
   } else if (inverse_n > 0.0) {
     force.normal = -(moved_n + dt_ * rate_n) / (dt_ * acting_time * inverse_n);
   }
-  if (!friction) return force;
+  if (pair.friction_coefficient == 0.0) return force;
   const Eigen::Vector2d slipped = pair.slip(displacement_of(states)) + dt_ * rate_along;
   force.tangential = solver::holding_of_pair(dt_ * acting_time * pair.inverse_mass_along(states), slipped);
   return force;
@@ -116,16 +117,8 @@ double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector
   double taken = mean.tangential[0] * moved(pair.tangent);
   if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
   state_.dissipated_friction_j -= taken;
-  book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states);
+  solver::book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states, state_.impulses);
   return made;
-}
-
-void ExplicitContact::book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                                   std::vector<BodyState>& states) {
-  const Eigen::Vector3d given = pair.to_contact(normal_n_s, tangential_n_s);
-  state_.impulse_normal_n_s += given[0];
-  state_.impulse_tangential_n_s += given.tail<2>();
-  solver::book_impulse(pair, normal_n_s, tangential_n_s, states);
 }
 
 /// After the normal impulse of the window has changed: the friction impulse stays within its cone and, of a slipping
@@ -136,7 +129,7 @@ void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& state
   const double mean = std::hypot(force[0], force[1]);
   if (mean == 0.0) return;
   const Eigen::Vector2d e = force / mean;
-  const double limit = law_->friction_coefficient * state_.mean_forces[i].normal,
+  const double limit = pair.friction_coefficient * state_.mean_forces[i].normal,
                inverse = e.dot(pair.inverse_mass_along(states) * e);
   const double target = state_.mean_forces[i].state == ContactState::slip ? limit : std::min(mean, limit);
   if (target == mean || inverse == 0.0) return;
@@ -145,7 +138,7 @@ void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& state
   if (target > mean && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
   pair.push_along(impulse * e, states, push_velocities(states));
   state_.dissipated_friction_j -= impulse * (rate + 0.5 * impulse * inverse);
-  book_impulse(pair, 0.0, impulse * e, states);
+  solver::book_impulse(pair, 0.0, impulse * e, states, state_.impulses);
   force += impulse / dt_ * e;
 }
 
@@ -160,7 +153,7 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
     const double impulse =
         massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states, velocity_of_part_);
     state_.mean_forces[i].normal += impulse / dt_;
-    book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states);
+    solver::book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states, state_.impulses);
     clip_friction(i, states);
   }
   state_.work_normal_j += massless_->trial_work_j();
@@ -218,8 +211,7 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
 }
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
-  if (law_->friction_coefficient > 0.0 && surface_.components == 3)
-    solver::require_supports_along_rows(surface_.pairs, states);
+  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
   };
@@ -286,17 +278,14 @@ void ExplicitContact::restore(const State& state) {
   if (massless_) massless_->restore(*state.massless);
 }
 
-ContactRecord ExplicitContact::report(const std::vector<BodyState>& states) {
-  ContactRecord report = surface_.report(states, state_.mean_forces);
-  report.contact_impulse_n_s = state_.impulse_normal_n_s;
-  report.friction_impulse_n_s = state_.impulse_tangential_n_s[0];
-  report.friction_impulse_b_n_s = state_.impulse_tangential_n_s[1];
-  report.contact_iterations = std::exchange(state_.iterations, 0);
-  report.contact_residual = std::exchange(state_.largest_residual, 0.0);
-  report.contact_unconverged = state_.unconverged;
-  report.energy_contact_j = state_.work_normal_j;
-  report.energy_friction_j = state_.dissipated_friction_j;
-  return report;
+const ContactRecord& ExplicitContact::report(const std::vector<BodyState>& states) {
+  surface_.report(states, state_.mean_forces, state_.impulses, report_);
+  report_.contact_iterations = std::exchange(state_.iterations, 0);
+  report_.contact_residual = std::exchange(state_.largest_residual, 0.0);
+  report_.contact_unconverged = state_.unconverged;
+  report_.energy_contact_j = state_.work_normal_j;
+  report_.energy_friction_j = state_.dissipated_friction_j;
+  return report_;
 }
 
 }  // namespace ricochet::explicit_solver

@@ -44,7 +44,7 @@ class ExplicitContact {
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
   /// Contact quantities at the present displacement (principal stress and energies included).
-  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -55,8 +55,7 @@ class ExplicitContact {
     std::vector<Force> mean_forces;   ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    double impulse_normal_n_s = 0.0;
-    Eigen::Vector2d impulse_tangential_n_s{0.0, 0.0};
+    solver::ContactImpulses impulses;
     int iterations = 0;             ///< sweeps over pairs that share nodes, since the last report
     double largest_residual = 0.0;  ///< largest last change of a force over the largest force, since the last report
     int unconverged = 0;            ///< so far
@@ -82,8 +81,6 @@ class ExplicitContact {
                  const std::vector<const Eigen::VectorXd*>& u_before);
   bool follow(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
-  void book_impulse(const solver::Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                    std::vector<solver::BodyState>& states);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair,
                                             const std::vector<solver::BodyState>& states) const;
 
@@ -98,6 +95,7 @@ class ExplicitContact {
   std::vector<Force> old_forces_;
   std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
   std::vector<double*> velocity_of_part_;
+  ContactRecord report_;  ///< kept so that no record allocates
 };
 
 }  // namespace ricochet::explicit_solver

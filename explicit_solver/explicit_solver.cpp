@@ -48,7 +48,7 @@ ExplicitContact* ExplicitSolver::contact() {
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   setup_ = setup;
-  separation_ = solver::SeparationWatch(setup.separation_windows);
+  separation_ = SeparationWatch(setup.separation_windows);
   if (setup_.driven_by == participant::Drive::force) {
     // The shared nodes become this participant's own: with the mass of its own elements, held by their supports.
     states_ = solver::initial_states(problem_, *spec_, true);

@@ -5,11 +5,11 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/model_watch.hpp"
-#include "common/solver/separation.hpp"
 #include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
 #include "explicit_solver/force_driven.hpp"
@@ -53,7 +53,7 @@ class ExplicitSolver final : public participant::Participant {
     std::int64_t window = 0;
     std::vector<solver::BodyMotion> bodies;
     std::variant<MotionDriven::State, ForceDriven::State> drive;
-    solver::SeparationWatch separation;
+    SeparationWatch separation;
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
@@ -76,7 +76,7 @@ class ExplicitSolver final : public participant::Participant {
   solver::WatchedOutline outline_;
   std::optional<solver::ShapeRecorder> shapes_;  ///< from `initialize` on
   std::int64_t window_ = 0;
-  solver::SeparationWatch separation_;
+  SeparationWatch separation_;
   participant::ContactStatus status_;
 };
 

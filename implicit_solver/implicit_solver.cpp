@@ -51,7 +51,7 @@ participant::Description ImplicitSolver::describe() {
 
 void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   setup_ = setup;
-  separation_ = solver::SeparationWatch(setup.separation_windows);
+  separation_ = SeparationWatch(setup.separation_windows);
   solver::take_interface_mass(setup.interface_mass_kg, states_);
   for (auto* vector : {&forces_.residual, &forces_.external, &forces_.link, &trial_.increment, &trial_.velocity,
                        &trial_.acceleration, &trial_.end.residual, &trial_.end.external, &trial_.end.link}) {

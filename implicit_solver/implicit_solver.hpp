@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/model_watch.hpp"
-#include "common/solver/separation.hpp"
 #include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
 #include "implicit_solver/combined_parts.hpp"
@@ -51,7 +51,7 @@ class ImplicitSolver final : public participant::Participant {
     WindowState forces;
     std::vector<double> interface_work_j, first_staggered_j;  ///< per part
     std::optional<ImplicitContact::State> contact;
-    solver::SeparationWatch separation;
+    SeparationWatch separation;
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
@@ -82,7 +82,7 @@ class ImplicitSolver final : public participant::Participant {
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
-  solver::SeparationWatch separation_;
+  SeparationWatch separation_;
   participant::ContactStatus status_;
 };
 

@@ -28,28 +28,34 @@ struct BodyTotals {
   double angular_impulse_kg_m2_s = 0.0;
 };
 
-/// What the owner of the contact reports. A contact force is the impulse that acted over the window, divided by its
-/// size: the only force that all laws and integrators share, and the one for which sum F dt = change of momentum holds
-/// exactly.
-struct ContactRecord {
+/// What is told of one contact, and of all contacts of a scene together. A contact force is the impulse that acted over
+/// the window, divided by its size: the only force that all laws and integrators share, and the one for which sum F dt
+/// = change of momentum holds exactly.
+struct ContactTotals {
   double gap_min_m = 0.0;
-  double contact_force_n = 0.0;           ///< on B along +n, over the window; of several contacts the sum
-  double contact_pressure_mean_pa = 0.0;  ///< that over the area of all pairs
-  double principal_stress_mean_pa = 0.0;
+  double contact_force_n = 0.0;                                  ///< on B along +n, over the window
+  double contact_pressure_mean_pa = 0.0;                         ///< that over the area of the pairs
   double friction_force_n = 0.0;                                 ///< on B along +t, over the window
   double friction_force_b_n = 0.0;                               ///< of solids: on B along +(n x t)
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
-  double energy_contact_j = 0.0;   ///< work so far of the normal contact forces: what impacts cost (a loss is negative)
-  double energy_friction_j = 0.0;  ///< dissipated so far by friction
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
   double friction_impulse_b_n_s = 0.0;
+};
+
+/// What the owner of the contacts reports: of all of them together, each along its own directions, and of each.
+struct ContactRecord : ContactTotals {
+  double principal_stress_mean_pa = 0.0;  ///< of the first contact
+  double energy_contact_j = 0.0;   ///< work so far of the normal contact forces: what impacts cost (a loss is negative)
+  double energy_friction_j = 0.0;  ///< dissipated so far by friction
+  std::vector<ContactTotals> contacts;  ///< in the scene's order; empty where there is but one
   // Of the contact problems since the row before; all zero where they have a closed form.
   double contact_iterations = 0.0;
   double contact_residual = 0.0;     ///< largest violation of their conditions, relative to the largest normal force
   double contact_unconverged = 0.0;  ///< windows so far in which that was above what counts as converged
 };
 
-/// A quantity's name in history columns and its member; a body's column is "NAME/BODY".
+/// A quantity's name in history columns and its member; a body's column is "NAME/BODY", that of one of several contacts
+/// "NAME/CONTACT".
 template <class Totals>
 using Quantity = std::pair<std::string_view, double Totals::*>;
 
@@ -89,12 +95,29 @@ inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
     {"contact_unconverged", &ContactRecord::contact_unconverged},
 }};
 
-/// Appends the quantities in the order of their table.
+inline constexpr std::array<Quantity<ContactTotals>, 11> named_contact_quantities = {{
+    {"gap_min_m", &ContactTotals::gap_min_m},
+    {"contact_force_n", &ContactTotals::contact_force_n},
+    {"contact_pressure_mean_pa", &ContactTotals::contact_pressure_mean_pa},
+    {"friction_force_n", &ContactTotals::friction_force_n},
+    {"friction_force_b_n", &ContactTotals::friction_force_b_n},
+    {"pairs_stick", &ContactTotals::pairs_stick},
+    {"pairs_slip", &ContactTotals::pairs_slip},
+    {"pairs_open", &ContactTotals::pairs_open},
+    {"contact_impulse_n_s", &ContactTotals::contact_impulse_n_s},
+    {"friction_impulse_n_s", &ContactTotals::friction_impulse_n_s},
+    {"friction_impulse_b_n_s", &ContactTotals::friction_impulse_b_n_s},
+}};
+
+/// Appends the quantities in the order of their table; of several contacts those of each follow.
 inline void append_quantities(const BodyTotals& totals, std::vector<double>& row) {
   for (const auto& [name, member] : body_quantities) row.push_back(totals.*member);
 }
 inline void append_quantities(const ContactRecord& record, std::vector<double>& row) {
   for (const auto& [name, member] : contact_quantities) row.push_back(record.*member);
+  for (const auto& contact : record.contacts) {
+    for (const auto& [name, member] : named_contact_quantities) row.push_back(contact.*member);
+  }
 }
 
 }  // namespace ricochet

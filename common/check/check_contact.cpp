@@ -176,14 +176,15 @@ void check_friction(const Problem& problem, Plan& plan) {
   if (law.enforcement != Enforcement::penalty || law.impact_update != ImpactUpdate::none) return;
   if (problem.scene.coupling.protocol.layout == Layout::all_explicit) return;
   double needed = 0.0;
-  for (const ContactGeometry& contact : problem.contacts) {
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
+    const ContactGeometry& contact = problem.contacts[c];
     double compliance = 0.0;
     for (const BodyProblem* body : Sides(problem, contact).body) compliance += 1.0 / impedance(*body);
     const double pressure = approach_speed(problem, contact) / compliance;
     const std::vector<double> mass = pair_masses(problem, contact);
     for (std::size_t i = 0; i < mass.size(); ++i)
-      needed = std::max(needed, law.friction_coefficient * pressure * contact.pairs[i].area_m2 * problem.window_size_s /
-                                    (2.0 * mass[i]));
+      needed = std::max(needed, problem.scene.contacts[c].friction_coefficient * pressure * contact.pairs[i].area_m2 *
+                                    problem.window_size_s / (2.0 * mass[i]));
   }
   const double scale = 1.0 / law.friction_regularisation_s_m;
   if (ringing_ratio * scale < needed)

@@ -71,7 +71,6 @@ void require_same_law(const TableReader& table, const Contact& first, const Cont
   require(contact.multiplier_update == first.multiplier_update, "multiplier_update");
   require(contact.penalty_pa_m == first.penalty_pa_m, "penalty_pa_m");
   require(contact.impact_update == first.impact_update, "impact_update");
-  require(contact.friction_coefficient == first.friction_coefficient, "friction_coefficient");
   require(contact.friction_law == first.friction_law, "friction_law");
   require(contact.friction_regularisation_s_m == first.friction_regularisation_s_m, "friction_regularisation_s_m");
 }

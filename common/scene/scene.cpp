@@ -42,6 +42,17 @@ std::string Scene::where(const std::string& key) const {
   }
 }
 
+bool Scene::friction() const {
+  return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.friction_coefficient > 0.0; });
+}
+
+std::vector<std::string> Scene::contact_names() const {
+  std::vector<std::string> names;
+  for (const Contact& contact : contacts)
+    if (contacts.size() > 1) names.push_back(contact.name);
+  return names;
+}
+
 const Body& Scene::body(const std::string& name) const { return find_by_name(bodies, name, "body", path); }
 
 const ParticipantSpec& Scene::participant(const std::string& name) const {

@@ -194,11 +194,14 @@ struct Scene {
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
   [[nodiscard]] std::string where(const std::string& key) const;
-  /// The law of all contacts, which are solved together: their keys but surfaces, gap, nose and friction coefficient.
+  /// The law of all contacts, which are solved together: their keys but surfaces, normal, gap, nose and friction
+  /// coefficient.
   [[nodiscard]] const Contact& contact_law() const { return contacts.front(); }
   [[nodiscard]] bool massless_contact() const {
     return !contacts.empty() && contact_law().multiplier_update == MultiplierUpdate::massless;
   }
+  [[nodiscard]] bool friction() const;                           ///< of any contact
+  [[nodiscard]] std::vector<std::string> contact_names() const;  ///< of several; none where there is but one
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown

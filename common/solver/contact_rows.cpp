@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -74,6 +75,7 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
           .binormal = row_of_nodes(nodes, binormal, components),
           .gap0_m = pair.gap0_m,
           .area_m2 = pair.area_m2,
+          .friction_coefficient = problem.scene.contacts[contact].friction_coefficient,
           .contact = contact,
           .node_a = pair.node_a,
           .slid_m = shift_m.dot(tangent),
@@ -125,7 +127,8 @@ int ContactRow::part_of(Side side) const {
   return -1;
 }
 
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<BodyState>& states) {
+void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
+                                 const std::vector<BodyState>& states) {
   constexpr double round_off = 1e-9;
   const auto has = [](const ContactRow& row, const RowEntry& e) {
     return std::any_of(row.entries.begin(), row.entries.end(), [&](const RowEntry& other) {
@@ -133,6 +136,7 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
     });
   };
   for (const auto& pair : pairs) {
+    if (pair.friction_coefficient == 0.0) continue;
     for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
       for (const auto& e : row->entries) {
         const auto& state = states[static_cast<std::size_t>(e.part)];
@@ -141,10 +145,10 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
         const int node = e.dof / 3;
         const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
         throw ConfigError(fmt::format(
-            "contact.friction_coefficient: the contact node {} of body '{}' at {} is held along a coordinate that is "
+            "{}.friction_coefficient: the contact node {} of body '{}' at {} is held along a coordinate that is "
             "neither along the normal nor along the tangent or the binormal of the contact; friction of solids knows "
             "supports along those alone: turn the meshes, or allowed there: 0",
-            state.part.body_node[static_cast<std::size_t>(node)], state.name,
+            keys[pair.contact], state.part.body_node[static_cast<std::size_t>(node)], state.name,
             fem::place_text(state.part.mesh.model, x)));
       }
     }
@@ -152,11 +156,14 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
 }
 
 bool share_nodes(const std::vector<Pair>& pairs) {
+  std::map<std::pair<int, int>, std::size_t> contact_of;  // with a force there
   for (const auto row : {&Pair::normal, &Pair::tangent}) {
     std::set<std::pair<int, int>> known;
     for (const auto& pair : pairs) {
       for (const auto& e : (pair.*row).entries) {
         if (!known.emplace(e.part, e.dof).second) return true;
+        if (row == &Pair::tangent && pair.friction_coefficient == 0.0) continue;
+        if (contact_of.emplace(std::pair(e.part, e.dof), pair.contact).first->second != pair.contact) return true;
       }
     }
   }
@@ -182,7 +189,8 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
 }  // namespace
 
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  std::vector<BodyState>& states) {
+                  std::vector<BodyState>& states, ContactImpulses& impulses) {
+  impulses[pair.contact] += pair.to_contact(normal_n_s, tangential_n_s);
   if (pair.slid_m != 0.0) {
     auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
     if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;

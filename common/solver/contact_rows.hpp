@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "common/problem/problem.hpp"
@@ -76,6 +77,7 @@ struct Pair {
   ContactRow binormal{};       ///< of a solid: along n x t; else no entries
   double gap0_m = 0.0;
   double area_m2 = 0.0;
+  double friction_coefficient = 0.0;
   std::size_t contact = 0;  ///< index into Problem::contacts
   int node_a = -1;          ///< of the first surface's body mesh
   double slid_m = 0.0;      ///< along t, by how much the rows have B displaced against A
@@ -117,24 +119,30 @@ struct PartNodes {
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
                                              const std::vector<scene::ParticipantPart>& parts);
 
-/// Of solids with friction: refuses, with a ConfigError, a contact node that is held along a coordinate which is in two
+/// Of solids: refuses, with a ConfigError, a contact node with friction that is held along a coordinate which is in two
 /// of a pair's directions, so that what it does along one depends on the other. (In two dimensions nobody asks.)
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
+/// `keys`: of the contacts in the scene file.
+void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
+                                 const std::vector<BodyState>& states);
 
-/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs: then what a law gives
-/// one of them moves the other.
+/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs, or along the
+/// tangent of one with friction and the normal of another contact's, as in a corner: then what a law gives one of them
+/// moves the other.
 [[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
+
+/// What contacts have been given so far, each along n, t and b of its own [N s].
+using ContactImpulses = std::vector<Eigen::Vector3d>;
 
 /// Pairs that share nodes are gone through one after the other, again and again, until no impulse or force changes by
 /// more than this share of the largest (projected Gauss-Seidel), so often at most.
 inline constexpr double settled_share = 1e-13;
 inline constexpr int most_sweeps = 1000;
 
-/// Books a pair's impulse to the totals of its bodies. The normal impulse `normal_n_s` and the tangential one on B, and
-/// the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A is booked to its totals.
-/// So is what a body that has slid by s along t adds to an angular momentum whose arms are the reference places, s p_n:
-/// its own arms are longer by s.
+/// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
+/// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
+/// is booked to its totals. So is what a body that has slid by s along t adds to an angular momentum whose arms are the
+/// reference places, s p_n: its own arms are longer by s.
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  std::vector<BodyState>& states);
+                  std::vector<BodyState>& states, ContactImpulses& impulses);
 
 }  // namespace ricochet::solver

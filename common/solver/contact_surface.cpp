@@ -9,6 +9,7 @@ namespace ricochet::solver {
 
 ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
     : components(problem.scene.components()), pairs(contact_rows(problem, parts)), stress(problem, parts) {
+  for (const auto& contact : problem.scene.contacts) contact_keys.push_back(contact.key());
   std::set<std::pair<int, int>> paired;
   for (const auto& pair : pairs) {
     for (const auto& e : pair.normal.entries) paired.emplace(e.part, e.dof / components);
@@ -39,23 +40,48 @@ double ContactSurface::gap_rate_min(const std::vector<BodyState>& states) const 
   return smallest;
 }
 
-ContactRecord ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const {
-  ContactRecord report;
+ContactRecord ContactSurface::empty_record() const {
+  ContactRecord record;
+  if (contact_keys.size() > 1) record.contacts.resize(contact_keys.size());
+  return record;
+}
+
+ContactImpulses ContactSurface::no_impulses() const {
+  return ContactImpulses(contact_keys.size(), Eigen::Vector3d::Zero());
+}
+
+void ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                            const ContactImpulses& impulses, ContactRecord& record) const {
+  static_cast<ContactTotals&>(record) = totals(states, forces, impulses, std::nullopt);
+  for (std::size_t i = 0; i < record.contacts.size(); ++i) record.contacts[i] = totals(states, forces, impulses, i);
+  record.principal_stress_mean_pa = stress.mean(displacement_of(states));
+}
+
+ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                                     const ContactImpulses& impulses, std::optional<std::size_t> contact) const {
+  ContactTotals totals;
+  totals.gap_min_m = std::numeric_limits<double>::max();
   double area = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (contact && pairs[i].contact != *contact) continue;
     const Eigen::Vector3d force = pairs[i].to_contact(forces[i].normal, forces[i].tangential);
-    report.contact_force_n += force[0];
-    report.friction_force_n += force[1];
-    report.friction_force_b_n += force[2];
-    report.pairs_open += forces[i].state == ContactState::open;
-    report.pairs_stick += forces[i].state == ContactState::stick;
-    report.pairs_slip += forces[i].state == ContactState::slip;
+    totals.contact_force_n += force[0];
+    totals.friction_force_n += force[1];
+    totals.friction_force_b_n += force[2];
+    totals.pairs_open += forces[i].state == ContactState::open;
+    totals.pairs_stick += forces[i].state == ContactState::stick;
+    totals.pairs_slip += forces[i].state == ContactState::slip;
+    totals.gap_min_m = std::min(totals.gap_min_m, pairs[i].gap(displacement_of(states)));
     area += pairs[i].area_m2;
   }
-  report.gap_min_m = gap_min(states);
-  if (area > 0.0) report.contact_pressure_mean_pa = report.contact_force_n / area;
-  report.principal_stress_mean_pa = stress.mean(displacement_of(states));
-  return report;
+  if (area > 0.0) totals.contact_pressure_mean_pa = totals.contact_force_n / area;
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < impulses.size(); ++i)
+    if (!contact || i == *contact) impulse += impulses[i];
+  totals.contact_impulse_n_s = impulse[0];
+  totals.friction_impulse_n_s = impulse[1];
+  totals.friction_impulse_b_n_s = impulse[2];
+  return totals;
 }
 
 participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states,

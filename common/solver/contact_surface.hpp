@@ -2,13 +2,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_record.hpp"
 #include "common/solver/contact_rows.hpp"
-#include "common/solver/separation.hpp"
 #include "common/solver/surface_stress.hpp"
 
 namespace ricochet::solver {
@@ -25,6 +27,7 @@ struct ContactSurface {
   ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
 
   int components;
+  std::vector<std::string> contact_keys;  ///< in the scene file, per contact
   std::vector<Pair> pairs;
   /// A node of surfaces that slide which lies opposite nothing yet.
   struct IdleNode {
@@ -35,8 +38,18 @@ struct ContactSurface {
 
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]
   [[nodiscard]] double gap_rate_min(const std::vector<BodyState>& states) const;  ///< [m/s]
-  /// Forces and states summed up, gap and principal stress; the energies are the caller's.
-  [[nodiscard]] ContactRecord report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces) const;
+  /// A record for `report`, and impulses before the first window.
+  [[nodiscard]] ContactRecord empty_record() const;
+  [[nodiscard]] ContactImpulses no_impulses() const;
+  /// Forces, states and impulses summed up, of all contacts and of each of several; gaps and principal stress.
+  /// Energies, and what the forces took to find, are the caller's.
+  void report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+              const ContactImpulses& impulses, ContactRecord& record) const;
+
+ private:
+  /// Of one contact, or of all.
+  [[nodiscard]] ContactTotals totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                                     const ContactImpulses& impulses, std::optional<std::size_t> contact) const;
 };
 
 /// Contact status after a window: gaps, separation, and whether `until_separated_plus_s` of the setup has passed.

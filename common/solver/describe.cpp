@@ -47,6 +47,10 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   }
   if (contact_owner) {
     for (const auto& quantity : contact_quantities) d.record_columns.emplace_back(quantity.first);
+    for (const auto& contact : problem.scene.contact_names()) {
+      for (const auto& quantity : named_contact_quantities)
+        d.record_columns.push_back(fmt::format("{}/{}", quantity.first, contact));
+    }
   }
   return d;
 }

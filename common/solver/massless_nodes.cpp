@@ -147,7 +147,7 @@ void MasslessNodes::factor(const std::vector<BodyState>& states) {
     }
   }
   scene::Contact normal_only;
-  root_.emplace(normal_only, compliance, std::vector<double>(surface_->pairs.size(), 1.0), 1.0);
+  root_.emplace(normal_only, compliance, std::vector<RootProblem::PairLaw>(surface_->pairs.size()), 1.0);
   state_.last = root_->open();
   gap_free_.setZero(pairs);
 }

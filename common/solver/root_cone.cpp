@@ -57,7 +57,7 @@ RootProblem::ConeRows RootProblem::stick_rows(int pair, const Eigen::VectorXd& s
 /// tau = mu lambda y/|y|, y = tau - rho slip, linearised about the present y: with e = y/|y| and c = mu lambda/|y| < 1
 ///   tau - mu e lambda - c (I - e e^T) (tau - rho slip) = 0
 RootProblem::ConeRows RootProblem::slip_rows(int pair, const Eigen::VectorXd& slip_free, const Solution& last) const {
-  const double mu = law_.friction_coefficient;
+  const double mu = friction_of(pair);
   const double rho = 1.0 / (block_[static_cast<std::size_t>(pair)].diagonal().maxCoeff() + slack(pair));
   const Eigen::Vector2d y = reach(pair, slip_free, last);
   const double length = y.norm();
@@ -74,7 +74,7 @@ RootProblem::ConeRows RootProblem::slip_rows(int pair, const Eigen::VectorXd& sl
 /// and Newton's method cannot overshoot, if the present tau turns the slip around.
 RootProblem::ConeRows RootProblem::regularised_rows(int pair, const Eigen::VectorXd& slip_free,
                                                     const Eigen::VectorXd& slip_velocity) const {
-  const double xi = law_.friction_regularisation_s_m, mu = law_.friction_coefficient;
+  const double xi = law_.friction_regularisation_s_m, mu = friction_of(pair);
   const Eigen::Vector2d slipped = along(pair, motion_);
   const Eigen::Vector2d velocity = 2.0 / dt_ * (Eigen::Vector2d(slip_free[pair], slip_free[pairs_ + pair]) + slipped) -
                                    Eigen::Vector2d(slip_velocity[pair], slip_velocity[pairs_ + pair]);
@@ -102,7 +102,7 @@ void RootProblem::find_cone_rows(const Eigen::VectorXd& slip_free, const Eigen::
   for (int i = 0; i < pairs_; ++i) {
     auto& tangent = states_[static_cast<std::size_t>(i)].tangent;
     auto& rows = cone_rows_[static_cast<std::size_t>(i)];
-    const double limit = law_.friction_coefficient * std::max(0.0, solution_.force[i]);
+    const double limit = friction_of(i) * std::max(0.0, solution_.force[i]);
     if (tangent == Tangent::slip && reach(i, slip_free, last).norm() <= limit) tangent = Tangent::stick;
     switch (tangent) {
       case Tangent::stick: rows = stick_rows(i, slip_free, last); break;
@@ -153,7 +153,7 @@ void RootProblem::times_cone(int pair, const Eigen::VectorXd& x, Eigen::VectorXd
 Eigen::Vector2d RootProblem::cone_alone(int pair, const Eigen::VectorXd& slip_free,
                                         const Eigen::VectorXd& slip_velocity, const Solution& last) const {
   const Eigen::Vector2d force = along(pair, solution_.force);
-  const double limit = law_.friction_coefficient * std::max(0.0, solution_.force[pair]);
+  const double limit = friction_of(pair) * std::max(0.0, solution_.force[pair]);
   Eigen::Matrix2d moves = block_[static_cast<std::size_t>(pair)];
   Eigen::Vector2d free;
   if (regularised_) {

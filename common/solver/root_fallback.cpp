@@ -104,7 +104,7 @@ int RootProblem::lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& s
       m(row, pairs_ + 2 * tangents + k) = 1.0;
       m(pairs_ + 2 * tangents + k, row) = -1.0;
     }
-    m(pairs_ + 2 * tangents + k, i) = law_.friction_coefficient;
+    m(pairs_ + 2 * tangents + k, i) = friction_of(i);
   }
   Eigen::VectorXd z;
   const int pivots = solve_lemke(m, q, z);

@@ -20,15 +20,15 @@ constexpr double residual_to_stop = 1e-3;
 constexpr double converged_residual = 1e-10;
 }  // namespace
 
-RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::vector<double> area_m2, double dt)
+RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::vector<PairLaw> pairs, double dt)
     : law_(law),
-      friction_(law.friction_coefficient > 0.0),
+      pair_laws_(std::move(pairs)),
       regularised_(law.friction_law == scene::FrictionLaw::regularised),
-      pairs_(static_cast<int>(area_m2.size())),
+      pairs_(static_cast<int>(pair_laws_.size())),
+      friction_(compliance.size() > pairs_),
       cone_(friction_ && compliance.size() == Eigen::Index{3} * pairs_),
       dt_(dt),
       compliance_(std::move(compliance)),
-      area_m2_(std::move(area_m2)),
       states_(static_cast<std::size_t>(pairs_)),
       rhs_(compliance_.size()),
       motion_(compliance_.size()),
@@ -37,7 +37,7 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
       solution_(open()) {
   if (compliance_.dense()) matrix_.resize(compliance_.size(), compliance_.size());
   if (!cone_) return;
-  cone_rows_.resize(area_m2_.size());
+  cone_rows_.resize(pair_laws_.size());
   for (int i = 0; i < pairs_; ++i) {
     const int t = pairs_ + i, b = 2 * pairs_ + i;
     auto& block = block_.emplace_back(Eigen::Matrix2d::Zero());
@@ -53,7 +53,7 @@ RootProblem::Solution RootProblem::open() const {
 
 double RootProblem::slack(int pair) const {
   if (law_.enforcement != scene::Enforcement::penalty) return 0.0;
-  return 1.0 / (law_.penalty_pa_m * area_m2_[static_cast<std::size_t>(pair)]);
+  return 1.0 / (law_.penalty_pa_m * pair_laws_[static_cast<std::size_t>(pair)].area_m2);
 }
 
 double RootProblem::alone(int unknown) const { return compliance_.alone(unknown) + slack(unknown % pairs_); }
@@ -75,7 +75,7 @@ void RootProblem::start_from(const Solution& last) {
 }
 
 bool RootProblem::held(int pair) const {
-  return !friction_ ||
+  return !friction_ || friction_of(pair) == 0.0 ||
          (compliance_.alone(pairs_ + pair) <= 0.0 && (!cone_ || block_[static_cast<std::size_t>(pair)](1, 1) <= 0.0));
 }
 
@@ -94,7 +94,7 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     if (state.tangent != Tangent::regularised) continue;
     // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and
     // Newton's method cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
-    const double xi = law_.friction_regularisation_s_m, mu = law_.friction_coefficient;
+    const double xi = law_.friction_regularisation_s_m, mu = friction_of(i);
     const double slipped = moved(t);
     const double velocity = 2.0 * (slip_free[i] + slipped) / dt_ - slip_velocity[i];
     const double without = velocity - 2.0 / dt_ * compliance_.alone(t) * solution_.force[t];
@@ -114,7 +114,6 @@ double RootProblem::moved(int unknown) const {
 
 bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                 const Solution& last) {
-  const double mu = law_.friction_coefficient;
   compliance_.times(solution_.force, motion_);
   const double force_scale = round_off * solution_.force.head(pairs_).cwiseAbs().maxCoeff();
   const double gap_scale = round_off * gap_free.cwiseAbs().maxCoeff();
@@ -122,7 +121,7 @@ bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::Ve
   for (int i = 0; i < pairs_; ++i) {
     auto& state = states_[static_cast<std::size_t>(i)];
     const PairState before = state;
-    const double normal = solution_.force[i];
+    const double normal = solution_.force[i], mu = friction_of(i);
     if (state.closed && normal < -force_scale) {
       state = {};
     } else if (!state.closed && gap_free[i] + motion_[i] < -gap_scale) {
@@ -154,6 +153,8 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   solution_.force = last.force;
   solution_.iterations = 0;
   find_states(gap_free, slip_free, slip_velocity, last);
+  // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
+  if (!solution_.force.allFinite()) solution_.force = last.force;
   solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   if (solution_.residual > converged_residual) {
     solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
@@ -234,7 +235,7 @@ const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, con
 
 double RootProblem::tangential_alone(int pair, double slip, double slip_velocity, double last) const {
   const int t = pairs_ + pair;
-  const double force = solution_.force[t], limit = law_.friction_coefficient * solution_.force[pair];
+  const double force = solution_.force[t], limit = friction_of(pair) * solution_.force[pair];
   if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
   const double rate = 2.0 / dt_ * compliance_.alone(t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
   return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
@@ -247,11 +248,11 @@ void RootProblem::states_of_forces() {
     state = {.closed = x[i] > 0.0, .tangent = Tangent::none};
     if (!state.closed || held(i)) continue;
     if (cone_ && !regularised_) {
-      const double limit = law_.friction_coefficient * x[i] * (1.0 - round_off);
+      const double limit = friction_of(i) * x[i] * (1.0 - round_off);
       state.tangent = along(i, x).norm() < limit ? Tangent::stick : Tangent::slip;
       continue;
     }
-    const double tangential = x[pairs_ + i], limit = law_.friction_coefficient * x[i];
+    const double tangential = x[pairs_ + i], limit = friction_of(i) * x[i];
     state.tangent = regularised_                                       ? Tangent::regularised
                     : std::abs(tangential) < limit * (1.0 - round_off) ? Tangent::stick
                     : tangential > 0.0                                 ? Tangent::slip_plus
@@ -286,7 +287,7 @@ void RootProblem::finish() {
     if (!state.closed) solution_.force[i] = 0.0;  // what the dense solve leaves of its identity row is round-off
     if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
     if (!state.closed && cone_) solution_.force[2 * pairs_ + i] = 0.0;
-    const bool stick = state.tangent == Tangent::stick || (friction_ && held(i));
+    const bool stick = state.tangent == Tangent::stick || (friction_of(i) > 0.0 && held(i));
     solution_.states[static_cast<std::size_t>(i)] = !state.closed ? ContactState::open
                                                     : stick       ? ContactState::stick
                                                                   : ContactState::slip;

@@ -33,8 +33,14 @@ namespace ricochet::solver {
 /// Curnier 1991), and the last resort is another start of it from what the sweeps have reached (root_cone.cpp).
 class RootProblem {
  public:
-  /// `compliance` D, n x n without friction, 2n x 2n with, of solids 3n x 3n; `area_m2` w per pair.
-  RootProblem(const scene::Contact& law, Compliance compliance, std::vector<double> area_m2, double dt);
+  /// What is a pair's own: w and mu.
+  struct PairLaw {
+    double area_m2 = 0.0;
+    double friction_coefficient = 0.0;
+  };
+  /// `compliance` D, n x n without friction, 2n x 2n with, of solids 3n x 3n; then it has the rows of pairs without
+  /// friction, too, which have no forces there. `law`: all but its mu.
+  RootProblem(const scene::Contact& law, Compliance compliance, std::vector<PairLaw> pairs, double dt);
 
   struct Solution {
     Eigen::VectorXd force;             ///< x of the class comment
@@ -118,17 +124,21 @@ class RootProblem {
   void finish();
   /// No tangential unknown: no friction, or supports hold both nodes (on the axis r = 0).
   [[nodiscard]] bool held(int pair) const;
+  [[nodiscard]] double friction_of(int pair) const {
+    return pair_laws_[static_cast<std::size_t>(pair)].friction_coefficient;
+  }
   [[nodiscard]] double slack(int pair) const;     ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
   [[nodiscard]] double alone(int unknown) const;  ///< what an unknown moves its own row by [m/N]
 
   scene::Contact law_;
-  bool friction_, regularised_;
+  std::vector<PairLaw> pair_laws_;
+  bool regularised_;
   int pairs_;
-  bool cone_;  ///< two tangential directions
+  bool friction_;  ///< there are unknowns along the surface
+  bool cone_;      ///< two tangential directions
   double dt_;
   Compliance compliance_;
   Eigen::MatrixXd matrix_;
-  std::vector<double> area_m2_;
   std::vector<PairState> states_, factored_states_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::VectorXd rhs_, motion_, before_;

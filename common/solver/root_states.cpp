@@ -63,7 +63,6 @@ constexpr int max_linear_iterations = 500;
 /// Rows of the present states; open pairs keep an identity row. Rows of compliances [m/N] are divided by what their
 /// unknown moves alone, so that they and the rows of forces [N] are of one size.
 void RootProblem::assemble() {
-  const double mu = law_.friction_coefficient;
   const Eigen::MatrixXd& compliance = *compliance_.dense();
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
@@ -81,6 +80,7 @@ void RootProblem::assemble() {
       continue;
     }
     const int t = pairs_ + i;
+    const double mu = friction_of(i);
     matrix_.row(t).setZero();
     matrix_(t, t) = 1.0;
     switch (state.tangent) {
@@ -104,7 +104,6 @@ void RootProblem::assemble() {
 
 /// The same rows times x.
 void RootProblem::times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
-  const double mu = law_.friction_coefficient;
   compliance_.times(x, y);
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
@@ -115,6 +114,7 @@ void RootProblem::times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) con
       continue;
     }
     const int t = pairs_ + i;
+    const double mu = friction_of(i);
     switch (state.tangent) {
       case Tangent::slip: break;
       case Tangent::none: y[t] = x[t]; break;

@@ -55,7 +55,8 @@ void check_description(const wire::Hello& hello, const wire::Description& d) {
             fmt::format("it has the unknown capability '{}'{}", capability,
                         did_you_mean(capability, all_names<Capability>())));
   }
-  const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies);
+  const History names_columns_rightly({{hello.participant, d.record_columns}}, d.bodies, {},
+                                      contacts_named_in(d.record_columns));
   const AxialStress names_layers_rightly({{hello.participant, d.axial_stress_columns}}, d.bodies);
 }
 

@@ -79,8 +79,9 @@ void Errors::add(HistoryRow& row) {
   }
 }
 
-History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved)
-    : bodies_(bodies) {
+History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved,
+                 const std::vector<std::string>& contacts)
+    : bodies_(bodies), contacts_(contacts) {
   if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
   errors_ = Errors(std::move(conserved));
   for (const auto& source : sources) {
@@ -106,20 +107,33 @@ History::Column History::parse(const std::string& column, const std::string& par
   Column parsed;
   const auto slash = column.find('/');
   if (slash != std::string::npos) {
-    const auto body = std::find(bodies_.begin(), bodies_.end(), column.substr(slash + 1));
-    parsed.of_body = member_of(body_quantities, column.substr(0, slash));
-    if (body != bodies_.end() && parsed.of_body) {
-      parsed.body = static_cast<int>(body - bodies_.begin());
-      return parsed;
-    }
+    if (const auto named = parse_named(column.substr(0, slash), column.substr(slash + 1))) return *named;
   } else if (column == "energy_interface_j") {
     parsed.of_body = &BodyTotals::energy_interface_j;
     return parsed;
-  } else if ((parsed.of_contact = member_of(contact_quantities, column))) {
+  } else if ((parsed.of_contacts = member_of(contact_quantities, column))) {
     return parsed;
   }
-  throw ProtocolError(fmt::format("participant '{}' announces the unknown history column \"{}\" (bodies: {})",
-                                  participant, column, fmt::join(bodies_, ", ")));
+  std::string names = fmt::format("bodies: {}", fmt::join(bodies_, ", "));
+  if (!contacts_.empty()) names += fmt::format("; contacts: {}", fmt::join(contacts_, ", "));
+  throw ProtocolError(
+      fmt::format("participant '{}' announces the unknown history column \"{}\" ({})", participant, column, names));
+}
+
+/// Of a body or of one of several contacts.
+std::optional<History::Column> History::parse_named(const std::string& quantity, const std::string& name) const {
+  Column parsed;
+  const auto body = std::find(bodies_.begin(), bodies_.end(), name);
+  parsed.of_body = member_of(body_quantities, quantity);
+  if (body != bodies_.end() && parsed.of_body) {
+    parsed.body = static_cast<int>(body - bodies_.begin());
+    return parsed;
+  }
+  const auto contact = std::find(contacts_.begin(), contacts_.end(), name);
+  parsed.of_one_contact = member_of(named_contact_quantities, quantity);
+  if (contact == contacts_.end() || !parsed.of_one_contact) return std::nullopt;
+  parsed.contact = static_cast<std::size_t>(contact - contacts_.begin());
+  return parsed;
 }
 
 void History::add(std::size_t participant, const std::vector<double>& values) {
@@ -155,6 +169,7 @@ std::optional<HistoryRow> History::next(double window_size_s) {
   row.window = static_cast<std::int64_t>(streams_.front().rows.front()[0]);
   row.time_s = static_cast<double>(row.window) * window_size_s;
   row.bodies.resize(bodies_.size());
+  row.contact.contacts.resize(contacts_.size());
   for (auto& stream : streams_) merge(stream, row);
   for (const auto& body : row.bodies) add_to(row.sum, body);
   errors_.add(row);
@@ -168,9 +183,13 @@ void History::merge(Stream& stream, HistoryRow& row) const {
   double friction = 0;
   for (std::size_t c = 1; c < values.size(); ++c) {
     const auto& column = stream.columns[c];
-    if (column.of_contact) {
-      row.contact.*column.of_contact = values[c];
-      if (column.of_contact == &ContactRecord::energy_friction_j) friction = values[c];
+    if (column.of_contacts) {
+      row.contact.*column.of_contacts = values[c];
+      if (column.of_contacts == &ContactRecord::energy_friction_j) friction = values[c];
+      continue;
+    }
+    if (column.of_one_contact) {
+      row.contact.contacts[column.contact].*column.of_one_contact = values[c];
       continue;
     }
     own.*column.of_body += values[c];
@@ -181,6 +200,17 @@ void History::merge(Stream& stream, HistoryRow& row) const {
       own.energy_kinetic_j + own.energy_strain_j + friction - own.energy_external_j - own.energy_interface_j;
   if (!stream.first_created_j) stream.first_created_j = created;
   row.created_j.push_back(created - *stream.first_created_j);
+}
+
+std::vector<std::string> contacts_named_in(const std::vector<std::string>& columns) {
+  std::vector<std::string> names;
+  for (const auto& column : columns) {
+    const auto slash = column.find('/');
+    if (slash == std::string::npos || !member_of(named_contact_quantities, column.substr(0, slash))) continue;
+    const auto name = column.substr(slash + 1);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
 }
 
 }  // namespace ricochet::coupler

@@ -77,16 +77,17 @@ class Errors {
 ///
 /// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyTotals as quantities;
 /// "energy_interface_j", the work its link did on it, if it is not given per body; of the contact's owner the members
-/// of ContactRecord.
+/// of ContactRecord and, of each of several contacts, "<quantity>/<contact>" with those of ContactTotals.
 class History {
  public:
   struct Source {
     std::string participant;
     std::vector<std::string> columns;
   };
-  /// Throws ProtocolError naming the participant and the column if a column is unknown, given twice or missing. Without
-  /// "angular_momentum_kg_m2_s" of everyone that balance is none.
-  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved = {});
+  /// `contacts`: names of several. Throws ProtocolError naming the participant and the column if a column is unknown,
+  /// given twice or missing. Without "angular_momentum_kg_m2_s" of everyone that balance is none.
+  History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved = {},
+          const std::vector<std::string>& contacts = {});
 
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);
@@ -97,7 +98,9 @@ class History {
   struct Column {
     int body = -1;  ///< -1: of the participant
     double BodyTotals::*of_body = nullptr;
-    double ContactRecord::*of_contact = nullptr;
+    double ContactRecord::*of_contacts = nullptr;  ///< of all together
+    std::size_t contact = 0;
+    double ContactTotals::*of_one_contact = nullptr;
   };
   struct Stream {
     std::string participant;
@@ -107,12 +110,16 @@ class History {
     std::optional<double> first_created_j;
   };
   [[nodiscard]] Column parse(const std::string& column, const std::string& participant) const;
+  [[nodiscard]] std::optional<Column> parse_named(const std::string& quantity, const std::string& name) const;
   void check_windows() const;
   void merge(Stream& stream, HistoryRow& row) const;
 
-  std::vector<std::string> bodies_;
+  std::vector<std::string> bodies_, contacts_;
   std::vector<Stream> streams_;
   Errors errors_;
 };
+
+/// Names of the contacts that the columns of a participant are of, where there are several.
+[[nodiscard]] std::vector<std::string> contacts_named_in(const std::vector<std::string>& columns);
 
 }  // namespace ricochet::coupler

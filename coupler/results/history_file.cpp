@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -55,25 +56,56 @@ constexpr Column solid_columns[] = {
     {"momentum_b_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_b_kg_m_s; }},
 };
 
+bool of_solids_alone(double ContactTotals::*member) {
+  return member == &ContactTotals::friction_force_b_n || member == &ContactTotals::friction_impulse_b_n_s;
+}
+
+/// Calls f(name, member) for what is told of each of several contacts.
+template <class F>
+void for_each_of_a_contact(bool solid, const F& f) {
+  for (const auto& [name, member] : named_contact_quantities) {
+    if (solid || !of_solids_alone(member)) f(name, member);
+  }
+}
+
+/// The gap is none without a contact, and where no pair is left of bodies that have slid off each other.
+void tell_no_gap(ContactTotals& contact, bool has_contact) {
+  if (!has_contact || contact.gap_min_m == std::numeric_limits<double>::max())
+    contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
-std::vector<std::string> history_columns(const std::vector<std::string>& bodies, bool solid) {
+HistoryShape history_shape(const scene::Problem& problem) {
+  HistoryShape shape{.has_contact = !problem.contacts.empty(),
+                     .solid = problem.scene.components() == 3,
+                     .contacts = problem.scene.contact_names()};
+  for (const auto& body : problem.scene.bodies) shape.bodies.push_back(body.name);
+  return shape;
+}
+
+std::vector<std::string> history_columns(const HistoryShape& shape) {
   std::vector<std::string> names;
   for (const auto& column : columns) names.emplace_back(column.name);
-  for (const auto& body : bodies) names.push_back(fmt::format("velocity_mean_{}_m_s", body));
-  if (!solid) return names;
-  for (const auto& column : solid_columns) names.emplace_back(column.name);
+  for (const auto& body : shape.bodies) names.push_back(fmt::format("velocity_mean_{}_m_s", body));
+  if (shape.solid) {
+    for (const auto& column : solid_columns) names.emplace_back(column.name);
+  }
+  for (const auto& contact : shape.contacts) {
+    for_each_of_a_contact(shape.solid, [&](std::string_view quantity, double ContactTotals::*) {
+      names.push_back(fmt::format("{}/{}", quantity, contact));
+    });
+  }
   return names;
 }
 
-HistoryFile::HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact, bool solid)
+HistoryFile::HistoryFile(std::string path, HistoryShape shape)
     : path_(std::move(path)),
-      has_contact_(has_contact),
-      solid_(solid),
+      shape_(std::move(shape)),
       descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
       flushed_(std::chrono::steady_clock::now()) {
   if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
-  pending_ = fmt::format("{}\n", fmt::join(history_columns(bodies, solid), ","));
+  pending_ = fmt::format("{}\n", fmt::join(history_columns(shape_), ","));
   flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
 
@@ -87,8 +119,8 @@ HistoryFile::~HistoryFile() {
 }
 
 void HistoryFile::add(HistoryRow row) {
-  if (!has_contact_ || row.contact.gap_min_m == std::numeric_limits<double>::max())
-    row.contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
+  tell_no_gap(row.contact, shape_.has_contact);
+  for (auto& contact : row.contact.contacts) tell_no_gap(contact, true);
   auto out = std::back_inserter(pending_);
   const char* separator = "";
   const auto put = [&](double value) {
@@ -97,8 +129,11 @@ void HistoryFile::add(HistoryRow row) {
   };
   for (const auto& column : columns) put(column.value(row));
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
-  if (solid_) {
+  if (shape_.solid) {
     for (const auto& column : solid_columns) put(column.value(row));
+  }
+  for (const auto& contact : row.contact.contacts) {
+    for_each_of_a_contact(shape_.solid, [&](std::string_view, double ContactTotals::*member) { put(contact.*member); });
   }
   pending_ += '\n';
   if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();

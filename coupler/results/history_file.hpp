@@ -5,19 +5,29 @@
 #include <vector>
 
 #include "common/base/write_file.hpp"
+#include "common/problem/problem.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
 
-/// Names of the columns of history.csv, units in the names; last, of a scene of solids, what lies along the binormal.
-[[nodiscard]] std::vector<std::string> history_columns(const std::vector<std::string>& bodies, bool solid);
+/// What a scene has columns for.
+struct HistoryShape {
+  std::vector<std::string> bodies{};
+  bool has_contact = false;             ///< else the gap is written as nan
+  bool solid = false;                   ///< what lies along the binormal follows the bodies
+  std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
+};
+[[nodiscard]] HistoryShape history_shape(const scene::Problem& problem);
+
+/// Names of the columns of history.csv, units in the names.
+[[nodiscard]] std::vector<std::string> history_columns(const HistoryShape& shape);
 
 /// Writes history.csv: one line per merged row, numbers with 17 digits, so that equal runs give equal files.
 /// Whole lines only reach the file, at least every 0.2 s, so that it can be read at any time and after any failure.
 class HistoryFile {
  public:
-  /// Replaces the file. `has_contact`: else the gap is written as nan. Throws ConfigError if it cannot be written.
-  HistoryFile(std::string path, const std::vector<std::string>& bodies, bool has_contact, bool solid);
+  /// Replaces the file. Throws ConfigError if it cannot be written.
+  HistoryFile(std::string path, HistoryShape shape);
   HistoryFile(const HistoryFile&) = delete;
   HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
@@ -27,7 +37,7 @@ class HistoryFile {
 
  private:
   std::string path_;
-  bool has_contact_, solid_;
+  HistoryShape shape_;
   int descriptor_;
   std::string pending_;
   std::chrono::steady_clock::time_point flushed_;

@@ -59,6 +59,16 @@ Json contact_json(const ContactTally& contact) {
           {"windows_unconverged", contact.windows_unconverged}};
 }
 
+Json result_json(const ContactResult& contact, bool solid) {
+  Json json = {{"first_contact_s", number(contact.first_contact_s())},
+               {"separation_time_s", number(contact.separation_time_s())},
+               {"peak_contact_force_n", number(contact.peak_force_n())},
+               {"contact_impulse_n_s", number(contact.last().contact_impulse_n_s)},
+               {"friction_impulse_n_s", number(contact.last().friction_impulse_n_s)}};
+  if (solid) json["friction_impulse_b_n_s"] = number(contact.last().friction_impulse_b_n_s);
+  return json;
+}
+
 std::string row(const std::string& label, const std::string& value) {
   return fmt::format("  {:<24} {}\n", label, value);
 }
@@ -67,6 +77,17 @@ std::string row(const std::string& label, const std::string& value) {
 std::string duration(double time_s) {
   if (std::abs(time_s) < 1e-3) return fmt::format("{:.4f} us", 1e6 * time_s);
   return std::abs(time_s) < 1.0 ? fmt::format("{:.4f} ms", 1e3 * time_s) : fmt::format("{:.4f} s", time_s);
+}
+
+std::string named_contact_row(const ContactResult& contact) {
+  const auto time = [](const std::optional<double>& time_s, const char* otherwise) {
+    return time_s ? duration(*time_s) : std::string(otherwise);
+  };
+  return row(
+      fmt::format("contact '{}'", contact.name()),
+      fmt::format("first {}, separation {}, impulse {:.6g} N s, peak {:.6g} N",
+                  time(contact.first_contact_s(), "never"), time(contact.separation_time_s(), "not within this run"),
+                  contact.last().contact_impulse_n_s, contact.peak_force_n()));
 }
 
 std::string contact_rows(const Summary& summary, const Tally& tally) {
@@ -83,7 +104,9 @@ std::string contact_rows(const Summary& summary, const Tally& tally) {
     text += row("mean interface stress", fmt::format("{:.2f} MPa   (impedance theory: {:.2f} MPa)",
                                                      1e-6 * *tally.plateau_stress_pa(), 1e-6 * theory->stress_pa));
   }
-  return text + row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  for (const auto& contact : tally.each_contact) text += named_contact_row(contact);
+  return text;
 }
 
 std::string switch_rows(const Summary& summary) {
@@ -148,11 +171,13 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
                {"peak_contact_force_n", number(tally.peak_contact_force_n)},
                {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
-               {"friction_impulse_n_s", number(tally.friction_impulse_n_s)},
-               {"contact", contact_json(tally.contact)},
-               {"plateau_stress_pa", number(tally.plateau_stress_pa())},
-               {"theory", theory_json(tally)},
-               {"largest_drift", number(s.largest_drift)}};
+               {"friction_impulse_n_s", number(tally.friction_impulse_n_s)}};
+  if (tally.solid()) json["friction_impulse_b_n_s"] = number(tally.friction_impulse_b_n_s);
+  json["contact"] = contact_json(tally.contact);
+  for (const auto& contact : tally.each_contact) json["contacts"][contact.name()] = result_json(contact, tally.solid());
+  json["plateau_stress_pa"] = number(tally.plateau_stress_pa());
+  json["theory"] = theory_json(tally);
+  json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
   json["outside_model"] = Json::array();
   for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed));

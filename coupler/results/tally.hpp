@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "coupler/results/contact_result.hpp"
 #include "coupler/results/history.hpp"
 #include "coupler/results/theory.hpp"
 
@@ -35,13 +38,17 @@ struct ContactTally {
 /// from 15 % to 65 % of 2L/c after the first contact, and not beyond the first step of the stress.
 class Tally {
  public:
-  explicit Tally(std::optional<ImpactTheory> theory) : theory_(std::move(theory)) {}
+  /// `solid`: friction has a component along the binormal. `contacts`: each of several.
+  explicit Tally(std::optional<ImpactTheory> theory, bool solid = false, std::vector<ContactResult> contacts = {})
+      : each_contact(std::move(contacts)), solid_(solid), theory_(std::move(theory)) {}
 
   void add(const HistoryRow& row) {
     ++rows;
     contact.add(row);
     contact_impulse_n_s = row.contact.contact_impulse_n_s;
     friction_impulse_n_s = row.contact.friction_impulse_n_s;
+    friction_impulse_b_n_s = row.contact.friction_impulse_b_n_s;
+    for (std::size_t i = 0; i < each_contact.size(); ++i) each_contact[i].add(row.window, row.contact.contacts[i]);
     energy_error_last = row.energy_error;
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
@@ -66,15 +73,18 @@ class Tally {
     return plateau_sum_pa_ / static_cast<double>(plateau_rows_);
   }
   [[nodiscard]] const std::optional<ImpactTheory>& theory() const { return theory_; }
+  [[nodiscard]] bool solid() const { return solid_; }
 
   std::int64_t rows = 0;
   double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;
-  double peak_contact_force_n = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0;
+  double peak_contact_force_n = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0, friction_impulse_b_n_s = 0;
   ContactTally contact;
+  std::vector<ContactResult> each_contact;
   double angular_momentum_error_max = 0;
   std::optional<double> first_contact_s;
 
  private:
+  bool solid_;
   std::optional<ImpactTheory> theory_;
   double plateau_sum_pa_ = 0;
   std::int64_t plateau_rows_ = 0;

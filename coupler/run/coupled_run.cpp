@@ -34,6 +34,15 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   return summary;
 }
 
+/// Of several contacts.
+std::vector<ContactResult> each_contact(const scene::Problem& problem) {
+  const auto& scene = problem.scene;
+  std::vector<ContactResult> results;
+  for (const auto& name : scene.contact_names())
+    results.emplace_back(name, scene.output.history_every, problem.window_size_s, scene.coupling.separation_windows);
+  return results;
+}
+
 }  // namespace
 
 CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
@@ -43,9 +52,8 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       plan_(plan),
       results_(results),
       summary_(first_summary(problem, plan)),
-      tally_(impact_theory(problem)),
-      history_file_(results.file("history.csv"), body_names(scene_), !problem.contacts.empty(),
-                    scene_.components() == 3),
+      tally_(impact_theory(problem), scene_.components() == 3, each_contact(problem)),
+      history_file_(results.file("history.csv"), history_shape(problem)),
       progress_(plan.windows, !problem.contacts.empty()),
       set_(make_process_set(problem, executables, results, summary_.run_id)),
       outside_(problem) {
@@ -97,7 +105,7 @@ void CoupledRun::setup() {
     stress_sources.push_back({description.participant, description.axial_stress_columns});
   }
   prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, body_names(scene_), conserved_by(problem_));
+  history_ = std::make_unique<History>(sources, body_names(scene_), conserved_by(problem_), scene_.contact_names());
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, body_names(scene_));
   }

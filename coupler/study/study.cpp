@@ -70,8 +70,7 @@ void Study::compare_histories() {
   const auto& histories = file_.histories;
   if (!histories.wanted()) return;
   const auto rms = [&](const Observation& run, const Observation& other) -> std::optional<double> {
-    const auto difference =
-        rms_difference(history_of(histories.quantity, run), history_of(histories.quantity, other), other);
+    const auto difference = rms_difference(histories.quantity, run, other);
     return difference ? std::optional(*difference / histories.over_pa) : std::nullopt;
   };
   for (std::size_t r = 0; r < rows_.size(); ++r) {

@@ -119,11 +119,33 @@ ReferenceSpec load_reference(TableReader reader, const StudyFile& study) {
   return reference;
 }
 
-HistoriesSpec load_histories(TableReader& root, const StudyFile& study) {
+std::string text_at(const toml::value& table, const char* key) {
+  if (!table.is_table() || !table.contains(key) || !table.at(key).is_string()) return "";
+  return table.at(key).as_string();
+}
+
+/// What a study can measure of its scene, which may still lack what the study gives it.
+MeasuredScene measured_scene(const std::string& path) {
+  const toml::value file = scene::parse_toml(path, scene::read_text(path));
+  MeasuredScene scene{.solid = text_at(file, "model") == "solid"};
+  if (!file.contains("contact") || !file.at("contact").is_array() || file.at("contact").size() < 2) return scene;
+  for (const auto& contact : file.at("contact").as_array()) scene.contacts.push_back(text_at(contact, "name"));
+  return scene;
+}
+
+std::vector<std::string> load_quantities(TableReader& root, const MeasuredScene& scene) {
+  auto names = quantity_names(scene);
+  if (!root.has("quantities")) return names;
+  const auto of_contacts = contact_quantity_names(scene);
+  names.insert(names.end(), of_contacts.begin(), of_contacts.end());
+  return root.words("quantities", names);
+}
+
+HistoriesSpec load_histories(TableReader& root, const StudyFile& study, const MeasuredScene& scene) {
   HistoriesSpec histories;
   if (!root.has("histories")) return histories;
   auto reader = root.table("histories", "histories");
-  histories.quantity = reader.word("quantity", history_names());
+  histories.quantity = reader.word("quantity", history_names(scene));
   histories.over_pa = reader.number("over_pa", scene::above(0.0));
   histories.over_name = reader.text("over_name");
   histories.compare_to = reader.word("compare_to", method_names(study));
@@ -188,12 +210,12 @@ StudyFile load_study(const std::string& path) {
     root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
   load_methods(root, study);
   study.variations = load_variations(root);
-  study.quantities = quantity_names();
-  if (root.has("quantities")) study.quantities = root.words("quantities", quantity_names());
+  const MeasuredScene measured = measured_scene(study.scene);
+  study.quantities = load_quantities(root, measured);
   study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
   study.reference = load_reference(root.table("reference", "reference"), study);
   if (root.has("along")) study.along = root.word("along", varied_keys(study));
-  study.histories = load_histories(root, study);
+  study.histories = load_histories(root, study, measured);
   study.published = load_published(root, study);
   root.finish();
   return study;

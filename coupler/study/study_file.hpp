@@ -30,7 +30,7 @@ struct ReferenceSpec {
 /// Which histories are drawn over each other, over a stress with a name, and the method whose run at the same settings
 /// the others are compared with (Eq. 29 of the paper); no quantity: none.
 struct HistoriesSpec {
-  std::string quantity;  ///< "contact_pressure" | "principal_stress"
+  std::string quantity;  ///< "contact_pressure" | "contact_pressure/CONTACT" | "principal_stress"
   double over_pa = 1.0;
   std::string over_name, compare_to;
   [[nodiscard]] bool wanted() const { return !quantity.empty(); }

@@ -33,7 +33,8 @@ std::vector<std::string> words_of(const std::string& key) {
   return words;
 }
 
-/// Follows a key through the tables of a scene; below a list of tables (body, participant) comes a name.
+/// Follows a key through the tables of a scene; below a list of tables (body, participant, several contacts) comes a
+/// name.
 void check_scene_key(const TableReader& reader, const std::string& at, const Leaf& leaf) {
   const auto& schema = scene::scene_schema();
   const auto words = words_of(leaf.key);
@@ -47,7 +48,8 @@ void check_scene_key(const TableReader& reader, const std::string& at, const Lea
     }
     if (schema.count(words[i]) == 0) return;  // a key, or a table of names of bodies
     kind = words[i];
-    if (kind == "body" || kind == "participant") ++i;
+    const bool several_contacts = kind == "contact" && i + 2 < words.size();  // its own keys are no tables
+    if (kind == "body" || kind == "participant" || several_contacts) ++i;
   }
   reader.fail(*leaf.value, at, fmt::format("the table \"{}\"", leaf.key),
               "one of its keys: " + scene::one_of(schema.at(kind)));

@@ -19,7 +19,7 @@ std::optional<double> value_of(const nlohmann::ordered_json& summary, const char
   return found != summary.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
-double contact_period_s(const Observation& of) { return of.contact_end_s - of.contact_begin_s; }
+double contact_period_s(const ContactObservation& of) { return of.contact_end_s - of.contact_begin_s; }
 
 /// A history of means over the windows that end at the rows: each stands at the middle of its window, and no window
 /// ends at the first row.
@@ -36,7 +36,7 @@ bool is_velocity(const std::string& column) { return column.rfind("velocity_mean
 
 /// RMS over the contact period of the reference, over the mean of the plateau of its history `level`.
 std::optional<double> history_error(const Curve& run, const Curve& curve, const Curve& level,
-                                    const Observation& reference) {
+                                    const ContactObservation& reference) {
   const auto rms = rms_difference(run, curve, reference);
   if (!rms) return {};
   double plateau = 0.0;
@@ -48,10 +48,11 @@ std::optional<double> history_error(const Curve& run, const Curve& curve, const 
 }
 
 /// Where the reference knows no friction there is nothing to be right or wrong.
-std::optional<double> friction_error(const Observation& run, const Observation& reference) {
-  const auto& force = reference.friction_force_n.value;
+std::optional<double> friction_error(Curve ContactObservation::*friction, const ContactObservation& run,
+                                     const ContactObservation& reference) {
+  const auto& force = (reference.*friction).value;
   if (std::all_of(force.begin(), force.end(), [](double n) { return n == 0.0; })) return {};
-  return history_error(run.friction_force_n, reference.friction_force_n, reference.contact_force_n, reference);
+  return history_error(run.*friction, reference.*friction, reference.contact_force_n, reference);
 }
 
 std::optional<double> relative(const std::optional<double>& run, const std::optional<double>& reference, double scale) {
@@ -67,6 +68,67 @@ std::optional<double> rebound_error(const Observation& run, const Observation& r
     largest = std::max(largest, std::abs(run.rebound_velocity_m_s[b] - reference.rebound_velocity_m_s[b]));
   }
   return largest / reference.greatest_speed_m_s;
+}
+
+/// "QUANTITY/CONTACT", or a quantity of all contacts.
+struct QuantityName {
+  std::string quantity, contact;
+
+  explicit QuantityName(const std::string& name) : quantity(name.substr(0, name.find('/'))) {
+    if (quantity.size() < name.size()) contact = name.substr(quantity.size() + 1);
+  }
+  /// A contact that is not there is one of which nothing is known.
+  [[nodiscard]] const ContactObservation& of(const Observation& seen) const {
+    static const ContactObservation unknown;
+    if (contact.empty()) return seen;
+    const auto found = seen.contacts.find(contact);
+    return found == seen.contacts.end() ? unknown : found->second;
+  }
+};
+
+std::optional<double> contact_error(const std::string& quantity, const ContactObservation& run,
+                                    const ContactObservation& reference) {
+  if (quantity == "contact_pressure")
+    return history_error(run.contact_pressure_pa, reference.contact_pressure_pa, reference.contact_pressure_pa,
+                         reference);
+  if (quantity == "friction_force") return friction_error(&ContactObservation::friction_force_n, run, reference);
+  if (quantity == "friction_force_b") return friction_error(&ContactObservation::friction_force_b_n, run, reference);
+  if (quantity == "peak_force")
+    return relative(run.peak_force_n, reference.peak_force_n, reference.peak_force_n.value_or(0));
+  if (quantity == "separation_time")
+    return relative(run.separation_time_s, reference.separation_time_s, contact_period_s(reference));
+  throw std::logic_error("no quantity " + quantity);
+}
+
+const std::vector<double>& column_of(const report::HistoryTable& history, const std::string& name) {
+  const auto* values = history.find(name);
+  if (values == nullptr) throw ConfigError(fmt::format("history.csv has no column {}", name));
+  return *values;
+}
+
+/// From the columns whose names end in `suffix`, and what the summary says of them.
+ContactObservation observe_contact(const report::HistoryTable& history, const std::string& suffix,
+                                   const nlohmann::ordered_json& summary, double window_s) {
+  ContactObservation seen;
+  const auto column = [&](const std::string& name) -> const std::vector<double>& {
+    return column_of(history, name + suffix);
+  };
+  const auto &time_s = column_of(history, "time_s"), &force_n = column("contact_force_n");
+  seen.contact_pressure_pa = window_means(time_s, column("contact_pressure_mean_pa"), window_s);
+  seen.contact_force_n = window_means(time_s, force_n, window_s);
+  seen.friction_force_n = window_means(time_s, column("friction_force_n"), window_s);
+  if (const auto* along_b = history.find("friction_force_b_n" + suffix))
+    seen.friction_force_b_n = window_means(time_s, *along_b, window_s);
+  const auto touches = [](double force) { return force > 0.0; };
+  const auto first = std::find_if(force_n.begin(), force_n.end(), touches);
+  if (first != force_n.end()) {
+    const auto last = std::find_if(force_n.rbegin(), force_n.rend(), touches).base() - 1;
+    seen.contact_begin_s = time_s[static_cast<std::size_t>(first - force_n.begin())] - window_s;
+    seen.contact_end_s = time_s[static_cast<std::size_t>(last - force_n.begin())];
+  }
+  seen.peak_force_n = value_of(summary, "peak_contact_force_n");
+  seen.separation_time_s = value_of(summary, "separation_time_s");
+  return seen;
 }
 
 void require(bool holds, const scene::Scene& scene, const std::string& found) {
@@ -104,29 +166,18 @@ double Curve::at(double t) const {
 
 Observation observe(const report::HistoryTable& history, const nlohmann::ordered_json& summary) {
   Observation seen;
-  const auto column = [&](const char* name) {
-    const auto* values = history.find(name);
-    if (values == nullptr) throw ConfigError(fmt::format("history.csv has no column {}", name));
-    return *values;
-  };
-  const auto time_s = column("time_s"), force_n = column("contact_force_n");
   const double window_s = value_of(summary, "window_size_s").value_or(0.0);
-  seen.contact_pressure_pa = window_means(time_s, column("contact_pressure_mean_pa"), window_s);
-  seen.principal_stress_pa = {time_s, column("principal_stress_mean_pa")};
-  seen.contact_force_n = window_means(time_s, force_n, window_s);
-  seen.friction_force_n = window_means(time_s, column("friction_force_n"), window_s);
-  const auto touches = [](double force) { return force > 0.0; };
-  const auto first = std::find_if(force_n.begin(), force_n.end(), touches);
-  if (first != force_n.end()) {
-    const auto last = std::find_if(force_n.rbegin(), force_n.rend(), touches).base() - 1;
-    seen.contact_begin_s = time_s[static_cast<std::size_t>(first - force_n.begin())] - window_s;
-    seen.contact_end_s = time_s[static_cast<std::size_t>(last - force_n.begin())];
-    // Contact nodes without implicit elements: their stress is not zero, it is not known.
-    const auto& stress = seen.principal_stress_pa.value;
-    if (std::all_of(stress.begin(), stress.end(), [](double pa) { return pa == 0.0; })) seen.principal_stress_pa = {};
+  static_cast<ContactObservation&>(seen) = observe_contact(history, "", summary, window_s);
+  if (const auto contacts = summary.find("contacts"); contacts != summary.end()) {
+    for (const auto& [name, of_contact] : contacts->items())
+      seen.contacts[name] = observe_contact(history, "/" + name, of_contact, window_s);
   }
-  seen.peak_force_n = value_of(summary, "peak_contact_force_n");
-  seen.separation_time_s = value_of(summary, "separation_time_s");
+  seen.principal_stress_pa = {column_of(history, "time_s"), column_of(history, "principal_stress_mean_pa")};
+  // Contact nodes without implicit elements: their stress is not zero, it is not known.
+  const auto& stress = seen.principal_stress_pa.value;
+  if (seen.contact_end_s > seen.contact_begin_s &&
+      std::all_of(stress.begin(), stress.end(), [](double pa) { return pa == 0.0; }))
+    seen.principal_stress_pa = {};
   seen.energy_drift = value_of(summary, "energy_error_max");
   for (std::size_t c = 0; c < history.names.size(); ++c) {
     if (!is_velocity(history.names[c]) || history.columns[c].empty()) continue;
@@ -169,22 +220,41 @@ Observation exact_impact(const scene::Problem& problem) {
   return exact;
 }
 
-const std::vector<std::string>& quantity_names() {
-  static const std::vector<std::string> names{"contact_pressure", "principal_stress", "friction_force", "peak_force",
-                                              "separation_time",  "rebound_velocity", "energy_drift"};
+std::vector<std::string> quantity_names(const MeasuredScene& scene) {
+  std::vector<std::string> names{"contact_pressure", "principal_stress", "friction_force", "peak_force",
+                                 "separation_time",  "rebound_velocity", "energy_drift"};
+  if (scene.solid) names.insert(names.begin() + 3, "friction_force_b");
   return names;
 }
 
-const std::vector<std::string>& history_names() {
-  static const std::vector<std::string> names{"contact_pressure", "principal_stress"};
+std::vector<std::string> contact_quantity_names(const MeasuredScene& scene) {
+  std::vector<std::string> names;
+  for (const auto& contact : scene.contacts) {
+    for (const char* quantity :
+         {"contact_pressure", "friction_force", "friction_force_b", "peak_force", "separation_time"}) {
+      if (scene.solid || quantity != std::string("friction_force_b"))
+        names.push_back(fmt::format("{}/{}", quantity, contact));
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> history_names(const MeasuredScene& scene) {
+  std::vector<std::string> names{"contact_pressure", "principal_stress"};
+  for (const auto& contact : scene.contacts) names.push_back("contact_pressure/" + contact);
   return names;
 }
 
 const Curve& history_of(const std::string& quantity, const Observation& of) {
-  return quantity == "contact_pressure" ? of.contact_pressure_pa : of.principal_stress_pa;
+  if (quantity == "principal_stress") return of.principal_stress_pa;
+  return QuantityName(quantity).of(of).contact_pressure_pa;
 }
 
-std::optional<double> rms_difference(const Curve& run, const Curve& reference, const Observation& of) {
+std::optional<double> rms_difference(const std::string& quantity, const Observation& run, const Observation& other) {
+  return rms_difference(history_of(quantity, run), history_of(quantity, other), QuantityName(quantity).of(other));
+}
+
+std::optional<double> rms_difference(const Curve& run, const Curve& reference, const ContactObservation& of) {
   const double period_s = contact_period_s(of);
   if (!(period_s > 0.0) || run.time_s.empty() || reference.time_s.empty()) return {};
   double squares = 0.0;
@@ -197,18 +267,13 @@ std::optional<double> rms_difference(const Curve& run, const Curve& reference, c
 }
 
 std::optional<double> error_of(const std::string& quantity, const Observation& run, const Observation& reference) {
-  const auto& histories = history_names();
-  if (std::find(histories.begin(), histories.end(), quantity) != histories.end())
-    return history_error(history_of(quantity, run), history_of(quantity, reference), history_of(quantity, reference),
+  if (quantity == "principal_stress")
+    return history_error(run.principal_stress_pa, reference.principal_stress_pa, reference.principal_stress_pa,
                          reference);
-  if (quantity == "friction_force") return friction_error(run, reference);
-  if (quantity == "peak_force")
-    return relative(run.peak_force_n, reference.peak_force_n, reference.peak_force_n.value_or(0));
-  if (quantity == "separation_time")
-    return relative(run.separation_time_s, reference.separation_time_s, contact_period_s(reference));
   if (quantity == "rebound_velocity") return rebound_error(run, reference);
   if (quantity == "energy_drift") return run.energy_drift;
-  throw std::logic_error("no quantity " + quantity);
+  const QuantityName name(quantity);
+  return contact_error(name.quantity, name.of(run), name.of(reference));
 }
 
 }  // namespace ricochet::coupler

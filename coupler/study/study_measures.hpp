@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -17,12 +18,20 @@ struct Curve {
   [[nodiscard]] double at(double time_s) const;
 };
 
-/// What a run, or an exact solution, says of the quantities of interest.
-struct Observation {
-  Curve contact_pressure_pa, principal_stress_pa;  ///< means over the contact surface, positive in compression
-  Curve contact_force_n, friction_force_n;         ///< sums over all pairs; forces and pressure are means over windows
+/// What is said of one contact, or of all together.
+struct ContactObservation {
+  Curve contact_pressure_pa;                ///< mean over the contact surface, positive in compression
+  Curve contact_force_n, friction_force_n;  ///< sums over all pairs; forces and pressure are means over windows
+  Curve friction_force_b_n;                 ///< of solids
   double contact_begin_s = 0.0, contact_end_s = 0.0;  ///< of the windows of first and last force; equal: there was none
-  std::optional<double> peak_force_n, separation_time_s, energy_drift;
+  std::optional<double> peak_force_n, separation_time_s;
+};
+
+/// What a run, or an exact solution, says of the quantities of interest: of all contacts, and of each of several.
+struct Observation : ContactObservation {
+  Curve principal_stress_pa;  ///< mean over the contact surface, positive in compression
+  std::map<std::string, ContactObservation> contacts;
+  std::optional<double> energy_drift;
   std::vector<double> rebound_velocity_m_s;  ///< mean velocity of every body along the normal, at the end
   double greatest_speed_m_s = 0.0;           ///< of these mean velocities, at any time
 };
@@ -33,22 +42,35 @@ struct Observation {
 /// than bars, with supports or loads, and where the longer bar's wave changes the force before the end.
 [[nodiscard]] Observation exact_impact(const scene::Problem& problem);
 
-/// Names of the quantities, as a study file lists them:
+/// What of a scene the quantities go by that a study of it may ask for.
+struct MeasuredScene {
+  bool solid = false;
+  std::vector<std::string> contacts{};  ///< names of several
+};
+
+/// Names of the quantities of a whole scene, as a study file lists them:
 ///   contact_pressure, principal_stress  RMS over the reference's contact period of the difference of the histories,
 ///     over the reference's plateau: its mean from 15 % to 65 % of that period (principal stress: Eq. 29)
-///   friction_force  the same of the friction force, over the plateau of the reference's contact force
+///   friction_force  the same of the friction force, over the plateau of the reference's contact force; of solids
+///     friction_force_b, too, along the binormal
 ///   peak_force  relative;  separation_time  over the reference's contact period
 ///   rebound_velocity  largest difference of any body over the reference's greatest speed
 ///   energy_drift  of the run itself, over the initial energy, whatever the reference.
-[[nodiscard]] const std::vector<std::string>& quantity_names();
+[[nodiscard]] std::vector<std::string> quantity_names(const MeasuredScene& scene);
+/// And of each of several contacts, "QUANTITY/CONTACT".
+[[nodiscard]] std::vector<std::string> contact_quantity_names(const MeasuredScene& scene);
 
 /// Quantities that are histories of a stress.
-[[nodiscard]] const std::vector<std::string>& history_names();
+[[nodiscard]] std::vector<std::string> history_names(const MeasuredScene& scene);
 [[nodiscard]] const Curve& history_of(const std::string& quantity, const Observation& of);
 
 /// RMS over the contact period of `of` of the difference of two histories [their unit], which over a stress is Eq. 29
 /// of the paper with N large. Empty without contact.
-[[nodiscard]] std::optional<double> rms_difference(const Curve& run, const Curve& reference, const Observation& of);
+[[nodiscard]] std::optional<double> rms_difference(const Curve& run, const Curve& reference,
+                                                   const ContactObservation& of);
+/// The same of a quantity that is a history, over the contact period of the other.
+[[nodiscard]] std::optional<double> rms_difference(const std::string& quantity, const Observation& run,
+                                                   const Observation& other);
 
 /// Empty where the run or the reference has no such value.
 [[nodiscard]] std::optional<double> error_of(const std::string& quantity, const Observation& run,

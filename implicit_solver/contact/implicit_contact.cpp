@@ -24,10 +24,11 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
                                  const std::vector<BodyState>& states)
     : problem_(&problem),
       law_(&problem.scene.contact_law()),
+      friction_(problem.scene.friction()),
       surface_(std::move(surface)),
       shared_(solver::share_nodes(surface_.pairs)) {
   if (solver::SlidingRows sliding(problem, states); sliding.any()) sliding_ = std::move(sliding);
-  if (friction() && surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, states);
+  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);
@@ -36,7 +37,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   root_of_dof_.assign(static_cast<std::size_t>(offset), -1);
   for (const auto& pair : surface_.pairs) {
     std::vector<RowEntry> entries = pair.normal.entries;
-    if (friction()) {
+    if (pair.friction_coefficient > 0.0) {
       entries.insert(entries.end(), pair.tangent.entries.begin(), pair.tangent.entries.end());
       entries.insert(entries.end(), pair.binormal.entries.begin(), pair.binormal.entries.end());
     }
@@ -49,7 +50,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   for (const auto& pair : surface_.pairs) {
     for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
       for (const auto& e : row->entries)
-        if (row == &pair.normal || friction()) components.insert(e.dof % surface_.components);
+        if (row == &pair.normal || pair.friction_coefficient > 0.0) components.insert(e.dof % surface_.components);
     }
   }
   for (const auto& [part, node] : surface_.idle) {
@@ -59,6 +60,8 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   impulse_.resize(surface_.pairs.size());
   state_.impulse = impulse_;
   state_.remembered = remembered_ = jump_impulse_ = impulse_;
+  state_.impulses = surface_.no_impulses();
+  report_ = surface_.empty_record();
 }
 
 bool ImplicitContact::is_free(const RowEntry& e, const std::vector<BodyState>& states) {
@@ -191,9 +194,9 @@ void ImplicitContact::start(solver::Compliance compliance, double dt) {
 
 void ImplicitContact::set_root(solver::Compliance compliance) {
   const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
-  std::vector<double> area;
-  for (const auto& pair : surface_.pairs) area.push_back(pair.area_m2);
-  root_.emplace(*law_, std::move(compliance), std::move(area), dt_);
+  std::vector<solver::RootProblem::PairLaw> pairs;
+  for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
+  root_.emplace(*law_, std::move(compliance), std::move(pairs), dt_);
   gap_free_.setZero(n);
   const Eigen::Index along = std::max<Eigen::Index>(1, surface_.components - 1);
   slip_free_.setZero(along * n);
@@ -280,7 +283,7 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
     const auto& pair = surface_.pairs[i];
     const auto k = static_cast<Eigen::Index>(i);
     gap_free_[k] = pair.gap(displacement_of(states)) + pair.normal.times(of_part(increment));
-    if (!friction()) continue;
+    if (!friction_) continue;
     slip_free_[k] = pair.tangent.times(of_part(increment));
     slip_velocity_[k] = pair.tangent.times(velocity_of(states));
     if (surface_.components < 3) continue;
@@ -376,7 +379,7 @@ void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::Ve
   if (!resets()) return;
   const auto sweep = [&](Eigen::VectorXd& values) {
     for (const auto& pair : surface_.pairs) {
-      for (Eigen::Index d = 0; d < directions(); ++d) set_mean(pair, states, static_cast<Direction>(d), values);
+      for (Eigen::Index d = 0; d < directions(pair); ++d) set_mean(pair, states, static_cast<Direction>(d), values);
     }
   };
   for (auto* values : {&velocity, &acceleration}) {
@@ -420,11 +423,11 @@ Eigen::Vector2d ImplicitContact::along_surface(std::size_t i, const Eigen::Vecto
 
 /// The impulse along the surface of a closed pair of which `impulse` is what it got so far and `rate` its relative
 /// velocity then: what holds it, clipped to the cone of the normal impulse.
-ImplicitContact::Friction ImplicitContact::friction_impulse(const Eigen::Matrix2d& inverse,
+ImplicitContact::Friction ImplicitContact::friction_impulse(const Pair& pair, const Eigen::Matrix2d& inverse,
                                                             const solver::PairForce& impulse,
                                                             const Eigen::Vector2d& rate) const {
   Friction friction;
-  friction.limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
+  friction.limit = pair.friction_coefficient * std::max(0.0, impulse.normal);
   Eigen::Vector2d free_rate;
   for (int k = 0; k < 2; ++k) free_rate[k] = rate[k] - inverse(k, k) * impulse.tangential[k];
   const Eigen::Vector2d holding = solver::holding_of_pair(inverse, free_rate);
@@ -435,10 +438,10 @@ ImplicitContact::Friction ImplicitContact::friction_impulse(const Eigen::Matrix2
 
 /// The force that the acceleration then remembers, likewise: `force` is in it, and leaves the relative acceleration
 /// `rate`.
-Eigen::Vector2d ImplicitContact::remembered_friction(const Friction& friction, const Eigen::Matrix2d& inverse,
-                                                     double normal_n, const Eigen::Vector2d& force,
-                                                     const Eigen::Vector2d& rate) const {
-  const double limit = law_->friction_coefficient * std::max(0.0, normal_n);
+Eigen::Vector2d ImplicitContact::remembered_friction(const Pair& pair, const Friction& friction,
+                                                     const Eigen::Matrix2d& inverse, double normal_n,
+                                                     const Eigen::Vector2d& force, const Eigen::Vector2d& rate) {
+  const double limit = pair.friction_coefficient * std::max(0.0, normal_n);
   if (friction.sticks) return solver::clip_to_cone(force + solver::holding_of_pair(inverse, rate), limit);
   if (!(friction.limit > 0.0)) return Eigen::Vector2d::Zero();
   return limit * friction.given / friction.limit;
@@ -451,7 +454,7 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
   const Eigen::Matrix2d inverse = pair.inverse_mass_along(states);
   if (inverse.isZero(0.0)) return;
   auto& impulse = impulse_[i];
-  const Friction friction = friction_impulse(inverse, impulse, pair.slip(of_part(velocity)));
+  const Friction friction = friction_impulse(pair, inverse, impulse, pair.slip(of_part(velocity)));
   const auto set_means = [&](Eigen::VectorXd& values) {
     for (Eigen::Index d = 1; d < directions(); ++d) set_mean(pair, states, static_cast<Direction>(d), values);
   };
@@ -471,7 +474,7 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
   }
   impulse.state = friction.sticks ? ContactState::stick : ContactState::slip;
   const Eigen::Vector2d force = along_surface(i, trial_.force), rate = pair.slip(of_part(acceleration));
-  const Eigen::Vector2d remembered = remembered_friction(friction, inverse, remembered_[i].normal, force, rate);
+  const Eigen::Vector2d remembered = remembered_friction(pair, friction, inverse, remembered_[i].normal, force, rate);
   remembered_[i].tangential = remembered;
   if (friction.sticks && by_impedance() && remembered == force + solver::holding_of_pair(inverse, rate)) {
     set_means(acceleration);
@@ -483,10 +486,11 @@ void ImplicitContact::reset_tangent(std::size_t i, const std::vector<BodyState>&
 /// A pair that opened in this window: what is left of its impulses stays within the cone, too.
 void ImplicitContact::clip_tangent(std::size_t i, const std::vector<BodyState>& states, Eigen::VectorXd& velocity) {
   auto& impulse = impulse_[i];
-  const double limit = law_->friction_coefficient * std::max(0.0, impulse.normal);
+  const auto& pair = surface_.pairs[i];
+  const double limit = pair.friction_coefficient * std::max(0.0, impulse.normal);
   const Eigen::Vector2d given = solver::clip_to_cone(impulse.tangential, limit);
   if (given == impulse.tangential) return;
-  surface_.pairs[i].push_along(given - impulse.tangential, states, of_part(velocity));
+  pair.push_along(given - impulse.tangential, states, of_part(velocity));
   impulse.tangential = given;
 }
 
@@ -499,7 +503,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     impulse_[i] = {.normal = 0.5 * dt_ * on_b(i, along_normal, bracket), .state = trial_.states[i]};
-    for (Eigen::Index d = 1; d < directions(); ++d)
+    for (Eigen::Index d = 1; d < directions(surface_.pairs[i]); ++d)
       impulse_[i].tangential[d - 1] = 0.5 * dt_ * on_b(i, static_cast<Direction>(d), bracket);
     remembered_[i] = trial_memory(i);
     const bool touched = trial_.states[i] != ContactState::open || state_.solution.states[i] != ContactState::open;
@@ -514,7 +518,7 @@ void ImplicitContact::update_rates(const std::vector<BodyState>& states, const E
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const bool closed = trial_.states[i] != ContactState::open;
     if (closed && !massless_) reset_normal(i, states, velocity, acceleration);
-    if (!friction()) continue;
+    if (surface_.pairs[i].friction_coefficient == 0.0) continue;
     if (closed) {
       reset_tangent(i, states, velocity, acceleration);
     } else {
@@ -552,6 +556,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
   }
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const auto& pair = surface_.pairs[i];
+    // Of several contacts the force along the surface of a pair without friction is another's.
+    const Eigen::Index own = surface_.contact_keys.size() > 1 ? directions(pair) : surface_.components;
     for (const Side side : {Side::a, Side::b}) {
       const auto work = [&](Direction direction) {
         const auto moved = [&](const Eigen::VectorXd& values) {
@@ -561,13 +567,10 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
                force_on(side, i, direction, jump) * moved(mean_velocity);
       };
       state_.work_normal_j += work(along_normal);
-      state_.dissipated_friction_j -= work(along_tangent);
-      if (surface_.components == 3) state_.dissipated_friction_j -= work(along_binormal);
+      if (own > 1) state_.dissipated_friction_j -= work(along_tangent);
+      if (own > 2) state_.dissipated_friction_j -= work(along_binormal);
     }
-    const Eigen::Vector3d given = pair.to_contact(impulse_[i].normal, impulse_[i].tangential);
-    state_.impulse_normal_n_s += given[0];
-    state_.impulse_tangential_n_s += given.tail<2>();
-    book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states);
+    book_impulse(pair, impulse_[i].normal, impulse_[i].tangential, states, state_.impulses);
   }
 }
 
@@ -609,22 +612,19 @@ void ImplicitContact::restore(const State& state, const std::vector<BodyState>& 
   if (massless_) massless_->restore(*state.massless);
 }
 
-ContactRecord ImplicitContact::report(const std::vector<BodyState>& states) {
+const ContactRecord& ImplicitContact::report(const std::vector<BodyState>& states) {
   reported_ = state_.impulse;
   for (auto& force : reported_) {
     force.normal /= dt_;
     force.tangential /= dt_;
   }
-  ContactRecord report = surface_.report(states, reported_);
-  report.contact_impulse_n_s = state_.impulse_normal_n_s;
-  report.friction_impulse_n_s = state_.impulse_tangential_n_s[0];
-  report.friction_impulse_b_n_s = state_.impulse_tangential_n_s[1];
-  report.contact_iterations = std::exchange(state_.iterations, 0);
-  report.contact_residual = std::exchange(state_.largest_residual, 0.0);
-  report.contact_unconverged = state_.unconverged;
-  report.energy_contact_j = state_.work_normal_j;
-  report.energy_friction_j = state_.dissipated_friction_j;
-  return report;
+  surface_.report(states, reported_, state_.impulses, report_);
+  report_.contact_iterations = std::exchange(state_.iterations, 0);
+  report_.contact_residual = std::exchange(state_.largest_residual, 0.0);
+  report_.contact_unconverged = state_.unconverged;
+  report_.energy_contact_j = state_.work_normal_j;
+  report_.energy_friction_j = state_.dissipated_friction_j;
+  return report_;
 }
 
 }  // namespace ricochet::implicit_solver

@@ -95,8 +95,7 @@ class ImplicitContact {
     std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
     std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N]
     double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    double impulse_normal_n_s = 0.0;
-    Eigen::Vector2d impulse_tangential_n_s{0.0, 0.0};
+    solver::ContactImpulses impulses;     ///< so far
     int iterations = 0, unconverged = 0;  ///< since the last report; so far
     double largest_residual = 0.0;        ///< since the last report
     std::optional<solver::MasslessNodes::State> massless;
@@ -105,7 +104,7 @@ class ImplicitContact {
   [[nodiscard]] State state() const;
   void restore(const State& state, const std::vector<solver::BodyState>& states);
 
-  [[nodiscard]] ContactRecord report(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
@@ -117,9 +116,12 @@ class ImplicitContact {
   [[nodiscard]] static const solver::ContactRow& row_of(const solver::Pair& pair, Direction direction) {
     return direction == along_normal ? pair.normal : direction == along_tangent ? pair.tangent : pair.binormal;
   }
-  [[nodiscard]] bool friction() const { return law_->friction_coefficient > 0.0; }
-  /// Directions in which a pair has a force: along the normal and, with friction, along tangent and binormal.
-  [[nodiscard]] Eigen::Index directions() const { return !friction() ? 1 : surface_.components; }
+  /// Directions in which a pair has a force: along the normal and, with friction, along tangent and binormal. Where any
+  /// contact has friction all pairs have unknowns along them, those without it forces of zero.
+  [[nodiscard]] Eigen::Index directions() const { return !friction_ ? 1 : surface_.components; }
+  [[nodiscard]] Eigen::Index directions(const solver::Pair& pair) const {
+    return pair.friction_coefficient > 0.0 ? surface_.components : 1;
+  }
   /// Of a number per pair and direction, all normals first, those along tangent and binormal.
   [[nodiscard]] Eigen::Vector2d along_surface(std::size_t pair, const Eigen::VectorXd& values) const;
   /// Combined number of an entry's degree of freedom, and a part's stretch of a combined vector.
@@ -154,11 +156,11 @@ class ImplicitContact {
     Eigen::Vector2d given{0.0, 0.0};
     bool sticks = false;
   };
-  [[nodiscard]] Friction friction_impulse(const Eigen::Matrix2d& inverse, const solver::PairForce& impulse,
-                                          const Eigen::Vector2d& rate) const;
-  [[nodiscard]] Eigen::Vector2d remembered_friction(const Friction& friction, const Eigen::Matrix2d& inverse,
-                                                    double normal_n, const Eigen::Vector2d& force,
-                                                    const Eigen::Vector2d& rate) const;
+  [[nodiscard]] Friction friction_impulse(const solver::Pair& pair, const Eigen::Matrix2d& inverse,
+                                          const solver::PairForce& impulse, const Eigen::Vector2d& rate) const;
+  [[nodiscard]] static Eigen::Vector2d remembered_friction(const solver::Pair& pair, const Friction& friction,
+                                                           const Eigen::Matrix2d& inverse, double normal_n,
+                                                           const Eigen::Vector2d& force, const Eigen::Vector2d& rate);
   void reset_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
                      Eigen::VectorXd& acceleration);
   void clip_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
@@ -192,6 +194,7 @@ class ImplicitContact {
 
   const scene::Problem* problem_;  ///< materials for the impedances
   const scene::Contact* law_;
+  bool friction_;  ///< of any contact
   solver::ContactSurface surface_;
   bool shared_;  ///< pairs share nodes
   std::optional<solver::SlidingRows> sliding_;
@@ -220,7 +223,8 @@ class ImplicitContact {
   /// Per pair, along normal, tangent and binormal, for A and B: sum of the squared coefficients of the degrees of
   /// freedom that no support holds; 1 for a node that is free.
   std::vector<std::array<std::array<double, 2>, 3>> weights_;
-  std::vector<solver::PairForce> reported_;  ///< kept so that no record allocates
+  std::vector<solver::PairForce> reported_;  ///< kept, like the next, so that no record allocates
+  ContactRecord report_;
 };
 
 }  // namespace ricochet::implicit_solver

@@ -38,7 +38,7 @@ void ImplicitContact::update_shared(const std::vector<BodyState>& states, Eigen:
     for (std::size_t i = 0; i < pairs; ++i) {
       if (trial_.states[i] != ContactState::open) {
         change = std::max(change, reset_shared(i, states, velocity, acceleration));
-      } else if (friction()) {
+      } else if (surface_.pairs[i].friction_coefficient > 0.0) {
         const Eigen::Vector2d before = impulse_[i].tangential;
         clip_tangent(i, states, velocity);
         const Eigen::Vector2d taken = impulse_[i].tangential - before;
@@ -69,7 +69,8 @@ double ImplicitContact::reset_shared(std::size_t i, const std::vector<BodyState>
     change = std::max(std::abs(jump), dt_ * std::abs(force - remembered));
     remembered = force;
   }
-  return friction() ? std::max(change, reset_shared_tangent(i, states, velocity, acceleration)) : change;
+  if (pair.friction_coefficient == 0.0) return change;
+  return std::max(change, reset_shared_tangent(i, states, velocity, acceleration));
 }
 
 /// As `reset_tangent`.
@@ -79,7 +80,7 @@ double ImplicitContact::reset_shared_tangent(std::size_t i, const std::vector<Bo
   const Eigen::Matrix2d inverse = pair.inverse_mass_along(states);
   if (inverse.isZero(0.0)) return 0.0;
   auto& impulse = impulse_[i];
-  const Friction friction = friction_impulse(inverse, impulse, pair.slip(of_part(velocity)));
+  const Friction friction = friction_impulse(pair, inverse, impulse, pair.slip(of_part(velocity)));
   const Eigen::Vector2d jump = friction.given - impulse.tangential;
   pair.push_along(jump, states, of_part(velocity));
   impulse.tangential = friction.given;
@@ -87,7 +88,7 @@ double ImplicitContact::reset_shared_tangent(std::size_t i, const std::vector<Bo
   impulse.state = friction.sticks ? ContactState::stick : ContactState::slip;
   Eigen::Vector2d& remembered = remembered_[i].tangential;
   const Eigen::Vector2d force =
-      remembered_friction(friction, inverse, remembered_[i].normal, remembered, pair.slip(of_part(acceleration)));
+      remembered_friction(pair, friction, inverse, remembered_[i].normal, remembered, pair.slip(of_part(acceleration)));
   const Eigen::Vector2d taken = force - remembered;
   pair.push_along(taken, states, of_part(acceleration));
   remembered = force;
@@ -111,10 +112,7 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
     state_.work_normal_j += work(pair.normal, own.normal, jump_impulse_[i].normal);
     state_.dissipated_friction_j -= work(pair.tangent, own.tangential[0], jump_impulse_[i].tangential[0]);
     state_.dissipated_friction_j -= work(pair.binormal, own.tangential[1], jump_impulse_[i].tangential[1]);
-    const Eigen::Vector3d given = pair.to_contact(own.normal, own.tangential);
-    state_.impulse_normal_n_s += given[0];
-    state_.impulse_tangential_n_s += given.tail<2>();
-    book_impulse(pair, own.normal, own.tangential, states);
+    book_impulse(pair, own.normal, own.tangential, states, state_.impulses);
   }
   for (std::size_t i = 0; i < old_pairs_.size(); ++i) {
     const auto& pair = old_pairs_[i];
@@ -123,10 +121,7 @@ void ImplicitContact::account_shared(std::vector<BodyState>& states, const Eigen
                           slipped = pair.slip(of_part(increment)) / dt_;
     state_.work_normal_j += normal / dt_ * pair.normal.times(of_part(increment));
     state_.dissipated_friction_j -= along.dot(slipped);
-    const Eigen::Vector3d given = pair.to_contact(normal, along);
-    state_.impulse_normal_n_s += given[0];
-    state_.impulse_tangential_n_s += given.tail<2>();
-    book_impulse(pair, normal, along, states);
+    book_impulse(pair, normal, along, states, state_.impulses);
   }
 }
 

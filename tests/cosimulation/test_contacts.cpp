@@ -1,5 +1,6 @@
 // Scenes with several contacts.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include "tests/support/run.hpp"
 
@@ -54,6 +55,32 @@ TEST_P(ThreeBars, HandTheirMomentumOn) {
   EXPECT_NEAR(r.mean("contact_force_n", 2.2e-4, 2.9e-4), force, 0.02 * force) << "at the second alone";
   EXPECT_NEAR(r.last("contact_impulse_n_s"), 2.0 * 0.01 * 2.0, 2e-4);
   EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10);
+}
+
+/// What each contact is told to have given is what its bars have: the first m v_a less, the second m v_c more. The
+/// pulse of v/2 lasts 2 L/c at either, and reaches the second L/c later.
+TEST_P(ThreeBars, AreToldOfByContact) {
+  const TemporaryFolder folder;
+  const RunResult r = run_text(three_bars(GetParam(), "trapezoidal_reset"), folder);
+  const double mass_kg = 0.01, force = 100.0, wave_s = 1e-4;
+  EXPECT_NEAR(r.last("contact_impulse_n_s/first"), mass_kg * (2.0 - r.last("velocity_mean_a_m_s")), 1e-12);
+  EXPECT_NEAR(r.last("contact_impulse_n_s/second"), mass_kg * r.last("velocity_mean_c_m_s"), 1e-12);
+  const auto &sum = r.column("contact_force_n"), &first = r.column("contact_force_n/first"),
+             &second = r.column("contact_force_n/second");
+  for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(first[i] + second[i], sum[i], 1e-11 * force) << i;
+  EXPECT_NEAR(r.mean("contact_force_n/first", 0.2e-4, 1.9e-4), force, 0.01 * force);
+  EXPECT_LT(r.mean("contact_force_n/second", 0.0, 0.8e-4), 1e-6 * force) << "no wave has reached it";
+  EXPECT_NEAR(r.mean("contact_force_n/second", 1.2e-4, 2.9e-4), force, 0.01 * force);
+  EXPECT_EQ(r.last("pairs_open/first"), 1.0);
+  EXPECT_GT(r.last("gap_min_m/second"), 1e-6);
+  EXPECT_EQ(r.history.count("friction_force_b_n/first"), 0U) << "of solids alone";
+  const auto& contacts = r.summary.at("contacts");
+  EXPECT_NEAR(contacts.at("second").at("first_contact_s").get<double>(), wave_s, 0.4 * wave_s);
+  EXPECT_NEAR(contacts.at("second").at("separation_time_s").get<double>(), 3.0 * wave_s, 0.1 * wave_s);
+  EXPECT_EQ(contacts.at("second").at("contact_impulse_n_s").get<double>(), r.last("contact_impulse_n_s/second"));
+  EXPECT_EQ(contacts.at("first").at("peak_contact_force_n").get<double>(), r.largest("contact_force_n/first"));
+  EXPECT_EQ(contacts.at("first").count("friction_impulse_b_n_s"), 0U);
+  EXPECT_THAT(r.outcome.out, testing::HasSubstr("contact 'second'"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ThreeBars,

@@ -1,7 +1,5 @@
 #include <cstdio>
 #include <exception>
-#include <string>
-#include <vector>
 
 #include "common/problem/problem.hpp"
 #include "coupler/results/history_file.hpp"
@@ -12,10 +10,7 @@ int main(int argc, char** argv) try {
   if (argc != 3) return std::fputs("usage: one_process_history SCENE FILE\n", stderr), 2;
   const auto rows = ricochet::test::rows_of(argv[1]);
   const auto problem = ricochet::scene::build_problem(ricochet::scene::load_scene(argv[1]));
-  std::vector<std::string> bodies;
-  for (const auto& body : problem.bodies) bodies.push_back(body.name);
-  ricochet::coupler::HistoryFile file(argv[2], bodies, !problem.scene.contacts.empty(),
-                                      problem.scene.components() == 3);
+  ricochet::coupler::HistoryFile file(argv[2], ricochet::coupler::history_shape(problem));
   for (const auto& row : rows) file.add(row);
   return 0;
 } catch (const std::exception& error) {

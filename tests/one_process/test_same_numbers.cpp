@@ -16,10 +16,8 @@ std::string history_in_one_process(const std::string& scene, const std::string& 
   test::OneProcess run(scene);
   coupler::History history = test::history_of(run);
   auto& links = run.coupling().links();
-  std::vector<std::string> bodies;
-  for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   {
-    coupler::HistoryFile file(path, bodies, true, false);
+    coupler::HistoryFile file(path, coupler::history_shape(run.problem()));
     run.run([&](std::int64_t) {
       for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
       while (const auto row = history.next(run.problem().window_size_s)) file.add(*row);
@@ -54,6 +52,15 @@ TEST(OneProcess, HughesLiuGivesTheSameBitsAsThreeProcesses) { expect_same_number
 
 TEST(OneProcess, PrakashHjelmstadGivesTheSameBitsAsThreeProcesses) {
   expect_same_numbers(test::with_key(impact("prakash_hjelmstad"), "coupling", "substeps", "2"));
+}
+
+/// The plane that the striker flies off is a second contact; its columns travel, too.
+TEST(OneProcess, OfTwoContactsGivesTheSameBitsAsThreeProcesses) {
+  auto text = test::replaced(impact("hughes_liu"), "[contact]", "[[contact]]\nname = \"impact\"");
+  text = test::replaced(text, "[partition]",
+                        "[[contact]]\nname = \"wall\"\nsurfaces = [\"steel.start\", \"rigid_plane\"]\n"
+                        "friction_coefficient = 0.5\n[partition]");
+  expect_same_numbers(text);
 }
 
 }  // namespace

@@ -34,7 +34,11 @@ struct ContactPlates {
     return row;
   }
   void use_one_row() {
-    surface.pairs = {{.normal = row({0.0, 1.0}), .tangent = row({-1.0, 0.0}), .gap0_m = 0.0, .area_m2 = 0.1}};
+    surface.pairs = {{.normal = row({0.0, 1.0}),
+                      .tangent = row({-1.0, 0.0}),
+                      .gap0_m = 0.0,
+                      .area_m2 = 0.1,
+                      .friction_coefficient = problem.scene.contact_law().friction_coefficient}};
   }
   /// Every node of the lower surface against the whole upper one: three rows that share its nodes.
   void use_three_rows() {
@@ -51,8 +55,11 @@ struct ContactPlates {
         }
         return row;
       };
-      surface.pairs.push_back(
-          {.normal = entries(1, 1.0), .tangent = entries(0, -1.0), .gap0_m = 0.0, .area_m2 = i == 1 ? 0.1 : 0.05});
+      surface.pairs.push_back({.normal = entries(1, 1.0),
+                               .tangent = entries(0, -1.0),
+                               .gap0_m = 0.0,
+                               .area_m2 = i == 1 ? 0.1 : 0.05,
+                               .friction_coefficient = problem.scene.contact_law().friction_coefficient});
     }
   }
   /// Pairs that share their nodes in name only: each takes nothing of what the next one moves.

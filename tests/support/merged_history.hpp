@@ -14,7 +14,7 @@ inline coupler::History history_of(OneProcess& run) {
   for (const auto& body : run.problem().bodies) bodies.push_back(body.name);
   std::vector<coupler::History::Source> sources;
   for (const auto& link : run.coupling().links()) sources.push_back({link.name(), link.description().record_columns});
-  return coupler::History(sources, bodies, coupler::conserved_by(run.problem()));
+  return coupler::History(sources, bodies, coupler::conserved_by(run.problem()), run.problem().scene.contact_names());
 }
 
 /// All rows of a scene computed in one process: what history.csv is written from, with the sums per body.

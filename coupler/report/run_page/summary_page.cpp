@@ -48,6 +48,16 @@ std::string unconverged_row(const Json& summary) {
                          number(contact, "residual_max").value_or(0.0)));
 }
 
+/// One of several contacts.
+std::string named_contact_row(const std::string& name, const Json& contact) {
+  const auto first = number(contact, "first_contact_s"), separation = number(contact, "separation_time_s");
+  if (!first) return row("contact " + name, "never");
+  return row("contact " + name, fmt::format("first {}, separation {}, peak {}, impulse {}", quantity(*first, "s"),
+                                            separation ? quantity(*separation, "s") : "not within this run",
+                                            shown(number(contact, "peak_contact_force_n"), "N"),
+                                            shown(number(contact, "contact_impulse_n_s"), "N s")));
+}
+
 std::string contact_rows(const Json& summary) {
   const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
   if (!first) return "";
@@ -65,8 +75,11 @@ std::string contact_rows(const Json& summary) {
     text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
                 plateau && stress ? difference(*plateau, *stress) : "");
   }
-  return text + row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
-         row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) + unconverged_row(summary);
+  text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+          row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s"));
+  const Json contacts = summary.value("contacts", Json::object());
+  for (const auto& [name, contact] : contacts.items()) text += named_contact_row(name, contact);
+  return text + unconverged_row(summary);
 }
 
 std::string balance_rows(const Json& summary) {

@@ -60,7 +60,7 @@ Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column,
   const auto methods = texts(study, "methods");
   const auto looks = looks_of(methods);
   Chart chart;
-  chart.id = fmt::format("along_{}_{}", drawn_column.column, number_of_panel);
+  chart.id = identifier(fmt::format("along_{}_{}", drawn_column.column, number_of_panel));
   chart.title = panel.title;
   chart.columns = {"at", "value", "method"};
   for (const auto* row : panel.rows) {

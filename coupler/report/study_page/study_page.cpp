@@ -98,7 +98,7 @@ Chart chart_of(const Json& study, const std::vector<CsvRow>& rows, const std::st
   const auto front = pareto_front(points.at), best = front_of_method(points);
   const auto columns = shown_columns(study);
   Chart chart;
-  chart.id = fmt::format("{}_{}", quantity, cost.column);
+  chart.id = identifier(fmt::format("{}_{}", quantity, cost.column));
   chart.title = fmt::format("Error of the {} against {}", words(quantity), cost.name);
   if (quantity == "energy_drift") chart.title = fmt::format("Energy drift against {}", cost.name);
   chart.caption = "Lines join the best runs of a method; rings on the broad grey line are the Pareto front.";

@@ -38,9 +38,20 @@ std::vector<std::string> texts(const Json& study, const char* key) {
   return study.at(key).get<std::vector<std::string>>();
 }
 
-std::string words(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
+std::string words(const std::string& name) {
+  const auto slash = name.find('/');
+  std::string quantity = name.substr(0, slash);
+  std::replace(quantity.begin(), quantity.end(), '_', ' ');
+  return slash == std::string::npos ? quantity : quantity + " at " + name.substr(slash + 1);
+}
+
+std::string identifier(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+    text += plain ? std::string(1, c) : fmt::format("_{:02x}", static_cast<unsigned char>(c));
+  }
+  return text;
 }
 
 MethodLooks looks_of(const std::vector<std::string>& methods) {

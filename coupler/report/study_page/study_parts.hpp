@@ -16,7 +16,9 @@ inline constexpr int panel_width = 415;
 [[nodiscard]] std::vector<std::string> texts(const Json& study, const char* key);
 
 /// "peak_force" as "peak force".
-[[nodiscard]] std::string words(std::string name);
+[[nodiscard]] std::string words(const std::string& name);
+/// Letters, digits and underscores alone, another one for every name: what a chart goes by in the page and as a file.
+[[nodiscard]] std::string identifier(const std::string& name);
 
 /// How methods are told apart, one entry a method: by shape and dash as much as by colour.
 struct MethodLooks {

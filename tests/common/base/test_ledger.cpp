@@ -54,5 +54,35 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
   EXPECT_EQ(found, expected);
 }
 
+TEST(ContactRecord, OfSeveralContactsEndsWithWhatIsToldOfEach) {
+  ContactRecord record;
+  record.contacts.resize(2);
+  record.contacts[0].gap_min_m = 1;
+  record.contacts[1].contact_force_n = 2;
+  record.contacts[1].friction_impulse_b_n_s = 3;
+  std::vector<double> row;
+  append_quantities(record, row);
+  const std::size_t all = contact_quantities.size(), each = named_contact_quantities.size();
+  ASSERT_EQ(row.size(), all + 2 * each);
+  for (std::size_t i = 0; i < each; ++i) {
+    const auto name = named_contact_quantities[i].first;
+    EXPECT_EQ(row[all + i], name == "gap_min_m" ? 1.0 : 0.0) << name;
+    EXPECT_EQ(row[all + each + i], name == "contact_force_n"          ? 2.0
+                                   : name == "friction_impulse_b_n_s" ? 3.0
+                                                                      : 0.0)
+        << name;
+  }
+}
+
+/// What is told of each contact is told of all together, by the same name.
+TEST(ContactRecord, OfEachContactHasNumbersOfAllContacts) {
+  for (const auto& [name, member] : named_contact_quantities) {
+    bool found = false;
+    for (const auto& [of_all, member_of_all] : contact_quantities)
+      found = found || (of_all == name && member_of_all == static_cast<double ContactRecord::*>(member));
+    EXPECT_TRUE(found) << name;
+  }
+}
+
 }  // namespace
 }  // namespace ricochet

@@ -135,6 +135,26 @@ TEST(LoadScene, ContactFieldByField) {
   EXPECT_EQ(contact.friction_regularisation_s_m, 0.5);
 }
 
+TEST(LoadScene, EachOfSeveralContactsHasItsOwnFrictionCoefficient) {
+  const auto further = [](const std::string& name, const std::string& keys) {
+    return "[[contact]]\nname = \"" + name + "\"\nsurfaces = [\"steel.start\", \"rigid_plane\"]\n" + keys;
+  };
+  const std::string text =
+      replaced(replaced(full, "[contact]\n", "[[contact]]\nname = \"first\"\n"), "[partition]",
+               further("second", "friction_coefficient = 0.5\n") + further("none", "friction_coefficient = 0\n") +
+                   further("as_first", "") + "[partition]");
+  const Scene scene = load_text(text);
+  ASSERT_EQ(scene.contacts.size(), 4U);
+  EXPECT_EQ(scene.contacts[0].friction_coefficient, 0.2);
+  EXPECT_EQ(scene.contacts[1].friction_coefficient, 0.5);
+  EXPECT_EQ(scene.contacts[2].friction_coefficient, 0.0);
+  EXPECT_EQ(scene.contacts[3].friction_coefficient, 0.2) << "left out, it is that of the first";
+  EXPECT_EQ(scene.contacts[1].friction_law, FrictionLaw::regularised) << "which is the same in all";
+  EXPECT_TRUE(scene.friction());
+  EXPECT_EQ(scene.contact_names(), (std::vector<std::string>{"first", "second", "none", "as_first"}));
+  EXPECT_TRUE(load_text(full).contact_names().empty()) << "there is but one";
+}
+
 TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
   const Scene scene = load_text(full);
   EXPECT_EQ(scene.partition.rule, PartitionRule::implicit_length);

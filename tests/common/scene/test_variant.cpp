@@ -50,6 +50,22 @@ TEST_F(Variant, ChangesNumbersAndWordsAndNothingElse) {
   EXPECT_EQ(after.bodies[0].initial_velocity_m_s, before.bodies[0].initial_velocity_m_s);
 }
 
+TEST_F(Variant, ChangesOneOfSeveralContactsByItsName) {
+  const auto text = replaced(cylinders, "[contact]\n",
+                             "[[contact]]\nname = \"other\"\nsurfaces = [\"steel.start\", \"rigid_plane\"]\n"
+                             "[[contact]]\nname = \"impact\"\n");
+  const auto path = folder_.write(text, "two_contacts.toml");
+  const Scene after = load(path, {{"contact.impact.friction_coefficient", 0.35}});
+  EXPECT_EQ(after.contacts[0].friction_coefficient, load_scene(path).contacts[0].friction_coefficient);
+  EXPECT_EQ(after.contacts[1].friction_coefficient, 0.35);
+  try {
+    (void)load(path, {{"contact.impct.friction_coefficient", 0.35}});
+    ADD_FAILURE() << "there is none of that name";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean \"impact\"?"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(Variant, ChangesLists) {
   const Scene after = load(config("kim_impact"), {{"body.steel.mesh.elements", std::vector<double>{4, 64}},
                                                   {"body.carbide.initial_velocity_m_s", std::vector<double>{0, -1.5}}});

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "common/solver/contact_surface.hpp"
 #include "tests/support/contact_plates.hpp"
 
@@ -38,20 +41,55 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   const std::vector<PairForce> forces = {{3.0, {1.0, 4.0}, ContactState::stick},
                                          {0.0, {0.0, 0.0}, ContactState::open},
                                          {5.0, {-2.5, 0.5}, ContactState::slip}};
-  ContactRecord report = plates.surface.report(plates.states, forces);
+  ContactRecord report = plates.surface.empty_record();
+  plates.surface.report(plates.states, forces, {{1.0, 2.0, 3.0}}, report);
   EXPECT_EQ(report.contact_force_n, 8.0);
   EXPECT_EQ(report.friction_force_n, -1.5);
   EXPECT_EQ(report.friction_force_b_n, 4.5);
+  EXPECT_EQ(report.contact_impulse_n_s, 1.0);
+  EXPECT_EQ(report.friction_impulse_n_s, 2.0);
+  EXPECT_EQ(report.friction_impulse_b_n_s, 3.0);
+  EXPECT_TRUE(report.contacts.empty()) << "there is but one";
   EXPECT_EQ(report.pairs_stick, 1);
   EXPECT_EQ(report.pairs_slip, 1);
   EXPECT_EQ(report.pairs_open, 1);
   EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
   EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
   EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-6);
-  report = plates.surface.report(plates.states, {forces[0], forces[0], forces[1]});
+  plates.surface.report(plates.states, {forces[0], forces[0], forces[1]}, plates.surface.no_impulses(), report);
   EXPECT_EQ(report.pairs_stick, 2);
   EXPECT_EQ(report.pairs_slip, 0);
   EXPECT_EQ(report.pairs_open, 1);
+}
+
+// The same pairs as if the last of them were of another contact.
+TEST(ContactSurface, ReportsEachOfSeveralContacts) {
+  test::ContactPlates plates("all_implicit");
+  plates.surface.contact_keys = {"contact.one", "contact.two", "contact.without_pairs"};
+  plates.surface.pairs[2].contact = 1;
+  open(plates, &BodyMotion::u, [](double x) { return 1e-3 + 1e-2 * x; });
+  const std::vector<PairForce> forces = {{3.0, {1.0, 4.0}, ContactState::stick},
+                                         {0.0, {0.0, 0.0}, ContactState::open},
+                                         {5.0, {-2.5, 0.5}, ContactState::slip}};
+  ContactRecord report = plates.surface.empty_record();
+  plates.surface.report(plates.states, forces, {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {0.0, 0.0, 0.0}}, report);
+  ASSERT_EQ(report.contacts.size(), 3U);
+  const auto &one = report.contacts[0], &two = report.contacts[1], &none = report.contacts[2];
+  EXPECT_EQ(one.contact_force_n, 3.0);
+  EXPECT_EQ(two.friction_force_n, -2.5);
+  EXPECT_EQ(two.friction_force_b_n, 0.5);
+  EXPECT_EQ(one.pairs_stick + one.pairs_open, 2.0);
+  EXPECT_EQ(two.pairs_slip, 1.0);
+  double area = 0.0;
+  for (const auto& pair : plates.surface.pairs) area += pair.contact == 1 ? pair.area_m2 : 0.0;
+  EXPECT_EQ(two.contact_pressure_mean_pa, 5.0 / area);
+  EXPECT_EQ(std::min(one.gap_min_m, two.gap_min_m), report.gap_min_m);
+  EXPECT_NE(one.gap_min_m, two.gap_min_m);
+  EXPECT_EQ(two.contact_impulse_n_s, 4.0);
+  EXPECT_EQ(report.contact_impulse_n_s, 5.0);
+  EXPECT_EQ(report.friction_impulse_b_n_s, 9.0);
+  EXPECT_EQ(none.gap_min_m, std::numeric_limits<double>::max()) << "no pair";
+  EXPECT_EQ(none.contact_pressure_mean_pa, 0.0);
 }
 
 /// Status of two plates whose gap is given window by window from the first on, in windows of 0.5 s; a pair is closed

@@ -58,6 +58,20 @@ TEST(Describe, OfTheContactsOwnerHasItsColumnsAfterThoseOfTheBodies) {
   EXPECT_EQ(owner.record_columns, expected);
 }
 
+TEST(Describe, OfSeveralContactsHasColumnsOfEachByName) {
+  const std::string rods = test::two_rods("all_explicit");
+  const test::SceneStates one(rods);
+  const auto again = "[[contact]]\nname = \"again\"\nsurfaces = [\"right.end\", \"rigid_plane\"]\n[time]";
+  const auto several =
+      test::replaced(test::replaced(rods, "[contact]", "[[contact]]\nname = \"touch\""), "[time]", again);
+  auto expected = described(one, true).record_columns;
+  for (const char* contact : {"touch", "again"}) {
+    for (const auto& quantity : named_contact_quantities)
+      expected.push_back(std::string(quantity.first) + "/" + contact);
+  }
+  EXPECT_EQ(described(test::SceneStates(several), true).record_columns, expected);
+}
+
 // Two masses of 1 kg on a spring of 8 N/m swing against each other at omega = 4 rad/s.
 TEST(Describe, TellsTheCriticalStepOfItsElements) {
   const test::SceneStates scene(test::rod(1));

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "common/solver/root_problem.hpp"
+#include "tests/common/solver/uniform_root.hpp"
 
 // Contact problems of solids: two tangential directions on the circular cone. Ordering: normals, along t, along n x t.
 
@@ -56,7 +57,7 @@ scene::Contact cone_law(double mu) {
 
 TEST(RootCone, OnePairSticksInsideAndSlipsOnTheCircularCone) {
   const Eigen::MatrixXd compliance = 2.0 * Eigen::MatrixXd::Identity(3, 3);
-  RootProblem root(cone_law(0.5), compliance, {1.0}, 1e-3);
+  test::UniformRoot root(cone_law(0.5), compliance, {1.0}, 1e-3);
   const Eigen::VectorXd gap = Eigen::VectorXd::Constant(1, -4.0), still = Eigen::VectorXd::Zero(2);
   auto solution = root.solve(gap, Eigen::Vector2d(1.14, 1.52), still, root.open());
   EXPECT_EQ(solution.states[0], ContactState::stick) << "1.9 m on 2 m/N against half of 2 N";
@@ -84,7 +85,7 @@ TEST(RootCone, SolvesRandomProblemsToTheirConditions) {
         ConeProblem p(2 + trial % 8, coupling, 1e-6, random);
         p.compliance *= 1e-9;  // m/N, as of steel
         if (p.gap_free.minCoeff() > 0.0) continue;
-        RootProblem root(cone_law(mu), p.compliance, p.areas(), 1e-3);
+        test::UniformRoot root(cone_law(mu), p.compliance, p.areas(), 1e-3);
         const auto& solution = root.solve(p.gap_free, p.slip_free, p.slip_velocity, root.open());
         ++problems;
         by_newton += solution.iterations < 30;
@@ -105,7 +106,7 @@ TEST(RootCone, SaysWhatItDidNotFind) {
   int problems = 0, found = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const ConeProblem p(20, 2.0, 1e-6, random);
-    RootProblem root(cone_law(5.0), p.compliance, p.areas(), 1e-3);
+    test::UniformRoot root(cone_law(5.0), p.compliance, p.areas(), 1e-3);
     const auto& solution = root.solve(p.gap_free, p.slip_free, p.slip_velocity, root.open());
     ++problems;
     found += solution.residual < 1e-10;
@@ -125,7 +126,7 @@ TEST(RootCone, RegularisedFrictionSatisfiesItsEquation) {
     ConeProblem p(2 + trial % 8, 0.1, 1e-3, random);
     p.compliance *= 1e-6;
     if (p.gap_free.minCoeff() > 0.0) continue;
-    RootProblem root(law, p.compliance, p.areas(), dt);
+    test::UniformRoot root(law, p.compliance, p.areas(), dt);
     const auto& solution = root.solve(p.gap_free, p.slip_free, p.slip_velocity, root.open());
     EXPECT_LT(solution.residual, 1e-10) << trial;
     EXPECT_LE(solution.iterations, 30) << trial;
@@ -144,7 +145,7 @@ TEST(RootCone, PenaltySpringsRememberBothDirections) {
   auto law = cone_law(0.4);
   law.enforcement = scene::Enforcement::penalty;
   law.penalty_pa_m = 3.0;
-  RootProblem root(law, Eigen::MatrixXd(0.2 * Eigen::MatrixXd::Identity(3, 3)), {0.7}, 1e-3);
+  test::UniformRoot root(law, Eigen::MatrixXd(0.2 * Eigen::MatrixXd::Identity(3, 3)), {0.7}, 1e-3);
   const Eigen::VectorXd gap = Eigen::VectorXd::Constant(1, -1.0), still = Eigen::VectorXd::Zero(2);
   auto last = root.open();
   for (int window = 0; window < 2; ++window) {
@@ -174,7 +175,7 @@ TEST(RootCone, ByProductsAloneSolvesWhatADenseComplianceSolves) {
         const ConeProblem shape(n, 0.01, 1.0, random);
         const Eigen::MatrixXd& dense = shape.compliance;
         const auto times = [&dense](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y.noalias() = dense * x; };
-        RootProblem root(law, dense, shape.areas(), 1.0),
+        test::UniformRoot root(law, dense, shape.areas(), 1.0),
             by_products(law, Compliance(times, dense.cwiseAbs().rowwise().sum()), shape.areas(), 1.0);
         auto last = root.open();
         for (int window = 0; window < 3; ++window) {
@@ -198,12 +199,12 @@ TEST(RootCone, HoldsAllThreeDirections) {
   const ConeProblem p(4, 1.0, 1.0, random);
   Eigen::VectorXd free(12);
   free << p.gap_free, p.slip_free;
-  RootProblem root(cone_law(0.3), p.compliance, p.areas(), 1e-3);
+  test::UniformRoot root(cone_law(0.3), p.compliance, p.areas(), 1e-3);
   EXPECT_LT((free + p.compliance * root.hold(p.gap_free, p.slip_free).force).norm(), 1e-12);
   auto law = cone_law(0.3);
   law.enforcement = scene::Enforcement::penalty;
   law.penalty_pa_m = 2.0;
-  RootProblem springs(law, p.compliance, p.areas(), 1e-3);
+  test::UniformRoot springs(law, p.compliance, p.areas(), 1e-3);
   const Eigen::VectorXd force = springs.hold(p.gap_free, p.slip_free).force;
   EXPECT_LT((force + 2.0 * (free + p.compliance * force)).norm(), 1e-11);
   EXPECT_LT((springs.spring(p.gap_free, p.slip_free).force + 2.0 * free).norm(), 1e-12);
@@ -226,7 +227,7 @@ TEST(RootCone, TurnsWithItsTangents) {
     for (const auto friction_law : {scene::FrictionLaw::return_mapping, scene::FrictionLaw::regularised}) {
       auto law = cone_law(0.4);
       law.friction_law = friction_law;
-      RootProblem root(law, p.compliance, p.areas(), 1.0),
+      test::UniformRoot root(law, p.compliance, p.areas(), 1.0),
           turned(law, Eigen::MatrixXd(turn * p.compliance * turn.transpose()), p.areas(), 1.0);
       const Eigen::VectorXd force = root.solve(p.gap_free, p.slip_free, p.slip_velocity, root.open()).force;
       const auto& found = turned.solve(p.gap_free, along * p.slip_free, along * p.slip_velocity, turned.open());
@@ -239,7 +240,7 @@ TEST(RootCone, TurnsWithItsTangents) {
 TEST(RootCone, LeavesOutADirectionThatSupportsHold) {
   Eigen::MatrixXd compliance = 2.0 * Eigen::MatrixXd::Identity(3, 3);
   compliance(1, 1) = 0.0;
-  RootProblem root(cone_law(0.1), compliance, {1.0}, 1e-3);
+  test::UniformRoot root(cone_law(0.1), compliance, {1.0}, 1e-3);
   const auto& solution =
       root.solve(Eigen::VectorXd::Constant(1, -4.0), Eigen::Vector2d(0.0, 3.0), Eigen::VectorXd::Zero(2), root.open());
   EXPECT_EQ(solution.force[1], 0.0);

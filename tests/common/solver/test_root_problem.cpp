@@ -6,6 +6,7 @@
 #include "common/base/error.hpp"
 #include "common/solver/lemke.hpp"
 #include "common/solver/root_problem.hpp"
+#include "tests/common/solver/uniform_root.hpp"
 
 namespace ricochet::solver {
 namespace {
@@ -34,7 +35,7 @@ TEST(RootProblem, SolvesTheComplementarityProblemOfRandomCompliances) {
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 1 + trial % 9;
     const Eigen::MatrixXd compliance = random_compliance(n, random);
-    RootProblem root(scene::Contact{}, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    test::UniformRoot root(scene::Contact{}, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
     const Eigen::VectorXd gap_free = random_vector(n, random);
     const auto& solution = root.solve(gap_free, none, none, root.open());
     const Eigen::VectorXd gap = gap_free + compliance * solution.force;
@@ -55,7 +56,7 @@ TEST(RootProblem, FrictionStaysInTheConeAndOpposesTheSlip) {
     const Eigen::MatrixXd compliance =
         0.05 * random_compliance(2 * n, random) + 3.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n);
     const double mu = 0.3;
-    RootProblem root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    test::UniformRoot root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
     const Eigen::VectorXd gap_free = random_vector(n, random), slip_free = random_vector(n, random);
     const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
     const Eigen::VectorXd motion = compliance * solution.force;
@@ -78,7 +79,7 @@ TEST(RootProblem, FrictionStaysInTheConeAndOpposesTheSlip) {
 
 TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {
   const Eigen::MatrixXd compliance = 2.0 * Eigen::MatrixXd::Identity(2, 2);
-  RootProblem root(frictional(0.5), compliance, {1.0}, 1e-3);
+  test::UniformRoot root(frictional(0.5), compliance, {1.0}, 1e-3);
   const Eigen::VectorXd gap = Eigen::VectorXd::Constant(1, -4.0), still = Eigen::VectorXd::Zero(1);
   auto solution = root.solve(gap, Eigen::VectorXd::Constant(1, 1.9), still, root.open());
   EXPECT_EQ(solution.states[0], ContactState::stick);
@@ -99,7 +100,7 @@ TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {
 TEST(RootProblem, APairHeldByItsSupportsSticksWithoutATangentialUnknown) {
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(2, 2);
   compliance(0, 0) = 2.0;
-  RootProblem root(frictional(0.1), compliance, {1.0}, 1e-3);
+  test::UniformRoot root(frictional(0.1), compliance, {1.0}, 1e-3);
   const auto& solution =
       root.solve(Eigen::VectorXd::Constant(1, -4.0), Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1), root.open());
   EXPECT_DOUBLE_EQ(solution.force[0], 2.0);
@@ -113,7 +114,7 @@ TEST(RootProblem, PenaltyForceIsPenaltyTimesAreaTimesPenetration) {
   law.penalty_pa_m = 3.0;
   const double area = 0.7;
   const Eigen::MatrixXd compliance = 0.2 * Eigen::MatrixXd::Identity(2, 2);
-  RootProblem root(law, compliance, {area}, 1e-3);
+  test::UniformRoot root(law, compliance, {area}, 1e-3);
   RootProblem::Solution last = root.open();
   const auto& solution =
       root.solve(Eigen::VectorXd::Constant(1, -1.0), Eigen::VectorXd::Constant(1, 0.1), Eigen::VectorXd::Zero(1), last);
@@ -139,7 +140,7 @@ TEST(RootProblem, RegularisedFrictionSatisfiesItsEquation) {
   const double dt = 0.1;
   Eigen::MatrixXd compliance(4, 4);
   compliance << 2, .1, .2, 0, .1, 2, 0, .2, .2, 0, 1.5, .1, 0, .2, .1, 1.5;
-  RootProblem root(law, Eigen::MatrixXd(0.01 * compliance), {1.0, 1.0}, dt);
+  test::UniformRoot root(law, Eigen::MatrixXd(0.01 * compliance), {1.0, 1.0}, dt);
   const Eigen::Vector2d gap_free(-0.05, -0.03), slip_free(0.02, -0.3), slip_velocity(0.4, -2.0);
   const auto& solution = root.solve(gap_free, slip_free, slip_velocity, root.open());
   const Eigen::VectorXd motion = 0.01 * compliance * solution.force;
@@ -155,7 +156,7 @@ TEST(RootProblem, HoldsEveryPairTogetherWhateverTheSignOfItsForce) {
   std::mt19937 random(5);
   const int n = 4;
   const Eigen::MatrixXd compliance = random_compliance(2 * n, random);
-  RootProblem root(frictional(0.1), compliance, std::vector<double>(n, 1.0), 1e-3);
+  test::UniformRoot root(frictional(0.1), compliance, std::vector<double>(n, 1.0), 1e-3);
   const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
   const auto& held = root.hold(gap, slip);
   const Eigen::VectorXd motion = compliance * held.force;
@@ -174,7 +175,7 @@ TEST(RootProblem, HoldsByItsSpringsWithAPenalty) {
   law.penalty_pa_m = 40.0;
   const double area = 0.5, stiffness = 20.0;
   const Eigen::MatrixXd compliance = random_compliance(2 * n, random);
-  RootProblem root(law, compliance, std::vector<double>(n, area), 1e-3);
+  test::UniformRoot root(law, compliance, std::vector<double>(n, area), 1e-3);
   const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
   const Eigen::VectorXd force = root.hold(gap, slip).force, motion = compliance * force;
   EXPECT_LT((force.head(n) + stiffness * (gap + motion.head(n))).norm(), 1e-9);
@@ -210,7 +211,7 @@ TEST(RootProblem, SolvesFrictionalProblemsWhoseStatesCycle) {
     for (int trial = 0; trial < 300; ++trial) {
       const int n = 2 + trial % 8;
       const Eigen::MatrixXd compliance = 1e-9 * random_compliance(2 * n, random);  // m/N, as of steel
-      RootProblem root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+      test::UniformRoot root(frictional(mu), compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
       const Eigen::VectorXd gap_free = 1e-6 * random_vector(n, random), slip_free = 1e-6 * random_vector(n, random);
       if (gap_free.minCoeff() > 0.0) continue;
       const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
@@ -235,7 +236,7 @@ TEST(RootProblem, SolvesRegularisedProblemsWhoseStatesCycle) {
     law.friction_regularisation_s_m = 1.0;
     const Eigen::MatrixXd compliance =
         1e-6 * (0.3 * random_compliance(2 * n, random) + 2.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n));
-    RootProblem root(law, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    test::UniformRoot root(law, compliance, std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
     const Eigen::VectorXd gap_free = 1e-3 * random_vector(n, random), slip_free = 1e-3 * random_vector(n, random);
     if (gap_free.minCoeff() > 0.0) continue;
     EXPECT_LT(root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open()).residual, 1e-8) << trial;
@@ -263,7 +264,7 @@ TEST(RootProblem, ByProductsAloneSolvesWhatADenseComplianceSolves) {
         const Eigen::MatrixXd dense =
             0.02 * random_compliance(2 * n, random) + 3.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n);
         const std::vector<double> area(static_cast<std::size_t>(n), 1.0);
-        RootProblem root(law, dense, area, 1.0), by_products(law, products_of(dense), area, 1.0);
+        test::UniformRoot root(law, dense, area, 1.0), by_products(law, products_of(dense), area, 1.0);
         auto last = root.open();
         for (int window = 0; window < 3; ++window) {
           const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random),
@@ -290,7 +291,8 @@ TEST(RootProblem, ByProductsAloneSweepsWhereStatesCycle) {
   for (int trial = 0; trial < 300; ++trial) {
     const int n = 2 + trial % 8;
     const Eigen::MatrixXd dense = 1e-9 * random_compliance(2 * n, random);
-    RootProblem root(frictional(0.3), products_of(dense), std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    test::UniformRoot root(frictional(0.3), products_of(dense), std::vector<double>(static_cast<std::size_t>(n), 1.0),
+                           1e-3);
     const Eigen::VectorXd gap_free = 1e-6 * random_vector(n, random), slip_free = 1e-6 * random_vector(n, random);
     if (gap_free.minCoeff() > 0.0) continue;
     const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());

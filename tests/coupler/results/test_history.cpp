@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "common/base/error.hpp"
@@ -112,6 +113,36 @@ TEST(History, WrongColumnsAndWindowsAreRefusedByName) {
   EXPECT_THAT(text_of([&] { (void)history.next(0.5); }), AllOf(HasSubstr("window 3"), HasSubstr("window 4")));
 }
 
+TEST(History, TakesWhatIsToldOfEachOfSeveralContacts) {
+  const std::vector<std::string> contacts = {"first", "striker"};
+  const auto make = [&](const std::vector<std::string>& columns) {
+    return History({{"implicit", columns}}, bodies, {}, contacts);
+  };
+  History history =
+      make({"window", "contact_force_n", "contact_force_n/striker", "gap_min_m/first", "mass_kg/striker"});
+  history.add(0, {0, 3, 2, 1e-3, 5});
+  const auto row = history.next(0.5);
+  ASSERT_TRUE(row);
+  ASSERT_EQ(row->contact.contacts.size(), 2U);
+  EXPECT_EQ(row->contact.contact_force_n, 3.0);
+  EXPECT_EQ(row->contact.contacts[1].contact_force_n, 2.0) << "a contact may have the name of a body";
+  EXPECT_EQ(row->bodies[0].mass_kg, 5.0);
+  EXPECT_EQ(row->contact.contacts[0].gap_min_m, 1e-3);
+  EXPECT_EQ(row->contact.contacts[0].contact_force_n, 0.0) << "what nobody tells is 0";
+  EXPECT_THAT(text_of([&] {
+                (void)make({"window", "contact_force_n/third"});
+              }),
+              AllOf(HasSubstr("\"contact_force_n/third\""), HasSubstr("contacts: first, striker")));
+  EXPECT_THAT(text_of([&] {
+                (void)make({"window", "energy_contact_j/first"});
+              }),
+              HasSubstr("unknown history column \"energy_contact_j/first\""))
+      << "told of all together";
+  EXPECT_THAT(
+      contacts_named_in({"window", "mass_kg/rod", "gap_min_m/b", "gap_min_m/a", "contact_force_n/b", "gap_min_m"}),
+      testing::ElementsAre("b", "a"));
+}
+
 HistoryRow row_of(double kinetic, double external, double friction, double momentum, double impulse) {
   HistoryRow row;
   row.bodies.resize(1);
@@ -199,7 +230,7 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
   HistoryRow row = row_of(1.0 / 3.0, 0, 0, 3, 0);
   row.bodies[0].mass_kg = 2;
   {
-    HistoryFile file(path, {"rod"}, false, false);
+    HistoryFile file(path, {.bodies = {"rod"}});
     file.add(row);
   }
   std::istringstream lines(read(path));
@@ -220,7 +251,7 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
 TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
   const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
   int documented = 0;
-  for (const auto& column : history_columns({}, true)) {
+  for (const auto& column : history_columns({.solid = true})) {
     const bool known = text_of([&] { History({{"p", {"window", column}}}, {}); }).empty();
     if (!known) continue;
     EXPECT_THAT(page, HasSubstr("`" + column + "`"));
@@ -236,7 +267,7 @@ TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
   row.contact.friction_impulse_b_n_s = 2.5;
   row.sum.momentum_b_kg_m_s = 3.5;
   {
-    HistoryFile file(path, {}, true, true);
+    HistoryFile file(path, {.has_contact = true, .solid = true});
     file.add(row);
   }
   const std::string text = read(path);
@@ -244,9 +275,29 @@ TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
   EXPECT_THAT(text, testing::EndsWith(",1.5,2.5,3.5\n"));
 }
 
+TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
+  const auto path = ::testing::TempDir() + "/history_of_contacts.csv";
+  HistoryRow row;
+  row.contact.contacts.resize(2);
+  row.contact.contacts[0].friction_force_b_n = 7.5;
+  row.contact.contacts[0].gap_min_m = std::numeric_limits<double>::max();
+  row.contact.contacts[1].contact_force_n = 1.5;
+  row.contact.contacts[1].friction_impulse_n_s = 2.5;
+  {
+    HistoryFile file(path, {.has_contact = true, .contacts = {"a", "b"}});
+    file.add(row);
+  }
+  EXPECT_THAT(read(path),
+              AllOf(HasSubstr("contact_unconverged,gap_min_m/a,contact_force_n/a,contact_pressure_mean_pa/a,"
+                              "friction_force_n/a,pairs_stick/a,pairs_slip/a,pairs_open/a,"
+                              "contact_impulse_n_s/a,friction_impulse_n_s/a,gap_min_m/b,"),
+                    testing::EndsWith(",nan,0,0,0,0,0,0,0,0,0,1.5,0,0,0,0,0,0,2.5\n")));
+  const auto of_solids = history_columns({.solid = true, .contacts = {"a"}});
+  EXPECT_THAT(of_solids, testing::IsSupersetOf({"friction_force_b_n/a", "friction_impulse_b_n_s/a"}));
+}
+
 TEST(HistoryFile, UnwritableFolderIsNamed) {
-  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}, true, false); }),
-              HasSubstr("/nonexistent/history.csv"));
+  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}); }), HasSubstr("/nonexistent/history.csv"));
   EXPECT_THAT(text_of([] { write_atomically("/nonexistent/x", ""); }), HasSubstr("/nonexistent/x"));
 }
 

@@ -233,6 +233,48 @@ TEST(Summary, WithoutContactNoContactRows) {
   EXPECT_TRUE(nlohmann::json::parse(to_json(Summary{}, Tally(std::nullopt)))["separation_time_s"].is_null());
 }
 
+/// Rows of every second window of 0.5 s; two windows open with growing gaps are a separation.
+TEST(Summary, TellsOfEachOfSeveralContacts) {
+  Tally tally(std::nullopt, true, {{"hit", 2, 0.5, 2}, {"missed", 2, 0.5, 2}});
+  const double force[] = {0.0, 3.0, 5.0, 0.0, 0.0};
+  for (int i = 0; i < 5; ++i) {
+    HistoryRow row;
+    row.window = 2 * i;
+    row.contact.contacts.resize(2);
+    auto &hit = row.contact.contacts[0], &missed = row.contact.contacts[1];
+    hit.contact_force_n = force[i];
+    hit.pairs_slip = force[i] > 0.0 ? 1.0 : 0.0;
+    hit.gap_min_m = i > 2 ? i : 0.0;
+    hit.contact_impulse_n_s = i;
+    hit.friction_impulse_n_s = -0.5 * i;
+    hit.friction_impulse_b_n_s = 0.25 * i;
+    missed.gap_min_m = 1.0 + i;
+    row.contact.friction_impulse_b_n_s = 0.25 * i;
+    row.contact.contact_force_n = force[i];
+    tally.add(row);
+  }
+  const auto json = nlohmann::json::parse(to_json(finished(), tally));
+  EXPECT_EQ(json["friction_impulse_b_n_s"], 1.0);
+  const auto &hit = json["contacts"]["hit"], &missed = json["contacts"]["missed"];
+  EXPECT_EQ(hit["first_contact_s"], 1.0);
+  EXPECT_EQ(hit["separation_time_s"], 3.0);
+  EXPECT_EQ(hit["peak_contact_force_n"], 5.0);
+  EXPECT_EQ(hit["contact_impulse_n_s"], 4.0);
+  EXPECT_EQ(hit["friction_impulse_n_s"], -2.0);
+  EXPECT_EQ(hit["friction_impulse_b_n_s"], 1.0);
+  EXPECT_TRUE(missed["first_contact_s"].is_null());
+  EXPECT_TRUE(missed["separation_time_s"].is_null());
+  EXPECT_THAT(to_table(finished(), tally),
+              AllOf(HasSubstr("contact 'hit'            first 1.0000 s, separation 3.0000 s, impulse 4 N s, peak 5 N"),
+                    HasSubstr("contact 'missed'         first never, separation not within this run")));
+}
+
+TEST(Summary, OfOneContactInTwoDimensionsHasNeitherContactsNorABinormal) {
+  const auto json = nlohmann::json::parse(to_json(finished(), tally_on_plateau()));
+  EXPECT_FALSE(json.contains("contacts"));
+  EXPECT_FALSE(json.contains("friction_impulse_b_n_s"));
+}
+
 TEST(Summary, TellsOfContactImpulsesAndOfForcesThatWereNotFound) {
   Tally tally(std::nullopt);
   HistoryRow row;

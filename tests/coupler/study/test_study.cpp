@@ -125,6 +125,48 @@ TEST(StudyFile, TheFirstKeyWhoseValuesDifferTellsSettingsApart) {
   EXPECT_EQ(telling_keys({{"a.b", "c.d"}, {{{"a.b", 1.0}, {"c.d", 1.0}}, {{"a.b", 1.0}, {"c.d", 1.0}}}}).size(), 2U);
 }
 
+/// A scene of two contacts, as solids or not.
+std::string two_contacts(const std::string& model) {
+  return "model = \"" + model + "\"\n[[contact]]\nname = \"first\"\n[[contact]]\nname = \"second\"\n";
+}
+
+TEST(StudyFile, MayAskForQuantitiesOfAContactAndOfSolids) {
+  const test::TemporaryFolder folder;
+  const auto load = [&](const std::string& model, const std::string& quantities) {
+    (void)folder.write(two_contacts(model), "two.toml");
+    auto text = test::replaced(good_study(), bars, "two.toml");
+    text = test::replaced(text, "quantities = [\"peak_force\"]", quantities);
+    text = test::replaced(text, "quantity = \"contact_pressure\"", "quantity = \"contact_pressure/second\"");
+    return load_study(folder.write(text, "study.toml"));
+  };
+  const auto study = load("plane_strain", "quantities = [\"peak_force/second\", \"friction_force/first\"]");
+  EXPECT_THAT(study.quantities, ElementsAre("peak_force/second", "friction_force/first"));
+  EXPECT_EQ(study.histories.quantity, "contact_pressure/second");
+  EXPECT_THAT(load("plane_strain", "").quantities, testing::Not(testing::Contains("friction_force_b")));
+  EXPECT_THAT(load("solid", "").quantities, testing::Contains("friction_force_b"));
+  EXPECT_THAT(load("solid", "").quantities, testing::Not(testing::Contains("peak_force/second"))) << "if asked for";
+  EXPECT_THAT(load("solid", "quantities = [\"friction_force_b/first\"]").quantities,
+              ElementsAre("friction_force_b/first"));
+  for (const auto& [wrong, right] :
+       {std::pair{"peak_force/secnd", "peak_force/second"}, {"friction_force_b", "friction_force"}}) {
+    try {
+      (void)load("plane_strain", "quantities = [\"" + std::string(wrong) + "\"]");
+      ADD_FAILURE() << wrong;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("study.toml:3: quantities: found \"" + std::string(wrong)),
+                                               HasSubstr("did you mean \"" + std::string(right) + "\"?")));
+    }
+  }
+}
+
+TEST(StudyFile, ReachesTheKeysOfOneOfSeveralContactsByItsName) {
+  const test::TemporaryFolder folder;
+  const auto text = test::replaced(good_study(), "contact.penalty_pa_m = 1e12, contact.enforcement = \"\"",
+                                   "contact.second.friction_coefficient = 0.5");
+  EXPECT_EQ(load_study(folder.write(text, "study.toml")).methods[2].changes[0].key,
+            "contact.second.friction_coefficient");
+}
+
 TEST(StudyFile, WithoutVariationsThereIsOneCombination) { EXPECT_EQ(combinations({}).size(), 1U); }
 
 /// One edit that spoils the study, the line that the error names and what it says.
@@ -169,6 +211,11 @@ INSTANTIATE_TEST_SUITE_P(
               "time.stepp_s = [2",
               6,
               {"vary[0]", "\"stepp_s\" in the key time.stepp_s", "did you mean \"step_s\"?"}},
+        Wrong{"unknown_key_of_a_contact",
+              "contact.penalty_pa_m = 1e12",
+              "contact.second.penalty_pa = 1e12",
+              18,
+              {"\"penalty_pa\" in the key contact.second.penalty_pa", "did you mean \"penalty_pa_m\"?"}},
         Wrong{"unknown_scene_table", "\"contact.enf", "\"contacts.enf", 9, {"vary[1]", "did you mean \"contact\"?"}},
         Wrong{"table_of_scene", "\"contact.enforcement\"", "contact", 9, {"the table \"contact\"", "\"enforcement\""}},
         Wrong{"no_list", "[2e-6, 1e-6]", "2e-6", 6, {"vary[0].time.step_s", "found 2e-06", "a list"}},
@@ -277,11 +324,45 @@ TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
   EXPECT_NEAR(*error_of("separation_time", run, reference), 0.025 / 10.0, 1e-12) << "over the contact period";
   EXPECT_NEAR(*error_of("rebound_velocity", run, reference), 0.25 / 4.0, 1e-12) << "over the greatest speed";
   EXPECT_NEAR(*error_of("energy_drift", run, reference), 0.0125, 1e-12) << "of the run alone";
-  for (const auto& quantity : quantity_names()) {
+  for (const auto& quantity : quantity_names({})) {
     if (quantity != "energy_drift") {
       EXPECT_EQ(*error_of(quantity, reference, reference), 0.0) << quantity;
     }
   }
+}
+
+TEST(StudyMeasures, OfAContactAreThoseOfItsColumnsAndItsSummary) {
+  const auto seen = [](double force, double along_b) {
+    report::HistoryTable history;
+    for (const std::string of : {"", "/one", "/two"}) {
+      for (const char* name :
+           {"contact_force_n", "contact_pressure_mean_pa", "friction_force_n", "friction_force_b_n"}) {
+        history.names.push_back(name + of);
+        const bool binormal = std::string(name) == "friction_force_b_n";
+        const double value = of == "/two" ? (binormal ? along_b : force) : binormal ? 1.0 : 8.0;
+        history.columns.push_back({0.0, value, value, value, 0.0});
+      }
+    }
+    history.names.insert(history.names.end(), {"time_s", "principal_stress_mean_pa"});
+    history.columns.insert(history.columns.end(), {{0.0, 1.0, 2.0, 3.0, 4.0}, {0.0, 1.0, 1.0, 1.0, 0.0}});
+    const nlohmann::ordered_json two = {{"peak_contact_force_n", force}, {"separation_time_s", 3.0 + 0.1 * force}};
+    return observe(history,
+                   {{"window_size_s", 1.0}, {"contacts", {{"one", nlohmann::ordered_json::object()}, {"two", two}}}});
+  };
+  const auto reference = seen(2.0, 0.5), run = seen(3.0, 0.25);
+  ASSERT_EQ(run.contacts.size(), 2U);
+  EXPECT_EQ(*error_of("contact_pressure", run, reference), 0.0);
+  EXPECT_EQ(*error_of("contact_pressure/one", run, reference), 0.0);
+  EXPECT_NEAR(*error_of("contact_pressure/two", run, reference), 0.5, 0.1) << "of the plateau 2";
+  EXPECT_NEAR(*error_of("peak_force/two", run, reference), 0.5, 1e-12);
+  EXPECT_FALSE(error_of("peak_force/one", run, reference)) << "its summary says nothing";
+  EXPECT_NEAR(*error_of("separation_time/two", run, reference), 0.1 / 3.0, 1e-12);
+  EXPECT_NEAR(*error_of("friction_force_b/two", run, reference), 0.125, 0.02) << "0.25 of the contact force 2";
+  EXPECT_EQ(*error_of("friction_force_b", run, reference), 0.0);
+  EXPECT_FALSE(error_of("contact_pressure/three", run, reference)) << "no such contact";
+  EXPECT_EQ(history_of("contact_pressure/two", run).at(1.0), 3.0);
+  EXPECT_GT(*rms_difference("contact_pressure/two", run, reference), 0.5);
+  EXPECT_EQ(*rms_difference("principal_stress", run, reference), 0.0);
 }
 
 TEST(StudyMeasures, AForceStandsAtTheMiddleOfItsWindow) {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "common/solver/separation.hpp"
+#include "common/base/separation.hpp"
 
-namespace ricochet::solver {
+namespace ricochet {
 namespace {
 
 TEST(SeparationWatch, ABodyThatNeverTouchedIsNotSeparated) {
@@ -60,4 +60,4 @@ TEST(SeparationWatch, StaysSeparatedUntilTheNextContactAndCountsAnew) {
 }
 
 }  // namespace
-}  // namespace ricochet::solver
+}  // namespace ricochet

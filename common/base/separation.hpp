@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace ricochet::solver {
+namespace ricochet {
 
 /// Separated: after a contact, every pair open and the smallest gap growing for a stated number of windows
 /// (`coupling.separation_windows` of the scene). The separation window is the first of that streak.
@@ -47,4 +47,4 @@ class SeparationWatch {
   std::int64_t separation_window_ = -1;
 };
 
-}  // namespace ricochet::solver
+}  // namespace ricochet
