@@ -54,24 +54,6 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
   return static_cast<int>(body - bodies.data());
 }
 
-/// Something moves the bodies along each other from the start, or may.
-bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide& b) {
-  const auto along = [&](const std::vector<double>& x) {
-    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-    for (std::size_t c = 0; c < x.size(); ++c) vector[static_cast<Eigen::Index>(c)] = x[c];
-    return Eigen::Vector3d(vector - vector.dot(a.normal) * a.normal);
-  };
-  const auto driven = [&](const Body& body) {
-    const auto pulled = [&](const Traction& traction) { return !along(traction.traction_pa).isZero(0.0); };
-    const auto moved = [&](const PrescribedDisplacement& p) { return std::abs(a.normal[p.component]) < 1.0; };
-    return !along(body.gravity_m_s2).isZero(0.0) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
-           std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
-  };
-  const Body &first = scene.body(a.body->name), &second = scene.body(b.body->name);
-  const Eigen::Vector3d closing = along(first.initial_velocity_m_s) - along(second.initial_velocity_m_s);
-  return !closing.isZero(0.0) || driven(first) || driven(second);
-}
-
 ContactGeometry build_one(const ContactContext& context, const std::vector<BodyProblem>& bodies) {
   const ContactSide a = make_side(context, bodies, context.contact.first, context.contact.normal);
   if (a.flat && !context.contact.normal.empty())
@@ -84,12 +66,13 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   geometry.body_b = b ? index_of(bodies, b->body) : -1;
   geometry.normal = a.normal;
   geometry.pairs = b ? pairs_of(context, a, *b) : rigid_pairs(context, a);
+  geometry.round = !b && context.contact.obstacle != Obstacle::plane;
   geometry.matching =
       std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
   for (auto& pair : geometry.pairs) check_start(context, a, b ? &*b : nullptr, pair);
   sort_by_distance(geometry.pairs);
   const bool two_dimensions_or_three = context.scene.model != Model::bar && context.scene.model != Model::axisymmetric;
-  if (b && two_dimensions_or_three && !needs_pairs(context.scene) && may_slide(context.scene, a, *b))
+  if (b && two_dimensions_or_three && !needs_pairs(context.scene) && may_slide(context.scene, a, &*b))
     geometry.sliding = std::make_shared<const ContactMesh>(mesh_of(a, *b));
   return geometry;
 }

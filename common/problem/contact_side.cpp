@@ -164,4 +164,22 @@ bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal
   return held;
 }
 
+bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b) {
+  const auto along = [&](const std::vector<double>& x) {
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < x.size(); ++c) vector[static_cast<Eigen::Index>(c)] = x[c];
+    return Eigen::Vector3d(vector - vector.dot(a.normal) * a.normal);
+  };
+  const auto driven = [&](const Body& body) {
+    const auto pulled = [&](const Traction& traction) { return !along(traction.traction_pa).isZero(0.0); };
+    const auto moved = [&](const PrescribedDisplacement& p) { return std::abs(a.normal[p.component]) < 1.0; };
+    return !along(body.gravity_m_s2).isZero(0.0) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
+           std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
+  };
+  Eigen::Vector3d closing = along(scene.body(a.body->name).initial_velocity_m_s);
+  if (b != nullptr) closing -= along(scene.body(b->body->name).initial_velocity_m_s);
+  return !closing.isZero(0.0) || driven(scene.body(a.body->name)) ||
+         (b != nullptr && driven(scene.body(b->body->name)));
+}
+
 }  // namespace ricochet::scene

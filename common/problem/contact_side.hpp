@@ -57,4 +57,7 @@ struct ContactSide {
 [[nodiscard]] double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 [[nodiscard]] bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 
+/// Something moves the bodies along each other from the start, or may. `b` is null for what is rigid.
+[[nodiscard]] bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b);
+
 }  // namespace ricochet::scene
