@@ -3,7 +3,10 @@
 // body.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 
 #include "tests/support/run.hpp"

@@ -1,6 +1,12 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
 #include <set>
 
 #include "tests/common/fem/sample_elements.hpp"

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <functional>
 
 #include "common/problem/problem.hpp"
 #include "tests/common/scene/scene_text.hpp"
