@@ -55,6 +55,13 @@ inline double axis_coordinate(Model model, const Eigen::Vector3d& x) { return x[
 /// high x), "front", "back" (low, high y).
 [[nodiscard]] Mesh block_mesh(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z);
 
+/// Hexahedra of a cylinder about the z axis, from its lines across, from 0 to the radius, and along z: a core of
+/// quadrilaterals with rounded sides, of so many lines on either side of the axis, and rings around it. On the x and y
+/// axes nodes have the coordinates of the lines; the outermost lie on the circle. The mesh is its own image under the
+/// eight symmetries of the square. Surfaces "start", "end" (low, high z), "outer".
+[[nodiscard]] Mesh cylinder_mesh(const std::vector<double>& across, const std::vector<double>& along);
+[[nodiscard]] int core_of_cylinder(int across);
+
 /// Nodes of a surface, each once, sorted by position (first coordinate, then second, then third). ConfigError if
 /// unknown.
 [[nodiscard]] std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface);

@@ -38,6 +38,7 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
   if (model == Model::bar) return fem::bar_mesh(along);
   const std::vector<double> across =
       fem::graded_coordinates(0.0, spec.across_m, spec.elements_across, spec.grading_across);
+  if (spec.cylinder) return fem::cylinder_mesh(across, along);
   const bool solid = model == Model::solid;
   fem::Mesh mesh =
       solid ? fem::block_mesh(across, fem::graded_coordinates(0.0, spec.width_m, spec.elements_wide, spec.grading_wide),

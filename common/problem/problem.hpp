@@ -16,7 +16,7 @@ namespace ricochet::scene {
 /// A contact node of the first surface and what lies opposite.
 struct ContactPair {
   int node_a = -1;  ///< of the first surface's body mesh
-  /// Of the second surface: one node at the same place, several where meshes differ; rigid plane: none.
+  /// Of the second surface: one node at the same place, several where meshes differ; of what is rigid none.
   std::vector<WeightedNode> b;
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
   double gap0_m = 0.0;                    ///< initial gap >= 0
@@ -27,7 +27,8 @@ struct ContactPair {
 struct ContactGeometry {
   std::string name;                       ///< of one of several
   int body_a = -1;                        ///< index into Problem::bodies
-  int body_b = -1;                        ///< -1: rigid plane
+  int body_b = -1;                        ///< -1: what is rigid
+  bool round = false;                     ///< that is a sphere or a cylinder
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
   bool matching = false;                  ///< pairs of nodes: every `b` is one node of weight 1, or none
   std::vector<ContactPair> pairs;         ///< sorted by distance

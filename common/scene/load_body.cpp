@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <numeric>
 
 #include "common/scene/loaders.hpp"
 
@@ -42,27 +41,45 @@ GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
   return {path.string()};
 }
 
-/// elements = 20 for a bar, [across, along] in two dimensions, [x, y, z] of a solid; grading likewise.
+/// elements = 20 for a bar, [across, along] in two dimensions and of a solid cylinder, [x, y, z] of a block; grading
+/// likewise.
 void load_divisions(TableReader& table, Model model, StructuredMesh& mesh) {
   if (model == Model::bar) {
     mesh.elements_along = table.integer("elements", 1, most_elements);
     mesh.grading_along = table.number("grading", above(0.0), 1.0);
     return;
   }
-  const auto size = static_cast<std::size_t>(fem::components(model));
+  const bool block = model == Model::solid && !mesh.cylinder;
+  const std::size_t size = block ? 3 : 2;
   const std::vector<int> elements = table.integers("elements", 1, most_elements, size);
   mesh.elements_across = elements.front();
   mesh.elements_along = elements.back();
-  if (model == Model::solid) mesh.elements_wide = elements[1];
-  const double all = std::accumulate(elements.begin(), elements.end(), 1.0, std::multiplies<>());
+  if (block) mesh.elements_wide = elements[1];
+  const double all = mesh.elements_in_layer() * mesh.elements_along;
   if (all > most_elements)
-    table.refuse("elements", fmt::format("{}", fmt::join(elements, " x ")),
+    table.refuse("elements", mesh.cylinder ? fmt::format("{:.0f}", all) : fmt::format("{}", fmt::join(elements, " x ")),
                  fmt::format("at most {} elements in a body", most_elements));
   if (!table.has("grading")) return;
   const std::vector<double> grading = table.numbers("grading", above(0.0), size);
   mesh.grading_across = grading.front();
   mesh.grading_along = grading.back();
-  if (model == Model::solid) mesh.grading_wide = grading[1];
+  if (block) mesh.grading_wide = grading[1];
+}
+
+/// radius_m in axisymmetry and of a solid cylinder, height_m in plane strain, height_m and width_m of a block.
+void load_extent_across(TableReader& table, Model model, StructuredMesh& mesh) {
+  const bool round = model == Model::axisymmetric || mesh.cylinder;
+  table.only_if(round, "radius_m", R"(model = "axisymmetric" or "solid")");
+  const bool has_height = model == Model::plane_strain || (model == Model::solid && !mesh.cylinder);
+  for (const char* key : {"height_m", "width_m", "periodic_across"})
+    table.only_if(!mesh.cylinder, key, "a block: a solid with radius_m is a cylinder");
+  table.only_if(has_height, "height_m", R"(model = "plane_strain" or "solid")");
+  table.only_if(model == Model::solid, "width_m", "model = \"solid\"");
+  table.only_if(has_height, "periodic_across", R"(model = "plane_strain" or "solid")");
+  if (round) mesh.across_m = table.number("radius_m", above(0.0));
+  if (has_height) mesh.across_m = table.number("height_m", above(0.0));
+  if (has_height && model == Model::solid) mesh.width_m = table.number("width_m", above(0.0));
+  if (has_height) mesh.periodic_across = table.boolean("periodic_across", false);
 }
 
 std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
@@ -70,15 +87,8 @@ std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model,
   StructuredMesh mesh;
   mesh.length_m = table.number("length_m", above(0.0));
   mesh.start_m = table.number("start_m", any_number(), 0.0);
-  table.only_if(model == Model::axisymmetric, "radius_m", "model = \"axisymmetric\"");
-  const bool has_height = model == Model::plane_strain || model == Model::solid;
-  table.only_if(has_height, "height_m", R"(model = "plane_strain" or "solid")");
-  table.only_if(model == Model::solid, "width_m", "model = \"solid\"");
-  table.only_if(has_height, "periodic_across", R"(model = "plane_strain" or "solid")");
-  if (model == Model::axisymmetric) mesh.across_m = table.number("radius_m", above(0.0));
-  if (has_height) mesh.across_m = table.number("height_m", above(0.0));
-  if (model == Model::solid) mesh.width_m = table.number("width_m", above(0.0));
-  if (has_height) mesh.periodic_across = table.boolean("periodic_across", false);
+  mesh.cylinder = model == Model::solid && table.has("radius_m");
+  load_extent_across(table, model, mesh);
   load_divisions(table, model, mesh);
   const bool solid = model == Model::solid;
   const int fewest = solid ? std::min(mesh.elements_across, mesh.elements_wide) : mesh.elements_across;
@@ -175,6 +185,7 @@ std::vector<std::string> surface_names(Model model, const Body& body) {
   const auto* mesh = std::get_if<StructuredMesh>(&body.mesh);
   if (mesh == nullptr) return {};
   if (model == Model::bar || mesh->periodic_across) return {"start", "end"};
+  if (mesh->cylinder) return {"start", "end", "outer"};
   if (model == Model::solid) return {"start", "end", "inner", "outer", "front", "back"};
   return {"start", "end", "inner", "outer"};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "common/base/names.hpp"
 #include "common/scene/loaders.hpp"
@@ -9,14 +10,16 @@
 namespace ricochet::scene {
 namespace {
 
-const std::string rigid_plane = "rigid_plane";
+const std::map<std::string, Obstacle> obstacles{
+    {"rigid_plane", Obstacle::plane}, {"rigid_sphere", Obstacle::sphere}, {"rigid_cylinder", Obstacle::cylinder}};
 
 /// "steel.end" -> steel, end.
 SurfaceName load_surface_name(const TableReader& table, const std::string& text, const Scene& scene) {
   const std::size_t dot = text.find('.');
   const std::string found = "\"" + text + "\"";
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size())
-    table.refuse("surfaces", found, "\"body.surface\", or \"rigid_plane\" as the second");
+    table.refuse("surfaces", found,
+                 R"("body.surface", or "rigid_sphere", "rigid_cylinder" or "rigid_plane" as the second)");
   const SurfaceName name{text.substr(0, dot), text.substr(dot + 1)};
   std::vector<std::string> bodies;
   for (const Body& body : scene.bodies) bodies.push_back(body.name);
@@ -33,10 +36,35 @@ void load_surfaces(TableReader& table, const Scene& scene, Contact& contact) {
   const std::vector<std::string> names = table.texts("surfaces");
   if (names.size() != 2) table.refuse("surfaces", fmt::format("{} surfaces", names.size()), "two surfaces");
   contact.first = load_surface_name(table, names[0], scene);
-  if (names[1] == rigid_plane) return;
+  const auto obstacle = obstacles.find(names[1]);
+  contact.obstacle = obstacle == obstacles.end() ? Obstacle::plane : obstacle->second;
+  if (obstacle != obstacles.end()) return;
   contact.second = load_surface_name(table, names[1], scene);
   if (contact.first.body == contact.second->body)
     table.refuse("surfaces", "two surfaces of body \"" + contact.first.body + "\"", "surfaces of two bodies");
+}
+
+void load_obstacle(TableReader& table, Model model, Contact& contact) {
+  const bool sphere = contact.obstacle == Obstacle::sphere, cylinder = contact.obstacle == Obstacle::cylinder;
+  const bool round = sphere || cylinder, solid = model == Model::solid;
+  if (sphere && model != Model::axisymmetric && !solid)
+    table.refuse("surfaces", "\"rigid_sphere\"", R"(a rigid sphere only with model = "axisymmetric" or "solid")");
+  if (cylinder && model != Model::plane_strain && !solid)
+    table.refuse("surfaces", "\"rigid_cylinder\"", R"(a rigid cylinder only with model = "plane_strain" or "solid")");
+  table.only_if(round, "rigid_radius_m", R"("rigid_sphere" or "rigid_cylinder" as the second surface)");
+  table.only_if(cylinder && solid, "rigid_axis", R"("rigid_cylinder" as the second surface and model = "solid")");
+  table.only_if(round && model != Model::axisymmetric, "rigid_place_m",
+                R"("rigid_sphere" or "rigid_cylinder" as the second surface, model = "plane_strain" or "solid")");
+  table.only_if(!round, "nose_radius_m", "a second surface that is not round itself");
+  contact.rigid_radius_m = round ? table.number("rigid_radius_m", above(0.0)) : 0.0;
+  if (cylinder && solid) {
+    const std::vector<std::string> axes = component_names(model);
+    const std::string axis = table.word("rigid_axis", axes);
+    contact.rigid_axis = static_cast<int>(std::find(axes.begin(), axes.end(), axis) - axes.begin());
+  }
+  contact.rigid_place_m.clear();
+  if (table.has("rigid_place_m"))
+    contact.rigid_place_m = table.numbers("rigid_place_m", any_number(), component_names(model).size());
 }
 
 void load_normal(TableReader& table, const Scene& scene, Contact& contact) {
@@ -153,6 +181,7 @@ Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   contact.second.reset();
   load_name(table, scene, named, contact);
   load_surfaces(table, scene, contact);
+  load_obstacle(table, scene.model, contact);
   load_normal(table, scene, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
   table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");

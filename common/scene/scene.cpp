@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "common/fem/mesh.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -23,6 +24,16 @@ const Entry& find_by_name(const std::vector<Entry>& list, const std::string& nam
 }
 
 }  // namespace
+
+double StructuredMesh::elements_in_layer() const {
+  const double core = fem::core_of_cylinder(elements_across);
+  return cylinder ? 4.0 * core * (2.0 * elements_across - core) : 1.0 * elements_across * elements_wide;
+}
+
+double StructuredMesh::nodes_in_layer() const {
+  if (cylinder) return elements_in_layer() + 4.0 * fem::core_of_cylinder(elements_across) + 1.0;
+  return (elements_across + 1.0) * (width_m > 0.0 ? elements_wide + 1.0 : 1.0);
+}
 
 double Amplitude::at(double t) const {
   if (time_s.empty()) return 1.0;

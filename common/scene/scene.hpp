@@ -20,12 +20,13 @@ using ricochet::Role;
 
 /// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry and of a solid.
 /// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer" (of the first
-/// coordinate), of a solid those and "front" and "back" (of the second).
+/// coordinate), of a block those and "front" and "back" (of the second), of a solid cylinder "outer" alone.
 struct StructuredMesh {
   double start_m = 0.0;   ///< axis coordinate of the low end
   double length_m = 0.0;  ///< extent along the axis
-  double across_m = 0.0;  ///< `radius_m` (axisymmetric, from r = 0) or `height_m` (from x = 0)
-  double width_m = 0.0;   ///< solid: extent along y, from y = 0
+  double across_m = 0.0;  ///< `radius_m` (from r = 0, of a cylinder from x = y = 0) or `height_m` (from x = 0)
+  double width_m = 0.0;   ///< block: extent along y, from y = 0
+  bool cylinder = false;  ///< solid with `radius_m`; elements and grading across are those along a radius
   int elements_along = 0;
   int elements_across = 1;
   int elements_wide = 1;
@@ -35,6 +36,9 @@ struct StructuredMesh {
   /// Plane strain: "outer" is "inner" moved by across_m; both surfaces vanish. Solid: "back" is "front" moved by
   /// width_m, too.
   bool periodic_across = false;
+
+  [[nodiscard]] double elements_in_layer() const;  ///< between two cross sections
+  [[nodiscard]] double nodes_in_layer() const;
 };
 
 /// Gmsh MSH 4.1 file; the physical surface (1D: curve, 3D: volume) named like the body holds its elements, other
@@ -107,10 +111,17 @@ enum class MultiplierUpdate { fully_implicit, trapezoidal_reset, massless };
 enum class ImpactUpdate { none, impedance, mass };
 enum class FrictionLaw { return_mapping, regularised };
 
+/// What is rigid and may be the second of two surfaces.
+enum class Obstacle { plane, sphere, cylinder };
+
 struct Contact {
   std::string name;                   ///< of one of several; empty of a scene's only one
   SurfaceName first;                  ///< n points out of this surface
-  std::optional<SurfaceName> second;  ///< empty: rigid plane
+  std::optional<SurfaceName> second;  ///< empty: the obstacle
+  Obstacle obstacle = Obstacle::plane;
+  double rigid_radius_m = 0.0;        ///< of a sphere or a cylinder
+  int rigid_axis = 2;                 ///< of a cylinder against a solid: the coordinate it lies along
+  std::vector<double> rigid_place_m;  ///< its middle is beside this place along the normal; empty: the origin
   std::vector<double> normal;         ///< of a curved first surface, a unit vector; empty: the mean of its faces
   double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
   double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)

@@ -12,7 +12,7 @@
 /// (-n_y, n_x) (scene::tangent_of), of solids the binormal n x t besides.
 ///   gap     g = g0 + N u,   open when g > 0            (Eq. 11, 17, 18)
 ///   slip      = T du over a window, of solids with a component along the binormal
-/// With N = n . (u_B - u_A) for two nodes that lie opposite, N = -n . u_A against a rigid plane, and a node against two
+/// With N = n . (u_B - u_A) for two nodes that lie opposite, N = -n . u_A against what is rigid, and a node against two
 /// of the other side shared by their weights. A contact force r >= 0 acts as N^T r, on B along +n and on A along -n; a
 /// friction force as T^T times it. The law that closes a gap at once needs the compliance N M^-1 N^T.
 namespace ricochet::solver {

@@ -83,7 +83,7 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem, const scene::Conta
   const Eigen::Vector3d tangent = scene::tangent_of(contact.normal), binormal = contact.normal.cross(tangent);
   Stretch& stretch = stretches_.emplace_back();
   stretch.begin = pairs_.size();
-  stretch.two_bodies = contact.body_b >= 0;
+  stretch.places_differ = contact.body_b >= 0 || contact.round;
   stretch.follows = contact.sliding != nullptr;
   for (const auto& pair : contact.pairs) {
     const auto& x = body_a.mesh.position[static_cast<std::size_t>(pair.node_a)];
@@ -118,7 +118,7 @@ void ModelWatch::prepare_pairs(const scene::Problem& problem, const scene::Conta
 void ModelWatch::set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& contact,
                           const std::string& first_surface, Stretch& stretch) {
   const int directions = surface_->components - 1;
-  const bool ended = stretch.two_bodies && contact.matching && mesh.period_m == 0.0;
+  const bool ended = contact.body_b >= 0 && contact.matching && mesh.period_m == 0.0;
   std::vector<std::size_t> order(stretch.end - stretch.begin);
   std::iota(order.begin(), order.end(), stretch.begin);
   for (std::size_t k = 0; k < static_cast<std::size_t>(directions); ++k) {
@@ -229,7 +229,7 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
     for (std::size_t i = stretch.begin; !stretch.follows && i < stretch.end; ++i) {
       const double gap_m = rows_[i].gap(displacement_of(states));
       penetration.take(-gap_m / pairs_[i].depth_m, pairs_[i].x);
-      if (!stretch.two_bodies || surface_->components == 1) continue;
+      if (!stretch.places_differ || surface_->components == 1) continue;
       slipped_ = slipped_ || slip(i, states) > 0.5 * slip_limit;
     }
   }
@@ -268,7 +268,7 @@ double ModelWatch::past_end(std::size_t pair, const std::vector<Ends>& ends,
 void ModelWatch::look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states) {
   Worst slipped, past;
   for (const auto& stretch : stretches_) {
-    for (std::size_t i = stretch.begin; stretch.two_bodies && !stretch.follows && i < stretch.end; ++i) {
+    for (std::size_t i = stretch.begin; stretch.places_differ && !stretch.follows && i < stretch.end; ++i) {
       if (rows_[i].gap(displacement_of(states)) > closed_share * pairs_[i].edge_m) continue;
       slipped.take(slip(i, states), pairs_[i].x);
       past.take(past_end(i, stretch.ends, states) / pairs_[i].edge_m, pairs_[i].x);

@@ -16,11 +16,11 @@ namespace ricochet::solver {
 ///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H, of a solid with
 ///               twice the length of H's axial vector and 2 + tr H: exact for any rotation [rad]
 ///   inverted    smallest Jacobian at a corner of the moved element over that of the reference, <= 0
-///   slip        of a closed pair of two bodies, over the shorter edge at its nodes: so far they are from being
-///   opposite off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there.
-///   From 1/2 on nothing of the
-///               surface that the node stands for faces the other body, which the slip says; from 1 on that is no
-///               matter of half an element, and a force there is wrong
+///   slip        of a closed pair of two bodies, or of a body and what is round, over the shorter edge at its nodes: so
+///               far they are from being opposite
+///   off_partner of a closed pair: how far a node is past the end of the other surface, over the edge there. From 1/2
+///               on nothing of the surface that the node stands for faces the other body, which the slip says; from 1
+///               on that is no matter of half an element, and a force there is wrong
 ///   penetration of a pair, over the depth of the shallower element behind it
 /// A look costs less than K u and is made every `every` windows. Once pairs have slipped, how far is looked at after
 /// each, since a contact may be over sooner.
@@ -66,9 +66,9 @@ class ModelWatch {
   /// The pairs of one contact.
   struct Stretch {
     std::size_t begin = 0, end = 0;
-    bool two_bodies = false;  ///< else a plane, on which all places are alike
-    bool follows = false;     ///< the rows follow what slides: nothing to say of it
-    std::vector<Ends> ends;   ///< of matching surfaces, along the tangent and, of a solid, n x t; none if they repeat
+    bool places_differ = false;  ///< else a rigid plane, on which all places are alike
+    bool follows = false;        ///< the rows follow what slides: nothing to say of it
+    std::vector<Ends> ends;  ///< of matching surfaces, along the tangent and, of a solid, n x t; none if they repeat
   };
   void prepare_pairs(const scene::Problem& problem);
   void prepare_pairs(const scene::Problem& problem, const scene::ContactGeometry& contact,

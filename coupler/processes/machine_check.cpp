@@ -32,8 +32,7 @@ double nodes_of(const scene::Body& body) {
     return static_cast<double>(std::filesystem::file_size(gmsh->path, ignored)) / bytes_per_node_of_gmsh_file;
   }
   const auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
-  const double plane = (mesh.elements_across + 1.0) * (mesh.elements_along + 1.0);
-  return mesh.width_m > 0.0 ? plane * (mesh.elements_wide + 1.0) : plane;
+  return mesh.nodes_in_layer() * (mesh.elements_along + 1.0);
 }
 
 std::string size_text(double bytes) {

@@ -100,6 +100,45 @@ TEST(LoadScene, BodyFieldByField) {
   EXPECT_THAT(steel.gravity_m_s2, ElementsAre(0.0, -9.81));
 }
 
+TEST(LoadScene, ASolidWithARadiusIsACylinder) {
+  const Scene scene = load_text(replaced(blocks, "height_m = 0.2, width_m = 0.3, elements = [2, 3, 6] }\n[[body]]",
+                                         "radius_m = 0.1, elements = [5, 6], grading = [2.0, 3.0] }\n[[body]]"));
+  const auto& mesh = std::get<StructuredMesh>(scene.bodies[0].mesh);
+  EXPECT_TRUE(mesh.cylinder);
+  EXPECT_EQ(mesh.across_m, 0.1);
+  EXPECT_EQ(mesh.elements_across, 5);
+  EXPECT_EQ(mesh.elements_along, 6);
+  EXPECT_EQ(mesh.grading_across, 2.0);
+  EXPECT_EQ(mesh.grading_along, 3.0);
+  EXPECT_EQ(mesh.elements_in_layer(), 84.0) << "a core of 6 x 6 and 2 rings of 24";
+  EXPECT_EQ(mesh.nodes_in_layer(), 97.0);
+  const auto& block = std::get<StructuredMesh>(scene.bodies[1].mesh);
+  EXPECT_FALSE(block.cylinder);
+  EXPECT_EQ(block.elements_in_layer(), 6.0);
+  EXPECT_EQ(block.nodes_in_layer(), 12.0);
+}
+
+TEST(LoadScene, RigidObstacles) {
+  const std::string one = replaced(blocks, ", upper = 0.05", "");
+  const Contact plane = load_text(replaced(one, "\"upper.start\"", "\"rigid_plane\"")).contacts.front();
+  EXPECT_FALSE(plane.second);
+  EXPECT_EQ(plane.obstacle, Obstacle::plane);
+  const Contact sphere =
+      load_text(replaced(one, "\"upper.start\"]", "\"rigid_sphere\"]\nrigid_radius_m = 0.3")).contacts.front();
+  EXPECT_FALSE(sphere.second);
+  EXPECT_EQ(sphere.obstacle, Obstacle::sphere);
+  EXPECT_EQ(sphere.rigid_radius_m, 0.3);
+  EXPECT_TRUE(sphere.rigid_place_m.empty());
+  const Contact cylinder =
+      load_text(
+          replaced(one, "\"upper.start\"]",
+                   "\"rigid_cylinder\"]\nrigid_radius_m = 0.3\nrigid_axis = \"y\"\nrigid_place_m = [0.1, 0.2, 0.3]"))
+          .contacts.front();
+  EXPECT_EQ(cylinder.obstacle, Obstacle::cylinder);
+  EXPECT_EQ(cylinder.rigid_axis, 1);
+  EXPECT_THAT(cylinder.rigid_place_m, ElementsAre(0.1, 0.2, 0.3));
+}
+
 TEST(LoadScene, SupportsAndLoadsFieldByField) {
   const Scene scene = load_text(full);
   const Body& steel = scene.body("steel");

@@ -21,7 +21,8 @@ struct Plates {
   std::vector<BodyState> states;
   std::vector<scene::ParticipantPart> parts;
 
-  explicit Plates(const std::string& model = "plane_strain", const std::string& extra_mesh = "") {
+  explicit Plates(const std::string& model = "plane_strain", const std::string& extra_mesh = "",
+                  const std::string& second = "\"upper.start\"]") {
     const std::string across = model == "solid"          ? "width_m = 0.1, height_m"
                                : model == "plane_strain" ? "height_m"
                                                          : "radius_m";
@@ -33,9 +34,9 @@ struct Plates {
       text += "mesh = { start_m = " + std::string(name == "lower" ? "-0.3" : "0.0") + ", length_m = 0.3, " + across +
               " = 0.2, elements = " + elements + extra_mesh + " }\n";
     }
-    text +=
-        "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[time]\nstep_s = 1e-6\nend_s = "
-        "1e-3\n[coupling]\nprotocol = \"all_implicit\"\n";
+    text += "[contact]\nsurfaces = [\"lower.end\", " + second +
+            "\n[time]\nstep_s = 1e-6\nend_s = "
+            "1e-3\n[coupling]\nprotocol = \"all_implicit\"\n";
     const std::string path = testing::TempDir() + "model_watch_" + std::to_string(getpid()) + ".toml";
     std::ofstream(path) << text;
     problem = scene::build_problem(scene::load_scene(path));
@@ -74,6 +75,21 @@ const participant::Departure* find(const std::vector<participant::Departure>& al
   for (const auto& d : all)
     if (d.kind == kind) return &d;
   return nullptr;
+}
+
+/// What is round is not the same at all places, as a plane is; and it has no end.
+TEST(ModelWatch, SeesSlipOnARigidCylinderAndNoneOnAPlane) {
+  for (const bool round : {true, false}) {
+    Plates plates("plane_strain", "", round ? "\"rigid_cylinder\"]\nrigid_radius_m = 1.0" : "\"rigid_plane\"]");
+    plates.move(0, [](const Eigen::Vector2d&) { return Eigen::Vector2d(0.12, 0.0); });
+    const auto found = plates.look();
+    const auto* slip = find(found, Kind::slip);
+    ASSERT_EQ(slip != nullptr, round);
+    EXPECT_EQ(found.size(), round ? 1U : 0U);
+    if (round) {
+      EXPECT_NEAR(slip->largest, 0.12 / 0.05, 1e-12) << "in edges";
+    }
+  }
 }
 
 TEST(ModelWatch, SeesStrainRotationAndInversionOfSolids) {

@@ -1,0 +1,185 @@
+#include "common/problem/contact_side.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// A surface whose normals cancel to this share of its area faces no one way.
+constexpr double least_one_sided = 0.1;
+
+/// Outward normal at the end of a bar: away from the other node of its element.
+Eigen::Vector3d bar_normal(const fem::Mesh& mesh, int node) {
+  double other = 0.0;
+  for (const auto& element : mesh.elements) {
+    if (element[0] == node) other = mesh.position[at(element[1])][0];
+    if (element[1] == node) other = mesh.position[at(element[0])][0];
+  }
+  return {mesh.position[at(node)][0] > other ? 1.0 : -1.0, 0.0, 0.0};
+}
+
+/// Shortest side of a face.
+double shortest_side(const fem::Mesh& mesh, const fem::Face& face) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < face.size() || (face.size() > 2 && i < face.size()); ++i) {
+    const Eigen::Vector3d& a = mesh.position[at(face[i])];
+    const Eigen::Vector3d b = fem::nearest_image(mesh, mesh.position[at(face[(i + 1) % face.size()])], a);
+    shortest = std::min(shortest, (b - a).norm());
+  }
+  return shortest;
+}
+
+bool is_flat(const ContactSide& side) {
+  for (std::size_t i = 0; i < side.nodes.size(); ++i)
+    if (std::abs((side.position(i) - side.point).dot(side.normal)) > flat_tolerance * side.shortest_edge_m)
+      return false;
+  return std::all_of(side.faces().begin(), side.faces().end(), [&](const fem::Face& face) {
+    return fem::face_normal(side.body->mesh, face).dot(side.normal) >= 1.0 - flat_tolerance;
+  });
+}
+
+/// Area of a face.
+double whole_area(const ContactSide& side, const fem::Face& face) {
+  const fem::FaceArea nodal = fem::face_area(side.body->section, side.body->mesh, face);
+  return std::accumulate(nodal.begin(), nodal.end(), 0.0);
+}
+
+/// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels.
+Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& side, const std::vector<double>& given) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0.0;
+  for (const fem::Face& face : side.faces()) {
+    sum += whole_area(side, face) * fem::face_normal(side.body->mesh, face);
+    area += whole_area(side, face);
+  }
+  if (context.scene.model == Model::axisymmetric) sum[0] = 0.0;
+  if (!given.empty()) {
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < given.size(); ++c) normal[static_cast<Eigen::Index>(c)] = given[c];
+    if (normal.dot(sum) > -least_one_sided * area) return normal;
+    context.refuse(fmt::format("a normal into surface \"{}\"", side.name), "one out of it");
+  }
+  if (sum.norm() > least_one_sided * area) return sum.normalized();
+  context.refuse(fmt::format("surface \"{}\", which faces all ways", side.name),
+                 "the part of it that may touch, as a surface of its own");
+}
+
+void take_faces(const std::vector<fem::Face>& faces, ContactSide& side) {
+  const fem::Mesh& mesh = side.body->mesh;
+  std::vector<double> area(mesh.position.size(), 0.0);
+  for (const fem::Face& face : faces) {
+    const fem::FaceArea nodal = fem::face_area(side.body->section, mesh, face);
+    for (std::size_t i = 0; i < face.size(); ++i) area[at(face[i])] += nodal[i];
+    side.shortest_edge_m = std::min(side.shortest_edge_m, shortest_side(mesh, face));
+  }
+  for (const int node : side.nodes) side.area_m2.push_back(area[at(node)]);
+}
+
+}  // namespace
+
+void ContactContext::refuse(const std::string& found, const std::string& allowed) const {
+  throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene.where(key("surfaces")), found, allowed));
+}
+
+ContactSide make_side(const ContactContext& context, const std::vector<BodyProblem>& bodies, const SurfaceName& name,
+                      const std::vector<double>& normal) {
+  const Model model = context.scene.model;
+  ContactSide side;
+  side.name = name.body + "." + name.surface;
+  side.body = &*std::find_if(bodies.begin(), bodies.end(), [&](const BodyProblem& b) { return b.name == name.body; });
+  const fem::Mesh& mesh = side.body->mesh;
+  require_surface(context.scene, context.key("surfaces"), mesh, name.surface);
+  side.nodes = fem::surface_nodes(mesh, name.surface);
+  take_faces(side.faces(), side);
+  side.point = side.position(0);
+  side.normal = model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, side.faces()[0]);
+  if (model == Model::bar && side.nodes.size() > 1)
+    context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
+  if (model == Model::bar || is_flat(side)) return side;
+  side.flat = false;
+  side.normal = mean_normal(context, side, normal);
+  for (std::size_t i = 0; i < side.nodes.size(); ++i)
+    if (side.position(i).dot(side.normal) > side.point.dot(side.normal)) side.point = side.position(i);
+  return side;
+}
+
+std::string place_on(const ContactSide& side, const Eigen::Vector3d& x) {
+  if (side.body->section.model == Model::solid) return fmt::format("({:.9g}, {:.9g}, {:.9g}) m", x[0], x[1], x[2]);
+  return fmt::format("({:.9g}, {:.9g}) m", x[0], x[1]);
+}
+
+std::vector<SurfaceFace> faces_of(const ContactSide& side) {
+  const fem::Mesh& mesh = side.body->mesh;
+  const auto& section = side.body->section;
+  std::vector<SurfaceFace> faces;
+  for (const fem::Face& nodes : side.faces()) {
+    SurfaceFace face{nodes, {}, {}, fem::face_normal(mesh, nodes)};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      face.x[i] = fem::nearest_image(mesh, mesh.position[at(nodes[i])], mesh.position[at(nodes[0])]);
+      face.measure[i] = section.measure * (section.model == Model::axisymmetric ? face.x[i][0] : 1.0);
+    }
+    faces.push_back(face);
+  }
+  return faces;
+}
+
+std::vector<Eigen::Vector3d> nodal_normals(const ContactSide& side) {
+  if (side.flat) return std::vector<Eigen::Vector3d>(side.nodes.size(), side.normal);
+  std::map<int, Eigen::Vector3d> sum;
+  for (const fem::Face& face : side.faces()) {
+    const Eigen::Vector3d weighted = whole_area(side, face) * fem::face_normal(side.body->mesh, face);
+    for (const int node : face) sum.insert({node, Eigen::Vector3d::Zero()}).first->second += weighted;
+  }
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t i = 0; i < side.nodes.size(); ++i) {
+    Eigen::Vector3d normal = sum.at(side.nodes[i]);
+    const int components = fem::components(side.body->section.model);
+    Eigen::Vector3d free = normal;
+    for (int c = 0; c < components; ++c)
+      if (side.body->fixed_dof[at(side.nodes[i] * components + c)]) free[c] = 0.0;
+    normals.push_back((free.isZero(0.0) ? normal : free).normalized());
+  }
+  return normals;
+}
+
+double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal) {
+  const int components = fem::components(side.body->section.model);
+  double u = 0.0;
+  for (int c = 0; c < components; ++c) u += normal[c] * side.body->initial_displacement_m[node * components + c];
+  return u;
+}
+
+bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal) {
+  const int components = fem::components(side.body->section.model);
+  bool held = true;
+  for (int c = 0; c < components; ++c)
+    if (std::abs(normal[c]) > flat_tolerance) held = held && side.body->fixed_dof[at(node * components + c)];
+  return held;
+}
+
+bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b) {
+  const auto along = [&](const std::vector<double>& x) {
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < x.size(); ++c) vector[static_cast<Eigen::Index>(c)] = x[c];
+    return Eigen::Vector3d(vector - vector.dot(a.normal) * a.normal);
+  };
+  const auto driven = [&](const Body& body) {
+    const auto pulled = [&](const Traction& traction) { return !along(traction.traction_pa).isZero(0.0); };
+    const auto moved = [&](const PrescribedDisplacement& p) { return std::abs(a.normal[p.component]) < 1.0; };
+    return !along(body.gravity_m_s2).isZero(0.0) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
+           std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
+  };
+  Eigen::Vector3d closing = along(scene.body(a.body->name).initial_velocity_m_s);
+  if (b != nullptr) closing -= along(scene.body(b->body->name).initial_velocity_m_s);
+  return !closing.isZero(0.0) || driven(scene.body(a.body->name)) ||
+         (b != nullptr && driven(scene.body(b->body->name)));
+}
+
+}  // namespace ricochet::scene

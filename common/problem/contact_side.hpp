@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/problem/build.hpp"
+
+/// One side of a contact: which nodes a surface has, their areas and normals, and where it lies. Internal to
+/// common/problem.
+namespace ricochet::scene {
+
+inline constexpr double flat_tolerance = 1e-6;  ///< of the shortest edge; also of a unit normal
+
+/// What is being built: for the texts of errors and the keys of the contact.
+struct ContactContext {
+  const Scene& scene;
+  const Contact& contact;
+
+  [[nodiscard]] std::string key(const char* of) const { return contact.key() + "." + of; }
+  [[noreturn]] void refuse(const std::string& found, const std::string& allowed) const;  ///< a ConfigError
+};
+
+/// Nodes sorted along the surface, their tributary areas, and where the surface lies.
+struct ContactSide {
+  std::string name;
+  const BodyProblem* body = nullptr;
+  std::vector<int> nodes;
+  std::vector<double> area_m2;
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< outward, the mean of a curved surface
+  Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< farthest out along it
+  double shortest_edge_m = std::numeric_limits<double>::infinity();
+  bool flat = true;
+
+  [[nodiscard]] const Eigen::Vector3d& position(std::size_t i) const { return body->mesh.position[at(nodes[i])]; }
+  [[nodiscard]] const std::vector<fem::Face>& faces() const {
+    return body->mesh.surfaces.at(name.substr(name.find('.') + 1));
+  }
+};
+
+/// `normal`: of a curved surface, if it is given.
+[[nodiscard]] ContactSide make_side(const ContactContext& context, const std::vector<BodyProblem>& bodies,
+                                    const SurfaceName& name, const std::vector<double>& normal);
+
+/// A place on a side, for the texts of errors.
+[[nodiscard]] std::string place_on(const ContactSide& side, const Eigen::Vector3d& x);
+
+/// Areas as face_area has them.
+[[nodiscard]] std::vector<SurfaceFace> faces_of(const ContactSide& side);
+
+/// Per node of a side the mean of the normals of the faces there; on an axis along it, and on a plane of symmetry,
+/// which holds the node, in it.
+[[nodiscard]] std::vector<Eigen::Vector3d> nodal_normals(const ContactSide& side);
+
+/// Displacement along the normal at t = 0.
+[[nodiscard]] double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal);
+[[nodiscard]] bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal);
+
+/// Something moves the bodies along each other from the start, or may. `b` is null for what is rigid.
+[[nodiscard]] bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b);
+
+}  // namespace ricochet::scene

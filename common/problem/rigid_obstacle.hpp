@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "common/problem/contact_side.hpp"
+
+/// What is rigid and stands in a body's way. Internal to common/problem.
+namespace ricochet::scene {
+
+/// A pair for each node of the surface, of a round obstacle for those that it is opposite to. It touches the surface,
+/// but for the initial gap: a plane where the surface is farthest out. A pair's normal is the obstacle's own at the
+/// place that is nearest to the node when they touch, and its gap the distance to it.
+[[nodiscard]] std::vector<ContactPair> rigid_pairs(const ContactContext& context, const ContactSide& side);
+
+}  // namespace ricochet::scene
