@@ -20,6 +20,13 @@ using solver::Pair;
 using solver::RowEntry;
 using solver::Side;
 
+namespace {
+/// Rows written by a mortar have many degrees of freedom each: too many for the root, while the compliance of the rows
+/// themselves is small. Its columns, a solve each, are worth it after a tenth as many windows, since a window without
+/// them takes some ten products.
+constexpr Eigen::Index most_columns = 800;
+}  // namespace
+
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
                                  const std::vector<BodyState>& states)
     : problem_(&problem),
@@ -157,7 +164,22 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
     motion_of_pairs(motion, y);
   };
   dt_ = dt;
-  start({product_, bound_of_couplings(states)}, dt);
+  const auto size = directions() * static_cast<Eigen::Index>(surface_.pairs.size());
+  if (!sliding_ && size <= most_columns) {
+    start(columns_of_products(size), dt);
+  } else {
+    start({product_, bound_of_couplings(states)}, dt);
+  }
+}
+
+Eigen::MatrixXd ImplicitContact::columns_of_products(Eigen::Index size) const {
+  Eigen::MatrixXd columns(size, size);
+  Eigen::VectorXd column(size);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    product_(Eigen::VectorXd::Unit(size, j), column);
+    columns.col(j) = column;
+  }
+  return 0.5 * (columns + columns.transpose());
 }
 
 /// No less than the compliance, on its diagonal.

@@ -173,6 +173,8 @@ class ImplicitContact {
   void find_weights(const std::vector<solver::BodyState>& states);
   void start(solver::Compliance compliance, double dt);
   void set_root(solver::Compliance compliance);
+  /// The compliance of few rows whose many degrees of freedom are not in the root.
+  [[nodiscard]] Eigen::MatrixXd columns_of_products(Eigen::Index size) const;
   [[nodiscard]] Eigen::VectorXd bound_of_couplings(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] Eigen::MatrixXd compliance_of_rows() const;
   void follow(const std::vector<solver::BodyState>& states);
