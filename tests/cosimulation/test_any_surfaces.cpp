@@ -46,7 +46,7 @@ struct UnequalPlates {
     text +=
         "[contact]\nsurfaces = [\"upper.start\", \"lower.end\"]\nfriction_coefficient = 0.3\n[partition]\n"
         "implicit_length_m = { lower = 0.025, upper = 0.025 }\n[time]\nsafety_factor = 0.9\nend_s = 420e-6\n";
-    return run_text(with_protocol(text, protocol), folder);
+    return run_text(with_protocol_of_two_steps(text, protocol), folder);
   }
   /// Mean over the plateau of the traction that the lower plate, the second body, gets: along t, and as imaginary part
   /// along n x t. Out of the upper plate n is down, so that n x t = -y.
@@ -108,7 +108,7 @@ RunResult turned_impact(const Turn& turn, const std::string& protocol, const Tem
       "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[partition]\nimplicit_length_m = { lower = 0.03, upper "
       "= "
       "0.03 }\n[time]\nstep_s = 5e-6\nend_s = 4e-4\n[output]\nfields_every = 20\n";
-  return run_text(with_protocol(text, protocol), folder);
+  return run_text(with_protocol_of_two_steps(text, protocol), folder);
 }
 
 RunResult bar_impact(const std::string& protocol, const TemporaryFolder& folder) {
@@ -122,7 +122,7 @@ RunResult bar_impact(const std::string& protocol, const TemporaryFolder& folder)
       "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[partition]\nimplicit_length_m = { lower = 0.03, upper "
       "= "
       "0.03 }\n[time]\nstep_s = 5e-6\nend_s = 4e-4\n";
-  return run_text(with_protocol(text, protocol), folder);
+  return run_text(with_protocol_of_two_steps(text, protocol), folder);
 }
 
 /// Largest velocity across the axis of any node, in the middle of the contact: a stress that is not the same all over a
@@ -174,7 +174,7 @@ RunResult wolff_bucher(const std::string& protocol, const std::string& law, int 
   text +=
       "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\nmultiplier_update = \"" + law +
       "\"\n[partition]\nimplicit_length_m = { left = 2.0, right = 2.0 }\n[time]\nsafety_factor = 0.9\nend_s = 30.0\n";
-  return run_text(with_protocol(text, protocol), folder);
+  return run_text(with_protocol_of_two_steps(text, protocol), folder);
 }
 
 /// The law that stops contact nodes loses at most 1/(2 * 5n) of the energy; without mass at the contact the baselines

@@ -26,7 +26,7 @@ struct Hertz {
 
 /// A scene of configs/ whose meshes are found from anywhere.
 std::string scene_with(const std::string& name, const std::string& protocol) {
-  std::string text = with_protocol(config_text(name), protocol);
+  std::string text = with_protocol_of_two_steps(config_text(name), protocol);
   const std::string mesh = "gmsh = \"";
   for (std::size_t at = text.find(mesh); at != std::string::npos; at = text.find(mesh, at + mesh.size()))
     text.insert(at + mesh.size(), RICOCHET_SOURCE "/configs/");

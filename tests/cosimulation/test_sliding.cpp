@@ -83,7 +83,7 @@ RunResult run_sliding(const Sliding& s, const TemporaryFolder& folder, int field
   (void)folder.write(rectangle_of("block", 2e-3, 2e-3, 4e-3, 2e-3, 10, 5), "block.msh");
   std::string text = block_on_base(s);
   if (fields_every > 0) text = with_key(text, "output", "fields_every", std::to_string(fields_every));
-  return run_text(text, folder);
+  return run_text(with_protocol_of_two_steps(text, s.protocol), folder);
 }
 
 constexpr double block_mass_kg = 1000.0 * 4e-3 * 2e-3;

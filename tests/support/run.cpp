@@ -118,4 +118,9 @@ std::string with_protocol(const std::string& text, const std::string& protocol) 
   return with_key(text, "coupling", "protocol", "\"" + protocol + "\"");
 }
 
+std::string with_protocol_of_two_steps(const std::string& text, const std::string& protocol) {
+  const std::string by = with_protocol(text, protocol);
+  return protocol == "prakash_hjelmstad" ? with_key(by, "coupling", "substeps", "2") : by;
+}
+
 }  // namespace ricochet::test

@@ -51,4 +51,7 @@ std::string with_key(const std::string& text, const std::string& table, const st
 
 std::string with_protocol(const std::string& text, const std::string& protocol);
 
+/// The same, `prakash_hjelmstad` with two substeps.
+std::string with_protocol_of_two_steps(const std::string& text, const std::string& protocol);
+
 }  // namespace ricochet::test
