@@ -17,7 +17,7 @@ RunResult oblique_impact(const std::string& protocol, double degrees, const Temp
   std::string text = with_protocol_of_two_steps(config_text("oblique_ball"), protocol);
   text = replaced(text, "oblique_ball.msh", RICOCHET_SOURCE "/configs/oblique_ball.msh");
   text = replaced(text, "[0.8391, 0.0, -1.0]", fmt::format("[{:.17g}, 0.0, -1.0]", std::tan(degrees * M_PI / 180.0)));
-  if (protocol == "all_explicit") text = replaced(text, "step_s = 2e-7", "safety_factor = 0.9");
+  if (protocol == "all_explicit") text = replaced(text, "step_s = 1.8e-7", "safety_factor = 0.9");
   return run_text(with_key(text, "output", "fields_every", "1000000"), folder);  // the last window always
 }
 
