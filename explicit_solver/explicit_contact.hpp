@@ -50,15 +50,11 @@ class ExplicitContact {
 
   using Force = solver::PairForce;
   /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
-  struct State {
+  /// Its residual is the largest last change of a force over the largest force.
+  struct State : solver::ContactAccount {
     std::vector<Force> forces;        ///< r_n
     std::vector<Force> mean_forces;   ///< (r_{n-1} + r_n)/2: what changed M v from v_{n-1} to v_n, over dt
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
-    double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    solver::ContactImpulses impulses;
-    int iterations = 0;             ///< sweeps over pairs that share nodes, since the last report
-    double largest_residual = 0.0;  ///< largest last change of a force over the largest force, since the last report
-    int unconverged = 0;            ///< so far
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
   };

@@ -51,10 +51,16 @@ ContactImpulses ContactSurface::no_impulses() const {
 }
 
 void ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
-                            const ContactImpulses& impulses, ContactRecord& record) const {
-  static_cast<ContactTotals&>(record) = totals(states, forces, impulses, std::nullopt);
-  for (std::size_t i = 0; i < record.contacts.size(); ++i) record.contacts[i] = totals(states, forces, impulses, i);
+                            ContactAccount& account, ContactRecord& record) const {
+  static_cast<ContactTotals&>(record) = totals(states, forces, account.impulses, std::nullopt);
+  for (std::size_t i = 0; i < record.contacts.size(); ++i)
+    record.contacts[i] = totals(states, forces, account.impulses, i);
   record.principal_stress_mean_pa = stress.mean(displacement_of(states));
+  record.contact_iterations = std::exchange(account.iterations, 0);
+  record.contact_residual = std::exchange(account.largest_residual, 0.0);
+  record.contact_unconverged = account.unconverged;
+  record.energy_contact_j = account.work_normal_j;
+  record.energy_friction_j = account.dissipated_friction_j;
 }
 
 ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,

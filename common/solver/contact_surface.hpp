@@ -22,6 +22,15 @@ struct PairForce {
   ContactState state = ContactState::open;
 };
 
+/// What a contact's owner counts from window to window.
+struct ContactAccount {
+  double work_normal_j = 0.0, dissipated_friction_j = 0.0;
+  ContactImpulses impulses;  ///< so far
+  int iterations = 0;        ///< of the contact problem, or sweeps over pairs that share nodes, since the last report
+  double largest_residual = 0.0;  ///< since the last report
+  int unconverged = 0;            ///< so far
+};
+
 /// The contact of a scene in the local numbering of its owner: what can be said of it from the motion alone.
 struct ContactSurface {
   ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
@@ -42,9 +51,9 @@ struct ContactSurface {
   [[nodiscard]] ContactRecord empty_record() const;
   [[nodiscard]] ContactImpulses no_impulses() const;
   /// Forces, states and impulses summed up, of all contacts and of each of several; gaps and principal stress.
-  /// Energies, and what the forces took to find, are the caller's.
-  void report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
-              const ContactImpulses& impulses, ContactRecord& record) const;
+  /// Energies are the account's, and what the forces took to find, which is counted anew from here.
+  void report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces, ContactAccount& account,
+              ContactRecord& record) const;
 
  private:
   /// Of one contact, or of all.

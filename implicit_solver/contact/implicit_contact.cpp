@@ -640,12 +640,7 @@ const ContactRecord& ImplicitContact::report(const std::vector<BodyState>& state
     force.normal /= dt_;
     force.tangential /= dt_;
   }
-  surface_.report(states, reported_, state_.impulses, report_);
-  report_.contact_iterations = std::exchange(state_.iterations, 0);
-  report_.contact_residual = std::exchange(state_.largest_residual, 0.0);
-  report_.contact_unconverged = state_.unconverged;
-  report_.energy_contact_j = state_.work_normal_j;
-  report_.energy_friction_j = state_.dissipated_friction_j;
+  surface_.report(states, reported_, state_, report_);
   return report_;
 }
 

@@ -90,14 +90,10 @@ class ImplicitContact {
                   Eigen::VectorXd& acceleration);
 
   /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
-  struct State {
+  struct State : solver::ContactAccount {
     solver::RootProblem::Solution solution;     ///< forces and states of the accepted window
     std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
     std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N]
-    double work_normal_j = 0.0, dissipated_friction_j = 0.0;
-    solver::ContactImpulses impulses;     ///< so far
-    int iterations = 0, unconverged = 0;  ///< since the last report; so far
-    double largest_residual = 0.0;        ///< since the last report
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
   };

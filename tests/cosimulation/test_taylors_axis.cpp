@@ -44,7 +44,7 @@ std::string impact(const Rod& rod, bool two, const std::string& protocol) {
   if (two) text += body_text(rod, "other", 0.0, 1.0, 0.0, "-1e-3");
   text += fmt::format("[contact]\nsurfaces = [\"rod.end\", \"{}\"]\n", two ? "other.start" : "rigid_plane");
   if (hybrid) text += fmt::format("[partition]\nimplicit_length_m = {{ rod = 0.3{} }}\n", two ? ", other = 0.3" : "");
-  return text + fmt::format("[time]\nstep_s = 0.02\nend_s = 3.0\n[coupling]\nprotocol = \"{}\"\n", protocol);
+  return with_protocol_of_two_steps(text + "[time]\nstep_s = 0.02\nend_s = 3.0\n", protocol);
 }
 
 class TaylorsAxis : public testing::TestWithParam<const char*> {};

@@ -42,7 +42,18 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
                                          {0.0, {0.0, 0.0}, ContactState::open},
                                          {5.0, {-2.5, 0.5}, ContactState::slip}};
   ContactRecord report = plates.surface.empty_record();
-  plates.surface.report(plates.states, forces, {{1.0, 2.0, 3.0}}, report);
+  ContactAccount account{.work_normal_j = -0.5,
+                         .dissipated_friction_j = 0.25,
+                         .impulses = {{1.0, 2.0, 3.0}},
+                         .iterations = 4,
+                         .largest_residual = 1e-7,
+                         .unconverged = 2};
+  plates.surface.report(plates.states, forces, account, report);
+  EXPECT_EQ(report.energy_contact_j, -0.5);
+  EXPECT_EQ(report.energy_friction_j, 0.25);
+  EXPECT_EQ(report.contact_iterations, 4);
+  EXPECT_EQ(report.contact_residual, 1e-7);
+  EXPECT_EQ(report.contact_unconverged, 2);
   EXPECT_EQ(report.contact_force_n, 8.0);
   EXPECT_EQ(report.friction_force_n, -1.5);
   EXPECT_EQ(report.friction_force_b_n, 4.5);
@@ -56,7 +67,11 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
   EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
   EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-6);
-  plates.surface.report(plates.states, {forces[0], forces[0], forces[1]}, plates.surface.no_impulses(), report);
+  account.impulses = plates.surface.no_impulses();
+  plates.surface.report(plates.states, {forces[0], forces[0], forces[1]}, account, report);
+  EXPECT_EQ(report.contact_iterations, 0) << "since the last report";
+  EXPECT_EQ(report.contact_residual, 0.0) << "since the last report";
+  EXPECT_EQ(report.contact_unconverged, 2) << "of the whole run";
   EXPECT_EQ(report.pairs_stick, 2);
   EXPECT_EQ(report.pairs_slip, 0);
   EXPECT_EQ(report.pairs_open, 1);
@@ -72,7 +87,8 @@ TEST(ContactSurface, ReportsEachOfSeveralContacts) {
                                          {0.0, {0.0, 0.0}, ContactState::open},
                                          {5.0, {-2.5, 0.5}, ContactState::slip}};
   ContactRecord report = plates.surface.empty_record();
-  plates.surface.report(plates.states, forces, {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {0.0, 0.0, 0.0}}, report);
+  ContactAccount account{.impulses = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {0.0, 0.0, 0.0}}};
+  plates.surface.report(plates.states, forces, account, report);
   ASSERT_EQ(report.contacts.size(), 3U);
   const auto &one = report.contacts[0], &two = report.contacts[1], &none = report.contacts[2];
   EXPECT_EQ(one.contact_force_n, 3.0);
