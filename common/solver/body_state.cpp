@@ -1,5 +1,6 @@
 #include "common/solver/body_state.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <cmath>
