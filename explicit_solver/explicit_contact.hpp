@@ -57,6 +57,11 @@ class ExplicitContact {
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
+
+    void archive(Archive& a) {
+      ContactAccount::archive(a);
+      a(forces, mean_forces, static_normal_n, massless, sliding);
+    }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);

@@ -29,7 +29,8 @@ participant::Description ExplicitSolver::describe() {
   description.solver = "ricochet explicit_solver";
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();
-  description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep};
+  description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
+                              Capability::save_state};
   if (!alone() || !problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
@@ -149,6 +150,21 @@ void ExplicitSolver::load_state(const std::vector<double>& state, participant::F
 
 void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
   solver::read_motion(states_, setup_.window_size_s, state, scale);
+}
+
+std::string ExplicitSolver::save_state() {
+  Archive out;
+  State state = this->state();
+  archive(state, out);
+  return out.take();
+}
+
+void ExplicitSolver::restore_state(std::string_view bytes) {
+  Archive in(bytes, "the state of participant '" + spec_->name + "'");
+  State state = this->state();
+  archive(state, in);
+  in.end();
+  restore(state);
 }
 
 void ExplicitSolver::finish() {

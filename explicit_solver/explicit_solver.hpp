@@ -47,6 +47,8 @@ class ExplicitSolver final : public participant::Participant {
   void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
+  std::string save_state() override;
+  void restore_state(std::string_view bytes) override;
 
   /// All that the windows to come are computed from, and what was booked so far: put back, they give the same bits.
   struct State {
@@ -54,11 +56,14 @@ class ExplicitSolver final : public participant::Participant {
     std::vector<solver::BodyMotion> bodies;
     std::variant<MotionDriven::State, ForceDriven::State> drive;
     SeparationWatch separation;
+
+    void archive(Archive& a) { a(window, bodies, drive, separation); }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
  private:
+  void archive(State& state, Archive& a) { a(state, model_watch_, *shapes_); }
   /// The only participant: it owns every element and enforces the contact.
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool has_contact() const { return alone() && !problem_.contacts.empty(); }

@@ -32,6 +32,8 @@ class ForceDriven {
   /// With the motion of the bodies all that the next window is computed from.
   struct State {
     std::vector<SubcycledWindow::State> parts;
+
+    void archive(Archive& a) { a(parts); }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);

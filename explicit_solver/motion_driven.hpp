@@ -36,11 +36,15 @@ class MotionDriven {
   struct State {
     struct Forces {
       Eigen::VectorXd internal, external;  ///< K u; f, reactions included, at the end of the window [N]
+
+      void archive(Archive& a) { a(internal, external); }
     };
     std::vector<Forces> parts;
     std::vector<WaveFront> fronts;  ///< per part
     std::optional<ExplicitContact::State> contact;
     bool contact_started = false;  ///< the contact has made the accelerations of the first window
+
+    void archive(Archive& a) { a(parts, fronts, contact, contact_started); }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);

@@ -40,6 +40,8 @@ class SubcycledWindow {
   struct State {
     Eigen::VectorXd internal, external, force;  ///< K u; f with reactions; lambda per shared dof [N]
     WaveFront front;
+
+    void archive(Archive& a) { a(internal, external, force, front); }
   };
   [[nodiscard]] const State& state() const { return accepted_; }
   void restore(const State& state);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/solver/body_state.hpp"
 
 namespace ricochet::explicit_solver {
@@ -35,6 +36,8 @@ class WaveFront {
   void grow(const Eigen::VectorXd& force);
   /// From here on every row is computed: the motion is no longer what the part began with.
   void reach_all();
+  /// How far it has come.
+  void archive(Archive& a);
 
  private:
   enum class Reach : unsigned char { none, next, reached };

@@ -12,6 +12,8 @@ struct WindowState {
   Eigen::VectorXd residual;  ///< q = f - K u - L without the contact forces, carried along by increments [N]
   Eigen::VectorXd external;  ///< f, reactions included [N]
   Eigen::VectorXd link;      ///< L, internal force of the explicit elements at the shared nodes [N]
+
+  void archive(Archive& a) { a(residual, external, link); }
 };
 
 /// A window as it is tried: u_{n+1} - u_n and the rates at n + 1, and what becomes the state if it is accepted.

@@ -44,6 +44,7 @@ participant::Description ImplicitSolver::describe() {
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
+  description.capabilities.push_back(Capability::save_state);
   if (!problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
   return description;
@@ -273,6 +274,21 @@ void ImplicitSolver::load_state(const std::vector<double>& state, participant::F
 
 void ImplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
   solver::read_motion(states_, setup_.window_size_s, state, scale);
+}
+
+std::string ImplicitSolver::save_state() {
+  Archive out;
+  State state = this->state();
+  archive(state, out);
+  return out.take();
+}
+
+void ImplicitSolver::restore_state(std::string_view bytes) {
+  Archive in(bytes, "the state of participant '" + spec_->name + "'");
+  State state = this->state();
+  archive(state, in);
+  in.end();
+  restore(state);
 }
 
 void ImplicitSolver::finish() {

@@ -42,6 +42,8 @@ class ImplicitSolver final : public participant::Participant {
   void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
+  std::string save_state() override;
+  void restore_state(std::string_view bytes) override;
 
   /// All that the windows to come are computed from, and what was booked so far: put back, they give the same bits.
   struct State {
@@ -52,11 +54,16 @@ class ImplicitSolver final : public participant::Participant {
     std::vector<double> interface_work_j, first_staggered_j;  ///< per part
     std::optional<ImplicitContact::State> contact;
     SeparationWatch separation;
+
+    void archive(Archive& a) {
+      a(window, bodies, integration, forces, interface_work_j, first_staggered_j, contact, separation);
+    }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
  private:
+  void archive(State& state, Archive& a) { a(state, model_watch_, *shapes_); }
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(participant::LinkOutput& output) const;
   void account();

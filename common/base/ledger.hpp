@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/archive.hpp"
+
 /// What every run reports of each body and of its contact: one list of names and members, which participants write
 /// their history rows by and the coupler reads them by.
 namespace ricochet {
@@ -26,6 +28,8 @@ struct BodyTotals {
   /// Else 0.
   double angular_momentum_kg_m2_s = 0.0;
   double angular_impulse_kg_m2_s = 0.0;
+
+  void archive(Archive& a);
 };
 
 /// What is told of one contact, and of all contacts of a scene together. A contact force is the impulse that acted over
@@ -40,6 +44,8 @@ struct ContactTotals {
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
   double friction_impulse_b_n_s = 0.0;
+
+  void archive(Archive& a);
 };
 
 /// What the owner of the contacts reports: of all of them together, each along its own directions, and of each.
@@ -108,6 +114,13 @@ inline constexpr std::array<Quantity<ContactTotals>, 11> named_contact_quantitie
     {"friction_impulse_n_s", &ContactTotals::friction_impulse_n_s},
     {"friction_impulse_b_n_s", &ContactTotals::friction_impulse_b_n_s},
 }};
+
+inline void BodyTotals::archive(Archive& a) {
+  for (const auto& [name, member] : body_quantities) a(this->*member);
+}
+inline void ContactTotals::archive(Archive& a) {
+  for (const auto& [name, member] : named_contact_quantities) a(this->*member);
+}
 
 /// Appends the quantities in the order of their table; of several contacts those of each follow.
 inline void append_quantities(const BodyTotals& totals, std::vector<double>& row) {

@@ -92,12 +92,13 @@ OwnFiles::Stamp OwnFiles::stamp_of(const std::string& name) const {
   return {status.st_size, status.st_mtim.tv_sec * 1'000'000'000LL + status.st_mtim.tv_nsec};
 }
 
-OwnFiles::Owner OwnFiles::owner_of(const std::string& name) const {
+OwnFiles::Owner OwnFiles::owner_of(const std::string& name, Changed changed) const {
   struct stat status {};
   if (lstat((folder_ + "/" + name).c_str(), &status) != 0) return Owner::nobody;
   if (!S_ISREG(status.st_mode) || !folders_are_real(folder_, name)) return Owner::somebody_else;
   for (const auto& [pattern, stamp] : listed_) {
-    if (matches(pattern, name) && (stamp == Stamp{} || stamp == stamp_of(name))) return Owner::us;
+    const bool as_written = stamp == Stamp{} || stamp == stamp_of(name) || changed == Changed::accepted;
+    if (matches(pattern, name) && as_written) return Owner::us;
   }
   return Owner::somebody_else;
 }
@@ -125,7 +126,7 @@ std::vector<std::string> OwnFiles::present(const std::string& pattern) const {
   return found;
 }
 
-void OwnFiles::claim(const std::vector<std::string>& names) {
+void OwnFiles::claim(const std::vector<std::string>& names, Changed changed) {
   std::vector<std::string> all = names;
   for (const auto& name : names) all.push_back(name + ".part");
   for (const auto& pattern : all) {
@@ -136,7 +137,7 @@ void OwnFiles::claim(const std::vector<std::string>& names) {
                         "with --out DIR",
                         folder_, name));
       }
-      if (owner_of(name) != Owner::somebody_else) continue;
+      if (owner_of(name, changed) != Owner::somebody_else) continue;
       throw ConfigError(
           fmt::format("{}/{} is there already, and ricochet did not write it, or it was changed since; move it away, "
                       "or give another folder with --out DIR",
@@ -166,6 +167,14 @@ void OwnFiles::remove_all() {
     return !ours_now && present(entry.first).empty();
   });
   write();
+}
+
+void OwnFiles::remove_halves() {
+  std::error_code ignored;
+  for (const auto& pattern : claimed_) {
+    if (!pattern.ends_with(".part")) continue;
+    for (const auto& name : present(pattern)) fs::remove(fs::path(folder_) / name, ignored);
+  }
 }
 
 /// An empty list is none.

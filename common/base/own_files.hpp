@@ -22,12 +22,16 @@ class OwnFiles {
 
   /// What this command reads, wherever it lies: from now on it is neither removed nor claimed, though it may be ours.
   void keep(const std::vector<std::string>& paths) { kept_ = paths; }
+  /// What was changed since it was written, or copied, is somebody else's, unless a run goes on from it.
+  enum class Changed { refused, accepted };
   /// Makes names below the folder ours, on disk before it returns; '#' stands for one or more digits. With each name
   /// goes that of its half, ".part" appended. Throws ConfigError that names the first file which is there already and
   /// is not ours, or is kept; then nothing is claimed.
-  void claim(const std::vector<std::string>& names);
+  void claim(const std::vector<std::string>& names, Changed changed = Changed::refused);
   /// Removes what is ours, and folders that become empty by that.
   void remove_all();
+  /// Removes halves of what is claimed: of a process that was killed while it wrote.
+  void remove_halves();
 
  private:
   enum class Owner { nobody, us, somebody_else };
@@ -36,7 +40,7 @@ class OwnFiles {
     bool operator==(const Stamp&) const = default;
   };
 
-  [[nodiscard]] Owner owner_of(const std::string& name) const;
+  [[nodiscard]] Owner owner_of(const std::string& name, Changed changed = Changed::refused) const;
   [[nodiscard]] std::vector<std::string> present(const std::string& pattern) const;
   [[nodiscard]] bool is_kept(const std::string& name) const;
   [[nodiscard]] Stamp stamp_of(const std::string& name) const;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/base/archive.hpp"
+
 namespace ricochet {
 
 /// Separated: after a contact, every pair open and the smallest gap growing for a stated number of windows
@@ -37,6 +39,8 @@ class SeparationWatch {
   [[nodiscard]] bool separated() const { return separated_; }
   /// At whose end the bodies last separated; negative before the first time.
   [[nodiscard]] std::int64_t separation_window() const { return separation_window_; }
+
+  void archive(Archive& a) { a(last_gap_m_, streak_, touched_, separated_, separation_window_); }
 
  private:
   int needed_ = 1;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/wire/message.hpp"
 
 namespace ricochet::participant {
@@ -31,6 +32,13 @@ class IncrementalLink {
   void accept();
   /// Largest max|X + d - x| / max|x| of all resynchronisations; the plain difference where x = 0.
   [[nodiscard]] double largest_drift() const { return largest_drift_; }
+
+  /// Between windows: what both ends have accumulated.
+  void archive(Archive& a) {
+    a(accepted_input_, accepted_output_, largest_drift_);
+    input_ = accepted_input_;
+    output_ = accepted_output_;
+  }
 
  private:
   int nodes_, components_;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/vocabulary.hpp"
@@ -20,6 +21,10 @@
 /// own mass, M a = f - K u + lambda, is given the interface multiplier lambda [N] at the end of a window (linear over
 /// the window) and answers with their motion. Capability "driven_by_force". Incremental transfer (Eq. 6), accumulation
 /// and resynchronisation are done by `serve`: here everything is absolute.
+namespace ricochet {
+class Archive;
+}
+
 namespace ricochet::participant {
 
 using ricochet::Capability, ricochet::Drive, ricochet::FrozenContact, ricochet::Integration, ricochet::Role;
@@ -79,6 +84,8 @@ struct ContactStatus {
   bool separated = false;         ///< separated now: all pairs open, gaps growing for `separation_windows`
   double separation_time_s = -1;  ///< of the last separation; < 0: none so far
   bool finished = false;          ///< `until_separated_plus_s` has passed
+
+  void archive(Archive& a);
 };
 
 /// How a run leaves the model of small strain, small displacement and contact nodes that stay opposite; see
@@ -102,6 +109,8 @@ struct Departure {
   double largest = 0;             ///< size
   std::int64_t window = 0;        ///< of the largest
   double x_m = 0, y_m = 0;        ///< its place in the reference configuration
+
+  void archive(Archive& a);
 };
 
 /// Where a node is of which the coupler wants to know whether another body meets it.
@@ -157,6 +166,12 @@ class Participant {
   /// The motion as `load_state` takes it (displacements and velocities of what it integrates), and what makes these
   /// numbers comparable: sqrt(m)/dt for a displacement, sqrt(m) for a velocity. Appends to empty vectors.
   virtual void read_state(std::vector<double>& state, std::vector<double>& scale);
+  /// With the capability "save_state", for checkpoints: all that the windows to come are computed from and what was
+  /// booked so far, after an accepted window, as bytes that mean something to this participant alone.
+  virtual std::string save_state();
+  /// Takes what `save_state` gave, in another process too, after `initialize` and `synchronise` for the same scene and
+  /// the same protocol. From here on it must answer, and record, the same bits as if it had never stopped.
+  virtual void restore_state(std::string_view bytes);
   /// Called once, last.
   virtual void finish() {}
 };

@@ -158,6 +158,8 @@ void Session::answer(const Message& request, Message& reply) {
     case Kind::accept: return accept(request, request.as<wire::Accept>(), reply.make<wire::Accepted>());
     case Kind::load_state: reply.make<wire::StateLoaded>(); return load_state(request.as<wire::LoadState>());
     case Kind::read_state: return read_state(reply.make<wire::State>());
+    case Kind::save_state: return save_state(reply.make<wire::SavedState>());
+    case Kind::restore_state: reply.make<wire::StateRestored>(); return restore_state(request.as<wire::RestoreState>());
     default: return finish(reply.make<wire::Finished>());  // the lifecycle lets nothing else through
   }
 }

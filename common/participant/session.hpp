@@ -64,6 +64,9 @@ class Session {
   void accept(const wire::Header& header, const wire::Accept& request, wire::Accepted& reply);
   void load_state(const wire::LoadState& request);
   void read_state(wire::State& reply);
+  void save_state(wire::SavedState& reply);
+  void restore_state(const wire::RestoreState& request);
+  void archive(Archive& a);
   void finish(wire::Finished& reply);
 
   void take_interface_stiffness(const wire::Array& stiffness);

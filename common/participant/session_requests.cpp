@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/archive.hpp"
 #include "common/base/names.hpp"
 #include "common/participant/session.hpp"
 
@@ -244,6 +245,38 @@ void Session::read_state(wire::State& reply) {
   }
   reply.state.set(state, static_cast<int>(state.size()), 1);
   reply.state_scale.set(scale, static_cast<int>(scale.size()), 1);
+}
+
+/// What this end of the link goes on from, beside the participant.
+void Session::archive(Archive& a) {
+  const auto size = link_.size();
+  a(accepted_window_, fields_window_, link_, contact_, rows_, stress_rows_);
+  if (link_.size() != size || accepted_window_ < 0 || accepted_window_ > setup_.last_window)
+    a.refuse("it is of another run");
+  window_ = accepted_window_;
+}
+
+void Session::save_state(wire::SavedState& reply) {
+  require(can(Capability::save_state),
+          "the coupler asked to save the state, but participant '{}' lacks the capability 'save_state'",
+          description_.name);
+  Archive out;
+  std::string own = participant_.save_state();
+  archive(out);
+  out(own);
+  reply.saved.data = out.take();
+}
+
+void Session::restore_state(const wire::RestoreState& request) {
+  require(can(Capability::save_state),
+          "the coupler asked to restore a state, but participant '{}' lacks the capability 'save_state'",
+          description_.name);
+  Archive in(request.saved.data, fmt::format("the state of participant '{}'", description_.name));
+  std::string own;
+  archive(in);
+  in(own);
+  in.end();
+  participant_.restore_state(own);
 }
 
 void Session::finish(wire::Finished& reply) {

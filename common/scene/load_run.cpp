@@ -84,4 +84,16 @@ Output load_output(TableReader& table) {
   return output;
 }
 
+Checkpointing load_checkpoint(TableReader& table) {
+  Checkpointing checkpoint{.asked = true};
+  checkpoint.every_windows = table.integer("every_windows", 0, most, checkpoint.every_windows);
+  checkpoint.every_s = table.number("every_s", at_least(0.0), checkpoint.every_s);
+  checkpoint.on_failure = table.choice<OnFailure>(
+      "on_failure", {{"stop", OnFailure::stop}, {"resume", OnFailure::resume}}, checkpoint.on_failure);
+  table.only_if(checkpoint.on_failure == OnFailure::resume, "attempts", "on_failure = \"resume\"");
+  checkpoint.attempts = table.integer("attempts", 1, most, checkpoint.attempts);
+  table.finish();
+  return checkpoint;
+}
+
 }  // namespace ricochet::scene

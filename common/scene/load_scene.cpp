@@ -77,6 +77,10 @@ void load_tables(TableReader& root, Scene& scene) {
     TableReader table = root.table("output", "output");
     scene.output = load_output(table);
   }
+  if (root.has("checkpoint")) {
+    TableReader table = root.table("checkpoint", "checkpoint");
+    scene.checkpoint = load_checkpoint(table);
+  }
   root.finish();
 }
 

@@ -20,6 +20,7 @@ namespace ricochet::scene {
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
 [[nodiscard]] CouplingSettings load_coupling(TableReader& table, bool has_contact);
 [[nodiscard]] Output load_output(TableReader& table);
+Checkpointing load_checkpoint(TableReader& table);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);
 

@@ -190,6 +190,18 @@ struct Output {
   int axial_stress_every = 0;  ///< windows per row of axial_stress.csv; 0: none
 };
 
+/// What a run does when a participant dies, hangs or is lost.
+enum class OnFailure { stop, resume };
+
+/// When a run saves all that it goes on from.
+struct Checkpointing {
+  bool asked = false;      ///< the scene has a table for it: at the end of a run, too
+  int every_windows = 0;   ///< 0: not by windows
+  double every_s = 300.0;  ///< of wall time; 0: not by time
+  OnFailure on_failure = OnFailure::stop;
+  int attempts = 10;  ///< on_failure = "resume": so often at most
+};
+
 struct Scene {
   std::string path;    ///< absolute path of the scene file
   std::string sha256;  ///< of its text (and of the mesh files it names), hex
@@ -201,6 +213,7 @@ struct Scene {
   CouplingSettings coupling;
   std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
   Output output;
+  Checkpointing checkpoint;
   std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.

@@ -4,7 +4,8 @@ namespace ricochet::scene {
 
 const Schema& scene_schema() {
   static const Schema tables{
-      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output"}},
+      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output",
+                 "checkpoint"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing"}},
@@ -28,6 +29,7 @@ const Schema& scene_schema() {
         "after_separation", "separation_windows", "timeout_s", "transport", "address", "port", "energy_growth_limit"}},
       {"participant", {"name", "role", "bodies", "groups", "executable", "start"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
+      {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };
   return tables;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/base/ledger.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
@@ -55,6 +56,8 @@ struct Dashpot {
 struct BodyMotion {
   Eigen::VectorXd u, v, a;
   BodyTotals totals;
+
+  void archive(Archive& archive) { archive(u, v, a, totals); }
 };
 
 struct BodyState : BodyMotion {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
@@ -20,6 +21,8 @@ struct PairForce {
   double normal = 0.0;
   Eigen::Vector2d tangential{0.0, 0.0};
   ContactState state = ContactState::open;
+
+  void archive(Archive& a) { a(normal, tangential, state); }
 };
 
 /// What a contact's owner counts from window to window.
@@ -29,6 +32,10 @@ struct ContactAccount {
   int iterations = 0;        ///< of the contact problem, or sweeps over pairs that share nodes, since the last report
   double largest_residual = 0.0;  ///< since the last report
   int unconverged = 0;            ///< so far
+
+  void archive(Archive& a) {
+    a(work_normal_j, dissipated_friction_j, impulses, iterations, largest_residual, unconverged);
+  }
 };
 
 /// The contact of a scene in the local numbering of its owner: what can be said of it from the motion alone.

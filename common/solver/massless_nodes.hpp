@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/root_problem.hpp"
@@ -60,6 +61,8 @@ class MasslessNodes {
   struct State {
     RootProblem::Solution last;  ///< of `settle`, to start the next from
     std::vector<double> debt_j;  ///< per pair: energy made and not yet given back
+
+    void archive(Archive& a) { a(last, debt_j); }
   };
   [[nodiscard]] const State& state() const { return state_; }
   void restore(const State& state) { state_ = state; }

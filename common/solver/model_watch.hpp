@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_surface.hpp"
@@ -38,6 +39,8 @@ class ModelWatch {
   /// After a window is accepted; `last`: no other follows, so it looks whatever the window is.
   void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false);
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
+  /// What was found so far, and since when.
+  void archive(Archive& a) { a(slipped_, last_look_, last_window_, found_); }
 
  private:
   /// What an element's look needs of the reference.

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/scene/scene.hpp"
 #include "common/solver/compliance.hpp"
 #include "common/solver/contact_record.hpp"
@@ -49,6 +50,8 @@ class RootProblem {
     /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the
     /// largest normal force.
     double residual = 0.0;
+
+    void archive(Archive& a) { a(force, states, iterations, residual); }
   };
 
   /// `slip_free` and `slip_velocity` (v_t,n [m/s]), of solids all along t first, are ignored without friction. `last`

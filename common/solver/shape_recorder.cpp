@@ -173,6 +173,14 @@ void ShapeRecorder::note(std::int64_t window) {
   keep(window);
 }
 
+void ShapeRecorder::archive(Archive& a) {
+  a(windows_, every_);
+  if (windows_.size() > most_windows || every_ < 1) a.refuse("more shapes than are kept");
+  for (auto& part : parts_) {
+    for (std::size_t w = 0; w < windows_.size(); ++w) a(part.kept[w]);
+  }
+}
+
 void ShapeRecorder::keep(std::int64_t window) {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     auto& part = parts_[p];

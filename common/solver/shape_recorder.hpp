@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 
@@ -34,6 +35,8 @@ class ShapeRecorder {
   void note(std::int64_t window);
   /// After the last window, which is kept whatever its number.
   void finish(std::int64_t window);
+  /// The windows kept so far.
+  void archive(Archive& a);
 
  private:
   /// What is drawn of one part: nodes, and cells of two to four of them.

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/problem/problem.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_rows.hpp"
@@ -32,6 +33,8 @@ class SlidingRows {
   struct Slide {
     bool follows = false;
     Eigen::Vector3d shift_m{0.0, 0.0, 0.0};  ///< s that the rows are written for
+
+    void archive(Archive& a) { a(follows, shift_m); }
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;

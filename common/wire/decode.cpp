@@ -146,6 +146,11 @@ void read(const Object& object, Array& array) {
   if (bytes > 0) std::memcpy(array.data.data(), data->via.bin.ptr, bytes);
 }
 
+void read(const Object& object, Bytes& bytes) {
+  require_type(object, msgpack::type::BIN, "binary data");
+  bytes.data.assign(object.via.bin.ptr, object.via.bin.size);
+}
+
 void read_field(const Object& object, const Field& field, Message& message) {
   std::visit(
       [&](auto* value) {

@@ -55,6 +55,13 @@ void pack(Packer& packer, const Array& array) {
   packer.pack_bin_body(reinterpret_cast<const char*>(array.data.data()), static_cast<std::uint32_t>(bytes));
 }
 
+void pack(Packer& packer, const Bytes& bytes) {
+  if (bytes.data.size() > max_array_bytes)
+    throw SolverError(fmt::format("{} bytes are too many for one message", bytes.data.size()));
+  packer.pack_bin(static_cast<std::uint32_t>(bytes.data.size()));
+  packer.pack_bin_body(bytes.data.data(), static_cast<std::uint32_t>(bytes.data.size()));
+}
+
 }  // namespace
 
 std::optional<std::string> not_finite(double value) {

@@ -29,6 +29,8 @@ constexpr StateText state_texts[] = {
     {LifecycleState::accepting, "accepting", "'accept' was outstanding"},
     {LifecycleState::loading, "loading", "'load_state' was outstanding"},
     {LifecycleState::reading, "reading", "'read_state' was outstanding"},
+    {LifecycleState::saving, "saving", "'save_state' was outstanding"},
+    {LifecycleState::restoring, "restoring", "'restore_state' was outstanding"},
     {LifecycleState::finishing, "finishing", "'finish' was outstanding"},
     {LifecycleState::finished, "finished", "the run was finished"},
     {LifecycleState::failed, "failed", "the run had failed"},
@@ -89,6 +91,8 @@ const std::vector<Transition>& transitions() {
       {ready, coupler, Kind::synchronise, synchronising},
       {ready, coupler, Kind::load_state, loading},
       {ready, coupler, Kind::read_state, reading},
+      {ready, coupler, Kind::save_state, saving},
+      {ready, coupler, Kind::restore_state, restoring},
       {ready, coupler, Kind::finish, finishing},
       {advancing, participant, Kind::advanced, ready},
       {trying, participant, Kind::advanced, tried},
@@ -99,6 +103,8 @@ const std::vector<Transition>& transitions() {
       {accepting, participant, Kind::accepted, ready},
       {loading, participant, Kind::state_loaded, initialized},
       {reading, participant, Kind::state, ready},
+      {saving, participant, Kind::saved_state, ready},
+      {restoring, participant, Kind::state_restored, ready},
       {finishing, participant, Kind::finished, finished},
   };
   return table;

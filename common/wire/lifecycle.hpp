@@ -27,6 +27,8 @@ enum class LifecycleState {
   accepting,
   loading,
   reading,
+  saving,
+  restoring,
   finishing,
   finished,
   failed,

@@ -10,6 +10,7 @@ namespace {
 void reset(std::string& value, const std::string&) { value.clear(); }
 void reset(std::vector<std::string>& value, const std::vector<std::string>&) { value.clear(); }
 void reset(Array& value, const Array&) { value.resize(0, 0); }
+void reset(Bytes& value, const Bytes&) { value.data.clear(); }
 template <class Number>
 void reset(Number& value, Number initial) {
   value = initial;
@@ -27,6 +28,13 @@ void Array::set(const std::vector<double>& values, int new_rows, int new_columns
   rows = new_rows;
   columns = new_columns;
   data.assign(values.begin(), values.end());
+}
+
+void Array::archive(Archive& a) {
+  a(rows, columns, data);
+  const bool fits = rows >= 0 && columns >= 0 &&
+                    static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) == data.size();
+  if (!fits) a.refuse("an array whose shape its numbers do not fill");
 }
 
 bool Description::has(Capability capability) const {

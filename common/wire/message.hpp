@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/base/vocabulary.hpp"
 
 /// THE message schema. Everything that passes between a coupler and a participant is a `Message`: a header, and a body
@@ -14,7 +15,7 @@
 /// tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 4;
+inline constexpr std::int64_t protocol_version = 5;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -26,11 +27,17 @@ struct Array {
   void resize(int new_rows, int new_columns);
   /// Sets the shape and copies the numbers, rows x columns of them.
   void set(const std::vector<double>& values, int new_rows, int new_columns);
+  void archive(Archive& a);
 };
 
 /// max |accumulated - absolute| / max |absolute|, by which incremental transfer has drifted; the difference itself
 /// where the absolute values are all zero. Equal sizes.
 [[nodiscard]] double relative_difference(const std::vector<double>& accumulated, const std::vector<double>& absolute);
+
+/// Bytes that mean something to who wrote them. On the wire: binary data.
+struct Bytes {
+  std::string data;
+};
 
 enum class Kind {
   hello,        ///< participant: I am ...
@@ -50,6 +57,10 @@ enum class Kind {
   state_loaded,
   read_state,  ///< coupler asks for the motion as `load_state` takes it
   state,
+  save_state,  ///< coupler asks for all that the participant goes on from
+  saved_state,
+  restore_state,  ///< coupler: go on from what was saved
+  state_restored,
   finish,  ///< coupler: no more windows
   finished,
   failure,  ///< either: I stop, and why
@@ -160,6 +171,10 @@ struct ContactReport {
   bool separated = false;
   double separation_time_s = -1.0;  ///< < 0: none so far
   bool finished_early = false;
+
+  void archive(Archive& a) {
+    a(pairs_closed, gap_min_m, gap_rate_min_m_s, separated, separation_time_s, finished_early);
+  }
 };
 
 /// What is told of windows when they are final.
@@ -200,6 +215,24 @@ struct State {
   static constexpr Kind kind = Kind::state;
   Array state;        ///< k x 1: a participant's own motion
   Array state_scale;  ///< k x 1: what makes energies of its numbers comparable
+};
+
+struct SaveState {
+  static constexpr Kind kind = Kind::save_state;
+};
+
+struct SavedState {
+  static constexpr Kind kind = Kind::saved_state;
+  Bytes saved;
+};
+
+struct RestoreState {
+  static constexpr Kind kind = Kind::restore_state;
+  Bytes saved;
+};
+
+struct StateRestored {
+  static constexpr Kind kind = Kind::state_restored;
 };
 
 struct Finish {
@@ -244,7 +277,8 @@ struct Message : Header {
   [[noreturn]] void refuse(Kind wanted) const;
 
   std::tuple<Hello, Welcome, Describe, Description, Initialize, Initialized, Synchronise, Synchronised, Advance,
-             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, Finish, Finished, Failure>
+             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState,
+             RestoreState, StateRestored, Finish, Finished, Failure>
       bodies_;
 };
 
@@ -253,7 +287,7 @@ struct Message : Header {
 /// Where one field of a message is.
 template <template <class> class Pointer>
 using FieldPointer = std::variant<Pointer<Kind>, Pointer<bool>, Pointer<std::int64_t>, Pointer<double>,
-                                  Pointer<std::string>, Pointer<std::vector<std::string>>, Pointer<Array>>;
+                                  Pointer<std::string>, Pointer<std::vector<std::string>>, Pointer<Array>, Pointer<Bytes>>;
 template <class Value>
 using Writable = Value*;
 template <class Value>

@@ -135,7 +135,7 @@ const std::vector<KindEntry>& schema() {
         field<&Description::capabilities>(
             "capabilities", "",
             "any of `repeat_window`, `switch_integration`, `driven_by_force`, `single_substep`, `interface_stiffness`, "
-            "`load_state`"),
+            "`load_state`, `save_state`"),
         field<&Description::record_columns>("record_columns", "",
                                             "names of the history columns; the first is `window`"),
         field<&Description::axial_stress_columns>(
@@ -224,6 +224,18 @@ const std::vector<KindEntry>& schema() {
             "state_scale", "",
             "k x 1, > 0: scaled by it the numbers are comparable, sqrt(m)/dt for a displacement, sqrt(m) for a "
             "velocity")}},
+      {Kind::save_state, "save_state", {}},
+      {Kind::saved_state,
+       "saved_state",
+       {field<&SavedState::saved>("saved", "",
+                                  "all that it goes on from after the last accepted window, and rows not sent yet; "
+                                  "bytes that mean something to it alone")}},
+      {Kind::restore_state,
+       "restore_state",
+       {field<&RestoreState::saved>("saved", "",
+                                    "what it said in `saved_state`, maybe in a run before: it goes on from there, to "
+                                    "the same bits")}},
+      {Kind::state_restored, "state_restored", {}},
       {Kind::finish, "finish", {}},
       {Kind::finished, "finished",
        joined({field<&Finished::compute_s>("compute_s", "s", "wall time spent in the solver"),

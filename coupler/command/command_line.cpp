@@ -30,7 +30,7 @@ const char* const exit_codes =
 struct Arguments {
   std::string scene, study, out, name, results;
   ContractCommand command;
-  std::optional<double> step_s;
+  std::optional<double> step_s, until_s;
   StabilityRequest stability;
 };
 
@@ -63,6 +63,15 @@ void define_study(CLI::App& app, Arguments& arguments) {
 
 void define_report(CLI::App& app, Arguments& arguments) {
   app.add_option("DIR", arguments.results, "Results folder of a run, a study or a stability map")->required();
+}
+
+void define_resume(CLI::App& app, Arguments& arguments) {
+  app.add_option("DIR", arguments.results, "Results folder of a run that was interrupted")->required();
+  app.add_option("--until", arguments.until_s, "Another end than time.end_s of its scene [s]");
+}
+
+void define_checkpoint(CLI::App& app, Arguments& arguments) {
+  app.add_option("DIR", arguments.results, "Results folder that a run is writing into")->required();
 }
 
 void define_contract(CLI::App& app, Arguments& arguments) {
@@ -116,6 +125,10 @@ int done(const Arguments& arguments) {
 const Subcommand subcommands[] = {
     {"run", "Compute a scene: start its participants, couple them, write the results", define_run,
      done<[](const Arguments& a) { run_scene(a.scene, a.out); }>},
+    {"resume", "Go on with a run from its last checkpoint, to the same numbers", define_resume,
+     done<[](const Arguments& a) { resume_run(a.results, a.until_s); }>},
+    {"checkpoint", "Have a run that goes on save all that it would go on from", define_checkpoint,
+     done<[](const Arguments& a) { request_checkpoint(a.results); }>},
     {"check", "Report and refuse all that can be known before a process starts", define_check,
      done<[](const Arguments& a) { check_scene(a.scene); }>},
     {"stability", "Measure at which steps the coupled scheme is stable", define_stability,

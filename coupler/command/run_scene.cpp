@@ -2,14 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <thread>
+#include <utility>
 
+#include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/run/checkpoints.hpp"
 #include "coupler/run/compute_scene.hpp"
 #include "coupler/study/step_choice.hpp"
 
@@ -33,6 +40,69 @@ bool try_report(const std::string& results) {
 
 }  // namespace
 
+namespace {
+
+/// A run that is accepted, to its last word.
+void run_accepted(const scene::Problem& problem, scene::Plan plan, const std::vector<std::string>& executables,
+                  const ResultsDirectory& results, std::optional<Checkpoint> from) {
+  const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
+  if (const auto warning = address_warning(problem.scene); !warning.empty()) plan.warnings.push_back(warning);
+  print_warnings(plan);
+  std::string table;
+  try {
+    table = compute_scene(problem, plan, executables, results, std::move(from));
+  } catch (const std::exception& error) {
+    try_report(results.path());
+    fmt::print(stderr, "results so far: {}\n", results.path());
+    const CheckpointFolder folder(results.file("checkpoint"));
+    if (const auto windows = folder.windows(); !windows.empty())
+      fmt::print(stderr, "to go on from window {}: {} resume {}\n", windows.back(), command_name, results.path());
+    throw;
+  }
+  const bool reported = try_report(results.path());
+  const std::string waves = problem.scene.output.axial_stress_every > 0 ? ", axial_stress.csv" : "";
+  const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
+  fmt::print("{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
+             results.path(), waves, fields, reported ? ", report.html" : "");
+}
+
+std::string checkpoints_of(const std::string& results) {
+  return std::filesystem::absolute(results).lexically_normal().string() + "/checkpoint";
+}
+
+/// The last checkpoint of a folder of results that is whole; says which are not.
+Checkpoint last_checkpoint(const std::string& results) {
+  const CheckpointFolder folder(checkpoints_of(results));
+  std::vector<std::string> damaged;
+  auto found = folder.last(damaged);
+  if (found) {
+    for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", text);
+    return *std::move(found);
+  }
+  throw ConfigError(
+      damaged.empty()
+          ? fmt::format("{} has no checkpoint; `{} run` makes one every checkpoint.every_s seconds, at SIGTERM and when "
+                        "`{} checkpoint` asks",
+                        results, command_name, command_name)
+          : fmt::format("{} has no checkpoint that is whole: {}", results, fmt::join(damaged, "; ")));
+}
+
+/// The scene must be the one that the checkpoint is of, but for its end.
+scene::Problem problem_of(const Checkpoint& from, std::optional<double> until_s) {
+  auto problem = load_problem(from.scene_path);
+  auto& scene = problem.scene;
+  if (scene.sha256 != from.scene_sha256) {
+    throw ConfigError(
+        fmt::format("{}: the scene or a mesh of it has changed since the checkpoint (SHA-256 {:.12} then, {:.12} now); "
+                    "only the end may: --until SECONDS",
+                    scene.path, from.scene_sha256, scene.sha256));
+  }
+  if (until_s) scene.time.end_s = *until_s;
+  return problem;
+}
+
+}  // namespace
+
 void run_scene(const std::string& scene_path, const std::string& out) {
   auto problem = load_problem(scene_path);
   auto plan = scene::plan(problem);
@@ -43,21 +113,39 @@ void run_scene(const std::string& scene_path, const std::string& out) {
     problem = load_problem(choose_step(problem, results));
     plan = scene::plan(problem);
   }
-  if (const auto warning = address_warning(problem.scene); !warning.empty()) plan.warnings.push_back(warning);
-  print_warnings(plan);
-  std::string table;
-  try {
-    table = compute_scene(problem, plan, executables, results);
-  } catch (const std::exception& error) {
-    try_report(results.path());
-    fmt::print(stderr, "results so far: {}\n", results.path());
-    throw;
+  run_accepted(problem, std::move(plan), executables, results, {});
+}
+
+void resume_run(const std::string& folder, std::optional<double> until_s) {
+  auto from = last_checkpoint(folder);
+  const auto problem = problem_of(from, until_s);
+  const auto plan = scene::plan(problem);
+  if (plan.windows < from.window) {
+    throw ConfigError(fmt::format("--until: found {} s, which is window {}; allowed: from window {} on, that of the checkpoint",
+                                  problem.scene.time.end_s, plan.windows, from.window));
   }
-  const bool reported = try_report(results.path());
-  const std::string waves = problem.scene.output.axial_stress_every > 0 ? ", axial_stress.csv" : "";
-  const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
-  fmt::print("{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
-             results.path(), waves, fields, reported ? ", report.html" : "");
+  const auto executables = find_executables(problem.scene);
+  const ResultsDirectory results(folder, files_of_run(problem.scene), {problem.scene.path}, Former::kept);
+  results.go_on_from(from.window, participant_names(problem.scene));
+  fmt::print(stderr, "going on from window {} (t = {:.6g} s)\n", from.window,
+             static_cast<double>(from.window) * from.window_size_s);
+  run_accepted(problem, plan, executables, results, std::move(from));
+}
+
+void request_checkpoint(const std::string& folder) {
+  const CheckpointFolder checkpoints(checkpoints_of(folder));
+  if (!is_being_written(folder)) throw ConfigError(fmt::format("no run is writing into {}", folder));
+  const auto before = checkpoints.windows();
+  const std::string request = checkpoints.path() + "/" + Checkpoints::request_name;
+  std::error_code ignored;
+  std::filesystem::create_directories(checkpoints.path(), ignored);
+  write_atomically(request, "");
+  while (std::filesystem::exists(request, ignored) && is_being_written(folder))
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const auto after = checkpoints.windows();
+  if (after.empty() || (!before.empty() && after.back() == before.back()))
+    throw ConfigError(fmt::format("the run in {} has made no checkpoint; what it printed says why", folder));
+  fmt::print("checkpoint at window {}: {} resume {} goes on from there\n", after.back(), command_name, folder);
 }
 
 void check_scene(const std::string& scene_path) {

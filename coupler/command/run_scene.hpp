@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace ricochet::coupler {
@@ -9,6 +10,14 @@ namespace ricochet::coupler {
 /// and history.csv and summary.json are there once the scene has been accepted. Throws ricochet::Error (its exit code
 /// says what kind) or Interrupted.
 void run_scene(const std::string& scene_path, const std::string& out);
+
+/// `ricochet resume`: goes on with the run in the folder `results` from its last whole checkpoint, to the end of its
+/// scene or to `until_s`. Throws as `run_scene`, and ConfigError if there is no checkpoint or the scene has changed.
+void resume_run(const std::string& results, std::optional<double> until_s);
+
+/// `ricochet checkpoint`: has the run that writes into the folder `results` save all that it goes on from, and waits
+/// until that is done. Throws ConfigError if no run is writing there, or it cannot.
+void request_checkpoint(const std::string& results);
 
 /// `ricochet check`: prints what the run would be, without starting a process. Throws ConfigError.
 void check_scene(const std::string& scene_path);

@@ -37,6 +37,7 @@ class Contract {
   void runs_to_the_end();
   void is_deterministic();
   void repeats_a_window();
+  void goes_on_from_what_it_saved();
   void keeps_zero();
   void reports_its_work();
   void refuses_another_version();
@@ -79,6 +80,7 @@ bool Contract::check() {
   judge(fmt::format("computes {} windows and ends with exit code 0", drive_.windows), [this] { runs_to_the_end(); });
   judge_run("a second process gives the same bits", [this] { is_deterministic(); });
   judge_run("a repeated trial of a window gives the same bits", [this] { repeats_a_window(); });
+  judge_run("another process goes on from its saved state to the same bits", [this] { goes_on_from_what_it_saved(); });
   judge_run("zero input stays zero", [this] { keeps_zero(); });
   judge_run("interface work equals force times motion", [this] { reports_its_work(); });
   judge("refuses another version of the protocol", [this] { refuses_another_version(); });
@@ -144,6 +146,17 @@ void Contract::repeats_a_window() {
                      run.forgotten.front()));
   }
   if (deterministic_) require_equal(first_, run, "a run with repeated trials");
+}
+
+void Contract::goes_on_from_what_it_saved() {
+  if (!first_.description.has(Capability::save_state)) {
+    throw NotApplicable{"it does not announce \"save_state\" (a run with it makes no checkpoints)"};
+  }
+  auto drive = drive_;
+  drive.save_at = drive.windows / 2;
+  ContractRun run;
+  run_contract(command_, drive, run);
+  if (deterministic_) require_equal(first_, run, fmt::format("a process restored at window {}", drive.save_at));
 }
 
 double largest(const std::vector<double>& values) {

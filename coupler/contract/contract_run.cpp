@@ -200,10 +200,39 @@ void advance(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
   for (int window = 1; window <= drive.windows; ++window) one_window(peer, drive, window, run);
 }
 
-void run_contract(const ContractCommand& command, const ContractDrive& drive, ContractRun& run) {
+namespace {
+
+/// The first process as far as `drive.save_at`; what it saved there.
+wire::RestoreState first_half(const ContractCommand& command, const ContractDrive& drive, ContractRun& run) {
   ContractPeer peer(command);
   describe(peer, command.timeout_s, run);
-  advance(peer, drive, run);
+  start(peer, drive, run);
+  for (int window = 1; window <= drive.save_at; ++window) one_window(peer, drive, window, run);
+  return {ask<wire::SavedState>(peer, wire::SaveState{}, drive.save_at).saved};
+}
+
+/// A process that is where the first one was.
+void take_over(ContractPeer& peer, const ContractCommand& command, const ContractDrive& drive,
+               const wire::RestoreState& saved) {
+  ContractRun another;
+  describe(peer, command.timeout_s, another);
+  start(peer, drive, another);
+  ask<wire::StateRestored>(peer, saved);
+}
+
+}  // namespace
+
+void run_contract(const ContractCommand& command, const ContractDrive& drive, ContractRun& run) {
+  wire::RestoreState saved;
+  if (drive.save_at > 0) saved = first_half(command, drive, run);
+  ContractPeer peer(command);
+  if (drive.save_at > 0) {
+    take_over(peer, command, drive, saved);
+    for (int window = drive.save_at + 1; window <= drive.windows; ++window) one_window(peer, drive, window, run);
+  } else {
+    describe(peer, command.timeout_s, run);
+    advance(peer, drive, run);
+  }
   append(ask<wire::Finished>(peer, wire::Finish{}, drive.windows).records.data, run.records);
   const auto end = peer.wait_end();
   if (!end) throw ParticipantError(fmt::format("after 'finish' it still ran {} s later", command.timeout_s));

@@ -12,6 +12,7 @@ struct ContractDrive {
   int windows = 20;
   bool zero_input = false;   ///< link input 0 throughout
   bool try_first = false;    ///< each window: trial, trial with another input, the first trial again, accept
+  int save_at = 0;           ///< another process goes on from what was saved at the end of this window; 0: none
   double window_size_s = 0;  ///< 0: half of its own critical time step, 1e-6 s if it needs none
 };
 

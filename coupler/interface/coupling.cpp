@@ -175,6 +175,26 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
   }
 }
 
+std::vector<std::string> Coupling::save_states() {
+  for (auto& link : links_) link.post_save_state();
+  std::vector<std::string> saved;
+  for (auto& link : links_) saved.push_back(link.wait_saved_state());
+  return saved;
+}
+
+void Coupling::restore_states(const std::vector<std::string>& saved) {
+  for (std::size_t p = 0; p < links_.size(); ++p) links_[p].post_restore_state(saved[p]);
+  for (auto& link : links_) link.wait_state_restored();
+}
+
+void Coupling::archive(Archive& a) {
+  const auto size = displacement_.size();
+  for (auto& link : links_) a(link);
+  a(displacement_, velocity_, acceleration_, all_explicit_, interface_drift_m_);
+  if (displacement_.size() != size || velocity_.size() != size || acceleration_.size() != size)
+    a.refuse("another interface");
+}
+
 const Link* Coupling::implicit_link() const { return implicit_; }
 Link* Coupling::implicit_link() { return implicit_; }
 

@@ -74,6 +74,13 @@ class Coupling {
   /// `scale`: what makes each number the root of an energy.
   void read_state(std::vector<double>& state, std::vector<double>& scale);
 
+  /// What every participant goes on from after the last accepted window, in the scene's order. Needs the capability
+  /// "save_state" of each.
+  [[nodiscard]] std::vector<std::string> save_states();
+  /// Right after the start of another run of the scene: back to where they were saved, and with `archive` this end too.
+  void restore_states(const std::vector<std::string>& saved);
+  void archive(Archive& a);
+
   [[nodiscard]] std::vector<Link>& links() { return links_; }
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
   [[nodiscard]] const InterfaceMap& map() const { return map_; }

@@ -109,6 +109,31 @@ const wire::State& Link::wait_state() {
                                   answer.state.data.size(), answer.state_scale.data.size()));
 }
 
+void Link::post_save_state() {
+  request_.make<wire::SaveState>();
+  request_.window = window_;
+  peer_.post(request_);
+}
+
+const std::string& Link::wait_saved_state() { return wait<wire::SavedState>().saved.data; }
+
+void Link::post_restore_state(const std::string& saved) {
+  request_.make<wire::RestoreState>().saved.data = saved;
+  request_.window = 0;
+  peer_.post(request_);
+}
+
+void Link::wait_state_restored() { wait<wire::StateRestored>(); }
+
+void Link::archive(Archive& a) {
+  const auto size = output_.size();
+  a(received_input_, output_accepted_, velocity_, acceleration_, contact_, departures_, outline_, largest_drift_,
+    window_, records_, axial_stress_);
+  if (received_input_.size() != size || output_accepted_.size() != size) a.refuse("another interface");
+  trial_input_ = received_input_;
+  output_ = output_accepted_;
+}
+
 void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
   acceptance_ = acceptance;
   ends_window_ = step.ends_window;

@@ -52,6 +52,14 @@ class Link {
   /// The answer is valid until the next message.
   void post_read_state();
   const wire::State& wait_state();
+  /// All that the participant goes on from after its last accepted window; valid until the next message.
+  void post_save_state();
+  const std::string& wait_saved_state();
+  /// In a run that has just been started: the participant goes on from there, and so does this end with `archive`.
+  void post_restore_state(const std::string& saved);
+  void wait_state_restored();
+  /// What this end goes on from, between windows.
+  void archive(Archive& a);
   /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
   void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
   void wait_advanced();

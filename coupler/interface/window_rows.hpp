@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/wire/message.hpp"
 
 namespace ricochet::coupler {
@@ -24,6 +25,7 @@ class WindowRows {
   void take(const wire::Array& rows, const std::string& participant, std::int64_t computed, std::int64_t requested);
   /// The numbers that came since the last call, row-major.
   [[nodiscard]] std::vector<double> taken();
+  void archive(Archive& a) { a(next_, rows_); }
 
  private:
   const char *field_, *what_;

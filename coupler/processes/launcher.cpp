@@ -12,6 +12,7 @@
 #include <cstring>
 #include <deque>
 #include <fstream>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
@@ -21,7 +22,7 @@ namespace ricochet::coupler {
 namespace {
 
 using Milliseconds = std::chrono::milliseconds;
-constexpr std::array stop_signals = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array heard_signals = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
 
 struct Process {
   LaunchRequest request;
@@ -61,9 +62,11 @@ std::string ProcessEnd::text() const {
 
 struct Launcher::Impl {
   uv_loop_t loop{};
-  std::array<uv_signal_t, stop_signals.size()> signals{};
+  std::array<uv_signal_t, heard_signals.size()> signals{};
   std::deque<Process> processes;  // libuv keeps pointers to the handles
   int interrupted_by = 0;
+  int request = 0;  ///< signal
+  bool term_asks = false;
   int events = 0;
 
   [[nodiscard]] const Process* find(const std::string& name) const {
@@ -90,7 +93,7 @@ Launcher::Launcher() : impl_(std::make_unique<Impl>()) {
   // Files this process inherited must not reach the participants: one of them might be somebody's pipe.
   if (close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) != 0) uv_disable_stdio_inheritance();
   uv_loop_init(&impl_->loop);
-  for (std::size_t i = 0; i < stop_signals.size(); ++i) {
+  for (std::size_t i = 0; i < heard_signals.size(); ++i) {
     auto& handle = impl_->signals[i];
     uv_signal_init(&impl_->loop, &handle);
     handle.data = impl_.get();
@@ -98,10 +101,14 @@ Launcher::Launcher() : impl_(std::make_unique<Impl>()) {
         &handle,
         [](uv_signal_t* h, int signal) {
           auto* impl = static_cast<Impl*>(h->data);
+          if (signal == SIGUSR1 || (signal == SIGTERM && std::exchange(impl->term_asks, false))) {
+            if (impl->request != SIGTERM) impl->request = signal;
+            return;
+          }
           impl->interrupted_by = signal;
           ++impl->events;
         },
-        stop_signals[i]);
+        heard_signals[i]);
   }
   poll();
 }
@@ -214,6 +221,10 @@ std::string Launcher::log_path(const std::string& name) const {
 }
 
 int Launcher::interrupted_by() const { return impl_->interrupted_by; }
+
+void Launcher::take_requests() { impl_->term_asks = true; }
+
+int Launcher::take_request() { return std::exchange(impl_->request, 0); }
 
 std::string last_lines(const std::string& path, std::size_t lines) {
   constexpr std::int64_t most_bytes = 1 << 16;

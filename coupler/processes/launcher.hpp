@@ -63,6 +63,10 @@ class Launcher {
   [[nodiscard]] std::string log_path(const std::string& name) const;
   /// SIGINT, SIGTERM or SIGHUP that this process was sent; 0: none.
   [[nodiscard]] int interrupted_by() const;
+  /// From now on the first SIGTERM only asks, as SIGUSR1 does always.
+  void take_requests();
+  /// SIGUSR1, or after `take_requests` SIGTERM, that came since the last call; 0: none.
+  [[nodiscard]] int take_request();
 
  private:
   struct Impl;

@@ -206,7 +206,7 @@ void Peers::limit(std::size_t index, const wire::Description& description) {
   constexpr std::size_t most_rows = 4200;  // of each kind in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() +
                        most_rows * (description.record_columns.size() + description.axial_stress_columns.size());
-  const bool tells_state = description.has(Capability::load_state);
+  const bool tells_state = description.has(Capability::load_state) || description.has(Capability::save_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }

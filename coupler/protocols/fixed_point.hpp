@@ -25,6 +25,10 @@ class FixedPoint final : public Protocol {
   explicit FixedPoint(const ProtocolSettings& settings);
   void step(Coupling& coupling, const Step& step) override;
   [[nodiscard]] std::string note() const override;
+  void archive(Archive& a) override {
+    a(relaxation_, scale_, last_residual_, last_answer_, residual_differences_, answer_differences_, of_this_window_,
+      windows_, iterations_, most_);
+  }
 
  private:
   using Vector = Eigen::VectorXd;

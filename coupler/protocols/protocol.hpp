@@ -19,6 +19,8 @@ class Protocol {
   virtual void start(Coupling& coupling, const wire::Initialize& request) { coupling.initialize(request); }
   /// Computes and accepts the windows after `step.accepted_window` on every participant.
   virtual void step(Coupling& coupling, const Step& step) = 0;
+  /// What it goes on from between windows, beside the coupling and what `start` makes.
+  virtual void archive(Archive& /*a*/) {}
   /// What is worth knowing after the run, for its summary; empty: nothing.
   [[nodiscard]] virtual std::string note() const { return ""; }
 };

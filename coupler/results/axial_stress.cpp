@@ -66,6 +66,12 @@ void AxialStress::add(std::size_t participant, const std::vector<double>& values
   told.insert(told.end(), values.begin(), values.end());
 }
 
+void AxialStress::archive(Archive& a) {
+  const auto participants = streams_.size();
+  a(streams_);
+  if (streams_.size() != participants) a.refuse("other participants");
+}
+
 /// Rows that all who tell any have told.
 std::size_t AxialStress::rows() const {
   std::size_t rows = std::numeric_limits<std::size_t>::max();

@@ -27,6 +27,7 @@ class AxialStress {
   [[nodiscard]] bool told() const { return !layers_.empty(); }
   /// The text of axial_stress.csv. All adding up is left to it, after the last window.
   [[nodiscard]] std::string csv(double window_size_s) const;
+  void archive(Archive& a);
 
  private:
   struct Layer {
@@ -39,6 +40,7 @@ class AxialStress {
     std::vector<double> values;  ///< rows as told: window, then its columns
 
     [[nodiscard]] std::size_t width() const { return 1 + places.size(); }
+    void archive(Archive& a) { a(values); }
   };
   void add_column(const History::Source& source, const std::string& column, const std::vector<std::string>& bodies);
   [[nodiscard]] std::size_t rows() const;

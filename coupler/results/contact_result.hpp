@@ -40,6 +40,8 @@ class ContactResult {
   /// At the end so far.
   [[nodiscard]] const ContactTotals& last() const { return last_; }
 
+  void archive(Archive& a) { a(separation_, first_contact_s_, peak_force_n_, last_); }
+
  private:
   std::string name_;
   int row_windows_;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "common/base/archive.hpp"
+
 namespace ricochet::coupler {
 
 /// One way in which a run has left the model: small strain, small displacement, linear elastic, contact nodes that stay
@@ -18,6 +20,8 @@ struct Departed {
   std::int64_t looks = 0;              ///< that found it
   bool wrong = false;                  ///< results are wrong from then on; else they have an error, which `text` says
   std::string text;
+
+  void archive(Archive& a) { a(kind, body, size, first_s, time_s, within_s, x_m, y_m, looks, wrong, text); }
 };
 
 }  // namespace ricochet::coupler

@@ -150,6 +150,19 @@ void History::add(std::size_t participant, const std::vector<double>& values) {
   }
 }
 
+void History::Stream::archive(Archive& a) {
+  a(rows, last_window, first_created_j);
+  for (const auto& row : rows) {
+    if (row.size() != columns.size()) a.refuse("history rows of other columns");
+  }
+}
+
+void History::archive(Archive& a) {
+  const auto participants = streams_.size();
+  a(streams_, errors_);
+  if (streams_.size() != participants) a.refuse("other participants");
+}
+
 void History::check_windows() const {
   for (const auto& stream : streams_) {
     const auto& reference = streams_.front();

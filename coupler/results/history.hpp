@@ -38,6 +38,7 @@ class EnergyBalance {
   [[nodiscard]] double reference_j() const { return std::max(first_j_.value_or(0.0), largest_work_j_); }
   /// The first row held more than what came from outside since.
   [[nodiscard]] bool mostly_initial() const { return first_j_.value_or(0.0) > largest_work_j_; }
+  void archive(Archive& a) { a(first_j_, largest_work_j_); }
 
  private:
   std::optional<double> first_j_;
@@ -64,6 +65,7 @@ class Errors {
  public:
   explicit Errors(Conserved conserved = {}) : conserved_(std::move(conserved)) {}
   void add(HistoryRow& row);
+  void archive(Archive& a) { a(energy_, first_, first_angular_, largest_momentum_); }
 
  private:
   Conserved conserved_;
@@ -93,6 +95,8 @@ class History {
   void add(std::size_t participant, const std::vector<double>& values);
   /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
   std::optional<HistoryRow> next(double window_size_s);
+  /// Rows that wait for others, and what the errors refer to.
+  void archive(Archive& a);
 
  private:
   struct Column {
@@ -108,6 +112,8 @@ class History {
     std::deque<std::vector<double>> rows;
     double last_window = -1;
     std::optional<double> first_created_j;
+
+    void archive(Archive& a);
   };
   [[nodiscard]] Column parse(const std::string& column, const std::string& participant) const;
   [[nodiscard]] std::optional<Column> parse_named(const std::string& quantity, const std::string& name) const;

@@ -99,12 +99,21 @@ std::vector<std::string> history_columns(const HistoryShape& shape) {
   return names;
 }
 
-HistoryFile::HistoryFile(std::string path, HistoryShape shape)
+HistoryFile::HistoryFile(std::string path, HistoryShape shape, std::int64_t keep)
     : path_(std::move(path)),
       shape_(std::move(shape)),
-      descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
+      descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | (keep > 0 ? 0 : O_TRUNC) | O_CLOEXEC, 0644)),
       flushed_(std::chrono::steady_clock::now()) {
   if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
+  if (keep > 0) {
+    const auto size = lseek(descriptor_, 0, SEEK_END);
+    if (size < keep || ftruncate(descriptor_, keep) != 0) {
+      close(descriptor_);
+      throw ConfigError(fmt::format("{} has {} bytes, the checkpoint was made when it had {}: it has been changed since",
+                                    path_, size, keep));
+    }
+    return;
+  }
   pending_ = fmt::format("{}\n", fmt::join(history_columns(shape_), ","));
   flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
@@ -148,6 +157,11 @@ void HistoryFile::flush() {
   if (before >= 0 && ftruncate(descriptor_, before) != 0)
     std::fprintf(stderr, "%s: %s ends with half a row\n", command_name, path_.c_str());
   throw_errno(error, "cannot write " + path_);
+}
+
+std::int64_t HistoryFile::bytes() {
+  flush();
+  return lseek(descriptor_, 0, SEEK_END);
 }
 
 }  // namespace ricochet::coupler

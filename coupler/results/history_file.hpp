@@ -26,14 +26,17 @@ struct HistoryShape {
 /// Whole lines only reach the file, at least every 0.2 s, so that it can be read at any time and after any failure.
 class HistoryFile {
  public:
-  /// Replaces the file. Throws ConfigError if it cannot be written.
-  HistoryFile(std::string path, HistoryShape shape);
+  /// Replaces the file, or goes on after its first `keep` bytes, which a run before wrote. Throws ConfigError if it
+  /// cannot be written or is shorter than that.
+  HistoryFile(std::string path, HistoryShape shape, std::int64_t keep = 0);
   HistoryFile(const HistoryFile&) = delete;
   HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
 
   void add(HistoryRow row);
   void flush();
+  /// Bytes of the file with all rows so far, which are flushed.
+  [[nodiscard]] std::int64_t bytes();
 
  private:
   std::string path_;

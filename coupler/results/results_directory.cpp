@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/history_file.hpp"
 
 namespace ricochet::coupler {
@@ -31,7 +32,7 @@ long long window_of(const std::string& file, const std::string& participant) {
 }  // namespace
 
 ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<std::string>& names,
-                                   const std::vector<std::string>& inputs)
+                                   const std::vector<std::string>& inputs, Former former)
     : path_(fs::absolute(path).lexically_normal().string()) {
   while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
   make_folder("");
@@ -44,9 +45,13 @@ ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<st
     }
     own_ = std::make_unique<OwnFiles>(path_);
     own_->keep(inputs);
-    own_->claim(names);
-    own_->remove_all();
-    remove_charts();
+    own_->claim(names, former == Former::kept ? OwnFiles::Changed::accepted : OwnFiles::Changed::refused);
+    if (former == Former::removed) {
+      own_->remove_all();
+      remove_charts();
+    } else {
+      own_->remove_halves();
+    }
     for (const auto* folder : {"logs", "fields"}) make_folder(folder);
   } catch (...) {
     close(descriptor_);
@@ -69,12 +74,33 @@ void ResultsDirectory::remove_charts() const {
   fs::remove(file("charts"), ignored);  // only if it is empty
 }
 
+void ResultsDirectory::go_on_from(std::int64_t window, const std::vector<std::string>& participants) const {
+  CheckpointFolder(file("checkpoint")).forget_after(window);
+  std::vector<fs::path> later;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(file("fields"), ignored)) {
+    const auto name = entry.path().filename().string();
+    for (const auto& participant : participants) {
+      if (window_of(name, participant) > window) later.push_back(entry.path());
+    }
+  }
+  for (const auto& path : later) fs::remove(path, ignored);
+}
+
 void ResultsDirectory::make_folder(const std::string& name) {
   std::error_code error;
   const auto folder = name.empty() ? path_ : file(name);
   const bool made = fs::create_directories(folder, error);
   if (error) throw_errno(error.value(), "cannot create the results folder " + folder);
   if (made && !name.empty()) made_.push_back(folder);
+}
+
+bool is_being_written(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool locked = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  close(descriptor);
+  return locked;
 }
 
 void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,21 +9,27 @@
 
 namespace ricochet::coupler {
 
+/// What becomes of the files that former runs left.
+enum class Former { removed, kept };
+
 /// Where a run writes. Holds a lock as long as the run lasts (on the directory itself: no lock file that could become
 /// stale), and removes what former runs wrote there. Files of others stay: OwnFiles.
 class ResultsDirectory {
  public:
   /// Creates the directory. `names`: what is going to be written there, in the form of OwnFiles::claim. `inputs`: paths
   /// of what is read, which stays if it lies there. Throws ConfigError if that fails, another run is writing there, or
-  /// a file of one of these names is somebody else's or an input; then nothing there is changed.
+  /// a file of one of these names is somebody else's or an input; then nothing there is changed. `former`: kept where
+  /// a run goes on, but for halves of files.
   ResultsDirectory(const std::string& path, const std::vector<std::string>& names,
-                   const std::vector<std::string>& inputs = {});
+                   const std::vector<std::string>& inputs = {}, Former former = Former::removed);
   ResultsDirectory(const ResultsDirectory&) = delete;
   ResultsDirectory& operator=(const ResultsDirectory&) = delete;
   ~ResultsDirectory();
 
   [[nodiscard]] const std::string& path() const { return path_; }  ///< absolute
   [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
+  /// Removes what is of later windows: checkpoints, and snapshots of participants.
+  void go_on_from(std::int64_t window, const std::vector<std::string>& participants) const;
   [[nodiscard]] std::string log(const std::string& participant) const { return file("logs/" + participant + ".log"); }
 
  private:
@@ -33,6 +40,9 @@ class ResultsDirectory {
   std::vector<std::string> made_;  ///< folders that were not there before
   std::unique_ptr<OwnFiles> own_;
 };
+
+/// Whether a run holds the lock of that folder of results.
+[[nodiscard]] bool is_being_written(const std::string& path);
 
 /// Writes fields/<name>.pvd: the snapshots "<participant>_<window>.vtu" found in fields/, grouped by time, one part per
 /// participant in the given order. Does nothing if there are none.

@@ -33,6 +33,8 @@ struct Phases {
 struct SwitchEvent {
   double time_s = 0;
   Role to = Role::explicit_solver;  ///< how the implicit participant goes on
+
+  void archive(Archive& a) { a(time_s, to); }
 };
 
 /// Everything that summary.json and the table at the end of a run say.

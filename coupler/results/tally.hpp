@@ -30,6 +30,8 @@ struct ContactTally {
     last_window_ = row.window;
   }
 
+  void archive(Archive& a) { a(iterations_mean, iterations_max, residual_max, windows_unconverged, last_window_); }
+
  private:
   std::int64_t last_window_ = 0;
 };
@@ -74,6 +76,12 @@ class Tally {
   }
   [[nodiscard]] const std::optional<ImpactTheory>& theory() const { return theory_; }
   [[nodiscard]] bool solid() const { return solid_; }
+  void archive(Archive& a) {
+    a(rows, energy_error_last, energy_error_lowest, energy_error_highest, momentum_error_max, peak_contact_force_n,
+      contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact, angular_momentum_error_max,
+      first_contact_s, plateau_sum_pa_, plateau_rows_);
+    for (auto& result : each_contact) a(result);
+  }
 
   std::int64_t rows = 0;
   double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;

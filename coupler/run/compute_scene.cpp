@@ -1,9 +1,15 @@
 #include "coupler/run/compute_scene.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "coupler/processes/interrupted.hpp"
+#include "coupler/processes/participants.hpp"
 #include "coupler/run/coupled_run.hpp"
 
 namespace ricochet::coupler {
@@ -35,13 +41,18 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
     names.push_back("fields/" + participant.name + "_#.vtu");
     names.push_back("fields/" + participant.name + ".shapes.json");
   }
+  const auto checkpoints = CheckpointFolder::names(participant_names(scene));
+  names.insert(names.end(), checkpoints.begin(), checkpoints.end());
   if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml"});
   return names;
 }
 
-std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
-                          const std::vector<std::string>& executables, const ResultsDirectory& results) {
-  CoupledRun run(problem, plan, executables, results);
+namespace {
+
+std::string compute_once(const scene::Problem& problem, const scene::Plan& plan,
+                         const std::vector<std::string>& executables, const ResultsDirectory& results,
+                         const Checkpoint* from) {
+  CoupledRun run(problem, plan, executables, results, from);
   try {
     run.run();
   } catch (const std::exception& error) {
@@ -49,6 +60,33 @@ std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan
     throw;
   }
   return run.table();
+}
+
+}  // namespace
+
+std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene::Scene& scene) {
+  std::vector<std::string> damaged;
+  auto last = CheckpointFolder(results + "/checkpoint").last(damaged);
+  for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", text);
+  if (last && (last->scene_sha256 != scene.sha256 || last->scene_path != scene.path)) last.reset();
+  return last;
+}
+
+std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
+                          const std::vector<std::string>& executables, const ResultsDirectory& results,
+                          std::optional<Checkpoint> from) {
+  const auto& asked = problem.scene.checkpoint;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return compute_once(problem, plan, executables, results, from ? &*from : nullptr);
+    } catch (const ParticipantError& error) {
+      if (asked.on_failure != scene::OnFailure::resume || attempt > asked.attempts) throw;
+      if (auto last = checkpoint_of(results.path(), problem.scene)) from = std::move(last);
+      results.go_on_from(from ? from->window : 0, participant_names(problem.scene));
+      fmt::print(stderr, "warning: {}\nwarning: going on from window {} (attempt {} of {})\n", printable(error.what()),
+                 from ? from->window : 0, attempt, asked.attempts);
+    }
+  }
 }
 
 }  // namespace ricochet::coupler

@@ -1,19 +1,26 @@
 #pragma once
 
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/vocabulary.hpp"
 #include "common/check/check.hpp"
+#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/results_directory.hpp"
 
 namespace ricochet::coupler {
 
 /// What `run_scene` does once the scene is accepted, without report.html and without a word but the progress: one run
-/// into `results`. Returns the table of its end.
+/// into `results`, from the start or `from` a checkpoint on. With on_failure = "resume" it begins again from the last
+/// checkpoint when a participant is lost. Returns the table of its end.
 std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
-                          const std::vector<std::string>& executables, const ResultsDirectory& results);
+                          const std::vector<std::string>& executables, const ResultsDirectory& results,
+                          std::optional<Checkpoint> from = {});
+
+/// The last whole checkpoint in a folder of results, if it is of this very scene. Says on stderr which are damaged.
+[[nodiscard]] std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene::Scene& scene);
 
 /// What a run of the scene may write into its results folder, for ResultsDirectory.
 [[nodiscard]] std::vector<std::string> files_of_run(const scene::Scene& scene);

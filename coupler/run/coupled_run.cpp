@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <utility>
 
+#include "common/base/archive.hpp"
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/scene/protocols.hpp"
+#include "coupler/processes/interrupted.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/processes/run_id.hpp"
 #include "coupler/watch/conserved.hpp"
@@ -46,14 +50,16 @@ std::vector<ContactResult> each_contact(const scene::Problem& problem) {
 }  // namespace
 
 CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
-                       const std::vector<std::string>& executables, const ResultsDirectory& results)
+                       const std::vector<std::string>& executables, const ResultsDirectory& results,
+                       const Checkpoint* from)
     : problem_(problem),
       scene_(problem.scene),
       plan_(plan),
       results_(results),
+      from_(from),
       summary_(first_summary(problem, plan)),
       tally_(impact_theory(problem), scene_.components() == 3, each_contact(problem)),
-      history_file_(results.file("history.csv"), history_shape(problem)),
+      history_file_(results.file("history.csv"), history_shape(problem), from ? from->history_bytes : 0),
       progress_(plan.windows, !problem.contacts.empty()),
       set_(make_process_set(problem, executables, results, summary_.run_id)),
       outside_(problem) {
@@ -83,8 +89,10 @@ void CoupledRun::phases() {
   lap(summary_.phases.start_s);
   setup();
   lap(summary_.phases.setup_s);
+  stepping_ = Clock::now();
   step();
-  lap(summary_.phases.stepping_s);
+  summary_.phases.stepping_s = stepping_s();
+  mark = Clock::now();
   finish();
   lap(summary_.phases.finish_s);
   summary_.status = RunStatus::done;
@@ -112,6 +120,73 @@ void CoupledRun::setup() {
   coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, problem_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
+  const LoopSettings settings{plan_.windows,
+                              scene_.coupling.resynchronise_every,
+                              scene_.coupling.protocol.coupled(),
+                              may_switch(),
+                              scene_.checkpoint.every_windows,
+                              outside_.watches_overlaps()};
+  loop_ = std::make_unique<TimeLoop>(
+      *coupling_, *protocol_, settings, [this](std::int64_t window) { take_records(window); },
+      [this](std::int64_t window) { save_if_due(window); });
+  prepare_checkpoints(descriptions);
+  if (from_) restore();
+}
+
+/// Those of the shipped solvers need nothing; of others it is enough to know it before it matters.
+void CoupledRun::prepare_checkpoints(const std::vector<PeerDescription>& descriptions) {
+  for (const auto& description : descriptions) {
+    if (description.has(Capability::save_state)) continue;
+    if (scene_.checkpoint.asked || from_) require_capability(description, Capability::save_state, "checkpoints");
+    return;
+  }
+  checkpoints_.emplace(scene_.checkpoint, results_.file("checkpoint"), set_.launcher());
+}
+
+/// What this process goes on from between windows; the participants' own is beside it.
+void CoupledRun::archive(Archive& a) {
+  a(*coupling_, *protocol_, *loop_, *history_, tally_, *watch_, outside_, since_last_row_.contact_iterations,
+    since_last_row_.contact_residual);
+  if (axial_stress_) a(*axial_stress_);
+}
+
+void CoupledRun::restore() {
+  std::vector<std::string> parts;
+  for (const auto& link : coupling_->links()) {
+    const auto part = std::find_if(from_->parts.begin(), from_->parts.end(),
+                                   [&](const auto& one) { return one.participant == link.name(); });
+    if (part == from_->parts.end())
+      throw ConfigError(fmt::format("the checkpoint has no part of participant '{}'", link.name()));
+    parts.push_back(part->bytes);
+  }
+  coupling_->restore_states(parts);
+  Archive in(from_->coupler, "the coupler's part of the checkpoint");
+  archive(in);
+  in.end();
+}
+
+void CoupledRun::save_if_due(std::int64_t window) {
+  if (!checkpoints_) return;
+  const auto due = checkpoints_->due(window);
+  if (due == Checkpoints::Due::no) return;
+  save(window);
+  if (due != Checkpoints::Due::last) return;
+  if (checkpoints_->settle() == window)
+    summary_.notes.push_back(fmt::format("`{} resume {}` goes on from window {}", command_name, results_.path(), window));
+  throw Interrupted(SIGTERM);
+}
+
+/// Begins a checkpoint: all participants answer at the end of the same accepted window.
+void CoupledRun::save(std::int64_t window) {
+  Checkpoint checkpoint{scene_.path, scene_.sha256, scene_.coupling.protocol.name, window, problem_.window_size_s,
+                        history_file_.bytes(), wall_s(), cpu_spent_s(), stepping_s(), {}, {}};
+  auto states = coupling_->save_states();
+  for (std::size_t p = 0; p < states.size(); ++p)
+    checkpoint.parts.push_back({coupling_->links()[p].name(), std::move(states[p])});
+  Archive out;
+  archive(out);
+  checkpoint.coupler = out.take();
+  checkpoints_->begin(std::move(checkpoint));
 }
 
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions) {
@@ -153,11 +228,8 @@ bool CoupledRun::may_switch() {
 }
 
 void CoupledRun::step() {
-  const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
-                              may_switch(), outside_.watches_overlaps()};
-  loop_ = std::make_unique<TimeLoop>(*coupling_, *protocol_, settings,
-                                     [this](std::int64_t window) { take_records(window); });
   loop_->run();
+  if (checkpoints_ && scene_.checkpoint.asked) save(loop_->window());
   if (const std::string note = protocol_->note(); !note.empty()) summary_.notes.push_back(note);
 }
 

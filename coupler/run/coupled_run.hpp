@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "coupler/results/results_directory.hpp"
 #include "coupler/results/summary.hpp"
 #include "coupler/results/trace.hpp"
+#include "coupler/run/checkpoints.hpp"
 #include "coupler/run/progress.hpp"
 #include "coupler/run/time_loop.hpp"
 #include "coupler/watch/energy_watch.hpp"
@@ -23,9 +25,9 @@ namespace ricochet::coupler {
 /// coupling up, step, finish. Stateless about mechanics.
 class CoupledRun {
  public:
-  /// The arguments must outlive the run.
+  /// The arguments must outlive the run. `from`: where an earlier run of the scene is to go on; null: at the start.
   CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
-             const ResultsDirectory& results);
+             const ResultsDirectory& results, const Checkpoint* from = nullptr);
 
   /// To the end. Throws what ended it early; then call `fail`.
   void run();
@@ -39,12 +41,21 @@ class CoupledRun {
   /// Processor time of this process and of its children that have ended [s].
   [[nodiscard]] static double cpu_time_s();
 
+  // Spent so far, by the runs before of which this one is the rest, too.
+  [[nodiscard]] double wall_s() const;
+  [[nodiscard]] double cpu_spent_s() const;
+  [[nodiscard]] double stepping_s() const;
   void phases();
   void start();
   void setup();
   void prepare_watch(const std::vector<PeerDescription>& descriptions);
   [[nodiscard]] bool may_switch();
+  void prepare_checkpoints(const std::vector<PeerDescription>& descriptions);
+  void restore();
+  void archive(Archive& a);
   void step();
+  void save_if_due(std::int64_t window);
+  void save(std::int64_t window);
   void take_records(std::int64_t window);
   void count_contact(const HistoryRow& row);
   void note_departures(std::int64_t window);
@@ -59,8 +70,10 @@ class CoupledRun {
   const scene::Scene& scene_;
   const scene::Plan& plan_;
   const ResultsDirectory& results_;
+  const Checkpoint* from_;
   const Clock::time_point begin_ = Clock::now();
   const double begin_cpu_s_ = cpu_time_s();
+  Clock::time_point stepping_ = begin_;
   Summary summary_;
   Tally tally_;
   HistoryFile history_file_;
@@ -77,6 +90,7 @@ class CoupledRun {
   OutsideModel outside_;
   ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;
+  std::optional<Checkpoints> checkpoints_;  ///< of participants that can all save their state
 };
 
 }  // namespace ricochet::coupler

@@ -26,6 +26,16 @@ double CoupledRun::cpu_time_s() {
   return sum;
 }
 
+double CoupledRun::wall_s() const {
+  return (from_ ? from_->wall_s : 0.0) + std::chrono::duration<double>(Clock::now() - begin_).count();
+}
+
+double CoupledRun::cpu_spent_s() const { return (from_ ? from_->cpu_s : 0.0) + cpu_time_s() - begin_cpu_s_; }
+
+double CoupledRun::stepping_s() const {
+  return (from_ ? from_->stepping_s : 0.0) + std::chrono::duration<double>(Clock::now() - stepping_).count();
+}
+
 void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error) {
   progress_.close();
   // Who has computed windows writes what the report's picture is drawn from.
@@ -81,8 +91,8 @@ void CoupledRun::take_times(const std::vector<wire::Finished>& last_words) {
 /// Each file, whatever happens to the others; then throws what went wrong first.
 void CoupledRun::write_files() {
   progress_.close();
-  summary_.wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-  summary_.cpu_s = cpu_time_s() - begin_cpu_s_;
+  summary_.wall_s = wall_s();
+  summary_.cpu_s = cpu_spent_s();
   if (loop_) {
     summary_.steps = loop_->window();
     summary_.switches = loop_->switches();

@@ -27,6 +27,8 @@ class SeparationSwitch {
     return explicit_now_;
   }
 
+  void archive(Archive& a) { a(fastest_closing_m_s_, explicit_now_); }
+
  private:
   double fastest_closing_m_s_ = 0.0;
   bool explicit_now_ = false;

@@ -16,8 +16,17 @@ constexpr std::int64_t largest_chunk = 4096;
 }  // namespace
 
 TimeLoop::TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
-                   std::function<void(std::int64_t)> on_records)
-    : coupling_(coupling), protocol_(protocol), settings_(settings), on_records_(std::move(on_records)) {}
+                   std::function<void(std::int64_t)> on_records, std::function<void(std::int64_t)> on_window)
+    : coupling_(coupling),
+      protocol_(protocol),
+      settings_(settings),
+      on_records_(std::move(on_records)),
+      on_window_(std::move(on_window)) {}
+
+void TimeLoop::archive(Archive& a) {
+  a(window_, separation_, switches_);
+  records_window_ = window_;
+}
 
 void TimeLoop::run() {
   on_records_(window_);
@@ -33,6 +42,7 @@ void TimeLoop::run() {
       adapt_chunk(std::chrono::duration<double>(Clock::now() - begin).count());
     }
     if (step.records) on_records_(window_);
+    on_window_(window_);
   }
 }
 
@@ -41,6 +51,8 @@ Step TimeLoop::next_step() {
   step.accepted_window = window_;
   step.windows = settings_.coupled ? 1 : std::min(chunk_, settings_.last_window - window_);
   if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
+  if (settings_.stop_every > 0)
+    step.windows = std::min<std::int64_t>(step.windows, settings_.stop_every - window_ % settings_.stop_every);
   const std::int64_t end = window_ + step.windows;
   step.absolute = settings_.coupled && settings_.resynchronise_every > 0 && end % settings_.resynchronise_every == 0;
   const auto now = Clock::now();

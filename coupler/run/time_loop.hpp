@@ -16,17 +16,21 @@ struct LoopSettings {
   int resynchronise_every = 0;    ///< windows; 0: never
   bool coupled = true;            ///< false: baseline, many windows at a request
   bool may_switch = false;        ///< the implicit participant may integrate explicitly after separation
+  int stop_every = 0;             ///< windows: a baseline, too, comes to the end of one that divides by it; 0: any
   bool frequent_records = false;  ///< a baseline, too, is asked for few windows at a time
 };
 
 /// Drives a protocol from the first window to the last, or until the owner of the contact says that it is over.
 class TimeLoop {
  public:
-  /// `on_records(window)` is called whenever the links have brought history rows.
+  /// `on_records(window)` is called whenever the links have brought history rows; `on_window(window)` after each step,
+  /// when everyone is at the end of the same accepted window.
   TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
-           std::function<void(std::int64_t)> on_records);
+           std::function<void(std::int64_t)> on_records, std::function<void(std::int64_t)> on_window);
 
   void run();
+  /// What it goes on from between windows.
+  void archive(Archive& a);
   [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
   [[nodiscard]] const std::vector<SwitchEvent>& switches() const { return switches_; }
 
@@ -39,7 +43,7 @@ class TimeLoop {
   Coupling& coupling_;
   Protocol& protocol_;
   LoopSettings settings_;
-  std::function<void(std::int64_t)> on_records_;
+  std::function<void(std::int64_t)> on_records_, on_window_;
   SeparationSwitch separation_;
   std::vector<SwitchEvent> switches_;
   std::int64_t window_ = 0, chunk_ = 16, records_window_ = 0;

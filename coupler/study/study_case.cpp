@@ -102,8 +102,11 @@ void StudyCase::compute() {
   const int repeat = repeats() + 1;
   if (read_repeat(repeat)) return;  // by another method or setting that comes to the same scene
   try {
-    const ResultsDirectory results(repeat_folder(repeat), files_of_run(problem_->scene));
-    compute_scene(*problem_, *plan_, executables_, results);
+    auto from = checkpoint_of(repeat_folder(repeat), problem_->scene);  // of a study that was interrupted
+    const ResultsDirectory results(repeat_folder(repeat), files_of_run(problem_->scene), {},
+                                   from ? Former::kept : Former::removed);
+    if (from) results.go_on_from(from->window, participant_names(problem_->scene));
+    compute_scene(*problem_, *plan_, executables_, results, std::move(from));
   } catch (const Error& error) {
     fail(status_of(error), static_cast<int>(error.code()), error.what());
     return;

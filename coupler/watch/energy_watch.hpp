@@ -54,6 +54,7 @@ class EnergyWatch {
   /// Throws EnergyGrowth naming window, time, where energy was made and the likely cause, if the energy balance has
   /// grown by more than the limit or anything in the row is not finite.
   void check(const HistoryRow& row);
+  void archive(Archive& a) { a(balance_, last_energy_j_, growing_since_); }
 
  private:
   [[noreturn]] void stop(const HistoryRow& row, const std::string& what, double growth_j) const;

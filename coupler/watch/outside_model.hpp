@@ -25,6 +25,7 @@ class OutsideModel {
   [[nodiscard]] const std::vector<Departed>& found() const { return found_; }
   /// Up to when what was written is valid, if it is not to the end.
   [[nodiscard]] std::optional<double> valid_until_s() const;
+  void archive(Archive& a) { a(overlaps_, found_); }
   /// Throws ModelError if results are wrong.
   void stop_if_wrong() const;
 

@@ -42,6 +42,17 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem)
   }
 }
 
+void OverlapWatch::Body::archive(Archive& a) {
+  const auto nodes = now.size();
+  a(told, before, now);
+  if (told.size() != nodes || before.size() != nodes || now.size() != nodes) a.refuse("another outline");
+}
+
+void OverlapWatch::archive(Archive& a) {
+  for (auto& body : bodies_) a(body);
+  a(last_window_);
+}
+
 void OverlapWatch::take(const Link& link) {
   const auto& told = link.outline();
   for (int row = 0; row < told.rows; ++row) {

@@ -27,6 +27,7 @@ class OverlapWatch {
   /// What the links have told last, at the end of this window.
   std::vector<Found> update(const std::vector<Link>& links, std::int64_t window);
   [[nodiscard]] bool watches() const { return !pairs_.empty(); }
+  void archive(Archive& a);
 
  private:
   struct Body {
@@ -34,6 +35,8 @@ class OverlapWatch {
     scene::Shape shape;
     std::vector<bool> told;  ///< per node of the outline
     std::vector<Eigen::Vector3d> before, now;
+
+    void archive(Archive& a);
   };
   void take(const Link& link);
   /// Moves a body to a share of the way since the last look.

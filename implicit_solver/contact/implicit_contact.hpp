@@ -96,6 +96,11 @@ class ImplicitContact {
     std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N]
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
+
+    void archive(Archive& a) {
+      ContactAccount::archive(a);
+      a(solution, impulse, remembered, massless, sliding);
+    }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state, const std::vector<solver::BodyState>& states);

@@ -11,10 +11,11 @@ over dt: dt/2 (M a_n - q_n + G^T r) and that of the mean velocity. Knows even bu
 stays implicit after separation.
 """
 import getfem, numpy as np
-from ricochet_participant import ConfigError, ContactStatus, Description, Participant, main, read_scene
+from ricochet_participant import ConfigError, ContactStatus, Description, main, pack_state, Participant, read_scene, unpack_state
 
 KNOWN = {"name", "material", "mesh", "initial_velocity_m_s", "start_m", "length_m", "radius_m", "elements"}
 QUANTITIES = ["mass_kg", "energy_kinetic_j", "energy_strain_j", "energy_interface_j", "momentum_n_kg_m_s"]
+STATE = "u v a q link closed impulse work total_impulse first_staggered".split()
 STIFFNESS = ("2*pi*X(1)*(lambda*(Trace(Grad_u) + u(1)/X(1))*(Trace(Grad_Test_u) + Test_u(1)/X(1))"
              " + 2*mu*(Sym(Grad_u):Grad_Test_u + u(1)*Test_u(1)/(X(1)*X(1))))")
 
@@ -88,6 +89,7 @@ class Impact(Participant):
         columns = [f"{quantity}/{b.name}" for b in self.bodies for quantity in QUANTITIES]
         return Description(
             self.name, "implicit", "getfem_impact.py", scene_sha256=self.sha256, components=2, contact_owner=True,
+            capabilities=["repeat_window", "save_state"],
             bodies=[b.name for b in self.bodies],
             interface_body=np.repeat([0, 1], [len(b.shared) for b in self.bodies]),
             interface_position_m=np.concatenate([b.position[b.shared] for b in self.bodies]),
@@ -172,6 +174,13 @@ class Impact(Participant):
         self.total_impulse += self.impulse.sum()
         self.work -= [0.5 * (self.link[part] + link[part]) @ du[part] for part in self.parts]
         self.u, self.link = self.u + du, link
+
+    def save_state(self):
+        return pack_state(**{name: getattr(self, name) for name in STATE})
+
+    def restore_state(self, saved):
+        vars(self).update(unpack_state(saved))
+        self.closed = self.closed.astype(bool)
 
     def contact_status(self):
         rate = self.v[self.pairs[1]] - self.v[self.pairs[0]]

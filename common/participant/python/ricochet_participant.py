@@ -9,7 +9,7 @@ import argparse, dataclasses, hashlib, sys, time, tomllib
 import numpy as np
 
 from ricochet_session import Session
-from ricochet_wire import Channel, ConfigError, ProtocolError, RunError, SolverError
+from ricochet_wire import Channel, ConfigError, ProtocolError, RunError, SolverError, pack_state, unpack_state
 
 
 @dataclasses.dataclass
@@ -76,6 +76,14 @@ class Participant:
     def read_state(self):
         """The tuple (state, scale), each a vector: as `load_state` takes it."""
         raise RunError("it announces the capability 'load_state' but cannot tell its state")
+
+    def save_state(self):
+        """With the capability "save_state": bytes from which `restore_state` makes, in another process, all that the
+        windows to come are computed from and what was booked so far, bit for bit. `pack_state` makes them of numbers."""
+        raise RunError("it announces the capability 'save_state' but cannot save its state")
+
+    def restore_state(self, saved):
+        raise RunError("it announces the capability 'save_state' but cannot restore a state")
 
     def finish(self):
         pass

@@ -1,13 +1,15 @@
 """The conversation of a participant without the bytes; the Python twin of common/participant/session.cpp."""
 import dataclasses, os, time
 
+import msgpack
 import numpy as np
 
-from ricochet_wire import VERSION, ProtocolError, RunError, array
+from ricochet_wire import VERSION, ProtocolError, RunError, array, pack_state, unpack_state
 
 ORDER = {  # what the coupler may ask in each state of this end
     "greeting": ["welcome"], "welcomed": ["describe"], "described": ["initialize"], "initialized": ["synchronise"],
-    "ready": ["advance", "synchronise", "load_state", "read_state", "finish"], "tried": ["advance", "accept", "synchronise"],
+    "ready": ["advance", "synchronise", "load_state", "read_state", "save_state", "restore_state",
+              "finish"], "tried": ["advance", "accept", "synchronise"],
 }
 EMPTY = np.zeros((0, 0))
 
@@ -132,6 +134,29 @@ class Session:
         self.require("load_state" in self.description.capabilities, "'read_state', which this participant cannot do")
         state, scale = self.participant.read_state()
         return self.message("state", state=array(state, 1), state_scale=array(scale, 1))
+
+    def save_state(self, request):
+        """All that this end and the participant go on from."""
+        self.require("save_state" in self.description.capabilities, "'save_state', which this participant cannot do")
+        own = self.participant.save_state()
+        if type(own) is not bytes:
+            raise RunError(f"its save_state returned {type(own).__name__}, expected bytes")
+        link = pack_state(window=self.accepted, fields_window=self.fields_window, input=self.accepted_input,
+                          output=self.accepted_output, drift=self.drift, rows=self.rows, stresses=self.stresses)
+        return self.message("saved_state", saved=msgpack.packb([link, own]))
+
+    def restore_state(self, request):
+        self.require("save_state" in self.description.capabilities, "'restore_state', which this participant cannot do")
+        link, own = msgpack.unpackb(request["saved"])
+        s = unpack_state(link)
+        self.require(s["input"].shape == s["output"].shape == self.shape, "the state of another interface")
+        self.accepted = self.window = int(s["window"])
+        self.fields_window, self.drift = int(s["fields_window"]), float(s["drift"])
+        self.input = self.accepted_input = s["input"]
+        self.output = self.accepted_output = s["output"]
+        self.rows, self.stresses = s["rows"].tolist(), s["stresses"].tolist()
+        self.participant.restore_state(own)
+        return self.message("state_restored")
 
     def finish(self, request):
         if self.setup["fields_every"] > 0 and self.fields_window != self.accepted:

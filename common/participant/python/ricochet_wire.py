@@ -6,7 +6,7 @@ import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 4
+VERSION = 5
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
 ANSWER = ("records:array axial_stress:array departures:array outline:array pairs_closed:integer gap_min_m:float "
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
@@ -34,6 +34,10 @@ FIELDS = {  # every message of docs/wire.md
     "state_loaded": "",
     "read_state": "",
     "state": "state:array state_scale:array",
+    "save_state": "",
+    "saved_state": "saved:bytes",
+    "restore_state": "saved:bytes",
+    "state_restored": "",
     "finish": "",
     "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array "
                 "axial_stress:array departures:array",
@@ -79,6 +83,17 @@ def read_array(value):
     return require_finite(np.frombuffer(data, dtype="<f8").reshape(shape))
 
 
+def pack_state(**values):
+    """Numbers and arrays of numbers as bytes, bit for bit, for `save_state`; `unpack_state` gives a dict of them."""
+    arrays = {name: np.asarray(value, dtype="<f8") for name, value in values.items()}
+    return msgpack.packb({name: [list(value.shape), value.tobytes()] for name, value in arrays.items()})
+
+
+def unpack_state(saved):
+    return {name: np.frombuffer(data, dtype="<f8").reshape(shape).copy()
+            for name, (shape, data) in msgpack.unpackb(saved).items()}
+
+
 def require_finite(values):
     if not np.all(np.isfinite(values)):
         raise ValueError("is not finite")
@@ -104,7 +119,7 @@ def read_texts(value):
 
 
 READ = {"text": of_type(str), "texts": read_texts, "boolean": of_type(bool), "integer": of_type(int),
-        "float": read_number, "array": read_array}
+        "float": read_number, "array": read_array, "bytes": of_type(bytes)}
 
 
 def no_duplicates(pairs):

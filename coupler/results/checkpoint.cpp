@@ -1,0 +1,195 @@
+#include "coupler/results/checkpoint.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "common/base/sha256.hpp"
+#include "common/base/write_file.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int format_version = 1;
+
+/// Everything written to the file system of `folder` so far is on its disk when this returns.
+void sync(const std::string& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw_errno(errno, "cannot open " + folder);
+  const int error = syncfs(descriptor) == 0 ? 0 : errno;
+  close(descriptor);
+  if (error != 0) throw_errno(error, "cannot write " + folder);
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw ConfigError(fmt::format("{} is missing", path));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The number that a file's name begins with; nothing if it does not.
+std::optional<std::int64_t> window_of(const std::string& file) {
+  std::int64_t window = 0;
+  const auto [end, error] = std::from_chars(file.data(), file.data() + file.size(), window);
+  if (error != std::errc() || end == file.data() + file.size() || *end != '.') return std::nullopt;
+  return window;
+}
+
+std::vector<std::string> files_in(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) files.push_back(entry.path().filename().string());
+  return files;
+}
+
+Json told(const std::string& participant, const std::string& bytes) {
+  Json entry = Json::object();
+  if (!participant.empty()) entry["participant"] = participant;
+  entry["bytes"] = bytes.size();
+  entry["sha256"] = sha256_hex(bytes);
+  return entry;
+}
+
+std::string whole(const std::string& path, const Json& entry) {
+  auto bytes = read_file(path);
+  if (bytes.size() != entry.at("bytes").get<std::size_t>() || sha256_hex(bytes) != entry.at("sha256").get<std::string>())
+    throw ConfigError(fmt::format("{} is not what was written: it has {} bytes and another SHA-256", path, bytes.size()));
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::string> CheckpointFolder::names(const std::vector<std::string>& participants) {
+  std::vector<std::string> names = {"checkpoint/#.json", "checkpoint/#.state", "checkpoint/request"};
+  for (const auto& participant : participants) names.push_back("checkpoint/#." + participant + ".state");
+  return names;
+}
+
+std::string CheckpointFolder::manifest(std::int64_t window) const { return fmt::format("{}/{}.json", path_, window); }
+
+std::string CheckpointFolder::part(std::int64_t window, const std::string& participant) const {
+  return participant.empty() ? fmt::format("{}/{}.state", path_, window)
+                             : fmt::format("{}/{}.{}.state", path_, window, participant);
+}
+
+void CheckpointFolder::write(const Checkpoint& checkpoint) const {
+  const auto window = checkpoint.window;
+  Json json = {{"format", format_version},
+               {"ricochet", RICOCHET_VERSION},
+               {"scene", checkpoint.scene_path},
+               {"scene_sha256", checkpoint.scene_sha256},
+               {"protocol", checkpoint.protocol},
+               {"window", window},
+               {"window_size_s", checkpoint.window_size_s},
+               {"history_bytes", checkpoint.history_bytes},
+               {"wall_s", checkpoint.wall_s},
+               {"cpu_s", checkpoint.cpu_s},
+               {"stepping_s", checkpoint.stepping_s},
+               {"coupler", told("", checkpoint.coupler)},
+               {"parts", Json::array()}};
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (error) throw_errno(error.value(), "cannot create " + path_);
+  remove(window);
+  try {
+    write_atomically(part(window, ""), checkpoint.coupler);
+    for (const auto& one : checkpoint.parts) {
+      json["parts"].push_back(told(one.participant, one.bytes));
+      write_atomically(part(window, one.participant), one.bytes);
+    }
+    sync(path_);
+    write_atomically(manifest(window), json.dump(1) + "\n");
+    sync(path_);
+  } catch (...) {
+    remove(window);
+    throw;
+  }
+  const auto present = windows();
+  const auto older = static_cast<std::ptrdiff_t>(present.size()) - kept;
+  for (std::ptrdiff_t i = 0; i < older; ++i) remove(present[static_cast<std::size_t>(i)]);
+}
+
+std::vector<std::int64_t> CheckpointFolder::windows() const {
+  std::vector<std::int64_t> found;
+  for (const auto& file : files_in(path_)) {
+    const auto window = window_of(file);
+    if (window && file == fmt::format("{}.json", *window)) found.push_back(*window);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The manifest first: from then on there is no cut.
+void CheckpointFolder::remove(std::int64_t window) const {
+  std::error_code ignored;
+  fs::remove(manifest(window), ignored);
+  for (const auto& file : files_in(path_)) {
+    if (window_of(file) == window) fs::remove(path_ + "/" + file, ignored);
+  }
+}
+
+void CheckpointFolder::forget_after(std::int64_t window) const {
+  const auto present = windows();
+  for (const auto& file : files_in(path_)) {
+    const auto other = window_of(file);
+    if (!other) continue;
+    if (*other > window || !std::binary_search(present.begin(), present.end(), *other)) remove(*other);
+  }
+}
+
+Checkpoint CheckpointFolder::read(std::int64_t window) const {
+  const auto path = manifest(window);
+  try {
+    const auto json = Json::parse(read_file(path));
+    const auto format = json.at("format").get<int>();
+    const auto version = json.at("ricochet").get<std::string>();
+    if (format != format_version || version != RICOCHET_VERSION) {
+      throw ConfigError(fmt::format("{} was written by ricochet {}, this is {}: resume with the version that began", path,
+                                    version, RICOCHET_VERSION));
+    }
+    Checkpoint checkpoint{json.at("scene").get<std::string>(),
+                          json.at("scene_sha256").get<std::string>(),
+                          json.at("protocol").get<std::string>(),
+                          json.at("window").get<std::int64_t>(),
+                          json.at("window_size_s").get<double>(),
+                          json.at("history_bytes").get<std::int64_t>(),
+                          json.at("wall_s").get<double>(),
+                          json.at("cpu_s").get<double>(),
+                          json.at("stepping_s").get<double>(),
+                          whole(part(window, ""), json.at("coupler")),
+                          {}};
+    for (const auto& entry : json.at("parts")) {
+      const auto participant = entry.at("participant").get<std::string>();
+      checkpoint.parts.push_back({participant, whole(part(window, participant), entry)});
+    }
+    return checkpoint;
+  } catch (const nlohmann::json::exception& error) {
+    throw ConfigError(fmt::format("{} is not a manifest of a checkpoint: {}", path, error.what()));
+  }
+}
+
+std::optional<Checkpoint> CheckpointFolder::last(std::vector<std::string>& damaged) const {
+  auto present = windows();
+  for (; !present.empty(); present.pop_back()) {
+    try {
+      return read(present.back());
+    } catch (const ConfigError& error) {
+      damaged.emplace_back(error.what());
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace ricochet::coupler

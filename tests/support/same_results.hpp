@@ -1,0 +1,63 @@
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/support/run.hpp"
+
+/// Runs that were interrupted and went on, beside one that was not.
+namespace ricochet::test {
+
+/// summary.json without what is of one run: times, processes, its name.
+inline nlohmann::json lasting_summary(const std::string& folder) {
+  auto json = nlohmann::json::parse(file_text(folder + "/summary.json"));
+  for (const auto* key : {"run_id", "wall_s", "cpu_s", "phases", "processes"}) json.erase(key);
+  return json;
+}
+
+inline std::set<std::string> names_in(const std::string& folder) {
+  std::set<std::string> names;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+/// The same bytes: history, axial stress, fields and shapes; of the summary all but times and names.
+inline void expect_same_results(const std::string& folder, const std::string& undisturbed) {
+  for (const auto* file : {"/history.csv", "/axial_stress.csv"})
+    EXPECT_TRUE(file_text(folder + file) == file_text(undisturbed + file)) << file << " differs in " << folder;
+  EXPECT_EQ(lasting_summary(folder), lasting_summary(undisturbed));
+  const auto fields = names_in(undisturbed + "/fields");
+  EXPECT_EQ(names_in(folder + "/fields"), fields);
+  for (const auto& name : fields) {
+    EXPECT_TRUE(file_text(folder + "/fields/" + name) == file_text(undisturbed + "/fields/" + name))
+        << "fields/" << name << " differs in " << folder;
+  }
+}
+
+/// Windows of the checkpoints in a folder of results, ascending.
+inline std::vector<int> checkpoints_in(const std::string& folder) {
+  std::vector<int> windows;
+  for (const auto& name : names_in(folder + "/checkpoint")) {
+    const std::filesystem::path path(name);
+    if (path.extension() == ".json") windows.push_back(std::stoi(path.stem()));
+  }
+  std::sort(windows.begin(), windows.end());
+  return windows;
+}
+
+inline Outcome resume(const std::string& results, const TemporaryFolder& folder,
+                      const std::vector<std::string>& options = {}, double timeout_s = 120.0) {
+  std::vector<std::string> command = {ricochet_binary(), "resume", results};
+  command.insert(command.end(), options.begin(), options.end());
+  return run_command(command, folder.path().string(), timeout_s);
+}
+
+}  // namespace ricochet::test
