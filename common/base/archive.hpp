@@ -19,7 +19,9 @@ class Archive;
 
 /// A struct that names what it keeps: `void archive(Archive& a) { a(this, that); }`.
 template <class T>
-concept Archived = requires(T& value, Archive& archive) { value.archive(archive); };
+concept Archived = requires(T& value, Archive& archive) {
+  value.archive(archive);
+};
 
 /// Numbers in a row in memory: std::vector<double> and what Eigen has for a vector.
 template <class T>
@@ -63,15 +65,12 @@ class Archive {
   std::size_t size(std::size_t present, std::size_t least_bytes);
 
   template <class T>
-    requires(std::is_arithmetic_v<T> && !std::same_as<T, bool>)
-  void item(T& value) {
-    raw(&value, sizeof value);
-  }
+  requires(std::is_arithmetic_v<T> && !std::same_as<T, bool>) void item(T& value) { raw(&value, sizeof value); }
   void item(bool& value);
   void item(std::string& text);
   void item(std::vector<bool>& values);
   template <class T>
-    requires std::is_enum_v<T>
+  requires std::is_enum_v<T>
   void item(T& value) {
     auto number = static_cast<std::int64_t>(value);
     raw(&number, sizeof number);
@@ -89,10 +88,7 @@ class Archive {
     value.archive(*this);
   }
   template <class T>
-    requires(!Numbers<std::vector<T>> && !std::same_as<T, bool>)
-  void item(std::vector<T>& values) {
-    each_of(values);
-  }
+  requires(!Numbers<std::vector<T>> && !std::same_as<T, bool>) void item(std::vector<T>& values) { each_of(values); }
   template <class T>
   void item(std::deque<T>& values) {
     each_of(values);

@@ -4,8 +4,7 @@ namespace ricochet::scene {
 
 const Schema& scene_schema() {
   static const Schema tables{
-      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output",
-                 "checkpoint"}},
+      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output", "checkpoint"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing"}},

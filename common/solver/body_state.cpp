@@ -1,8 +1,8 @@
 #include "common/solver/body_state.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <utility>
 

@@ -32,8 +32,8 @@ void Array::set(const std::vector<double>& values, int new_rows, int new_columns
 
 void Array::archive(Archive& a) {
   a(rows, columns, data);
-  const bool fits = rows >= 0 && columns >= 0 &&
-                    static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) == data.size();
+  const bool fits =
+      rows >= 0 && columns >= 0 && static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) == data.size();
   if (!fits) a.refuse("an array whose shape its numbers do not fill");
 }
 

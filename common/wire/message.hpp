@@ -277,8 +277,8 @@ struct Message : Header {
   [[noreturn]] void refuse(Kind wanted) const;
 
   std::tuple<Hello, Welcome, Describe, Description, Initialize, Initialized, Synchronise, Synchronised, Advance,
-             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState,
-             RestoreState, StateRestored, Finish, Finished, Failure>
+             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState, RestoreState,
+             StateRestored, Finish, Finished, Failure>
       bodies_;
 };
 
@@ -286,8 +286,9 @@ struct Message : Header {
 
 /// Where one field of a message is.
 template <template <class> class Pointer>
-using FieldPointer = std::variant<Pointer<Kind>, Pointer<bool>, Pointer<std::int64_t>, Pointer<double>,
-                                  Pointer<std::string>, Pointer<std::vector<std::string>>, Pointer<Array>, Pointer<Bytes>>;
+using FieldPointer =
+    std::variant<Pointer<Kind>, Pointer<bool>, Pointer<std::int64_t>, Pointer<double>, Pointer<std::string>,
+                 Pointer<std::vector<std::string>>, Pointer<Array>, Pointer<Bytes>>;
 template <class Value>
 using Writable = Value*;
 template <class Value>

@@ -81,9 +81,10 @@ Checkpoint last_checkpoint(const std::string& results) {
   }
   throw ConfigError(
       damaged.empty()
-          ? fmt::format("{} has no checkpoint; `{} run` makes one every checkpoint.every_s seconds, at SIGTERM and when "
-                        "`{} checkpoint` asks",
-                        results, command_name, command_name)
+          ? fmt::format(
+                "{} has no checkpoint; `{} run` makes one every checkpoint.every_s seconds, at SIGTERM and when "
+                "`{} checkpoint` asks",
+                results, command_name, command_name)
           : fmt::format("{} has no checkpoint that is whole: {}", results, fmt::join(damaged, "; ")));
 }
 
@@ -121,8 +122,9 @@ void resume_run(const std::string& folder, std::optional<double> until_s) {
   const auto problem = problem_of(from, until_s);
   const auto plan = scene::plan(problem);
   if (plan.windows < from.window) {
-    throw ConfigError(fmt::format("--until: found {} s, which is window {}; allowed: from window {} on, that of the checkpoint",
-                                  problem.scene.time.end_s, plan.windows, from.window));
+    throw ConfigError(
+        fmt::format("--until: found {} s, which is window {}; allowed: from window {} on, that of the checkpoint",
+                    problem.scene.time.end_s, plan.windows, from.window));
   }
   const auto executables = find_executables(problem.scene);
   const ResultsDirectory results(folder, files_of_run(problem.scene), {problem.scene.path}, Former::kept);

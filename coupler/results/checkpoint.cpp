@@ -64,8 +64,10 @@ Json told(const std::string& participant, const std::string& bytes) {
 
 std::string whole(const std::string& path, const Json& entry) {
   auto bytes = read_file(path);
-  if (bytes.size() != entry.at("bytes").get<std::size_t>() || sha256_hex(bytes) != entry.at("sha256").get<std::string>())
-    throw ConfigError(fmt::format("{} is not what was written: it has {} bytes and another SHA-256", path, bytes.size()));
+  if (bytes.size() != entry.at("bytes").get<std::size_t>() ||
+      sha256_hex(bytes) != entry.at("sha256").get<std::string>())
+    throw ConfigError(
+        fmt::format("{} is not what was written: it has {} bytes and another SHA-256", path, bytes.size()));
   return bytes;
 }
 
@@ -156,8 +158,8 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
     const auto format = json.at("format").get<int>();
     const auto version = json.at("ricochet").get<std::string>();
     if (format != format_version || version != RICOCHET_VERSION) {
-      throw ConfigError(fmt::format("{} was written by ricochet {}, this is {}: resume with the version that began", path,
-                                    version, RICOCHET_VERSION));
+      throw ConfigError(fmt::format("{} was written by ricochet {}, this is {}: resume with the version that began",
+                                    path, version, RICOCHET_VERSION));
     }
     Checkpoint checkpoint{json.at("scene").get<std::string>(),
                           json.at("scene_sha256").get<std::string>(),

@@ -13,9 +13,9 @@ struct Checkpoint {
   std::string scene_path, scene_sha256, protocol;
   std::int64_t window = 0;
   double window_size_s = 0;
-  std::int64_t history_bytes = 0;  ///< of history.csv up to here
+  std::int64_t history_bytes = 0;                ///< of history.csv up to here
   double wall_s = 0, cpu_s = 0, stepping_s = 0;  ///< spent so far
-  std::string coupler;  ///< its part
+  std::string coupler;                           ///< its part
   struct Part {
     std::string participant, bytes;
   };

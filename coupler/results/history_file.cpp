@@ -109,8 +109,8 @@ HistoryFile::HistoryFile(std::string path, HistoryShape shape, std::int64_t keep
     const auto size = lseek(descriptor_, 0, SEEK_END);
     if (size < keep || ftruncate(descriptor_, keep) != 0) {
       close(descriptor_);
-      throw ConfigError(fmt::format("{} has {} bytes, the checkpoint was made when it had {}: it has been changed since",
-                                    path_, size, keep));
+      throw ConfigError(fmt::format(
+          "{} has {} bytes, the checkpoint was made when it had {}: it has been changed since", path_, size, keep));
     }
     return;
   }

@@ -120,12 +120,8 @@ void CoupledRun::setup() {
   coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, problem_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
-  const LoopSettings settings{plan_.windows,
-                              scene_.coupling.resynchronise_every,
-                              scene_.coupling.protocol.coupled(),
-                              may_switch(),
-                              scene_.checkpoint.every_windows,
-                              outside_.watches_overlaps()};
+  const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
+                              may_switch(),  scene_.checkpoint.every_windows,     outside_.watches_overlaps()};
   loop_ = std::make_unique<TimeLoop>(
       *coupling_, *protocol_, settings, [this](std::int64_t window) { take_records(window); },
       [this](std::int64_t window) { save_if_due(window); });
@@ -172,14 +168,24 @@ void CoupledRun::save_if_due(std::int64_t window) {
   save(window);
   if (due != Checkpoints::Due::last) return;
   if (checkpoints_->settle() == window)
-    summary_.notes.push_back(fmt::format("`{} resume {}` goes on from window {}", command_name, results_.path(), window));
+    summary_.notes.push_back(
+        fmt::format("`{} resume {}` goes on from window {}", command_name, results_.path(), window));
   throw Interrupted(SIGTERM);
 }
 
 /// Begins a checkpoint: all participants answer at the end of the same accepted window.
 void CoupledRun::save(std::int64_t window) {
-  Checkpoint checkpoint{scene_.path, scene_.sha256, scene_.coupling.protocol.name, window, problem_.window_size_s,
-                        history_file_.bytes(), wall_s(), cpu_spent_s(), stepping_s(), {}, {}};
+  Checkpoint checkpoint{scene_.path,
+                        scene_.sha256,
+                        scene_.coupling.protocol.name,
+                        window,
+                        problem_.window_size_s,
+                        history_file_.bytes(),
+                        wall_s(),
+                        cpu_spent_s(),
+                        stepping_s(),
+                        {},
+                        {}};
   auto states = coupling_->save_states();
   for (std::size_t p = 0; p < states.size(); ++p)
     checkpoint.parts.push_back({coupling_->links()[p].name(), std::move(states[p])});
