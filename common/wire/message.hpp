@@ -37,6 +37,7 @@ struct Array {
 /// Bytes that mean something to who wrote them. On the wire: binary data.
 struct Bytes {
   std::string data;
+  bool operator==(const Bytes&) const = default;
 };
 
 enum class Kind {

@@ -121,7 +121,7 @@ void CoupledRun::setup() {
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
   const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
-                              may_switch(),  scene_.checkpoint.every_windows,     outside_.watches_overlaps()};
+                              may_switch(),  outside_.watches_overlaps(),         scene_.checkpoint.every_windows};
   loop_ = std::make_unique<TimeLoop>(
       *coupling_, *protocol_, settings, [this](std::int64_t window) { take_records(window); },
       [this](std::int64_t window) { save_if_due(window); });

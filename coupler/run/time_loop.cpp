@@ -42,7 +42,7 @@ void TimeLoop::run() {
       adapt_chunk(std::chrono::duration<double>(Clock::now() - begin).count());
     }
     if (step.records) on_records_(window_);
-    on_window_(window_);
+    if (on_window_) on_window_(window_);
   }
 }
 

@@ -16,8 +16,8 @@ struct LoopSettings {
   int resynchronise_every = 0;    ///< windows; 0: never
   bool coupled = true;            ///< false: baseline, many windows at a request
   bool may_switch = false;        ///< the implicit participant may integrate explicitly after separation
-  int stop_every = 0;             ///< windows: a baseline, too, comes to the end of one that divides by it; 0: any
   bool frequent_records = false;  ///< a baseline, too, is asked for few windows at a time
+  int stop_every = 0;             ///< windows: a baseline, too, comes to the end of one that divides by it; 0: any
 };
 
 /// Drives a protocol from the first window to the last, or until the owner of the contact says that it is over.
@@ -26,7 +26,7 @@ class TimeLoop {
   /// `on_records(window)` is called whenever the links have brought history rows; `on_window(window)` after each step,
   /// when everyone is at the end of the same accepted window.
   TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& settings,
-           std::function<void(std::int64_t)> on_records, std::function<void(std::int64_t)> on_window);
+           std::function<void(std::int64_t)> on_records, std::function<void(std::int64_t)> on_window = {});
 
   void run();
   /// What it goes on from between windows.

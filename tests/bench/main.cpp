@@ -13,6 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
 #include "tests/bench/calculix.hpp"
+#include "tests/bench/checkpoint_rows.hpp"
 #include "tests/bench/contact_growth_rows.hpp"
 #include "tests/bench/flood_rows.hpp"
 #include "tests/bench/kernel_rows.hpp"
@@ -28,8 +29,8 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes",   "striker", "contact", "memory",
-                                   "exchange", "flood",   "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes", "striker",    "contact", "memory",  "exchange",
+                                   "flood",  "checkpoint", "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -71,6 +72,7 @@ class Measurements {
     if (options.wants("memory")) memory_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
+    if (options.wants("checkpoint")) checkpoints_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
@@ -80,6 +82,7 @@ class Measurements {
     if (memory_) memory_->repeat();
     if (exchanges_) exchanges_->repeat();
     if (floods_) floods_->repeat();
+    if (checkpoints_) checkpoints_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -91,6 +94,7 @@ class Measurements {
     if (memory_) add(memory_->rows());
     if (exchanges_) add(exchanges_->rows());
     if (floods_) add(floods_->rows());
+    if (checkpoints_) add(checkpoints_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -115,6 +119,7 @@ class Measurements {
   std::optional<Memory> memory_;
   std::optional<Exchanges> exchanges_;
   std::optional<Floods> floods_;
+  std::optional<CheckpointCosts> checkpoints_;
   std::optional<CalculixRuns> calculix_;
 };
 

@@ -46,7 +46,7 @@ test::Outcome bench(std::vector<std::string> arguments, const test::TemporaryFol
 TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
   const test::TemporaryFolder folder;
   const auto outcome = bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",
-                              "scenes,striker,contact,exchange,flood,kernels,calculix"},
+                              "scenes,striker,contact,exchange,flood,checkpoint,kernels,calculix"},
                              folder);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::istringstream csv(test::file_text((folder.path() / "bench.csv").string()));
@@ -72,6 +72,7 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
                            "\"rounded striker, all_implicit: error of the peak force\",18 um",
                            "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
                            "\"hughes_liu over tcp: its port flooded / another port flooded, stepping\",0.25 mm",
+                           "\"hughes_liu: time with a checkpoint every 300 s / without\",0.25 mm",
                            "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
                            "\"K u: element by element / explicit kernel\",0.25 mm",
                            "\"condensed factor: solves per second / bound\",0.5 mm"}) {

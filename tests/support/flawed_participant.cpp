@@ -8,6 +8,7 @@
 #include <string_view>
 #include <thread>
 
+#include "common/base/archive.hpp"
 #include "common/base/error.hpp"
 #include "common/participant/session.hpp"
 #include "common/wire/channel.hpp"
@@ -15,9 +16,9 @@
 namespace ricochet::participant {
 namespace {
 
-constexpr std::array<std::string_view, 9> flaws = {
+constexpr std::array<std::string_view, 10> flaws = {
     "sound",  "negative_mass", "exit_code",   "process_dependent", "trial_leaks",
-    "drifts", "wrong_work",    "any_version", "outlives_coupler"};
+    "drifts", "wrong_work",    "any_version", "outlives_coupler",  "forgets_its_state"};
 
 class Spring : public Participant {
  public:
@@ -33,7 +34,7 @@ class Spring : public Participant {
     d.interface_position_m = {0.0};
     d.interface_mass_kg = {flaw_ == "negative_mass" ? -mass : mass};
     d.critical_time_step_s = 0.2;
-    d.capabilities = {Capability::repeat_window};
+    d.capabilities = {Capability::repeat_window, Capability::save_state};
     d.record_columns = {"energy_kinetic_j/rod", "energy_interface_j"};
     return d;
   }
@@ -62,7 +63,20 @@ class Spring : public Participant {
     row.insert(row.end(), {0.5 * mass * v_ * v_, flaw_ == "wrong_work" ? 1.001 * work_ : work_});
   }
 
+  std::string save_state() override {
+    Archive out;
+    archive(out);
+    return out.take();
+  }
+  void restore_state(std::string_view bytes) override {
+    if (flaw_ == "forgets_its_state") return;
+    Archive in(bytes, "the state of the spring");
+    archive(in);
+    in.end();
+  }
+
  private:
+  void archive(Archive& a) { a(u_, v_, a_, link_, force_, work_); }
   void find_force(double link, LinkOutput& output) {
     trial_link_ = link;
     output.value = {trial_force_ = stiffness_ * (link - trial_)};

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "tests/support/run.hpp"
+#include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -110,6 +111,19 @@ TEST(Getfem, ContactForcesThatWereNotFoundAreTold) {
   double sum = 0.0;
   for (const double force : run.column("contact_force_n")) sum += 5.4e-8 * force;
   EXPECT_NEAR(impulse, sum, 1e-12 * sum);
+}
+
+/// Contact and all: what GetFEM's matrices make is the same in another process.
+TEST(Getfem, GoesOnFromWhatItSaved) {
+  TemporaryFolder folder;
+  const auto whole =
+      run_text(with_key(short_impact("hughes_liu", getfem), "checkpoint", "every_windows", "60"), folder, "whole");
+  const auto half = (folder.path() / "half").string();
+  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
+  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, checkpoints_in(half).back()));
+  const auto outcome = resume(half, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  expect_same_results(half, whole.folder);
 }
 
 TEST(Getfem, RefusesFriction) {

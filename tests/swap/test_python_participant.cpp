@@ -8,6 +8,7 @@
 
 #include "common/wire/lifecycle.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -59,6 +60,60 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
 
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonBars, testing::Values("hughes_liu", "kim"),
                          [](const auto& test) { return std::string(test.param); });
+
+/// explicit_bar.py with more; `more` stands before its last line.
+std::string bar_with(const TemporaryFolder& folder, const std::string& name, const std::string& capabilities,
+                     const std::string& more) {
+  auto text = file_text(python_folder + "/explicit_bar.py");
+  text = replaced(text, "import numpy", "import sys; sys.path.insert(0, \"" + python_folder + "\")\nimport numpy");
+  text = replaced(text, "import ConfigError", "import pack_state, unpack_state, ConfigError");
+  text = replaced(text, "interface_body=[0]", "capabilities=" + capabilities + ", interface_body=[0]");
+  text = replaced(text, "main(ExplicitBar)", more + "\nmain(ExplicitBar)");
+  const auto path = folder.write(text, name);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+/// Two processes of Python, one of ours, gone on with after a checkpoint.
+TEST(PythonBarsWithCheckpoints, GoOnFromWhatTheySaved) {
+  TemporaryFolder folder;
+  const auto bar = bar_with(folder, "saving_bar.py", "['repeat_window', 'save_state']", R"(    def save_state(self):
+        return pack_state(u=self.u, v=self.v, a=self.a, internal=self.internal, work=self.work)
+
+    def restore_state(self, saved):
+        vars(self).update(unpack_state(saved))
+)");
+  const auto contract = run_command({ricochet_binary(), "check-participant", "--", bar, "--scene",
+                                     folder.write(two_bars("hughes_liu", ""), "contract.toml"), "--name", "of_left"},
+                                    folder.path().string());
+  EXPECT_THAT(contract.out, testing::HasSubstr("passed   another process goes on from its saved state"));
+  const auto text = with_key(two_bars("hughes_liu", bar), "checkpoint", "every_windows", "60");
+  const auto whole = run_text(text, folder, "whole");
+  const auto half = (folder.path() / "half").string();
+  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
+  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, checkpoints_in(half).back()));
+  const auto outcome = resume(half, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, testing::HasSubstr("going on from window 60 "));
+  expect_same_results(half, whole.folder);
+}
+
+TEST(PythonBarsWithCheckpoints, ThatSaveNoStateAreNamedIfCheckpointsAreAskedFor) {
+  TemporaryFolder folder;
+  const auto bar = python_folder + "/explicit_bar.py";
+  const auto asked = with_key(two_bars("hughes_liu", bar), "checkpoint", "every_windows", "60");
+  const auto run = run_file(folder.write(asked), folder);
+  EXPECT_EQ(run.outcome.code, 2);
+  EXPECT_THAT(run.outcome.error,
+              testing::HasSubstr("participant 'of_left' (explicit) cannot take part in checkpoints: it "
+                                 "lacks the capability \"save_state\""));
+  const auto empty = bar_with(folder, "empty_bar.py", "['save_state']", "");
+  const auto promised =
+      run_file(folder.write(with_key(two_bars("hughes_liu", empty), "checkpoint", "every_windows", "60")), folder);
+  EXPECT_EQ(promised.outcome.code, 4);
+  EXPECT_THAT(promised.outcome.error,
+              testing::HasSubstr("it announces the capability 'save_state' but cannot save its state"));
+}
 
 /// explicit_bar.py with what it takes to tell its axial stress.
 std::string telling_bar(const TemporaryFolder& folder) {
@@ -127,7 +182,7 @@ std::string python_says(const std::string& expression, const TemporaryFolder& fo
 
 TEST(PythonWire, HasTheFieldsOfTheSchema) {
   TemporaryFolder folder;
-  const char* types[] = {"text", "boolean", "integer", "float", "text", "texts", "array"};
+  const char* types[] = {"text", "boolean", "integer", "float", "text", "texts", "array", "bytes"};
   std::string expected;
   const auto message = std::make_unique<wire::Message>();
   for (const auto kind : wire::all_kinds()) {

@@ -5,7 +5,7 @@ Central differences with two-node bars, k = E A / h [[1, -1], [-1, 1]], lumped m
 Knows a body on an even built-in mesh, free but for the contact, and a partition by implicit_length_m.
 """
 import numpy as np
-from ricochet_participant import ConfigError, Description, Participant, main, pack_state, read_scene, unpack_state
+from ricochet_participant import ConfigError, Description, Participant, main, read_scene
 
 class ExplicitBar(Participant):
     def __init__(self, path, name):
@@ -29,8 +29,7 @@ class ExplicitBar(Participant):
     def describe(self):
         quantities = ["mass_kg", "energy_kinetic_j", "energy_strain_j", "energy_interface_j", "momentum_n_kg_m_s"]
         return Description(self.name, "explicit", "explicit_bar.py", scene_sha256=self.sha256, bodies=[self.body],
-                           capabilities=["repeat_window", "save_state"], interface_body=[0],
-                           interface_position_m=self.x[self.shared],
+                           interface_body=[0], interface_position_m=self.x[self.shared],
                            interface_mass_kg=self.m[self.shared], critical_time_step_s=self.step,
                            record_columns=[f"{quantity}/{self.body}" for quantity in quantities])
 
@@ -57,11 +56,5 @@ class ExplicitBar(Participant):
     def record(self):
         m, v, a = (values[self.own] for values in (self.m, self.v, self.a))
         return [m.sum(), 0.5 * m @ (v**2 - (0.5 * self.dt * a)**2), 0.5 * self.u @ self.internal, self.work, m @ v]
-
-    def save_state(self):
-        return pack_state(u=self.u, v=self.v, a=self.a, internal=self.internal, work=self.work)
-
-    def restore_state(self, saved):
-        vars(self).update(unpack_state(saved))
 
 main(ExplicitBar)

@@ -90,8 +90,9 @@ def pack_state(**values):
 
 
 def unpack_state(saved):
-    return {name: np.frombuffer(data, dtype="<f8").reshape(shape).copy()
-            for name, (shape, data) in msgpack.unpackb(saved).items()}
+    values = {name: np.frombuffer(data, dtype="<f8").reshape(shape).copy()
+              for name, (shape, data) in msgpack.unpackb(saved).items()}
+    return {name: value if value.shape else value.item() for name, value in values.items()}
 
 
 def require_finite(values):

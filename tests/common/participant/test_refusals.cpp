@@ -295,5 +295,20 @@ TEST(Refusals, OfSubsteps) {
   expect_refused(by_displacement, request, "asked for substep 1, but drives participant 'spring' by displacement");
 }
 
+TEST(Refusals, OfSavingAStateThatCannotBeSaved) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.start();
+  expect_refused(run, run.coupler.request(Kind::save_state), "lacks the capability 'save_state'");
+  InProcess again(spring, 1);
+  again.coupler.start();
+  expect_refused(again, again.coupler.request(Kind::restore_state), "lacks the capability 'save_state'");
+  spring.capabilities.push_back(Capability::save_state);
+  InProcess promised(spring, 1);
+  promised.coupler.start();
+  EXPECT_THAT(error_of<ParticipantError>([&] { promised.coupler.ask(Kind::save_state); }),
+              HasSubstr("announces the capability 'save_state' but cannot save its state"));
+}
+
 }  // namespace
 }  // namespace ricochet::participant

@@ -23,6 +23,10 @@ inline void fill(Array& array, int n) {
   for (std::size_t i = 0; i < array.data.size(); ++i) array.data[i] = 1e-300 * n + 0.1 * static_cast<double>(i);
 }
 
+inline void fill(Bytes& value, int n) {
+  for (int i = 0; i < 300; ++i) value.data += static_cast<char>(i + n);
+}
+
 /// A message of `kind` with all its fields filled in.
 inline Message sample(Kind kind) {
   Message message;

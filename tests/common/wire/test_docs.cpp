@@ -34,7 +34,7 @@ void expect_section(const std::string& name, const std::string& expected) {
 }
 
 std::string type_of(const Field& field, Message& message) {
-  const char* names[] = {"text", "boolean", "integer", "float", "text", "texts", "array"};
+  const char* names[] = {"text", "boolean", "integer", "float", "text", "texts", "array", "bytes"};
   return names[field.in(message).index()];
 }
 
