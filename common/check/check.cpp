@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/check/check_contact.hpp"
 #include "common/check/check_model.hpp"
 #include "common/check/check_reach.hpp"
@@ -152,6 +153,13 @@ Plan plan(const Problem& problem) {
   plan.switch_obstacle = switch_obstacle(problem);
   if (!plan.switch_obstacle.empty())
     plan.notes.push_back("the implicit side stays implicit after separation: " + plan.switch_obstacle);
+  for (const auto& participant : scene.participants) {
+    if (!scene.checkpoint.asked || participant.executable.empty()) continue;
+    plan.notes.push_back(fmt::format(
+        "checkpoints need the capability \"save_state\" of participant '{}'; `{} check-participant` tells whether "
+        "{} has it",
+        participant.name, command_name, participant.executable));
+  }
   return plan;
 }
 

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <thread>
 
+#include "tests/support/process_table.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -154,6 +156,41 @@ refine = { time.step_s = 2.5e-7 }
   EXPECT_EQ(later.code, 0);
   EXPECT_EQ(later.out.find("s left"), std::string::npos) << "nothing is left to compute: " << later.out;
   EXPECT_EQ(rows_of(out), rows);
+}
+
+/// The run that was going on is not begun anew: it goes on, to the bytes of one that was never interrupted.
+TEST(Study, ResumesInsideTheRunThatWasInterrupted) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(study_text(R"(methods = ["hughes_liu"]
+[[vary]]
+time.end_s = [0.05]
+[reference]
+exact = "impedance_theory"
+)"),
+                                 "study.toml");
+  std::string run;
+  {
+    Process process({ricochet_binary(), "study", path, "--out", out}, (folder.path() / "o").string(),
+                    (folder.path() / "e").string());
+    const auto begun = [&] {
+      const auto names = names_in(out + "/runs");
+      if (!names.empty()) run = out + "/runs/" + *names.rbegin();  // the other one is the list of own files
+      std::error_code none;
+      return !run.empty() && std::filesystem::file_size(run + "/1/history.csv", none) > 100000 && !none;
+    };
+    ASSERT_TRUE(wait_until([&] { return begun() || !process.running(); }, 60.0));
+    kill(process.pid(), SIGTERM);
+    EXPECT_EQ(process.wait(30.0), 143) << file_text(folder.path() / "e");
+  }
+  const auto saved = checkpoints_in(run + "/1");
+  ASSERT_EQ(saved.size(), 1U);
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(file_text(run + "/1/summary.json"));
+  EXPECT_EQ(summary.at("status"), "done");
+  const auto whole = run_file(run + "/scene.toml", folder, "whole");
+  expect_same_results(run + "/1", whole.folder);
 }
 
 TEST(Study, AnUnstableRunIsARowAndIsNotComputedAgain) {

@@ -134,6 +134,16 @@ TEST(SwitchToExplicit, NeedsTheCriticalStepOfTheWholeBody) {
   EXPECT_EQ(plan_of(bars).switch_obstacle, "");
 }
 
+/// Whether it can, only it can say.
+TEST(Checkpoints, AProgramOfOnesOwnIsNamedIfTheyAreAskedFor) {
+  const std::string text = bars +
+                           "[[participant]]\nname = \"mine\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\n"
+                           "executable = \"./bar\"\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  EXPECT_THAT(plan_of(text + "[checkpoint]\n").notes,
+              testing::Contains(HasSubstr("checkpoints need the capability \"save_state\" of participant 'mine'")));
+  EXPECT_THAT(plan_of(text).notes, testing::Not(testing::Contains(HasSubstr("checkpoints"))));
+}
+
 TEST(SwitchToExplicit, IsNotSpokenOfWhereNobodyAsksForIt) {
   const std::string text = two_elements(bars) + "[coupling]\n";
   EXPECT_EQ(plan_of(text + "after_separation = \"implicit\"\n").switch_obstacle, "");
