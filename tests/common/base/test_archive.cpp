@@ -15,7 +15,7 @@ using testing::HasSubstr;
 struct Body {
   std::vector<double> u = {1.0, 2.0};
   std::optional<double> contact = 3.0;
-  std::vector<int> found;
+  std::vector<int> found{};
 
   void archive(Archive& a) {
     a(u, contact);
