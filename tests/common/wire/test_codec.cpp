@@ -99,8 +99,9 @@ TEST(Decode, TakesWholeNumbersThatTravelAsIntegers) {
     const auto unpacked = msgpack::unpack(bytes.data(), bytes.size());
     msgpack::sbuffer by_others;
     msgpack::packer<msgpack::sbuffer>(by_others).pack(unpacked.get());  // which makes integers of whole numbers
-    EXPECT_EQ(by_others.size() < bytes.size(), value != 0.5 && value != 1e19);
-    decode({by_others.data(), by_others.size()}, "x", received);
+    const std::string_view others(by_others.data(), by_others.size());
+    EXPECT_EQ(others != bytes, value != 0.5);
+    decode(others, "x", received);
     EXPECT_EQ(received.as<Welcome>().timeout_s, value);
   }
 }
