@@ -275,6 +275,7 @@ ExplicitContact::State ExplicitContact::state() const {
 void ExplicitContact::restore(const State& state) {
   state_ = state;
   if (sliding_) sliding_->restore(state.sliding, surface_.pairs);
+  for (const auto* forces : {&state.forces, &state.mean_forces}) surface_.require_one_a_pair(forces->size());
   if (massless_) massless_->restore(*state.massless);
 }
 

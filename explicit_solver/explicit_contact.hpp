@@ -60,7 +60,8 @@ class ExplicitContact {
 
     void archive(Archive& a) {
       ContactAccount::archive(a);
-      a(forces, mean_forces, static_normal_n, massless, sliding);
+      a.any_size(forces, mean_forces);  // pairs come and go as surfaces slide
+      a(static_normal_n, massless, sliding);
     }
   };
   [[nodiscard]] State state() const;

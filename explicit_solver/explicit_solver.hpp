@@ -63,7 +63,7 @@ class ExplicitSolver final : public participant::Participant {
   void restore(const State& state);
 
  private:
-  void archive(State& state, Archive& a) { a(state, model_watch_, *shapes_); }
+  void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
   /// The only participant: it owns every element and enforces the contact.
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool has_contact() const { return alone() && !problem_.contacts.empty(); }

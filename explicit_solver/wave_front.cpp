@@ -123,11 +123,10 @@ void WaveFront::grow(const Eigen::VectorXd& force) {
 }
 
 void WaveFront::archive(Archive& a) {
-  const auto slices = reach_.size();
-  a(reach_, front_);
-  const auto none = [&](int slice) { return slice < 0 || slice >= static_cast<int>(slices); };
-  if (reach_.size() != slices || std::any_of(front_.begin(), front_.end(), none))
-    a.refuse("the wave front of another part");
+  a.same_size(reach_);
+  a.any_size(front_);
+  const auto none = [&](int slice) { return slice < 0 || slice >= static_cast<int>(reach_.size()); };
+  if (std::any_of(front_.begin(), front_.end(), none)) a.refuse("the wave front of another part");
   if (a.reading()) collect_rows();
 }
 

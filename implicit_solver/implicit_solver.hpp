@@ -63,7 +63,7 @@ class ImplicitSolver final : public participant::Participant {
   void restore(const State& state);
 
  private:
-  void archive(State& state, Archive& a) { a(state, model_watch_, *shapes_); }
+  void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(participant::LinkOutput& output) const;
   void account();

@@ -32,6 +32,8 @@ std::size_t Archive::size(std::size_t present, std::size_t least_bytes) {
   std::uint64_t count = present;
   raw(&count, sizeof count);
   if (reading_ && count > unread_.size() / least_bytes) refuse(fmt::format("it breaks off in {} numbers", count));
+  if (reading_ && same_size_ && count != present)
+    refuse(fmt::format("it is of another scene: a list of {}, expected {}", count, present));
   return count;
 }
 

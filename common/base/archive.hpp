@@ -40,6 +40,8 @@ concept Numbers = requires(T& values) {
 ///
 /// Nothing is trusted in reading: sizes are bounded by the bytes that are left, and where something is impossible it
 /// throws ConfigError. Reading keeps what the archive does not name: an object of the same scene goes on from there.
+/// What has one size in all states of a scene is read by `same_size`; what is then indexed by other things of that size
+/// can be.
 class Archive {
  public:
   Archive() = default;  ///< writes
@@ -56,10 +58,26 @@ class Archive {
   void operator()(T&... values) {
     (item(values), ...);
   }
+  /// In reading, lists and what may be missing have to have the size that they have now, and all that they hold, too.
+  template <class... T>
+  void same_size(T&... values) {
+    with_sizes(true, values...);
+  }
+  /// Within that, of any size.
+  template <class... T>
+  void any_size(T&... values) {
+    with_sizes(false, values...);
+  }
   /// Raised by `archive` of a struct that finds what it read to be impossible.
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
+  template <class... T>
+  void with_sizes(bool same, T&... values) {
+    const bool before = std::exchange(same_size_, same);
+    (item(values), ...);
+    same_size_ = before;
+  }
   void raw(void* data, std::size_t bytes);
   /// Of something each of whose items takes at least so many bytes.
   std::size_t size(std::size_t present, std::size_t least_bytes);
@@ -79,8 +97,11 @@ class Archive {
   template <Numbers T>
   void item(T& values) {
     const auto count = size(static_cast<std::size_t>(values.size()), sizeof(double));
-    if (reading_) values.resize(static_cast<decltype(values.size())>(count));
-    if (static_cast<std::size_t>(values.size()) != count) refuse("numbers of another dimension");
+    if constexpr (of_fixed_size<T>()) {
+      if (static_cast<std::size_t>(values.size()) != count) refuse("numbers of another dimension");
+    } else {
+      if (reading_) values.resize(static_cast<decltype(values.size())>(count));
+    }
     raw(values.data(), count * sizeof(double));
   }
   template <Archived T>
@@ -101,6 +122,7 @@ class Archive {
   void item(std::optional<T>& value) {
     bool there = value.has_value();
     item(there);
+    if (reading_ && same_size_ && there != value.has_value()) refuse("it is of another scene");
     if (reading_ && there != value.has_value()) {
       if (there) {
         value.emplace();
@@ -118,6 +140,15 @@ class Archive {
     if (index != value.index()) refuse("another kind of state");
     std::visit([this](auto& held) { item(held); }, value);
   }
+  /// Of Eigen's, those with the dimension in the type.
+  template <class T>
+  static constexpr bool of_fixed_size() {
+    if constexpr (requires { T::SizeAtCompileTime; }) {
+      return T::SizeAtCompileTime >= 0;
+    } else {
+      return false;
+    }
+  }
   template <class T>
   void each_of(T& values) {
     const auto count = size(values.size(), 1);
@@ -125,7 +156,7 @@ class Archive {
     for (auto& value : values) item(value);
   }
 
-  bool reading_ = false;
+  bool reading_ = false, same_size_ = false;
   std::string written_;
   std::string_view unread_;
   std::string what_;

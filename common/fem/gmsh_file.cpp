@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -64,6 +65,19 @@ class Words {
     return value;
   }
 
+  int dimension(std::string_view expected) {
+    const int value = number<int>(expected);
+    if (value < 0 || value > 3) fail(fmt::format("expected {}, 0 to 3, found {}", expected, value));
+    return value;
+  }
+
+  /// Negative where the orientation is reversed.
+  int physical_tag() {
+    const int value = number<int>("a physical tag");
+    if (value == std::numeric_limits<int>::min()) fail(fmt::format("expected a physical tag, found {}", value));
+    return std::abs(value);
+  }
+
   std::string quoted(std::string_view expected) {
     if (at_end() || text_[position_] != '"') fail(fmt::format("expected {} in double quotes", expected));
     const std::size_t end = text_.find_first_of("\"\n", position_ + 1);
@@ -111,7 +125,7 @@ void read_format(Words& words) {
 void read_physical_names(Words& words, GmshFile& file) {
   std::set<std::pair<int, std::string>> seen;
   for (int left = words.count("the number of physical names"); left > 0; --left) {
-    const int dimension = words.number<int>("the dimension of a physical group");
+    const int dimension = words.dimension("the dimension of a physical group");
     const int tag = words.number<int>("the tag of a physical group");
     const std::string name = words.quoted("the name of a physical group");
     if (!seen.insert({dimension, name}).second || !file.group_name.insert({{dimension, tag}, name}).second) {
@@ -128,9 +142,7 @@ void read_entities(Words& words, GmshFile& file) {
       const int tag = words.number<int>("the tag of an entity");
       for (int i = dimension == 0 ? 3 : 6; i > 0; --i) words.number<double>("a coordinate of an entity");
       std::vector<int>& groups = file.entity_groups[{dimension, tag}];
-      for (int i = words.count("the number of physical tags"); i > 0; --i) {
-        groups.push_back(std::abs(words.number<int>("a physical tag")));  // negative: reversed orientation
-      }
+      for (int i = words.count("the number of physical tags"); i > 0; --i) groups.push_back(words.physical_tag());
       if (dimension == 0) continue;
       for (int i = words.count("the number of bounding entities"); i > 0; --i) words.number<int>("a bounding entity");
     }
@@ -142,7 +154,7 @@ void read_nodes(Words& words, GmshFile& file) {
   const int expected = words.count("the number of nodes");
   for (int i = 0; i < 2; ++i) words.number<GmshTag>("the smallest and the largest node tag");
   for (; blocks > 0; --blocks) {
-    const int dimension = words.number<int>("the dimension of a node block");
+    const int dimension = words.dimension("the dimension of a node block");
     words.number<int>("the entity of a node block");
     const bool parametric = words.number<int>("the parametric flag") != 0;
     std::vector<GmshTag> tags;  // grows, for the announced number may be nonsense
@@ -212,7 +224,7 @@ void read_elements(Words& words, GmshFile& file) {
   for (int i = 0; i < 2; ++i) words.number<GmshTag>("the smallest and the largest element tag");
   std::set<GmshTag> seen;
   for (; blocks > 0; --blocks) {
-    const int dimension = words.number<int>("the dimension of an element block");
+    const int dimension = words.dimension("the dimension of an element block");
     const GmshEntity entity = {dimension, words.number<int>("the entity of an element block")};
     const ElementType type = element_type(words, words.number<int>("the element type"), entity);
     if (type.dimension != dimension || !file.entity_groups.contains(entity)) {

@@ -249,9 +249,15 @@ void Session::read_state(wire::State& reply) {
 
 /// What this end of the link goes on from, beside the participant.
 void Session::archive(Archive& a) {
-  const auto size = link_.size();
-  a(accepted_window_, fields_window_, link_, contact_, rows_, stress_rows_);
-  if (link_.size() != size || accepted_window_ < 0 || accepted_window_ > setup_.last_window)
+  a(accepted_window_, fields_window_);
+  a.same_size(link_);
+  a(contact_, rows_, stress_rows_);
+  const auto whole = [](const std::vector<double>& rows, std::size_t columns) {
+    return columns == 0 ? rows.empty() : rows.size() % columns == 0;
+  };
+  if (accepted_window_ < 0 || accepted_window_ > setup_.last_window ||
+      !whole(rows_, description_.record_columns.size()) ||
+      !whole(stress_rows_, description_.axial_stress_columns.size()))
     a.refuse("it is of another run");
   window_ = accepted_window_;
 }

@@ -26,6 +26,39 @@ std::size_t end_of_string(std::string_view text, std::size_t begin) {
   return text.size();
 }
 
+/// Bytes of the character at the beginning, as UTF-8 has it: no longer than needed, no half of a pair, none beyond
+/// U+10FFFF; 0 if it is none.
+std::size_t size_of_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const unsigned first = byte(0), second = byte(1);
+  const std::size_t size = first < 0x80   ? 1
+                           : first < 0xc2 ? 0
+                           : first < 0xe0 ? 2
+                           : first < 0xf0 ? 3
+                           : first < 0xf5 ? 4
+                                          : 0;
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80) return 0;
+  }
+  const bool longer_than_needed = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
+  const bool half_of_a_pair = first == 0xed && second >= 0xa0;
+  const bool beyond = first == 0xf4 && second >= 0x90;
+  return longer_than_needed || half_of_a_pair || beyond ? 0 : size;
+}
+
+/// TOML is UTF-8. The parser would say so, too, but reads beyond its memory while it does (toml11 3.7).
+void require_utf8(const std::string& path, std::string_view text) {
+  int line = 1;
+  for (std::size_t i = 0, size = 0; i < text.size(); i += size) {
+    size = size_of_character(text.substr(i));
+    if (size == 0) {
+      throw ConfigError(fmt::format("{}:{}: found the byte {:#04x}, which is no UTF-8 there; allowed: a text in UTF-8",
+                                    path, line, static_cast<unsigned char>(text[i])));
+    }
+    line += text[i] == '\n' ? 1 : 0;
+  }
+}
+
 /// Reads a text as TOML just far enough to count.
 class Counter {
  public:
@@ -70,6 +103,7 @@ void check_text(const std::string& path, const std::string& text) {
   if (text.size() > most_bytes) {
     throw ConfigError(fmt::format("{}: found a file of {} bytes, allowed: at most {}", path, text.size(), most_bytes));
   }
+  require_utf8(path, text);
   Counter(path).read(text);
 }
 

@@ -9,7 +9,8 @@ namespace ricochet::scene {
 inline constexpr std::size_t most_bytes = std::size_t{1} << 20;
 inline constexpr int deepest_nesting = 32, most_key_parts = 32;
 
-/// Before it is parsed. Throws ConfigError naming file, line, what was found and the limit.
+/// Before it is parsed. Throws ConfigError naming file, line, what was found and the limit, also for a text that is no
+/// UTF-8.
 void check_text(const std::string& path, const std::string& text);
 
 }  // namespace ricochet::scene

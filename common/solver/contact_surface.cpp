@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "common/base/error.hpp"
+
 namespace ricochet::solver {
 
 ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
@@ -26,6 +28,11 @@ ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<
       }
     }
   }
+}
+
+void ContactSurface::require_one_a_pair(std::size_t count, std::size_t of_a_pair) const {
+  if (count == of_a_pair * pairs.size()) return;
+  throw ConfigError("the state is of another scene: its contact forces are those of other contact pairs");
 }
 
 double ContactSurface::gap_min(const std::vector<BodyState>& states) const {

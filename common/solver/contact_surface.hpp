@@ -62,6 +62,9 @@ struct ContactSurface {
   void report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces, ContactAccount& account,
               ContactRecord& record) const;
 
+  /// Throws ConfigError unless so many numbers, of a state that was read, are one a pair, or as many as a pair has.
+  void require_one_a_pair(std::size_t count, std::size_t of_a_pair = 1) const;
+
  private:
   /// Of one contact, or of all.
   [[nodiscard]] ContactTotals totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,

@@ -40,7 +40,10 @@ class ModelWatch {
   void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false);
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
   /// What was found so far, and since when.
-  void archive(Archive& a) { a(slipped_, last_look_, last_window_, found_); }
+  void archive(Archive& a) {
+    a(slipped_, last_look_, last_window_);
+    a.any_size(found_);
+  }
 
  private:
   /// What an element's look needs of the reference.

@@ -174,7 +174,8 @@ void ShapeRecorder::note(std::int64_t window) {
 }
 
 void ShapeRecorder::archive(Archive& a) {
-  a(windows_, every_);
+  a.any_size(windows_);
+  a(every_);
   if (windows_.size() > most_windows || every_ < 1) a.refuse("more shapes than are kept");
   for (auto& part : parts_) {
     for (std::size_t w = 0; w < windows_.size(); ++w) a(part.kept[w]);

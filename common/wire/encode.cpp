@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -25,7 +26,15 @@ void pack(Packer& packer, std::string_view text) {
 void pack(Packer& packer, const std::string& text) { pack(packer, std::string_view(text)); }
 void pack(Packer& packer, Kind value) { pack(packer, name(value)); }
 void pack(Packer& packer, std::int64_t value) { packer.pack_int64(value); }
-void pack(Packer& packer, double value) { packer.pack_double(value); }
+
+/// As a 64-bit float whatever its value: msgpack-c would write whole numbers as integers, which loses the sign of -0,
+/// and is undefined for 2^64.
+void pack(Packer& packer, double value) {
+  std::array<char, 1 + sizeof value> bytes{static_cast<char>(0xcb)};
+  const auto bits = std::bit_cast<std::array<char, sizeof value>>(value);
+  std::reverse_copy(bits.begin(), bits.end(), bytes.begin() + 1);  // big-endian
+  packer.pack_bin_body(bytes.data(), bytes.size());                // these bytes, as they are
+}
 
 void pack(Packer& packer, bool value) {
   if (value) {

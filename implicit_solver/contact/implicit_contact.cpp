@@ -631,6 +631,10 @@ void ImplicitContact::restore(const State& state, const std::vector<BodyState>& 
     old_pairs_.clear();
     take_new_pairs(states);
   }
+  for (const auto count : {state.solution.states.size(), state.impulse.size(), state.remembered.size()})
+    surface_.require_one_a_pair(count);
+  surface_.require_one_a_pair(static_cast<std::size_t>(state.solution.force.size()),
+                              static_cast<std::size_t>(directions()));
   if (massless_) massless_->restore(*state.massless);
 }
 

@@ -99,7 +99,8 @@ class ImplicitContact {
 
     void archive(Archive& a) {
       ContactAccount::archive(a);
-      a(solution, impulse, remembered, massless, sliding);
+      a.any_size(solution, impulse, remembered);  // pairs come and go as surfaces slide
+      a(massless, sliding);
     }
   };
   [[nodiscard]] State state() const;

@@ -9,6 +9,8 @@
 namespace ricochet {
 namespace {
 
+using testing::HasSubstr;
+
 enum class Colour { red, green };
 
 struct Inner {
@@ -105,6 +107,45 @@ TEST(Archive, SaysWhatIsWrong) {
   EXPECT_EQ(refusal("abc", [&](Archive& in) { in(number); }), "the sample: it breaks off: 5 bytes are missing");
   std::variant<double, Inner> either = 0.0;
   EXPECT_EQ(refusal(std::string(16, '\1'), [&](Archive& in) { in(either); }), "the sample: another kind of state");
+}
+
+/// Of which some has one size in every state of a scene.
+struct Body {
+  std::vector<double> u = {1.0, 2.0};
+  std::optional<double> contact = 3.0;
+  std::vector<int> found{};
+
+  void archive(Archive& a) {
+    a(u, contact);
+    a.any_size(found);
+  }
+};
+
+std::string written_body(Body body) {
+  Archive out;
+  out.same_size(body);
+  return out.take();
+}
+
+/// What is said of `bytes` by who reads them into a new body.
+std::string refusal_of(const std::string& bytes) {
+  Body body;
+  Archive in(bytes, "the state");
+  try {
+    in.same_size(body);
+    in.end();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Archive, RefusesListsOfAnotherScene) {
+  EXPECT_EQ(refusal_of(written_body({})), "none");
+  EXPECT_EQ(refusal_of(written_body({.found = {1, 2, 3}})), "none");
+  EXPECT_THAT(refusal_of(written_body({.u = {1.0}})), HasSubstr("the state: it is of another scene: a list of 1, expected 2"));
+  EXPECT_THAT(refusal_of(written_body({.u = {1, 2, 3}})), HasSubstr("a list of 3, expected 2"));
+  EXPECT_THAT(refusal_of(written_body({.contact = {}})), HasSubstr("the state: it is of another scene"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/archive.hpp"
 #include "common/base/error.hpp"
 #include "tests/common/participant/scripted_coupler.hpp"
 #include "tests/support/spring_mass.hpp"
@@ -308,6 +309,47 @@ TEST(Refusals, OfSavingAStateThatCannotBeSaved) {
   promised.coupler.start();
   EXPECT_THAT(error_of<ParticipantError>([&] { promised.coupler.ask(Kind::save_state); }),
               HasSubstr("announces the capability 'save_state' but cannot save its state"));
+}
+
+/// Keeps nothing of its own.
+struct KeptSpring : SpringMass {
+  Description describe() override {
+    auto d = SpringMass::describe();
+    d.capabilities.push_back(Capability::save_state);
+    return d;
+  }
+  std::string save_state() override { return ""; }
+  void restore_state(std::string_view) override {}
+};
+
+/// What a session of one node would have kept.
+std::string kept(std::int64_t window, std::vector<double> link, std::vector<double> rows,
+                 std::vector<double> stress_rows) {
+  Archive out;
+  ContactStatus contact;
+  std::string own;
+  double drift = 0.0;
+  out(window, window, link, link, drift, contact, rows, stress_rows, own);
+  return out.take();
+}
+
+TEST(Refusals, OfStatesThatCannotBe) {
+  const auto refused = [](const std::string& bytes) {
+    KeptSpring spring;
+    InProcess run(spring, 1);
+    run.coupler.last_window = 50;
+    run.coupler.start();
+    auto request = run.coupler.request(wire::Kind::restore_state);
+    request.as<wire::RestoreState>().saved.data = bytes;
+    return error_of<ConfigError>([&] { run.coupler.ask(request); });
+  };
+  const std::string of_another_run = "the state of participant 'spring': it is of another run";
+  EXPECT_EQ(refused(kept(50, {0.0}, {50.0, 1.0, 2.0}, {})), "no error of that kind");
+  EXPECT_EQ(refused(kept(51, {0.0}, {}, {})), of_another_run) << "beyond the last window";
+  EXPECT_EQ(refused(kept(-1, {0.0}, {}, {})), of_another_run);
+  EXPECT_EQ(refused(kept(2, {0.0}, {2.0, 1.0}, {})), of_another_run) << "a part of a row";
+  EXPECT_EQ(refused(kept(2, {0.0}, {}, {2.0})), of_another_run) << "rows of a table without columns";
+  EXPECT_THAT(refused(kept(2, {0.0, 1.0}, {}, {})), HasSubstr("it is of another scene: a list of 2, expected 1"));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ inline void fill(std::string& value, int n) { value = "text \xc3\xa9 " + std::to
 inline void fill(std::vector<std::string>& values, int n) {
   values = {"", "one", std::string(300, static_cast<char>('a' + n % 26))};
 }
+inline void fill(Bytes& bytes, int n) { bytes.data = std::string("\0\xff bytes ", 9) + std::to_string(n); }
 inline void fill(Array& array, int n) {
   array.resize(n % 4, 3);
   for (std::size_t i = 0; i < array.data.size(); ++i) array.data[i] = 1e-300 * n + 0.1 * static_cast<double>(i);
@@ -42,6 +43,7 @@ inline Message sample(Kind kind) {
 inline bool same(const Array& a, const Array& b) {
   return a.rows == b.rows && a.columns == b.columns && a.data == b.data;
 }
+inline bool same(const Bytes& a, const Bytes& b) { return a.data == b.data; }
 template <class Value>
 bool same(const Value& a, const Value& b) {
   return a == b;

@@ -95,8 +95,25 @@ TEST(Decode, TakesWholeNumbersThatTravelAsIntegers) {
   for (const double value : {0.0, 1.0, -3.0, 1e15, -1e15, 1e19, 0.5}) {
     Message sent, received;
     sent.make<Welcome>().timeout_s = value;
+    const auto bytes = encoded(sent);
+    const auto unpacked = msgpack::unpack(bytes.data(), bytes.size());
+    msgpack::sbuffer by_others;
+    msgpack::packer<msgpack::sbuffer>(by_others).pack(unpacked.get());  // which makes integers of whole numbers
+    const std::string_view others(by_others.data(), by_others.size());
+    EXPECT_EQ(others != bytes, value != 0.5);
+    decode(others, "x", received);
+    EXPECT_EQ(received.as<Welcome>().timeout_s, value);
+  }
+}
+
+/// Bit for bit, whatever an encoder would make of whole numbers.
+TEST(Encode, KeepsWholeNumbers) {
+  for (const double value : {0.0, -0.0, 1.0, -3.0, 0x1p53, 0x1p63, 0x1p64, -0x1p63, 1e300}) {
+    Message sent, received;
+    sent.make<Welcome>().timeout_s = value;
     decode(encoded(sent), "x", received);
     EXPECT_EQ(received.as<Welcome>().timeout_s, value);
+    EXPECT_EQ(std::signbit(received.as<Welcome>().timeout_s), std::signbit(value));
   }
 }
 
