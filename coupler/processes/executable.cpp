@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
-#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
@@ -76,15 +75,16 @@ std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::P
   auto words = participant.launch;
   // One step each, with a processor that no other step has, and with the memory of the job, which is not shared out.
   if (words.empty() && slurm) words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
-  if (words.empty() || words.front().find('/') != std::string::npos) return words;
-  if (auto found = in_search_path(words.front()); !found.empty()) {
-    words.front() = std::move(found);
-    return words;
+  if (words.empty()) return words;
+  const bool on_path = words.front().find('/') == std::string::npos;
+  const std::string found = on_path ? in_search_path(words.front()) : executable(words.front()) ? words.front() : "";
+  if (found.empty()) {
+    throw ParticipantError(fmt::format("participant '{}': the program {}, by which it is to be launched, {}",
+                                       participant.name, words.front(),
+                                       on_path ? "is in no folder of PATH" : "does not exist or may not be executed"));
   }
-  throw ParticipantError(
-      fmt::format("participant '{}': the program {}, by which it is to be launched, is in no folder "
-                  "of PATH",
-                  participant.name, words.front()));
+  words.front() = found;
+  return words;
 }
 
 }  // namespace ricochet::coupler

@@ -102,10 +102,10 @@ void SlurmCluster::write_configuration() const {
   fs::permissions(folder_.path() / "munge.key", fs::perms::owner_read | fs::perms::owner_write);
   const auto ports = free_ports(nodes + 1);
   const std::string folder = folder_.path().string(), host = host_name();
-  // A node that does not answer is down after five seconds; a job that is queued again begins after ten.
+  // A node that does not answer is down after five seconds; a job that is queued again begins after as long.
   std::string text = fmt::format(
       "ClusterName=test\nSlurmctldHost={1}(127.0.0.1)\nSlurmctldPort={2}\nSlurmUser=root\nSlurmdUser=root\n"
-      "AuthType=auth/munge\nAuthInfo=socket={0}/munge,cred_expire=10\nStateSaveLocation={0}/state\n"
+      "AuthType=auth/munge\nAuthInfo=socket={0}/munge,cred_expire=5\nStateSaveLocation={0}/state\n"
       "SlurmdSpoolDir={0}/spool/%n\nSlurmctldPidFile={0}/slurmctld.pid\nSlurmdPidFile={0}/%n.pid\n"
       "SlurmctldLogFile={0}/log/slurmctld.log\nSlurmdLogFile={0}/log/%n.log\n"
       "ProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSelectType=select/cons_tres\n"

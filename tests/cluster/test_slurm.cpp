@@ -105,7 +105,7 @@ TEST_F(OnSlurm, ACancelledJobLeavesNothing) {
 
 /// What Slurm sends before the limit, sent by hand.
 TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
-  const auto text = long_bars(8000);
+  const auto text = long_bars(4000);
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job = cluster_->submit({"--output=" + path("job.log"), script, path("out")});
@@ -120,15 +120,30 @@ TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
   expect_results(path("out"), history);
 }
 
-/// Slurm looks at limits every 30 s, so that a limit of a minute means a signal within the first half of it.
-TEST_F(OnSlurm, AJobOfAMinuteAtATimeGetsToTheEnd) {
-  const auto text = long_bars(60000);
-  const auto script = script_of(text, {"--time", "1"});
-  const auto job = cluster_->submit({"--output=" + path("job.log"), script, path("out")});
+/// Slurm looks at limits every 30 s, so that a limit of a minute means a signal within the first half of it. Until then
+/// the explicit solver is stopped, and the run waits.
+TEST_F(OnSlurm, ALimitOfAMinuteEndsInACheckpointAndTheNextJobGoesOn) {
+  const auto text = long_bars(8000);
   const auto history = history_here(text);
-  ASSERT_TRUE(cluster_->wait_until_empty(200.0)) << cluster_->ask({"squeue"}) << file_text(path("job.log"));
+  const auto job = cluster_->submit({"--output=" + path("job.log"), script_of(text, {"--time", "1"}), path("out")});
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_TRUE(wait_for_checkpoint(path("out"), 60.0)) << file_text(path("job.log"));
+  const auto signal_solver = [&](int signal) {
+    for (const pid_t pid : cluster_->processes()) {
+      if (proc_text(fmt::format("/proc/{}/comm", pid)) == "explicit_solver\n") kill(pid, signal);
+    }
+  };
+  signal_solver(SIGSTOP);
+  const auto before = checkpoints_in(path("out")).back();
+  std::this_thread::sleep_until(begin + std::chrono::seconds(35));
+  signal_solver(SIGCONT);
+  ASSERT_TRUE(cluster_->wait_for_answer({"squeue", "--noheader", "--format=%T"}, "PENDING\n", 20.0))
+      << file_text(path("job.log"));
+  const auto reached = checkpoints_in(path("out")).back();
+  EXPECT_LE(reached, before + 400) << "it went on after the signal";
+  ASSERT_TRUE(cluster_->wait_until_empty(60.0)) << cluster_->ask({"squeue"});
   EXPECT_EQ(cluster_->state_of(job), "COMPLETED") << file_text(path("job.log"));
-  EXPECT_THAT(file_text(path("job.log")), HasSubstr("going on from window "));
+  EXPECT_THAT(file_text(path("job.log")), HasSubstr(fmt::format("going on from window {} ", reached)));
   expect_results(path("out"), history);
 }
 
@@ -144,7 +159,7 @@ class NodeOfSlurm : public OnSlurm, public testing::WithParamInterface<LostNode>
 
 TEST_P(NodeOfSlurm, IsNamedWithinTheDeadlineAndTheRunGoesOnElsewhere) {
   constexpr double timeout_s = 4.0;
-  const auto text = with_key(long_bars(8000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
+  const auto text = with_key(long_bars(4000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job =
