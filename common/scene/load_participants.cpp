@@ -33,11 +33,10 @@ std::vector<std::string> load_groups(TableReader& table, const std::vector<std::
 /// What stands in front of the program: another program and its arguments.
 std::vector<std::string> load_launch(TableReader& table) {
   const auto words = table.texts("launch");
-  const std::string allowed = "a program of PATH, or its absolute path, and its arguments";
-  if (words.empty() || words.front().empty()) table.refuse("launch", "no program", allowed);
-  const bool on_path = words.front().find('/') == std::string::npos;
-  if (!on_path && words.front().front() != '/')
-    table.refuse("launch", "the relative path \"" + words.front() + "\"", allowed);
+  const auto& program = words.front();
+  if (program.find('/') != std::string::npos && program.front() != '/')
+    table.refuse("launch", "the relative path \"" + program + "\"",
+                 "a program of PATH, or its absolute path, and its arguments");
   return words;
 }
 

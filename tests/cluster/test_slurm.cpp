@@ -105,7 +105,7 @@ TEST_F(OnSlurm, ACancelledJobLeavesNothing) {
 
 /// What Slurm sends before the limit, sent by hand.
 TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
-  const auto text = long_bars(4000);
+  const auto text = long_bars(10000);
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job = cluster_->submit({"--output=" + path("job.log"), script, path("out")});
@@ -159,7 +159,7 @@ class NodeOfSlurm : public OnSlurm, public testing::WithParamInterface<LostNode>
 
 TEST_P(NodeOfSlurm, IsNamedWithinTheDeadlineAndTheRunGoesOnElsewhere) {
   constexpr double timeout_s = 4.0;
-  const auto text = with_key(long_bars(4000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
+  const auto text = with_key(long_bars(10000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job =
