@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "common/base/error.hpp"
@@ -30,6 +32,12 @@ void require_descriptors(unsigned long needed) {
   if (wanted.rlim_cur == needed && setrlimit(RLIMIT_NOFILE, &wanted) == 0) return;
   throw MachineError(fmt::format("this process may have {} files open, it needs {}: raise the limit (ulimit -n)",
                                  limit.rlim_cur, needed));
+}
+
+std::string machine_name() {
+  if (const char* node = std::getenv("SLURMD_NODENAME")) return node;
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
 void require_proc() {

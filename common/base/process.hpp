@@ -17,6 +17,9 @@ void prepare_process();
 /// Raises the limit of open files to `needed` if that may be; else throws MachineError with both numbers.
 void require_descriptors(unsigned long needed);
 
+/// What this machine is called: by the batch system, if one started this process, else by itself.
+[[nodiscard]] std::string machine_name();
+
 /// Throws MachineError if /proc cannot be read: descriptors, programs and shared memory are found there.
 void require_proc();
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "common/base/process.hpp"
 #include "common/wire/codec.hpp"
 
 namespace ricochet::participant {
@@ -70,6 +71,7 @@ void Session::hello(Message& message) {
   hello.solver_version = description_.solver_version;
   hello.scene_sha256 = description_.scene_sha256;
   hello.process_id = getpid();
+  hello.machine = machine_name();
   send(message);
 }
 

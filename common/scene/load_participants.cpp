@@ -30,6 +30,16 @@ std::vector<std::string> load_groups(TableReader& table, const std::vector<std::
   return table.texts("groups");
 }
 
+/// What stands in front of the program: another program and its arguments.
+std::vector<std::string> load_launch(TableReader& table) {
+  const auto words = table.texts("launch");
+  const auto& program = words.front();
+  if (program.find('/') != std::string::npos && program.front() != '/')
+    table.refuse("launch", "the relative path \"" + program + "\"",
+                 "a program of PATH, or its absolute path, and its arguments");
+  return words;
+}
+
 ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   ParticipantSpec participant;
   participant.name = table.name("name");
@@ -43,6 +53,8 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   if (table.has("executable")) participant.executable = resolve_executable(table.text("executable"), scene);
   participant.start =
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
+  table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
+  if (table.has("launch")) participant.launch = load_launch(table);
   table.finish();
   return participant;
 }

@@ -12,9 +12,18 @@ namespace {
 
 constexpr int most = std::numeric_limits<int>::max();
 
+/// Slurm may start participants on any node of the allocation.
 void load_transport(TableReader& table, CouplingSettings& coupling) {
+  coupling.launcher = table.choice<LaunchedBy>(
+      "launcher", {{"local", LaunchedBy::coupler}, {"slurm", LaunchedBy::slurm}}, coupling.launcher);
+  const bool slurm = coupling.launcher == LaunchedBy::slurm;
+  if (slurm) coupling.transport = Transport::tcp;
+  if (slurm) coupling.address = "0.0.0.0";
   if (table.has("transport")) coupling.transport = table.named<Transport>("transport");
   const bool tcp = coupling.transport == Transport::tcp;
+  if (slurm && !tcp)
+    table.refuse("transport", fmt::format("\"{}\" with launcher = \"slurm\"", name_of(coupling.transport)),
+                 "\"tcp\", which that takes by itself: participants may be on other nodes");
   table.only_if(tcp, "address", "transport = \"tcp\"");
   table.only_if(tcp, "port", "transport = \"tcp\"");
   coupling.address = table.text("address", coupling.address);

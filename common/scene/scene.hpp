@@ -155,6 +155,9 @@ struct Time {
 
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
+/// What starts the participants.
+enum class LaunchedBy { coupler, slurm };
+
 /// The table [coupling].
 struct CouplingSettings {
   ProtocolTraits protocol = protocol_traits("hughes_liu");
@@ -167,8 +170,9 @@ struct CouplingSettings {
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
   int separation_windows = 10;  ///< windows with every pair open and gaps growing that count as separated
   double timeout_s = 60.0;      ///< longest wait for any peer
+  LaunchedBy launcher = LaunchedBy::coupler;
   Transport transport = Transport::automatic;
-  std::string address = "127.0.0.1";  ///< tcp: address to bind
+  std::string address = "127.0.0.1";  ///< tcp: address to bind; under Slurm, unless given, "0.0.0.0": every one
   int port = 0;                       ///< tcp: 0 picks a free one
   double energy_growth_limit = 0.05;  ///< relative growth of the energy balance that stops the run
 };
@@ -181,6 +185,8 @@ struct ParticipantSpec {
   std::vector<std::string> bodies;  ///< explicit participants: whose explicit elements they own
   std::string executable;           ///< empty: the solver shipped with ricochet
   Start start = Start::launch;
+  std::vector<std::string>
+      launch;  ///< words in front of program and arguments; empty: none, under Slurm those of a step
   std::vector<std::string> groups;  ///< explicit, one body: only those of these element groups; empty: all
 };
 

@@ -25,8 +25,9 @@ const Schema& scene_schema() {
       {"time", {"step_s", "largest_step_s", "safety_factor", "end_s", "until_separated_plus_s"}},
       {"coupling",
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations", "resynchronise_every",
-        "after_separation", "separation_windows", "timeout_s", "transport", "address", "port", "energy_growth_limit"}},
-      {"participant", {"name", "role", "bodies", "groups", "executable", "start"}},
+        "after_separation", "separation_windows", "timeout_s", "launcher", "transport", "address", "port",
+        "energy_growth_limit"}},
+      {"participant", {"name", "role", "bodies", "groups", "executable", "start", "launch"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };

@@ -83,6 +83,7 @@ struct Hello {
   static constexpr Kind kind = Kind::hello;
   std::string participant, role, solver, solver_version, scene_sha256;
   std::int64_t process_id = 0;
+  std::string machine;
   std::string shared_memory_path;
   std::int64_t shared_memory_key = 0;
 };

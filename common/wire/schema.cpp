@@ -110,6 +110,10 @@ const std::vector<KindEntry>& schema() {
         field<&Hello::scene_sha256>("scene_sha256", "",
                                     "SHA-256 of the scene file it read, 64 hexadecimal digits; empty: it reads none"),
         field<&Hello::process_id>("process_id", "", "its process on its machine"),
+        field<&Hello::machine>(
+            "machine", "",
+            "name of its machine, for error texts: as the batch system calls it (`SLURMD_NODENAME`), "
+            "else the host name; empty: it does not tell"),
         field<&Hello::shared_memory_path>(
             "shared_memory_path", "",
             "file of its own table that holds shared memory, `/proc/PROCESS/fd/NUMBER`; empty: it offers none"),

@@ -11,6 +11,7 @@
 #include "common/base/names.hpp"
 #include "common/base/process.hpp"
 #include "coupler/command/run_scene.hpp"
+#include "coupler/command/slurm_script.hpp"
 #include "coupler/command/starter_scene.hpp"
 #include "coupler/contract/contract_check.hpp"
 #include "coupler/report/pictures.hpp"
@@ -31,12 +32,19 @@ struct Arguments {
   std::string scene, study, out, name, results;
   ContractCommand command;
   std::optional<double> step_s, until_s;
+  std::optional<std::string> time;
   StabilityRequest stability;
 };
 
 void define_run(CLI::App& app, Arguments& arguments) {
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
   app.add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
+}
+
+void define_slurm_script(CLI::App& app, Arguments& arguments) {
+  app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  app.add_option("--out", arguments.out, "File for the script; default: standard output")->type_name("FILE");
+  app.add_option("--time", arguments.time, "Limit of the job, as Slurm writes times; default: the partition's");
 }
 
 void define_check(CLI::App& app, Arguments& arguments) {
@@ -129,6 +137,8 @@ const Subcommand subcommands[] = {
      done<[](const Arguments& a) { resume_run(a.results, a.until_s); }>},
     {"checkpoint", "Have a run that goes on save all that it would go on from", define_checkpoint,
      done<[](const Arguments& a) { request_checkpoint(a.results); }>},
+    {"slurm-script", "Write the batch script that computes a scene on Slurm, from limit to limit", define_slurm_script,
+     done<[](const Arguments& a) { write_slurm_script(a.scene, a.out, a.time); }>},
     {"check", "Report and refuse all that can be known before a process starts", define_check,
      done<[](const Arguments& a) { check_scene(a.scene); }>},
     {"stability", "Measure at which steps the coupled scheme is stable", define_stability,

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -19,16 +20,14 @@ bool executable(const fs::path& path) {
   return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
 }
 
-std::string in_search_path(const scene::ParticipantSpec& participant) {
+/// Empty if it is in none of its folders.
+std::string in_search_path(const std::string& program) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {
-    if (executable(fs::path(folder) / participant.executable)) return fs::path(folder) / participant.executable;
+    if (executable(fs::path(folder) / program)) return fs::path(folder) / program;
   }
-  throw ParticipantError(
-      fmt::format("participant '{}': the program {} is in no folder of PATH; correct `executable` in the "
-                  "scene (a path with '/' counts from the folder of the scene file)",
-                  participant.name, participant.executable));
+  return "";
 }
 
 fs::path shipped_path(scene::Role role) {
@@ -49,7 +48,13 @@ std::string shipped_program(scene::Role role) {
 std::string find_executable(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
   const bool own = participant.executable.empty();
   const bool bare_name = !own && participant.executable.find('/') == std::string::npos;
-  if (bare_name) return in_search_path(participant);
+  if (bare_name) {
+    if (auto found = in_search_path(participant.executable); !found.empty()) return found;
+    throw ParticipantError(
+        fmt::format("participant '{}': the program {} is in no folder of PATH; correct `executable` in the "
+                    "scene (a path with '/' counts from the folder of the scene file)",
+                    participant.name, participant.executable));
+  }
   fs::path path = own ? shipped_path(participant.role) : fs::path(scene.path).parent_path() / participant.executable;
   path = fs::absolute(path).lexically_normal();
   if (executable(path)) return path.string();
@@ -57,6 +62,29 @@ std::string find_executable(const scene::Scene& scene, const scene::ParticipantS
                                  : "correct `executable` in the scene, paths count from the folder of the scene file";
   throw ParticipantError(fmt::format("participant '{}': the program {} {}; {}", participant.name, path.string(),
                                      fs::exists(path) ? "may not be executed (chmod +x?)" : "does not exist", advice));
+}
+
+std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
+  const bool slurm = scene.coupling.launcher == scene::LaunchedBy::slurm;
+  if (slurm && !std::getenv("SLURM_JOB_ID")) {
+    throw ConfigError(fmt::format(
+        "{}: found \"slurm\" outside an allocation of Slurm (SLURM_JOB_ID is not set); `{} slurm-script {}` "
+        "writes the script to submit, \"local\" starts all participants on this machine",
+        scene.where("coupling.launcher"), command_name, scene.path));
+  }
+  auto words = participant.launch;
+  // One step each, with a processor that no other step has, and with the memory of the job, which is not shared out.
+  if (words.empty() && slurm) words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+  if (words.empty()) return words;
+  const bool on_path = words.front().find('/') == std::string::npos;
+  const std::string found = on_path ? in_search_path(words.front()) : executable(words.front()) ? words.front() : "";
+  if (found.empty()) {
+    throw ParticipantError(fmt::format("participant '{}': the program {}, by which it is to be launched, {}",
+                                       participant.name, words.front(),
+                                       on_path ? "is in no folder of PATH" : "does not exist or may not be executed"));
+  }
+  words.front() = found;
+  return words;
 }
 
 }  // namespace ricochet::coupler

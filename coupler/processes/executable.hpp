@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/scene/scene.hpp"
 
@@ -13,5 +14,10 @@ namespace ricochet::coupler {
 /// without a slash is looked up in PATH), or the solver shipped beside this program.
 /// Throws ParticipantError naming the path and what to do if it is missing or may not be executed.
 [[nodiscard]] std::string find_executable(const scene::Scene& scene, const scene::ParticipantSpec& participant);
+
+/// The words that stand in front of that program: the scene's `launch`, or under Slurm those of a step; none otherwise.
+/// Throws ParticipantError if the first is no program, ConfigError under Slurm outside an allocation.
+[[nodiscard]] std::vector<std::string> launch_prefix(const scene::Scene& scene,
+                                                     const scene::ParticipantSpec& participant);
 
 }  // namespace ricochet::coupler

@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "common/base/process.hpp"
 #include "coupler/processes/peers.hpp"
 
 namespace ricochet::coupler {
@@ -54,7 +55,7 @@ void Peers::admit() {
   auto memory = objection.empty() ? open_shared_memory(hello, objection) : nullptr;
   if (!objection.empty()) {
     const bool launched_here =
-        peer.identity.empty() && launcher_.launched(*found) && hello.process_id == launcher_.process_id(*found);
+        peer.identity.empty() && launcher_.launched(*found) && listener_.sender() == peer.expected.name;
     refuse(objection, config);
     if (peer.identity.empty()) peer.refusal = objection;
     if (launched_here) throw ConfigError(objection);  // no second one will come
@@ -63,6 +64,7 @@ void Peers::admit() {
   peer.lifecycle.step(wire::Side::participant, *scratch_, peer.expected.name);
   peer.identity = scratch_identity_;
   peer.process_id = hello.process_id;
+  if (hello.machine != machine_name()) peer.machine = hello.machine;
   peer.last_heard = Clock::now();
   wire::Message message;
   auto& welcome = message.make<wire::Welcome>();

@@ -178,9 +178,17 @@ int Launcher::file_descriptor() const { return uv_backend_fd(&impl_->loop); }
 void Launcher::poll() { uv_run(&impl_->loop, UV_RUN_NOWAIT); }
 
 bool Launcher::wait_all(Milliseconds timeout) {
+  return wait_until([this] { return !impl_->any_running(); }, timeout);
+}
+
+bool Launcher::wait_for(const std::string& name, Milliseconds timeout) {
+  return wait_until([&] { return end_of(name).has_value(); }, timeout);
+}
+
+bool Launcher::wait_until(const std::function<bool()>& over, Milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   poll();
-  while (impl_->any_running()) {
+  while (!over()) {
     const auto left = std::chrono::duration_cast<Milliseconds>(deadline - std::chrono::steady_clock::now()).count();
     if (left <= 0) return false;
     pollfd wait{file_descriptor(), POLLIN, 0};

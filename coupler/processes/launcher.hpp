@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ class Launcher {
   void poll();
   /// Waits until every process has ended; false if one still runs after `timeout`.
   bool wait_all(std::chrono::milliseconds timeout);
+  /// The same of one.
+  bool wait_for(const std::string& name, std::chrono::milliseconds timeout);
   /// Ends every process: SIGTERM, after `grace` SIGKILL; returns when all are gone.
   void stop(std::chrono::milliseconds grace);
 
@@ -69,6 +72,8 @@ class Launcher {
   [[nodiscard]] int take_request();
 
  private:
+  bool wait_until(const std::function<bool()>& over, std::chrono::milliseconds timeout);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -44,8 +44,9 @@ std::string size_text(double bytes) {
 double memory_need_bytes(const scene::Scene& scene) {
   double nodes = 0.0;
   for (const auto& body : scene.bodies) nodes += nodes_of(body);
+  const bool here = scene.coupling.launcher == scene::LaunchedBy::coupler;
   const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
-                                      [](const auto& p) { return p.start == scene::Start::launch; });
+                                      [here](const auto& p) { return here && p.start == scene::Start::launch; });
   const PerNode& per_node = scene.components() == 1   ? in_one_dimension
                             : scene.components() == 2 ? in_two_dimensions
                                                       : in_three_dimensions;
@@ -84,8 +85,9 @@ scene::Problem load_problem(const std::string& path) {
 
 std::string address_warning(const scene::Scene& scene) {
   const auto& address = scene.coupling.address;
-  const bool tcp = scene.coupling.transport == Transport::tcp;
-  if (!tcp || address == "127.0.0.1" || address == "localhost" || address == "::1" || address == "[::1]") return "";
+  const bool asked =
+      scene.coupling.transport == Transport::tcp && scene.coupling.launcher == scene::LaunchedBy::coupler;
+  if (!asked || address == "127.0.0.1" || address == "localhost" || address == "::1" || address == "[::1]") return "";
   return fmt::format(
       "coupling.address: found \"{}\", which other machines can reach; only who has a key of the run gets through, and "
       "what is sent is encrypted (docs/security.md); \"127.0.0.1\" stays on this machine",

@@ -17,13 +17,20 @@ namespace {
 Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& participant, const std::string& executable,
                  const ResultsDirectory& results) {
   const auto& name = participant.name;
+  const auto key_file = results.file("keys/" + name + ".key");
   Member member{name, participant.role, executable, {"--scene", scene.path, "--name", name}};
   if (participant.start == scene::Start::by_hand) {
     member.executable = participant.executable.empty() ? shipped_program(participant.role) : participant.executable;
-    member.key_file = results.file("keys/" + name + ".key");
+    member.key_file = key_file;
   } else {
     member.arguments.emplace_back("--watch-stdin");
     member.log_path = results.log(name);
+    if (auto words = launch_prefix(scene, participant); !words.empty()) {
+      words.push_back(executable);
+      member.arguments.insert(member.arguments.begin(), words.begin() + 1, words.end());
+      member.executable = words.front();
+      member.key_file = key_file;
+    }
   }
   return member;
 }
@@ -66,7 +73,9 @@ wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t 
 std::vector<std::string> find_executables(const scene::Scene& scene) {
   std::vector<std::string> paths;
   for (const auto& participant : scene.participants) {
-    paths.push_back(participant.start == scene::Start::launch ? find_executable(scene, participant) : "");
+    const bool launched = participant.start == scene::Start::launch;
+    if (launched) static_cast<void>(launch_prefix(scene, participant));
+    paths.push_back(launched ? find_executable(scene, participant) : "");
   }
   return paths;
 }

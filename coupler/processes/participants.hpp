@@ -19,7 +19,8 @@ namespace ricochet::coupler {
 [[nodiscard]] wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t last_window,
                                                   const std::string& output_directory);
 
-/// Program per participant, in the scene's order; empty for one that is started by hand.
+/// Program per participant, in the scene's order; empty for one that is started by hand. Throws if one cannot be
+/// launched: find_executable, launch_prefix.
 [[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
 
 /// Names of the participants, in the scene's order.

@@ -21,7 +21,7 @@ double since_epoch_s(Clock::time_point time) { return std::chrono::duration<doub
 
 constexpr std::size_t log_lines = 8;
 constexpr std::uintmax_t largest_log = 100'000'000;
-constexpr std::chrono::milliseconds between_looks_at_logs{100};
+constexpr std::chrono::milliseconds between_looks_at_logs{100}, until_told_why{1000};
 
 }  // namespace
 
@@ -174,8 +174,8 @@ void Peers::check_end(Remote& peer) {
   peer.end_handled = true;
   hear_last_words(peer);
   if (peer.lifecycle.done()) return;
-  throw ParticipantError(fmt::format("participant '{}' {} {}{}{}", peer.expected.name, end->text(), place(peer),
-                                     refusal_text(peer), log_tail(peer)));
+  throw ParticipantError(
+      fmt::format("{} {} {}{}{}", who(peer), end->text(), place(peer), refusal_text(peer), log_tail(peer)));
 }
 
 /// Until they have been heard or nothing can come any more, whoever else talks or goes meanwhile.
@@ -187,17 +187,20 @@ void Peers::hear_last_words(Remote& peer) {
 }
 
 /// Of a process that was launched here more can be told when it has ended; of others the connection is all there is.
+/// Who launched one on another machine may know why it ended, but not if that machine is gone.
 void Peers::check_connections() {
   seen_closings_ = listener_.closings();
   for (auto& peer : peers_) {
-    if (peer.identity.empty() || peer.lifecycle.done() || launcher_.launched(peer.expected.name)) continue;
+    const bool launched = launcher_.launched(peer.expected.name);
+    if (peer.identity.empty() || peer.lifecycle.done() || (launched && !peer.expected.through_another)) continue;
     if (!listener_.gone(peer.identity)) continue;
     hear_last_words(peer);
     if (peer.lifecycle.done()) continue;
-    throw ParticipantError(
-        fmt::format("participant '{}' is gone {}: its connection was closed, the process (started by hand, "
-                    "{} on its machine) ended or was killed",
-                    peer.expected.name, place(peer), peer.process_id));
+    if (launched && launcher_.wait_for(peer.expected.name, until_told_why)) check_end(peer);
+    throw ParticipantError(fmt::format(
+        "{} is gone {}: its connection was closed, the process ({}, {} on its machine) ended or was killed{}",
+        who(peer), place(peer), launched ? "what launched it still runs" : "started by hand", peer.process_id,
+        log_tail(peer)));
   }
 }
 
@@ -244,11 +247,17 @@ void Peers::throw_failure(const Remote& peer) const {
 
 void Peers::throw_silent(const Remote& peer) const {
   const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
-  throw ParticipantError(fmt::format(
-      "participant '{}' has been silent for {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
-      "is stopped, or "
-      "needs a longer timeout{}",
-      peer.expected.name, silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));
+  throw ParticipantError(
+      fmt::format("{} has been silent for {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
+                  "is stopped, or "
+                  "needs a longer timeout{}",
+                  who(peer), silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));
+}
+
+/// With its machine, if that is another one.
+std::string Peers::who(const Remote& peer) {
+  const std::string machine = peer.machine.empty() ? "" : " on " + peer.machine;
+  return fmt::format("participant '{}'{}", peer.expected.name, machine);
 }
 
 std::string Peers::place(const Remote& peer) const {

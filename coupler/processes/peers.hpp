@@ -20,6 +20,7 @@ namespace ricochet::coupler {
 struct ExpectedPeer {
   std::string name;
   Role role = Role::explicit_solver;
+  bool through_another = false;  ///< what is launched here is not its program, but one that starts it
 };
 
 /// What a process said before it ended is in the socket after this time [s].
@@ -82,6 +83,7 @@ class Peers {
     std::optional<Transport> transport;
     std::string refusal;  ///< why a peer of this name was turned away
     std::int64_t process_id = 0;
+    std::string machine;  ///< if it is not this one
     std::int64_t sequence = 0, window = 0;
     wire::Clock::time_point last_heard;
     bool has_message = false, busy = false, end_handled = false;
@@ -109,6 +111,7 @@ class Peers {
   [[noreturn]] void throw_broken(const Remote& peer, const ProtocolError& error) const;
   [[noreturn]] void throw_failure(const Remote& peer) const;
   [[noreturn]] void throw_silent(const Remote& peer) const;
+  [[nodiscard]] static std::string who(const Remote& peer);
   [[nodiscard]] std::string place(const Remote& peer) const;
   [[nodiscard]] std::string refusal_text(const Remote& peer) const;
   [[nodiscard]] std::string log_tail(const Remote& peer) const;

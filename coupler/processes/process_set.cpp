@@ -21,7 +21,9 @@ std::vector<std::string> names_of(const std::vector<Member>& members) {
 
 std::vector<ExpectedPeer> expected_peers(const std::vector<Member>& members) {
   std::vector<ExpectedPeer> expected;
-  for (const auto& member : members) expected.push_back({member.name, member.role});
+  for (const auto& member : members) {
+    expected.push_back({member.name, member.role, !member.by_hand() && !member.key_file.empty()});
+  }
   return expected;
 }
 
@@ -58,22 +60,22 @@ ProcessSet::~ProcessSet() { remove_keys(); }
 
 /// Everything that a program is called with; the same wherever it is started.
 std::vector<std::string> ProcessSet::arguments_of(const Member& member) const {
-  const bool by_hand = !member.key_file.empty();
+  const bool elsewhere = !member.key_file.empty();
   const std::string bound = listener_->endpoint();
   auto arguments = member.arguments;
-  arguments.insert(arguments.end(), {"--connect", by_hand ? remote_endpoint(bound) : local_endpoint(bound), "--key",
-                                     by_hand ? member.key_file : LaunchRequest::key_path});
+  arguments.insert(arguments.end(), {"--connect", elsewhere ? remote_endpoint(bound) : local_endpoint(bound), "--key",
+                                     elsewhere ? member.key_file : LaunchRequest::key_path});
   return arguments;
 }
 
 void ProcessSet::launch() {
   for (const auto& member : members_) {
-    if (member.key_file.empty()) {
+    if (!member.key_file.empty()) write_key(member);
+    if (!member.by_hand()) {
       launcher_.launch({member.name, member.executable, arguments_of(member), member.log_path,
-                        wire::to_text(listener_->key_of(member.name))});
+                        member.key_file.empty() ? wire::to_text(listener_->key_of(member.name)) : ""});
       continue;
     }
-    write_key(member);
     fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", member.name, timeout_s_,
                member.executable, fmt::join(arguments_of(member), " "));
   }

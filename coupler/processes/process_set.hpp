@@ -15,10 +15,13 @@ namespace ricochet::coupler {
 struct Member {
   std::string name;  ///< of the participant
   Role role = Role::explicit_solver;
-  std::string executable;                ///< its path; of one that is started by hand, what to type
+  std::string executable;                ///< path of what is launched; of one that is started by hand, what to type
   std::vector<std::string> arguments{};  ///< its own; those that tell it where to connect are added
-  std::string log_path{};                ///< takes what it prints
-  std::string key_file{};  ///< of one that is started by hand: where it is given its key; empty: it is launched here
+  std::string log_path{};                ///< takes what it prints; empty: it is started by hand
+  /// Where it finds its key if it inherits no file of this process: it is started by hand, or by the program that is
+  /// launched, perhaps on another machine.
+  std::string key_file{};
+  [[nodiscard]] bool by_hand() const { return log_path.empty(); }
 };
 
 /// The processes of a run, from the first start to the last exit code:
@@ -33,9 +36,9 @@ struct Member {
 ///   set.check_exit_codes();
 ///
 /// Each member has a key of its own, by which the listener knows it; nobody without one is heard. A launched program
-/// finds it in an open file, one that is started by hand in a file that only this user may read and that is gone when
-/// everybody has come, or with this object. What ends a run early is told to everyone by `fail`; whoever still runs is
-/// ended with this object.
+/// finds it in an open file, one that is started by hand or by another program in a file that only this user may read
+/// and that is gone when everybody has come, or with this object. What ends a run early is told to everyone by `fail`;
+/// whoever still runs is ended with this object.
 class ProcessSet {
  public:
   /// Listens at `endpoint` (wire::Listener), starts nothing.

@@ -12,7 +12,7 @@ ANSWER = ("records:array axial_stress:array departures:array outline:array pairs
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
     "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
-             "shared_memory_path:text shared_memory_key:integer",
+             "machine:text shared_memory_path:text shared_memory_key:integer",
     "welcome": "participant:text timeout_s:float shared_memory:boolean",
     "describe": "",
     "description": "components:integer bodies:texts interface_body:array interface_position_m:array "

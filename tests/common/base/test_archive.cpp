@@ -143,7 +143,8 @@ std::string refusal_of(const std::string& bytes) {
 TEST(Archive, RefusesListsOfAnotherScene) {
   EXPECT_EQ(refusal_of(written_body({})), "none");
   EXPECT_EQ(refusal_of(written_body({.found = {1, 2, 3}})), "none");
-  EXPECT_THAT(refusal_of(written_body({.u = {1.0}})), HasSubstr("the state: it is of another scene: a list of 1, expected 2"));
+  EXPECT_THAT(refusal_of(written_body({.u = {1.0}})),
+              HasSubstr("the state: it is of another scene: a list of 1, expected 2"));
   EXPECT_THAT(refusal_of(written_body({.u = {1, 2, 3}})), HasSubstr("a list of 3, expected 2"));
   EXPECT_THAT(refusal_of(written_body({.contact = {}})), HasSubstr("the state: it is of another scene"));
 }

@@ -70,6 +70,7 @@ executable = "my_solver"
 [[participant]]
 name = "contact"
 role = "implicit"
+launch = ["srun", "-n", "1", "--exact"]
 [output]
 history_every = 2
 fields_every = 50
@@ -229,7 +230,17 @@ TEST(LoadScene, ParticipantsFieldByField) {
   EXPECT_EQ(scene.participant("back").executable, "my_solver");
   EXPECT_EQ(scene.participant("back").start, Start::launch);
   EXPECT_EQ(scene.participant("contact").role, Role::implicit_solver);
+  EXPECT_THAT(scene.participant("contact").launch, ElementsAre("srun", "-n", "1", "--exact"));
   EXPECT_THROW((void)scene.participant("contacts"), ConfigError);
+}
+
+TEST(LoadScene, UnderSlurmParticipantsMayBeOnAnyMachine) {
+  const std::string coupling = cylinders.substr(0, cylinders.find("[coupling]")) + "[coupling]\nlauncher = \"slurm\"\n";
+  const CouplingSettings slurm = load_text(coupling).coupling;
+  EXPECT_EQ(slurm.launcher, LaunchedBy::slurm);
+  EXPECT_EQ(slurm.transport, Transport::tcp);
+  EXPECT_EQ(slurm.address, "0.0.0.0");
+  EXPECT_EQ(load_text(coupling + "address = \"10.0.0.1\"\n").coupling.address, "10.0.0.1");
 }
 
 TEST(LoadScene, DefaultsStandInTheStructs) {

@@ -181,5 +181,37 @@ TEST_F(ExecutableTest, MissingProgramsAreNamedWithAdvice) {
   EXPECT_THAT(refusal(), HasSubstr("in no folder of PATH"));
 }
 
+TEST_F(ExecutableTest, WhatLaunchesAProgramIsFoundInPathToo) {
+  EXPECT_TRUE(launch_prefix(scene_, participant_).empty());
+  participant_.launch = {"env", "A=b"};
+  EXPECT_THAT(launch_prefix(scene_, participant_), testing::ElementsAre(testing::EndsWith("/env"), "A=b"));
+  for (const auto& [program, words] : {std::pair{"no-such-program-anywhere", "is in no folder of PATH"},
+                                       {"/no/such/program", "does not exist or may not be executed"}}) {
+    participant_.launch = {program};
+    try {
+      (void)launch_prefix(scene_, participant_);
+      FAIL() << program;
+    } catch (const ParticipantError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("'mine'"), HasSubstr(program), HasSubstr(words)));
+    }
+  }
+}
+
+TEST_F(ExecutableTest, SlurmLaunchesInAnAllocationOnly) {
+  scene_.coupling.launcher = scene::LaunchedBy::slurm;
+  unsetenv("SLURM_JOB_ID");
+  try {
+    (void)launch_prefix(scene_, participant_);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("coupling.launcher: found \"slurm\" outside an allocation"),
+                                    HasSubstr("ricochet slurm-script " + scene_.path)));
+  }
+  setenv("SLURM_JOB_ID", "1", 1);
+  participant_.launch = {"env"};
+  EXPECT_THAT(launch_prefix(scene_, participant_), testing::ElementsAre(testing::EndsWith("/env")));
+  unsetenv("SLURM_JOB_ID");
+}
+
 }  // namespace
 }  // namespace ricochet::coupler

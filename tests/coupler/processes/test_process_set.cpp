@@ -69,6 +69,17 @@ TEST_F(ProcessSetTest, TellsAProgramWhereToConnectAndItsKey) {
                     HasSubstr("public "), HasSubstr("secret ")));
 }
 
+TEST_F(ProcessSetTest, AProgramThatAnotherOneStartsFindsItsKeyInAFile) {
+  auto member = script("spring", "echo \"$@\"; cat \"$4\"");
+  member.key_file = key_;
+  ProcessSet set({member}, run(), "ipc://*");
+  set.launch();
+  ASSERT_TRUE(set.launcher().wait_all(std::chrono::milliseconds(10000)));
+  EXPECT_EQ(fs::status(key_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_THAT(last_lines(set.launcher().log_path("spring"), 9),
+              AllOf(HasSubstr(" --key " + key_), HasSubstr("secret ")));
+}
+
 TEST_F(ProcessSetTest, WhoComesByHandFindsItsKeyUntilEverybodyIsThere) {
   ProcessSet set({by_hand()}, run(), "ipc://*");
   set.launch();

@@ -1,0 +1,120 @@
+#include "coupler/command/slurm_script.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+
+#include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
+#include "coupler/processes/machine_check.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The shell waits for the run in the background, because it hears no signal while it waits for a program in front;
+// `wait` ends at the signal, and once more when the run has ended.
+constexpr const char* batch_script =
+    R"script(#!/bin/bash
+# Computes {scene_path} on Slurm; written by `ricochet slurm-script` (docs/cluster.md).
+#   sbatch SCRIPT [DIR]    DIR: the results folder; from a checkpoint in it the run goes on
+#SBATCH --job-name={name}
+#SBATCH {tasks}
+{time}#SBATCH --signal=B:TERM@60
+#SBATCH --requeue
+#SBATCH --open-mode=append
+
+ricochet={ricochet}
+scene={scene}
+results=${{1:-{results}}}
+
+last_checkpoint() {{ ls "$results/checkpoint" 2> /dev/null | grep '^[0-9]*\.json$' | sort -n | tail -n 1; }}
+
+begun_at=$(last_checkpoint)
+if [ -n "$begun_at" ]; then
+  "$ricochet" resume "$results" &
+else
+  "$ricochet" run "$scene" --out "$results" &
+fi
+run=$!
+# A minute before the time limit: the run makes a checkpoint and ends.
+trap 'signalled=yes; kill -TERM $run' TERM
+wait $run
+code=$?
+while [ -n "$signalled" ]; do
+  signalled=
+  wait $run
+  code=$?
+done
+# The time limit (143) and a lost participant or node (4) end this job, not the run, as long as it gets further. A job
+# that was cancelled is not RUNNING any more.
+case $code in
+  4 | 143)
+    state=$(squeue --noheader --jobs "$SLURM_JOB_ID" --format %T)
+    if [ "$(last_checkpoint)" != "$begun_at" ] && [ "$state" = RUNNING ]; then
+      scontrol requeue "$SLURM_JOB_ID"
+    fi
+    ;;
+esac
+exit $code
+)script";
+
+/// A word for the shell, whatever is in it.
+std::string quoted(const std::string& word) {
+  std::string result = "'";
+  for (const char letter : word) result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return result + "'";
+}
+
+std::string own_path() { return fs::read_symlink("/proc/self/exe").string(); }
+
+/// One processor for each participant that is launched and one for the coupler: on any nodes, or on one.
+std::string tasks_of(const scene::Scene& scene) {
+  const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
+                                      [](const auto& p) { return p.start == scene::Start::launch; });
+  return scene.coupling.launcher == scene::LaunchedBy::slurm
+             ? fmt::format("--ntasks={}", launched + 1)
+             : fmt::format("--nodes=1 --ntasks=1 --cpus-per-task={}", launched + 1);
+}
+
+std::string time_line(const std::optional<std::string>& time) {
+  if (!time) return "";
+  static const std::regex known(R"((\d+-)?\d+(:\d+){0,2})");
+  if (!std::regex_match(*time, known)) {
+    throw ConfigError(
+        fmt::format("--time: found \"{}\", allowed: MINUTES, MINUTES:SECONDS, HOURS:MINUTES:SECONDS or "
+                    "DAYS-HOURS[:MINUTES[:SECONDS]]",
+                    *time));
+  }
+  return fmt::format("#SBATCH --time={}\n", *time);
+}
+
+std::string job_name(const std::string& stem) {
+  static const std::regex unusual("[^A-Za-z0-9_.-]");
+  return std::regex_replace(stem, unusual, "_");
+}
+
+}  // namespace
+
+void write_slurm_script(const std::string& scene_path, const std::string& out, const std::optional<std::string>& time) {
+  const auto problem = load_problem(scene_path);
+  const auto& path = problem.scene.path;
+  const std::string stem = fs::path(path).stem().string();
+  const auto script = fmt::format(batch_script, fmt::arg("scene_path", path), fmt::arg("name", job_name(stem)),
+                                  fmt::arg("tasks", tasks_of(problem.scene)), fmt::arg("time", time_line(time)),
+                                  fmt::arg("ricochet", quoted(own_path())), fmt::arg("scene", quoted(path)),
+                                  fmt::arg("results", quoted(fs::absolute("out/" + stem).string())));
+  if (out.empty()) {
+    fmt::print("{}", script);
+    return;
+  }
+  if (fs::exists(out)) throw ConfigError(fmt::format("{} exists already; give another name or remove it first", out));
+  write_atomically(out, script, 0755);
+  fmt::print("wrote {}: sbatch {}\n", out, out);
+}
+
+}  // namespace ricochet::coupler
