@@ -57,7 +57,8 @@ inline std::string plates(const std::string& across, const std::string& law, con
   return text + more;
 }
 
-/// Every solver of a few small scenes, two windows after the start.
+/// Every solver of a few small scenes, started, and its state two windows later, which another process would go on
+/// from.
 class SmallSolvers {
  public:
   SmallSolvers() {
@@ -98,21 +99,23 @@ class SmallSolvers {
     file.hold(text);
     const auto problem = scene::build_problem(scene::load_scene(file.path()));
     for (const auto& spec : problem.scene.participants) {
-      Solver solver;
-      if (spec.role == participant::Role::implicit_solver) {
-        solver.participant = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
-      } else {
-        solver.participant = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
-      }
-      start(problem.scene, spec, problem.window_size_s, solver);
-      solvers_.push_back(std::move(solver));
+      Solver first = started(problem, spec);
+      for (std::int64_t window = 1; window <= 2; ++window) run(first, window);
+      solvers_.push_back(started(problem, spec));
+      solvers_.back().state = first.participant->save_state();
     }
   }
-  static void start(const scene::Scene& scene, const scene::ParticipantSpec& spec, double window_size_s,
-                    Solver& solver) {
+  static Solver started(const scene::Problem& problem, const scene::ParticipantSpec& spec) {
+    const auto& scene = problem.scene;
+    Solver solver;
+    if (spec.role == participant::Role::implicit_solver) {
+      solver.participant = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
+    } else {
+      solver.participant = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
+    }
     const auto description = solver.participant->describe();
     participant::Setup setup;
-    setup.window_size_s = window_size_s;
+    setup.window_size_s = problem.window_size_s;
     setup.substeps = scene.coupling.substeps;
     setup.last_window = 100;
     setup.interface_mass_kg = description.interface_mass_kg;
@@ -125,8 +128,7 @@ class SmallSolvers {
     solver.participant->synchronise(
         by_newmark ? participant::Integration::implicit_newmark : participant::Integration::explicit_central,
         solver.link, output);
-    for (std::int64_t window = 1; window <= 2; ++window) run(solver, window);
-    solver.state = solver.participant->save_state();
+    return solver;
   }
 
   std::vector<Solver> solvers_;

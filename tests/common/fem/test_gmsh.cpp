@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"coordinate_missing",
                "0.00250000000000661 -0.004 0",
                "0.0025 -0.004",
-               {":114: expected a node tag, found"}},
+               {":112: expected the dimension of a node block, 0 to 3, found 14"}},
         Broken{"negative_count", "\n26 34 1 34\n", "\n26 -34 1 34\n", {":45: expected the number of nodes, found -34"}},
         Broken{"huge_block", "\n2 1 0 7\n", "\n2 1 0 2000000000\n", {":123: expected a node tag"}},
         Broken{"node_count", "\n26 34 1 34\n", "\n26 35 1 34\n", {":139: 35 nodes are announced, the blocks hold 34"}},
