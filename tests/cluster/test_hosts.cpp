@@ -1,8 +1,11 @@
 // A run on two hosts with a cable between them that is slow, loses frames, is cut and restored.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <csignal>
+#include <memory>
 #include <sstream>
+#include <thread>
 
 #include "tests/cluster/hosts.hpp"
 #include "tests/support/process_table.hpp"

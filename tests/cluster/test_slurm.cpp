@@ -1,7 +1,10 @@
 // Runs on a Slurm that the test starts: many jobs, a cancelled one, time limits, nodes that are lost.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <csignal>
+#include <memory>
+#include <thread>
 
 #include "tests/cluster/slurm_cluster.hpp"
 #include "tests/support/process_table.hpp"
@@ -51,6 +54,12 @@ class OnSlurm : public testing::Test {
   }
   bool wait_for_checkpoint(const std::string& folder, double timeout_s) {
     return wait_until([&] { return !checkpoints_in(folder).empty(); }, timeout_s);
+  }
+
+  void signal_solver(int signal) {
+    for (const pid_t pid : cluster_->processes()) {
+      if (proc_text(fmt::format("/proc/{}/comm", pid)) == "explicit_solver\n") kill(pid, signal);
+    }
   }
 
   std::unique_ptr<SlurmCluster> cluster_;
@@ -103,9 +112,19 @@ TEST_F(OnSlurm, ACancelledJobLeavesNothing) {
   }
 }
 
+TEST_F(OnSlurm, AParticipantThatIsKilledIsNamedWithWhatSlurmSaysOfItsStep) {
+  cluster_->submit({"--output=" + path("job.log"), script_of(long_bars(1000000)), path("out")});
+  ASSERT_TRUE(wait_for_checkpoint(path("out"), 60.0)) << file_text(path("job.log"));
+  signal_solver(SIGKILL);
+  const auto named = [&] { return file_text(path("job.log")).find("participant 'explicit'") != std::string::npos; };
+  ASSERT_TRUE(wait_until(named, 10.0)) << file_text(path("job.log"));
+  EXPECT_THAT(file_text(path("job.log")), HasSubstr("ended with exit code 137 in window"));
+  EXPECT_THAT(file_text(path("job.log")), HasSubstr("task 0: Killed"));
+}
+
 /// What Slurm sends before the limit, sent by hand.
 TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
-  const auto text = long_bars(10000);
+  const auto text = long_bars(6000);
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job = cluster_->submit({"--output=" + path("job.log"), script, path("out")});
@@ -128,11 +147,6 @@ TEST_F(OnSlurm, ALimitOfAMinuteEndsInACheckpointAndTheNextJobGoesOn) {
   const auto job = cluster_->submit({"--output=" + path("job.log"), script_of(text, {"--time", "1"}), path("out")});
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_TRUE(wait_for_checkpoint(path("out"), 60.0)) << file_text(path("job.log"));
-  const auto signal_solver = [&](int signal) {
-    for (const pid_t pid : cluster_->processes()) {
-      if (proc_text(fmt::format("/proc/{}/comm", pid)) == "explicit_solver\n") kill(pid, signal);
-    }
-  };
   signal_solver(SIGSTOP);
   const auto before = checkpoints_in(path("out")).back();
   std::this_thread::sleep_until(begin + std::chrono::seconds(35));
@@ -159,7 +173,7 @@ class NodeOfSlurm : public OnSlurm, public testing::WithParamInterface<LostNode>
 
 TEST_P(NodeOfSlurm, IsNamedWithinTheDeadlineAndTheRunGoesOnElsewhere) {
   constexpr double timeout_s = 4.0;
-  const auto text = with_key(long_bars(10000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
+  const auto text = with_key(long_bars(6000), "coupling", "timeout_s", fmt::format("{}", timeout_s));
   const auto history = history_here(text);
   const auto script = script_of(text);
   const auto job =
