@@ -185,9 +185,9 @@ struct ParticipantSpec {
   std::vector<std::string> bodies;  ///< explicit participants: whose explicit elements they own
   std::string executable;           ///< empty: the solver shipped with ricochet
   Start start = Start::launch;
-  std::vector<std::string>
-      launch;  ///< words in front of program and arguments; empty: none, under Slurm those of a step
-  std::vector<std::string> groups;  ///< explicit, one body: only those of these element groups; empty: all
+  std::vector<std::string> groups{};  ///< explicit, one body: only those of these element groups; empty: all
+  /// Words in front of program and arguments; empty: none, under Slurm those of a step.
+  std::vector<std::string> launch{};
 };
 
 struct Output {

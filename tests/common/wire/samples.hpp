@@ -18,7 +18,6 @@ inline void fill(std::string& value, int n) { value = "text \xc3\xa9 " + std::to
 inline void fill(std::vector<std::string>& values, int n) {
   values = {"", "one", std::string(300, static_cast<char>('a' + n % 26))};
 }
-inline void fill(Bytes& bytes, int n) { bytes.data = std::string("\0\xff bytes ", 9) + std::to_string(n); }
 inline void fill(Array& array, int n) {
   array.resize(n % 4, 3);
   for (std::size_t i = 0; i < array.data.size(); ++i) array.data[i] = 1e-300 * n + 0.1 * static_cast<double>(i);
