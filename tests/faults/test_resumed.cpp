@@ -162,9 +162,11 @@ INSTANTIATE_TEST_SUITE_P(Kills, Resumed,
 /// Ten times a participant is killed, and nobody does anything about it.
 TEST(ResumedByItself, ThroughTenKills) {
   const TemporaryFolder folder;
-  const std::string text = with_key(with_key(with_key(bars(all_windows), "checkpoint", "every_windows", "100"),
-                                             "checkpoint", "on_failure", "\"resume\""),
-                                    "checkpoint", "attempts", "10");
+  constexpr int windows = 10 * all_windows;  // so many that ten kills come in between
+  const std::string flight = with_key(bars(windows), "output", "fields_every", std::to_string(all_windows));
+  const std::string text = with_key(
+      with_key(with_key(flight, "checkpoint", "every_windows", "1000"), "checkpoint", "on_failure", "\"resume\""),
+      "checkpoint", "attempts", "10");
   const RunResult whole = run_text(text, folder, "whole");
   const auto scene = (folder.path() / "whole.toml").string(), out = (folder.path() / "out").string();
   Process run({ricochet_binary(), "run", scene, "--out", out}, folder.path() / "o", folder.path() / "e");
