@@ -93,7 +93,7 @@ SlidingRows::State SlidingRows::state() const {
   return state;
 }
 
-void SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
+bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
   bool any_follows = false, any_stops = false;
   for (std::size_t i = 0; i < state.size(); ++i) {
     any_follows = any_follows || state[i].follows;
@@ -102,6 +102,7 @@ void SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
   }
   if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid
   if (any_follows) write(pairs);
+  return any_follows || any_stops;
 }
 
 std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to) {

@@ -38,8 +38,8 @@ class SlidingRows {
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;
-  /// Also writes the pairs of that state.
-  void restore(const State& state, std::vector<Pair>& pairs);
+  /// Also writes the pairs of that state, if they are others than those of the start. Returns whether it wrote them.
+  bool restore(const State& state, std::vector<Pair>& pairs);
 
  private:
   struct Sliding {

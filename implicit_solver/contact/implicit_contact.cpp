@@ -626,8 +626,7 @@ ImplicitContact::State ImplicitContact::state() const {
 
 void ImplicitContact::restore(const State& state, const std::vector<BodyState>& states) {
   state_ = state;
-  if (sliding_) {
-    sliding_->restore(state.sliding, surface_.pairs);
+  if (sliding_ && sliding_->restore(state.sliding, surface_.pairs)) {  // else the compliance stays, to the last bit
     old_pairs_.clear();
     take_new_pairs(states);
   }
