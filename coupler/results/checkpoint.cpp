@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
@@ -62,10 +63,9 @@ Json told(const std::string& participant, const std::string& bytes) {
   return entry;
 }
 
-std::string whole(const std::string& path, const Json& entry) {
+std::string whole(const std::string& path, std::int64_t size, const std::string& sha256) {
   auto bytes = read_file(path);
-  if (bytes.size() != entry.at("bytes").get<std::size_t>() ||
-      sha256_hex(bytes) != entry.at("sha256").get<std::string>())
+  if (static_cast<std::int64_t>(bytes.size()) != size || sha256_hex(bytes) != sha256)
     throw ConfigError(
         fmt::format("{} is not what was written: it has {} bytes and another SHA-256", path, bytes.size()));
   return bytes;
@@ -153,9 +153,18 @@ void CheckpointFolder::forget_after(std::int64_t window) const {
 
 Checkpoint CheckpointFolder::read(std::int64_t window) const {
   const auto path = manifest(window);
+  const auto count = [&path](const Json& table, const char* key) {  // `get` would take -1, 1.5 and 1e22 for one
+    const auto& value = table.at(key);
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max())
+      throw ConfigError(fmt::format("{} says {} = {}, which is not a count", path, key, value.dump()));
+    return value.get<std::int64_t>();
+  };
+  const auto bytes_of = [&](const std::string& participant, const Json& entry) {
+    return whole(part(window, participant), count(entry, "bytes"), entry.at("sha256").get<std::string>());
+  };
   try {
     const auto json = Json::parse(read_file(path));
-    const auto format = json.at("format").get<int>();
+    const auto format = count(json, "format");
     const auto version = json.at("ricochet").get<std::string>();
     if (format != format_version || version != RICOCHET_VERSION) {
       throw ConfigError(fmt::format("{} was written by ricochet {}, this is {}: resume with the version that began",
@@ -164,17 +173,17 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
     Checkpoint checkpoint{json.at("scene").get<std::string>(),
                           json.at("scene_sha256").get<std::string>(),
                           json.at("protocol").get<std::string>(),
-                          json.at("window").get<std::int64_t>(),
+                          count(json, "window"),
                           json.at("window_size_s").get<double>(),
-                          json.at("history_bytes").get<std::int64_t>(),
+                          count(json, "history_bytes"),
                           json.at("wall_s").get<double>(),
                           json.at("cpu_s").get<double>(),
                           json.at("stepping_s").get<double>(),
-                          whole(part(window, ""), json.at("coupler")),
+                          bytes_of("", json.at("coupler")),
                           {}};
     for (const auto& entry : json.at("parts")) {
       const auto participant = entry.at("participant").get<std::string>();
-      checkpoint.parts.push_back({participant, whole(part(window, participant), entry)});
+      checkpoint.parts.push_back({participant, bytes_of(participant, entry)});
     }
     return checkpoint;
   } catch (const nlohmann::json::exception& error) {

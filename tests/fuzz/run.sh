@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each on its seeds: tests/fuzz/run.sh [SECONDS_PER_TARGET [RUNS]], 60 seconds if not said
-# otherwise; RUNS ends a target that has tried so many inputs before. RICOCHET_FUZZ_TARGETS names those to run, if not all.
+# Builds the fuzz targets and runs each on its seeds: tests/fuzz/run.sh [SECONDS_PER_TARGET [RUNS [NUMBER]]], 60 seconds if not
+# said otherwise; RUNS ends a target that has tried so many inputs before; runs of the same NUMBER try the same inputs one after
+# another, 0 (the default) is another one every time. RICOCHET_FUZZ_TARGETS names those to run, if not all.
 # One line per target; exit code 1 if one has a finding, with the file that repeats it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=${1:-60} runs=${2:--1}
+seconds=${1:-60} runs=${2:--1} number=${3:-0}
 read -ra targets <<< "${RICOCHET_FUZZ_TARGETS:-wire session mesh scene study state manifest}"
 
 cmake -S . -B build-fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_BUILD_TYPE=Debug -DBUILD_TESTING=OFF -DRICOCHET_FUZZ=ON \
@@ -19,7 +20,7 @@ fuzz() {
   [ ! -f "tests/fuzz/$target.dict" ] || options+=("-dict=tests/fuzz/$target.dict")
   local verdict="no finding"
   ASAN_OPTIONS=malloc_context_size=4:quarantine_size_mb=16 "build-fuzz/fuzz_$target" "${options[@]}" \
-    "-max_total_time=$seconds" "-runs=$runs" "-artifact_prefix=$found/$target-" "$inputs" "tests/fuzz/seeds/$target" \
+    "-max_total_time=$seconds" "-runs=$runs" "-seed=$number" "-artifact_prefix=$found/$target-" "$inputs" "tests/fuzz/seeds/$target" \
     > "$log" 2>&1 || verdict="FOUND: build-fuzz/fuzz_$target $(sed -n 's/.*Test unit written to //p' "$log" | head -n 1), see $log"
   figure() { sed -n "s/^stat::$1: *//p" "$log"; }
   printf '%-10s %10s inputs %8s a second, %6s kept for new code: %s\n' "$target" "$(figure number_of_executed_units)" \
@@ -29,5 +30,5 @@ fuzz() {
 
 # Two at once, for the two processors of a small machine.
 export -f fuzz
-export seconds runs
+export seconds runs number
 printf '%s\0' "${targets[@]}" | xargs -0 -n 1 -P 2 bash -c 'fuzz "$1" || exit 255' fuzz || exit 1

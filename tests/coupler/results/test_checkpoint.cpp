@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "common/base/error.hpp"
 #include "coupler/results/checkpoint.hpp"
@@ -91,6 +92,21 @@ TEST_F(CheckpointFolderTest, PassesOverWhatIsDamagedAndNamesIt) {
   std::filesystem::remove(file("3.state"));
   EXPECT_FALSE(last());
   EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json"), HasSubstr("3.state is missing")));
+}
+
+/// What is no count is not cast to one.
+TEST_F(CheckpointFolderTest, RefusesCountsThatAreNone) {
+  folder_.write(at(7));
+  std::ifstream before(file("7.json"));
+  const std::string manifest{std::istreambuf_iterator<char>(before), {}};
+  const std::string key = "\"history_bytes\": ";
+  const auto value = manifest.find(key) + key.size();
+  for (const char* wrong : {"-1", "1.5", "1e22", "11844674407370955161500", "18446744073709551615", "true"}) {
+    damaged_.clear();
+    std::ofstream(file("7.json")) << manifest.substr(0, value) << wrong << manifest.substr(manifest.find(',', value));
+    EXPECT_FALSE(last()) << wrong;
+    EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json says history_bytes = "))) << wrong;
+  }
 }
 
 TEST_F(CheckpointFolderTest, ForgetsWhatComesLater) {
