@@ -2,19 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/base/error.hpp"
 #include "common/solver/describe.hpp"
 #include "common/solver/free_motion.hpp"
+#include "explicit_solver/block_sums.hpp"
 
 namespace ricochet::explicit_solver {
 
 using participant::Capability;
 using participant::LinkOutput;
 
-ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name)
-    : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)) {
+ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name, Ranks* ranks)
+    : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)), ranks_(ranks) {
   if (spec_->role != scene::Role::explicit_solver) {
     throw ConfigError(
         fmt::format("{}: participant '{}' has role \"implicit\"; start implicit_solver for it, or set its role "
@@ -31,20 +34,16 @@ participant::Description ExplicitSolver::describe() {
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
                               Capability::save_state};
-  if (!alone() || !problem_.scene.massless_contact())
-    description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
+  // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
+  if (ranks_ == nullptr && (!alone() || !problem_.scene.massless_contact()))
+    description.capabilities.push_back(Capability::load_state);
   return description;
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
   if (!has_contact()) return std::nullopt;
-  return ExplicitContact(problem_.scene.contact_law(),
-                         solver::ContactSurface(problem_, scene::participant_parts(problem_, *spec_)),
-                         setup_.window_size_s, solver::SlidingRows(problem_, states_));
-}
-
-ExplicitContact* ExplicitSolver::contact() {
-  return std::visit([](auto& drive) { return drive.contact(); }, *drive_);
+  return ExplicitContact(problem_.scene.contact_law(), solver::ContactSurface(problem_, stepped()),
+                         setup_.window_size_s, solver::SlidingRows(problem_, stepped()));
 }
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
@@ -54,108 +53,126 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     // The shared nodes become this participant's own: with the mass of its own elements, held by their supports.
     states_ = solver::initial_states(problem_, *spec_, true);
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
-    drive_.emplace(std::in_place_type<ForceDriven>, states_, setup_);
-  } else {
-    drive_.emplace(std::in_place_type<MotionDriven>, states_, make_contact(), setup_.window_size_s);
   }
-  std::visit([&](const auto& drive) { drive.answer(output); }, *drive_);
+  if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
+  stepping_.emplace(stepped(), setup_, make_contact());
+  stepping_->answer(output);
   model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);
 }
 
+void ExplicitSolver::tell(Order order, std::int64_t window, int substep) {
+  if (ranks_) ranks_->tell(order, window, substep);
+}
+
 void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, LinkOutput& output) {
-  std::visit(
-      [&](auto& drive) {
-        drive.synchronise(window_, link_input);
-        drive.answer(output);
-      },
-      *drive_);
+  tell(Order::synchronise, window_);
+  stepping_->synchronise(window_, link_input);
+  stepping_->answer(output);
+  gathered_ = -1;
   update_status();
-  if (window_ == 0) shapes_->note(window_);
+  if (window_ == 0) {
+    reported();
+    shapes_->note(window_);
+  }
 }
 
 void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
-  std::visit(
-      [&](auto& drive) {
-        drive.advance(window, link_input);
-        drive.answer(output);
-      },
-      *drive_);
+  tell(Order::advance, window);
+  stepping_->advance(window, link_input);
+  stepping_->answer(output);
 }
 
 void ExplicitSolver::advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                                      LinkOutput& output) {
-  auto& drive = std::get<ForceDriven>(*drive_);
-  drive.advance_substep(window, substep, link_input);
-  drive.answer(output);
+  tell(Order::advance_substep, window, substep);
+  stepping_->advance_substep(window, substep, link_input);
+  stepping_->answer(output);
 }
 
 void ExplicitSolver::work_ahead() {
-  if (window_ < setup_.last_window) std::visit([&](auto& drive) { drive.work_ahead(window_ + 1); }, *drive_);
+  if (window_ >= setup_.last_window || contact()) return;
+  tell(Order::work_ahead, window_ + 1);
+  stepping_->work_ahead(window_ + 1);
 }
 
 void ExplicitSolver::accept() {
-  if (!std::visit([&](auto& drive) { return drive.accept(window_ + 1); }, *drive_)) return;
+  tell(Order::accept, window_ + 1);
+  if (!stepping_->accept(window_ + 1)) return;
   ++window_;
   update_status();
-  model_watch_.look(window_, states_);
+  if (model_watch_.due(window_) || shapes_->due(window_)) reported();
+  model_watch_.look(window_, states_, stepped());
   shapes_->note(window_);
+}
+
+const std::vector<solver::BodyState>& ExplicitSolver::reported() {
+  if (ranks_ && gathered_ != window_) {
+    ranks_->take_motion(states_);
+    gathered_ = window_;
+  }
+  return states_;
 }
 
 void ExplicitSolver::update_status() {
   if (const auto* c = contact())
-    status_ = solver::contact_status(c->surface(), states_, c->pairs_closed(), window_, setup_, separation_);
+    status_ = solver::contact_status(c->surface(), stepped(), c->pairs_closed(), window_, setup_, separation_);
+}
+
+/// Sums over the nodes, and that they are numbers.
+void ExplicitSolver::take_totals() {
+  const double dt = setup_.window_size_s / setup_.substeps;
+  if (ranks_) {
+    ranks_->take_totals(*stepping_, dt, states_);
+    const auto finite = [](const solver::BodyState& state) {
+      return std::isfinite(state.totals.energy_kinetic_j + state.totals.energy_strain_j);
+    };
+    if (!std::all_of(states_.begin(), states_.end(), finite)) reported();
+  }
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    if (!ranks_ || gathered_ == window_) solver::require_finite(state, state.u, window_);
+    if (!ranks_) set_totals(part_sums(state, stepping_->internal(b)), dt, state);
+  }
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {
-  const double dt = setup_.window_size_s / setup_.substeps;
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    auto& state = states_[b];
-    solver::require_finite(state, state.u, window_);
-    state.update_momentum();
-    const double kinetic = (state.mass.array() * state.v.array().square()).sum();
-    const double staggered = 0.25 * dt * dt * (state.mass.array() * state.a.array().square()).sum();
-    state.totals.energy_kinetic_j = 0.5 * (kinetic - staggered);
-    const auto& internal =
-        std::visit([&](const auto& drive) -> const Eigen::VectorXd& { return drive.internal(b); }, *drive_);
-    state.totals.energy_strain_j = 0.5 * state.u.dot(internal);
-  }
+  take_totals();
   solver::record_bodies(states_, row);
-  if (auto* c = contact()) append_quantities(c->report(states_), row);
+  if (auto* c = contact()) append_quantities(c->report(stepped()), row);
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {
-  return {.window = window_,
-          .bodies = solver::motions_of(states_),
-          .drive = std::visit([](const auto& drive) -> decltype(State::drive) { return drive.state(); }, *drive_),
-          .separation = separation_};
+  return {.window = window_, .stepping = stepping_->state(), .separation = separation_};
 }
 
 void ExplicitSolver::restore(const State& state) {
   window_ = state.window;
   separation_ = state.separation;
-  solver::restore_motions(state.bodies, states_);
-  if (auto* motion = std::get_if<MotionDriven>(&*drive_)) {
-    motion->restore(std::get<MotionDriven::State>(state.drive));
-  } else {
-    std::get<ForceDriven>(*drive_).restore(std::get<ForceDriven::State>(state.drive));
-  }
+  stepping_->restore(state.stepping);
+  gathered_ = -1;
 }
 
 void ExplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
   solver::load_motion(state, states_);
-  std::visit([&](auto& drive) { drive.freeze(contact); }, *drive_);
+  stepping_->freeze(contact);
 }
 
 void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
   solver::read_motion(states_, setup_.window_size_s, state, scale);
 }
 
+void ExplicitSolver::archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+
 std::string ExplicitSolver::save_state() {
   Archive out;
   State state = this->state();
   archive(state, out);
+  if (ranks_) {
+    auto others = ranks_->save();
+    out(others);
+  }
   return out.take();
 }
 
@@ -163,17 +180,21 @@ void ExplicitSolver::restore_state(std::string_view bytes) {
   Archive in(bytes, "the state of participant '" + spec_->name + "'");
   State state = this->state();
   archive(state, in);
+  std::vector<std::string> others;
+  if (ranks_) in(others);
   in.end();
   restore(state);
+  if (ranks_) ranks_->restore(others);
 }
 
 void ExplicitSolver::finish() {
-  model_watch_.look(window_, states_, true);
+  model_watch_.look(window_, reported(), stepped(), true);
   shapes_->finish(window_);
+  tell(Order::end);
 }
 
 void ExplicitSolver::write_fields(std::int64_t window) {
-  solver::write_fields(setup_.output_directory, spec_->name, window, states_);
+  solver::write_fields(setup_.output_directory, spec_->name, window, reported());
 }
 
 }  // namespace ricochet::explicit_solver

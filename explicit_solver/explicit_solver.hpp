@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "common/base/separation.hpp"
@@ -12,21 +11,21 @@
 #include "common/solver/model_watch.hpp"
 #include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
-#include "explicit_solver/force_driven.hpp"
-#include "explicit_solver/motion_driven.hpp"
+#include "explicit_solver/ranks.hpp"
+#include "explicit_solver/stepping.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// Central difference method on the explicit elements of its bodies (Newmark, beta = 0, gamma = 1/2; Eq. 3-6). Stable
-/// for dt <= 2/omega_max(K_E, M). How a window goes depends on what the link gives: the shared nodes' displacement
-/// (MotionDriven, which also is all-explicit with its contact) or the force on them (ForceDriven). Rows that no wave
-/// has reached are left out (WaveFront), to the same bits.
+/// for dt <= 2/omega_max(K_E, M). How a window goes: Stepping. Rows that no wave has reached are left out
+/// (WaveFront), to the same bits. With `ranks` this process steps a share of the nodes only; what it reports is of all.
 ///
 /// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
 /// which the method conserves energy exactly.
 class ExplicitSolver final : public participant::Participant {
  public:
-  ExplicitSolver(scene::Problem problem, const std::string& name);
+  /// `ranks`: of a participant of several processes, of which this is the first; it must outlive this object.
+  ExplicitSolver(scene::Problem problem, const std::string& name, Ranks* ranks = nullptr);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -40,10 +39,10 @@ class ExplicitSolver final : public participant::Participant {
   void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
-  void axial_stress(std::vector<double>& row) override { axial_stress_.append(states_, window_, row); }
+  void axial_stress(std::vector<double>& row) override { axial_stress_.append(reported(), window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
-  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(reported()); }
   void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
@@ -53,28 +52,37 @@ class ExplicitSolver final : public participant::Participant {
   /// All that the windows to come are computed from, and what was booked so far: put back, they give the same bits.
   struct State {
     std::int64_t window = 0;
-    std::vector<solver::BodyMotion> bodies;
-    std::variant<MotionDriven::State, ForceDriven::State> drive;
+    Stepping::State stepping;
     SeparationWatch separation;
 
-    void archive(Archive& a) { a(window, bodies, drive, separation); }
+    void archive(Archive& a) { a(window, stepping, separation); }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
 
  private:
-  void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+  void archive(State& state, Archive& a);
   /// The only participant: it owns every element and enforces the contact.
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool has_contact() const { return alone() && !problem_.contacts.empty(); }
   [[nodiscard]] std::optional<ExplicitContact> make_contact() const;
-  [[nodiscard]] ExplicitContact* contact();
+  [[nodiscard]] ExplicitContact* contact() { return stepping_->contact(); }
+  /// What this process steps: with ranks a share of each part.
+  [[nodiscard]] std::vector<solver::BodyState>& stepped() { return ranks_ ? *share_ : states_; }
+  [[nodiscard]] const std::vector<solver::BodyState>& stepped() const { return ranks_ ? *share_ : states_; }
+  /// The whole parts, with the motion of the last accepted window.
+  const std::vector<solver::BodyState>& reported();
+  void tell(Order order, std::int64_t window = 0, int substep = 0);
+  void take_totals();
   void update_status();
 
   scene::Problem problem_;
   const scene::ParticipantSpec* spec_;
-  std::vector<solver::BodyState> states_;
-  std::optional<std::variant<MotionDriven, ForceDriven>> drive_;  ///< from `initialize` on
+  Ranks* ranks_;
+  std::vector<solver::BodyState> states_;            ///< whole parts
+  std::vector<solver::BodyState>* share_ = nullptr;  ///< of ranks, from `initialize` on: what this one steps
+  std::int64_t gathered_ = -1;                       ///< of ranks: the window whose motion states_ has
+  std::optional<Stepping> stepping_;                 ///< from `initialize` on
   participant::Setup setup_;
   solver::AxialStressShares axial_stress_;
   solver::ModelWatch model_watch_;

@@ -96,7 +96,7 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
     auto& trial = trials_[b];
     trial.u = state.u;
     for (const int dof : state.shared_dofs) state.u[dof] = link_input[next++];
-    state_.fronts[b].multiply(state.stiffness, state.u, trial.forces.internal);
+    state_.fronts[b].multiply(state, state.u, trial.forces.internal);
     state.external.at(time_s, trial.forces.external);
     account_interface(b);
   }
@@ -113,7 +113,7 @@ void MotionDriven::advance(std::int64_t window, const std::vector<double>& link_
 }
 
 void MotionDriven::work_ahead(std::int64_t window) {
-  if (!predicted_ && !contact_) predict(static_cast<double>(window) * dt_);
+  if (!predicted_) predict(static_cast<double>(window) * dt_);
 }
 
 /// Everything of a window that does not need the link: u of the own nodes, K u with the shared ones where they
@@ -131,7 +131,7 @@ void MotionDriven::predict(double time_s) {
   if (contact_) contact_->settle(states_, trial_external_, trial_u_);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& trial = trials_[b];
-    state_.fronts[b].multiply(states_[b].stiffness, trial.u, trial.forces.internal);
+    state_.fronts[b].multiply(states_[b], trial.u, trial.forces.internal);
     const auto& near = shared_[b].near_rows;
     for (std::size_t i = 0; i < near.size(); ++i) {
       trial.near_internal[static_cast<Eigen::Index>(i)] = trial.forces.internal[near[i]];
@@ -167,6 +167,9 @@ bool MotionDriven::accept(std::int64_t window) {
   }
   const double time_s = static_cast<double>(window) * dt_;
   find_accelerations(time_s, Velocity::half_a_step_before);
+  for (const auto& state : states_) {
+    if (state.others != nullptr) state.others->collect_moments(state);
+  }
   if (contact_) contact_->apply(states_, u_before_);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     half_a_step(b);

@@ -63,6 +63,7 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
   }
   accepted_.front = WaveFront(state, near_nodes);
   for (const auto& d : state.dashpots) near_dashpots_ = near_dashpots_ || index[static_cast<std::size_t>(d.dof)] >= 0;
+  if (state.others != nullptr) anything_given_ = state.others->anywhere(near_dashpots_ || !state.external.zero());
   for (const int dof : state.shared_dofs) near_of_shared_.push_back(index[static_cast<std::size_t>(dof)]);
   for (const auto& c : state.constrained) {
     const int at = index[static_cast<std::size_t>(c.dof)];
@@ -87,7 +88,7 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
   accepted_.force = force;
-  accepted_.front.multiply(state.stiffness, state.u, accepted_.internal);
+  accepted_.front.multiply(state, state.u, accepted_.internal);
   accepted_.front.grow(accepted_.internal);
   state.external.at(time_s, accepted_.external);
   for (const auto& d : state.dashpots) accepted_.external[d.dof] += d.force(state.v[d.dof]);
@@ -102,7 +103,8 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
 }
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
-  if (tried_ && steps == steps_ && state.external.zero() && !near_dashpots_) {
+  const bool given = state.others != nullptr ? anything_given_ : near_dashpots_ || !state.external.zero();
+  if (tried_ && steps == steps_ && !given) {
     correct(state, begin_s, force);
   } else {
     run(state, begin_s, steps, force);
@@ -111,16 +113,6 @@ void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps,
 
 void SubcycledWindow::advance_held(const BodyState& state, double begin_s, int steps) {
   if (!tried_) run(state, begin_s, steps, accepted_.force);
-}
-
-/// Adds what acts on a dof while it moves by `moved` in one step.
-void SubcycledWindow::account(const BodyState& state, int dof, double mean_force, double moved, Given& given) const {
-  const int c = dof % fem::components(state.part.mesh.model);
-  given.work_j += mean_force * moved;
-  given.impulse_n += dt_ * mean_force * state.normal[c];
-  given.impulse_t += dt_ * mean_force * state.tangent[c];
-  given.impulse_b += dt_ * mean_force * state.binormal[c];
-  if (state.arm.size() > 0) given.angular_impulse += dt_ * mean_force * state.arm[dof];
 }
 
 void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
@@ -142,22 +134,18 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     solver::step_displacement(state, time_s, dt_, u_, v_, a_, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
-    accepted_.front.multiply(state.stiffness, u_, trial_internal_);
+    accepted_.front.multiply(state, u_, trial_internal_);
     accepted_.front.grow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
     solver::add_dashpot_forces(
         state, dt_, [this](int dof) { return v_[dof] + 0.5 * dt_ * a_[dof]; },
         [this](int dof, double load) { return load - trial_internal_[dof]; }, trial_external_);
     solver::set_reactions(state, time_s, dt_, trial_internal_, trial_external_);
-    const auto add = [&](int dof) {
-      account(state, dof, 0.5 * (external_old_[dof] + trial_external_[dof]), u_[dof] - u_old[dof], given_);
-    };
-    if (state.external.zero()) {
-      for (const auto& c : state.constrained) add(c.dof);
-      for (const auto& d : state.dashpots) add(d.dof);
-    } else {
-      for (int dof = 0; dof < state.part.dofs(); ++dof) add(dof);
-    }
+    state.book([&](int dof) { return 0.5 * (external_old_[dof] + trial_external_[dof]); },
+               [&](int dof) { return u_[dof] - u_old[dof]; },
+               [&](double mean_force, double moved, int component, double arm) {
+                 given_.add(dt_, mean_force, moved, component, arm);
+               });
     a_new_ = state.inverse_mass.cwiseProduct(trial_external_ - trial_internal_);
     for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
       const int dof = state.shared_dofs[i];
@@ -179,6 +167,7 @@ void SubcycledWindow::clear_correction() {
 }
 
 void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eigen::VectorXd& force) {
+  const int components = fem::components(state.part.mesh.model);
   clear_correction();
   d_force_ = force - trial_force_;
   for (int j = 1; j <= steps_; ++j) {
@@ -195,8 +184,8 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
     }
     for (const auto& [at, c] : near_constrained_) {
       const double end_s = begin_s + j * dt_;
-      account(state, c->dof, 0.5 * (d_internal_old_[at] + d_internal_[at]), c->at(end_s) - c->at(end_s - dt_),
-              d_given_);
+      d_given_.add(dt_, 0.5 * (d_internal_old_[at] + d_internal_[at]), c->at(end_s) - c->at(end_s - dt_),
+                   c->dof % components, state.arm.size() > 0 ? state.arm[c->dof] : 0.0);
     }
     dv_ = fem::corrected_velocity(dv_, da_, da_new_, dt_);
     da_.swap(da_new_);
@@ -232,11 +221,8 @@ double SubcycledWindow::interface_work() const {
 
 void SubcycledWindow::accept(BodyState& state) {
   state.totals.energy_interface_j += interface_work();
-  state.totals.energy_external_j += given_.work_j + d_given_.work_j;
-  state.totals.impulse_n_kg_m_s += given_.impulse_n + d_given_.impulse_n;
-  state.totals.impulse_t_kg_m_s += given_.impulse_t + d_given_.impulse_t;
-  state.totals.impulse_b_kg_m_s += given_.impulse_b + d_given_.impulse_b;
-  state.totals.angular_impulse_kg_m2_s += given_.angular_impulse + d_given_.angular_impulse;
+  state.take(given_);
+  state.take(d_given_);
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const int dof = near_[i];
     const auto k = static_cast<Eigen::Index>(i);

@@ -47,13 +47,8 @@ class SubcycledWindow {
   void restore(const State& state);
 
  private:
-  /// What the surroundings did during a trial.
-  struct Given {
-    double work_j = 0.0, impulse_n = 0.0, impulse_t = 0.0, impulse_b = 0.0, angular_impulse = 0.0;
-  };
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
   void correct(const solver::BodyState& state, double begin_s, const Eigen::VectorXd& force);
-  void account(const solver::BodyState& state, int dof, double mean_force, double moved, Given& given) const;
   void clear_correction();
   [[nodiscard]] double interface_work() const;
 
@@ -64,16 +59,17 @@ class SubcycledWindow {
   int steps_ = 0;
   Eigen::VectorXd u_, v_, a_, trial_internal_, trial_external_, external_old_, a_new_, trial_force_;
   Eigen::MatrixXd shared_path_;  ///< displacement of the shared dofs, a column per step, first the start
-  Given given_;
+  solver::Given given_;          ///< what the surroundings did
   // its correction: dofs within reach of the shared nodes, and the part's stiffness among them
   std::vector<int> near_;                                                        ///< dofs, ascending
   std::vector<int> near_of_shared_;                                              ///< per shared dof, index into near_
   std::vector<std::pair<int, const solver::ConstrainedDof*>> near_constrained_;  ///< index into near_, and the dof
   bool near_dashpots_ = false;
+  bool anything_given_ = false;  ///< of a share of a part: loads anywhere in it, or dashpots within reach
   fem::StiffnessProduct near_stiffness_;
   Eigen::VectorXd near_inverse_mass_, du_, dv_, da_, da_new_, d_internal_, d_internal_old_, d_force_;
   Eigen::MatrixXd d_shared_path_;
-  Given d_given_;
+  solver::Given d_given_;
 };
 
 }  // namespace ricochet::explicit_solver

@@ -43,12 +43,15 @@ WaveFront::WaveFront(const BodyState& state, const std::vector<int>& driven)
   set_neighbours(state, slices);
   reach_.assign(static_cast<std::size_t>(slices), Reach::none);
   for (auto* list : {&front_, &next_front_}) list->reserve(static_cast<std::size_t>(slices));
-  rows_.reserve(static_cast<std::size_t>(slices));
+  for (auto* rows : {&rows_, &inner_rows_, &outer_rows_}) rows->reserve(static_cast<std::size_t>(slices));
   const std::vector<bool> acted = acted_on(state, driven);
   for (int row = 0; row < size_; ++row) {
     const int slice = row / slice_;
     if (reach_[static_cast<std::size_t>(slice)] == Reach::reached) continue;
     if (acted[static_cast<std::size_t>(row)] || starts_uneven(state, row)) reach(slice);
+  }
+  for (int slice = 0; slice < slices; ++slice) {
+    if (outer_[static_cast<std::size_t>(slice)]) look_at(slice);
   }
   const auto reached = [this](int slice) { return reach_[static_cast<std::size_t>(slice)] == Reach::reached; };
   next_front_.erase(std::remove_if(next_front_.begin(), next_front_.end(), reached), next_front_.end());
@@ -58,11 +61,17 @@ WaveFront::WaveFront(const BodyState& state, const std::vector<int>& driven)
 
 void WaveFront::set_neighbours(const BodyState& state, int slices) {
   neighbour_start_.push_back(0);
+  outer_.assign(static_cast<std::size_t>(slices), false);
+  const int components = fem::components(state.part.mesh.model);
+  const auto own = [&](Eigen::Index dof) {
+    return state.own.empty() || state.own[static_cast<std::size_t>(dof / components)];
+  };
   for (int slice = 0; slice < slices; ++slice) {
     std::set<int> near;
     for (int row = slice * slice_; row < std::min((slice + 1) * slice_, size_); ++row) {
       for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
         near.insert(static_cast<int>(it.col()) / slice_);
+        if (!own(it.col())) outer_[static_cast<std::size_t>(slice)] = true;
       }
     }
     neighbour_.insert(neighbour_.end(), near.begin(), near.end());
@@ -75,30 +84,39 @@ void WaveFront::reach(int slice) {
   reach_[static_cast<std::size_t>(slice)] = Reach::reached;
   const int end = neighbour_start_[static_cast<std::size_t>(slice) + 1];
   for (int k = neighbour_start_[static_cast<std::size_t>(slice)]; k < end; ++k) {
-    const int other = neighbour_[static_cast<std::size_t>(k)];
-    auto& state = reach_[static_cast<std::size_t>(other)];
-    if (state != Reach::none) continue;
-    state = Reach::next;
-    next_front_.push_back(other);
+    look_at(neighbour_[static_cast<std::size_t>(k)]);
   }
 }
 
+/// From now on it is computed.
+void WaveFront::look_at(int slice) {
+  auto& state = reach_[static_cast<std::size_t>(slice)];
+  if (state != Reach::none) return;
+  state = Reach::next;
+  next_front_.push_back(slice);
+}
+
 void WaveFront::collect_rows() {
-  rows_.clear();
+  for (auto* rows : {&rows_, &inner_rows_, &outer_rows_}) rows->clear();
   for (std::size_t slice = 0; slice < reach_.size(); ++slice) {
     if (reach_[slice] == Reach::none) continue;
     const int first = static_cast<int>(slice) * slice_, last = std::min(first + slice_, size_);
-    if (!rows_.empty() && rows_.back().last == first) {
-      rows_.back().last = last;
-    } else {
-      rows_.push_back({first, last});
+    for (auto* rows : {&rows_, outer_[slice] ? &outer_rows_ : &inner_rows_}) {
+      if (!rows->empty() && rows->back().last == first) {
+        rows->back().last = last;
+      } else {
+        rows->push_back({first, last});
+      }
     }
   }
 }
 
-void WaveFront::multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u,
-                         Eigen::VectorXd& force) const {
-  for (const auto& rows : rows_) stiffness.multiply(u, force, rows.first, rows.last);
+void WaveFront::multiply(const BodyState& state, Eigen::VectorXd& u, Eigen::VectorXd& force) const {
+  if (state.others != nullptr) state.others->send(u);
+  for (const auto& rows : inner_rows_) state.stiffness.multiply(u, force, rows.first, rows.last);
+  if (state.others == nullptr) return;  // then there are no outer rows
+  state.others->receive(u);
+  for (const auto& rows : outer_rows_) state.stiffness.multiply(u, force, rows.first, rows.last);
 }
 
 void WaveFront::grow(const Eigen::VectorXd& force) {

@@ -20,7 +20,8 @@ class WaveFront {
  public:
   WaveFront() = default;
   /// `state` before the first window. Reached at once: `driven` nodes, which the interface or a contact moves, loads,
-  /// prescribed motion, and rows whose neighbours do not begin with the same displacement and velocity.
+  /// prescribed motion, and rows whose neighbours do not begin with the same displacement and velocity. Rows that read
+  /// nodes of other ranks are always computed, since a wave may come from there.
   WaveFront(const solver::BodyState& state, const std::vector<int>& driven);
 
   /// Rows first ... last - 1.
@@ -30,8 +31,9 @@ class WaveFront {
   /// The rows to compute, ascending, none touching the next; all others have no force and no acceleration.
   [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
 
-  /// force = K u [N] in these rows; the others are left alone.
-  void multiply(const fem::StiffnessProduct& stiffness, const Eigen::VectorXd& u, Eigen::VectorXd& force) const;
+  /// force = K u [N] of the part in these rows; the others are left alone. Of a share of a part `u` of other ranks'
+  /// nodes is written: it comes in while rows are computed that do not read it.
+  void multiply(const solver::BodyState& state, Eigen::VectorXd& u, Eigen::VectorXd& force) const;
   /// Moves the front on to the neighbours of the rows where K u has become other than zero.
   void grow(const Eigen::VectorXd& force);
   /// From here on every row is computed: the motion is no longer what the part began with.
@@ -43,13 +45,15 @@ class WaveFront {
   enum class Reach : unsigned char { none, next, reached };
   void set_neighbours(const solver::BodyState& state, int slices);
   void reach(int slice);
+  void look_at(int slice);
   void collect_rows();
 
   int size_ = 0, slice_ = 1;                      ///< rows of the part, of a slice
   std::vector<int> neighbour_start_, neighbour_;  ///< slices with an entry in the rows of slice s, s itself included
   std::vector<Reach> reach_;                      ///< per slice
   std::vector<int> front_, next_front_;           ///< slices that are computed, but not reached
-  std::vector<Rows> rows_;
+  std::vector<bool> outer_;                       ///< per slice: it reads nodes of other ranks
+  std::vector<Rows> rows_, inner_rows_, outer_rows_;
 };
 
 }  // namespace ricochet::explicit_solver

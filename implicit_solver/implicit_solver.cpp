@@ -59,7 +59,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     vector->setZero(parts_.dofs());
   }
   if (!problem_.contacts.empty()) {
-    const solver::ContactSurface surface(problem_, scene::participant_parts(problem_, *spec_));
+    const solver::ContactSurface surface(problem_, states_);
     contact_.emplace(problem_, surface, states_);
     contact_->move_masses(states_);
   }

@@ -81,7 +81,8 @@ bool maps_to_zero(const SparseMatrix& stiffness, int components, int component) 
 
 }  // namespace
 
-StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components) : components_(components) {
+StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components, const Numbering& numbering)
+    : components_(components) {
   for (int c = 0; c < components; ++c) follows_[c] = maps_to_zero(stiffness, components, c) ? 1.0 : 0.0;
   if (components == 3) {
     stencils_ = NodeStencils(stiffness);
@@ -89,67 +90,77 @@ StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components
   }
   const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / slice_rows : 0;
   slice_start_.push_back(0);
-  for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice);
+  for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice, numbering);
   first_row_ = slices * slice_rows;
   rows_ = stiffness.bottomRows(stiffness.rows() - first_row_);
   rows_.makeCompressed();
 }
 
-void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice) {
+void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice, const Numbering& numbering) {
+  using Neighbours = std::array<int, nodes_of_slice>;  // of the four nodes; -1: none
+  const int first_node = slice * nodes_of_slice, nodes = static_cast<int>(stiffness.rows()) / 2;
+  const auto number = [&](int node) { return numbering.number.empty() ? node : numbering.number[at(node)]; };
+  const int numbered = numbering.number.empty() ? nodes : numbering.count;
   // Blocks of the four nodes by the distance of the neighbour's number: one distance, one slot of neighbours in a row.
-  std::map<int, std::array<bool, nodes_of_slice>> by_distance;
-  const int first_node = slice * nodes_of_slice;
+  std::map<int, Neighbours> by_distance;
   for (int n = 0; n < nodes_of_slice; ++n) {
     for (int r = 0; r < 2; ++r) {
       for (SparseMatrix::InnerIterator it(stiffness, 2 * (first_node + n) + r); it; ++it) {
-        by_distance[static_cast<int>(it.col()) / 2 - (first_node + n)][static_cast<std::size_t>(n)] = true;
+        const int neighbour = static_cast<int>(it.col()) / 2;
+        auto& row = by_distance.insert({number(neighbour) - number(first_node + n), {-1, -1, -1, -1}}).first->second;
+        row[at(n)] = neighbour;
       }
     }
   }
-  const int nodes = static_cast<int>(stiffness.rows()) / 2;
-  std::array<std::vector<int>, nodes_of_slice> scattered;   // neighbours that share no slot in a row
-  std::vector<std::array<int, nodes_of_slice>> neighbours;  // node numbers per slot; -1: none
-  std::vector<bool> in_a_row;
-  for (const auto& [distance, present] : by_distance) {
-    const int first = first_node + distance, count = static_cast<int>(std::count(present.begin(), present.end(), true));
-    const bool fits = first >= 0 && first + nodes_of_slice <= nodes;
-    std::array<int, nodes_of_slice> slot{};
-    for (int n = 0; n < nodes_of_slice; ++n) {
-      const bool here = present[static_cast<std::size_t>(n)];
-      slot[static_cast<std::size_t>(n)] = here ? first + n : -1;
-      if (here && !(fits && count > 2)) scattered[static_cast<std::size_t>(n)].push_back(first + n);
+  std::array<std::vector<int>, nodes_of_slice> scattered;  // neighbours that share no slot in a row
+  std::vector<Neighbours> slots;
+  for (const auto& [distance, row] : by_distance) {
+    const int first = number(first_node) + distance, missing = static_cast<int>(std::count(row.begin(), row.end(), -1));
+    if (first >= 0 && first + nodes_of_slice <= numbered && nodes_of_slice - missing > 2) {
+      slots.push_back(row);
+      continue;
     }
-    if (!(fits && count > 2)) continue;
-    neighbours.push_back(slot);
-    in_a_row.push_back(true);
+    for (std::size_t n = 0; n < row.size(); ++n) {
+      if (row[n] >= 0) scattered[n].push_back(row[n]);
+    }
   }
   std::size_t longest = 0;
   for (const auto& list : scattered) longest = std::max(longest, list.size());
   for (std::size_t k = 0; k < longest; ++k) {
-    std::array<int, nodes_of_slice> slot{};
+    Neighbours& slot = slots.emplace_back();
     for (std::size_t n = 0; n < slot.size(); ++n) slot[n] = k < scattered[n].size() ? scattered[n][k] : -1;
-    neighbours.push_back(slot);
-    in_a_row.push_back(false);
   }
-  for (std::size_t k = 0; k < neighbours.size(); ++k) {
-    Coefficients block;
-    Slot slot;
-    slot.first = -1;
-    slot.gathered = static_cast<int>(gathered_.size());
+  for (const Neighbours& neighbours : slots) {
+    add_slot(neighbours, nodes);
+    Coefficients& block = coefficients_.emplace_back();
     for (int n = 0; n < nodes_of_slice; ++n) {
-      const int neighbour = neighbours[k][static_cast<std::size_t>(n)], row = 2 * (first_node + n);
-      if (!in_a_row[k]) gathered_.push_back(neighbour >= 0 ? 2 * neighbour : 0);
+      const int neighbour = neighbours[at(n)], row = 2 * (first_node + n);
       if (neighbour < 0) continue;
-      if (in_a_row[k]) slot.first = 2 * (neighbour - n);
       for (int r = 0; r < 2; ++r) {
         block.same[2 * n + r] = stiffness.coeff(row + r, 2 * neighbour + r);
         block.cross[2 * n + r] = stiffness.coeff(row + r, 2 * neighbour + 1 - r);
       }
     }
-    slots_.push_back(slot);
-    coefficients_.push_back(block);
   }
   slice_start_.push_back(static_cast<int>(slots_.size()));
+}
+
+/// One load where all four, those that are missing included, could be nodes in a row.
+void StiffnessProduct::add_slot(const std::array<int, 4>& neighbours, int nodes) {
+  Slot& slot = slots_.emplace_back();
+  slot.gathered = static_cast<int>(gathered_.size());
+  const auto known = std::find_if(neighbours.begin(), neighbours.end(), [](int node) { return node >= 0; });
+  const int first = *known - static_cast<int>(known - neighbours.begin());
+  bool in_a_row = first >= 0 && first + nodes_of_slice <= nodes;
+  int present = 0;
+  for (int n = 0; n < nodes_of_slice; ++n) {
+    const int neighbour = neighbours[at(n)];
+    in_a_row = in_a_row && (neighbour < 0 || neighbour == first + n);
+    present += neighbour >= 0 ? 1 : 0;
+  }
+  slot.first = in_a_row && present > 2 ? 2 * first : -1;
+  if (slot.first >= 0) return;
+  for (const int neighbour : neighbours) gathered_.push_back(neighbour >= 0 ? 2 * neighbour : 0);
 }
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {

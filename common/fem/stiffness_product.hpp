@@ -1,11 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "common/fem/node_stencils.hpp"
 
 namespace ricochet::fem {
+
+/// The numbering of a larger part that a part is a share of: its number of each node, ascending, and how many nodes it
+/// has. Slices of the larger part must be slices of the share; then sums run in its order, to its bits.
+struct Numbering {
+  std::vector<int> number;
+  int count = 0;
+};
 
 /// K u, the explicit solver's inner loop, for a fixed symmetric K of two or three components per node (of one: row by
 /// row). Three are the affair of NodeStencils.
@@ -23,7 +31,7 @@ namespace ricochet::fem {
 class StiffnessProduct {
  public:
   StiffnessProduct() = default;
-  explicit StiffnessProduct(const SparseMatrix& stiffness, int components);
+  explicit StiffnessProduct(const SparseMatrix& stiffness, int components, const Numbering& numbering = {});
 
   /// result = K u [N]; both of K's size, different vectors.
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
@@ -49,7 +57,8 @@ class StiffnessProduct {
     alignas(64) double same[8] = {};
     alignas(64) double cross[8] = {};
   };
-  void add_slice(const SparseMatrix& stiffness, int slice);
+  void add_slice(const SparseMatrix& stiffness, int slice, const Numbering& numbering);
+  void add_slot(const std::array<int, 4>& neighbours, int nodes);
   void multiply_slices(int first, int end, const double* u, double* result) const;
   void multiply_slices_by_avx2(int first, int end, const double* u, double* result) const;
   template <int width>

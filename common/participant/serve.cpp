@@ -37,6 +37,12 @@ Reason current_reason() {
   }
 }
 
+Reason reason_in(const Session& session) {
+  auto reason = current_reason();
+  if (session.window() > 0) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+  return reason;
+}
+
 int report(const std::string& name, const Reason& reason) {
   fmt::print(stderr, "{}: error: {}\n", name, printable(reason.text));
   std::fflush(stderr);
@@ -85,9 +91,11 @@ int serve(Participant& participant, const ServeOptions& options) {
     try {
       converse(session, channel, options, message);
       return static_cast<int>(ExitCode::done);
+    } catch (const wire::CouplerGone&) {
+      // Standard input also closes where what started this process ends it: the coupler hears from that why.
+      return report(name, reason_in(session));
     } catch (...) {
-      auto reason = current_reason();
-      if (session.window() > 0) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+      const auto reason = reason_in(session);
       if (!session.over()) tell_coupler(session, channel, reason, message);
       return report(name, reason);
     }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "common/problem/build.hpp"
@@ -19,13 +20,9 @@ std::vector<bool> shared_nodes(const Problem& problem, int index) {
   return shared;
 }
 
-ParticipantPart make_part(const Problem& problem, int index, const ParticipantSpec& participant) {
+ParticipantPart make_part(const Problem& problem, int index, const std::vector<int>& elements,
+                          const std::vector<int>& extra_nodes) {
   const BodyProblem& body = problem.bodies[at(index)];
-  const std::vector<bool> owned = owned_elements(problem.scene, body, participant);
-  std::vector<int> elements, extra_nodes;
-  for (std::size_t e = 0; e < owned.size(); ++e)
-    if (owned[e]) elements.push_back(static_cast<int>(e));
-  if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contacts, index);
   ParticipantPart result;
   result.body = index;
   result.part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements, extra_nodes);
@@ -40,10 +37,42 @@ ParticipantPart make_part(const Problem& problem, int index, const ParticipantSp
 std::vector<ParticipantPart> participant_parts(const Problem& problem, const ParticipantSpec& participant) {
   std::vector<ParticipantPart> parts;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
-    ParticipantPart part = make_part(problem, index, participant);
+    const std::vector<bool> owned = owned_elements(problem.scene, problem.bodies[at(index)], participant);
+    std::vector<int> elements, extra_nodes;
+    for (std::size_t e = 0; e < owned.size(); ++e)
+      if (owned[e]) elements.push_back(static_cast<int>(e));
+    if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contacts, index);
+    ParticipantPart part = make_part(problem, index, elements, extra_nodes);
     if (part.part.nodes() > 0) parts.push_back(std::move(part));
   }
   return parts;
+}
+
+ParticipantPart part_share(const Problem& problem, int body, const ParticipantSpec& participant,
+                           const std::vector<int>& whole, const std::vector<int>& own, const std::vector<int>& with) {
+  const BodyProblem& problem_body = problem.bodies[at(body)];
+  const std::vector<bool> owned = owned_elements(problem.scene, problem_body, participant);
+  std::vector<bool> mine(problem_body.mesh.position.size(), false);
+  for (const int node : own) mine[at(node)] = true;
+  std::vector<int> elements;
+  for (std::size_t e = 0; e < owned.size(); ++e) {
+    const auto& nodes = problem_body.mesh.elements[e];
+    if (owned[e] && std::any_of(nodes.begin(), nodes.end(), [&](int node) { return mine[at(node)]; }))
+      elements.push_back(static_cast<int>(e));
+  }
+  ParticipantPart result = make_part(problem, body, elements, with);
+  const int components = fem::components(problem_body.mesh.model);
+  for (const int node : result.part.body_node) {
+    result.own.push_back(mine[at(node)]);
+    const auto number = std::lower_bound(whole.begin(), whole.end(), node) - whole.begin();
+    result.numbering.number.push_back(static_cast<int>(number));
+  }
+  result.numbering.count = static_cast<int>(whole.size());
+  result.part.stiffness.prune(
+      [&](Eigen::Index row, Eigen::Index, double) { return result.own[at(static_cast<int>(row) / components)]; });
+  const auto others = [&](int node) { return !result.own[at(node)]; };
+  result.shared.erase(std::remove_if(result.shared.begin(), result.shared.end(), others), result.shared.end());
+  return result;
 }
 
 }  // namespace ricochet::scene

@@ -7,6 +7,7 @@
 
 #include "common/fem/mesh.hpp"
 #include "common/fem/part.hpp"
+#include "common/fem/stiffness_product.hpp"
 #include "common/problem/mortar.hpp"
 #include "common/scene/scene.hpp"
 
@@ -94,9 +95,19 @@ struct ParticipantPart {
   int body = -1;  ///< index into Problem::bodies
   fem::Part part;
   std::vector<int> shared;  ///< local nodes shared with other participants, ascending body node
+  /// Of a share of a part (part_share): per local node, whether its rows are complete; the whole part's numbering.
+  std::vector<bool> own;
+  fem::Numbering numbering;
 };
 [[nodiscard]] std::vector<ParticipantPart> participant_parts(const Problem& problem,
                                                              const ParticipantSpec& participant);
+
+/// What of the part of one body a process steps that steps no more than the nodes `own`: the elements around them.
+/// `whole`: the part's nodes, `own` and `with` some of them, all as the body numbers them, ascending; `with` and the
+/// nodes of those elements are this part's nodes. Rows of K of nodes that are not `own` are left empty.
+[[nodiscard]] ParticipantPart part_share(const Problem& problem, int body, const ParticipantSpec& participant,
+                                         const std::vector<int>& whole, const std::vector<int>& own,
+                                         const std::vector<int>& with);
 
 /// Per element of a body: a participant owns it. An explicit one owns explicit elements of its bodies (of its groups),
 /// the implicit one all implicit elements.

@@ -55,6 +55,9 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
   table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
   if (table.has("launch")) participant.launch = load_launch(table);
+  table.only_if(is_explicit && participant.start == Start::launch && participant.executable.empty(), "ranks",
+                "role = \"explicit\", the shipped solver and start = \"launch\"");
+  if (table.has("ranks")) participant.ranks = table.integer("ranks", 1, 100000);
   table.finish();
   return participant;
 }

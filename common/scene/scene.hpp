@@ -188,6 +188,7 @@ struct ParticipantSpec {
   std::vector<std::string> groups{};  ///< explicit, one body: only those of these element groups; empty: all
   /// Words in front of program and arguments; empty: none, under Slurm those of a step.
   std::vector<std::string> launch{};
+  std::optional<int> ranks{};  ///< explicit: processes that step its nodes together, by MPI; none: one, without MPI
 };
 
 struct Output {

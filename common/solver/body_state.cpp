@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -26,6 +27,32 @@ void BodyState::set_mass(const Eigen::VectorXd& node_mass) {
     inverse_mass[c.dof] = 0.0;
     free[static_cast<std::size_t>(c.dof)] = false;
   }
+}
+
+void Given::add(double dt, double force, double moved, int component, double arm) {
+  work_j += force * moved;
+  impulse_n_s[component] += dt * force;
+  angular_impulse_kg_m2_s += dt * force * arm;
+}
+
+void BodyState::take(const Given& given) {
+  totals.energy_external_j += given.work_j;
+  totals.impulse_n_kg_m_s += normal.dot(given.impulse_n_s);
+  totals.impulse_t_kg_m_s += tangent.dot(given.impulse_n_s);
+  totals.impulse_b_kg_m_s += binormal.dot(given.impulse_n_s);
+  totals.angular_impulse_kg_m2_s += given.angular_impulse_kg_m2_s;
+}
+
+std::vector<int> BodyState::booked() const {
+  std::vector<int> dofs;
+  if (external.zero()) {
+    for (const auto& c : constrained) dofs.push_back(c.dof);
+    for (const auto& d : dashpots) dofs.push_back(d.dof);
+  } else {
+    dofs.resize(static_cast<std::size_t>(part.dofs()));
+    std::iota(dofs.begin(), dofs.end(), 0);
+  }
+  return dofs;
 }
 
 void BodyState::constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const {
@@ -122,6 +149,8 @@ void set_dashpots(const scene::BodyProblem& whole, scene::Role role, BodyState& 
   }
 }
 
+}  // namespace
+
 BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
                         bool shared_integrated) {
   const int components = problem.scene.components();
@@ -133,8 +162,11 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   state.part = std::move(owned.part);
   state.shared_nodes = std::move(owned.shared);
   state.external = std::move(external);
-  state.stiffness = fem::StiffnessProduct(state.part.stiffness, components);
+  state.stiffness = fem::StiffnessProduct(state.part.stiffness, components, owned.numbering);
   state.integrated.assign(static_cast<std::size_t>(state.part.dofs()), true);
+  state.own = std::move(owned.own);
+  for (std::size_t dof = 0; dof < state.integrated.size() && !state.own.empty(); ++dof)
+    state.integrated[dof] = state.own[dof / static_cast<std::size_t>(components)];
   for (const int node : state.shared_nodes) {
     for (int c = 0; c < components; ++c) {
       state.shared_dofs.push_back(node * components + c);
@@ -148,8 +180,6 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   state.set_mass(state.part.lumped_mass);
   return state;
 }
-
-}  // namespace
 
 std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                                       bool shared_integrated) {

@@ -9,6 +9,7 @@
 #include "common/base/ledger.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
+#include "common/solver/other_ranks.hpp"
 
 /// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
 namespace ricochet::solver {
@@ -60,6 +61,17 @@ struct BodyMotion {
   void archive(Archive& archive) { archive(u, v, a, totals); }
 };
 
+/// What the surroundings did to a part over one or more steps.
+struct Given {
+  double work_j = 0.0;
+  Eigen::Vector3d impulse_n_s{0.0, 0.0, 0.0};  ///< by component
+  double angular_impulse_kg_m2_s = 0.0;
+
+  /// Of a mean force over a step of `dt` in which its degree of freedom moved. A call, not in line: whether a product
+  /// and a sum are rounded once or twice is a compiler's choice, which must be the same wherever this is booked.
+  [[gnu::noinline]] void add(double dt, double force, double moved, int component, double arm);
+};
+
 struct BodyState : BodyMotion {
   int body = -1;  ///< index into Problem::bodies
   std::string name;
@@ -76,6 +88,8 @@ struct BodyState : BodyMotion {
   scene::ExternalForce external;
   Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
   Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
+  std::vector<bool> own;         ///< of a share of a part, per local node: not another rank's; else empty
+  OtherRanks* others = nullptr;  ///< of a share of a part: who steps the rest of it
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);
@@ -83,46 +97,42 @@ struct BodyState : BodyMotion {
   void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
   void constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const;
   void constrain_displacement(double time_s, Eigen::VectorXd& displacement) const;
+  /// The degrees of freedom on which something outside acts, in the order in which that is booked: the constrained
+  /// ones and those of dashpots or, where there is a load, all.
+  [[nodiscard]] std::vector<int> booked() const;
   /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n)
   /// to the external work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions
   /// at constrained dofs and the forces of dashpots [N].
   template <class MeanForce, class Increment>
   void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
-    if (part.mesh.model == fem::Model::solid) {
-      account_external_of<3>(dt, mean_force, increment);
+    // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
+    Given given;
+    book(mean_force, increment, [&](double force, double moved, int component, double lever) {
+      given.add(dt, force, moved, component, lever);
+    });
+    take(given);
+  }
+  void take(const Given& given);
+  /// book(force, moved, component, arm) of each booked degree of freedom; of a share of a part see OtherRanks.
+  template <class MeanForce, class Increment, class Book>
+  void book(const MeanForce& mean_force, const Increment& increment, const Book& book) const {
+    if (others != nullptr) {
+      others->book(mean_force, increment, book);
+      return;
+    }
+    const int components = fem::components(part.mesh.model);
+    const auto one = [&](int dof) {
+      book(mean_force(dof), increment(dof), dof % components, arm.size() > 0 ? arm[dof] : 0.0);
+    };
+    if (external.zero()) {
+      for (const auto& c : constrained) one(c.dof);
+      for (const auto& d : dashpots) one(d.dof);
     } else {
-      account_external_of<2>(dt, mean_force, increment);
+      for (int dof = 0; dof < part.dofs(); ++dof) one(dof);
     }
   }
   /// Momentum of the integrated nodes from v.
   void update_momentum();
-
- private:
-  /// `most`: components, of a bar 2.
-  template <int most, class MeanForce, class Increment>
-  void account_external_of(double dt, const MeanForce& mean_force, const Increment& increment) {
-    const int components = fem::components(part.mesh.model);
-    // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
-    double work_j = 0.0, angular = 0.0;
-    Eigen::Matrix<double, most, 1> impulse = Eigen::Matrix<double, most, 1>::Zero();
-    const auto account = [&](int dof) {
-      const double force = mean_force(dof);
-      work_j += force * increment(dof);
-      impulse[dof % components] += dt * force;
-      if (arm.size() > 0) angular += dt * force * arm[dof];
-    };
-    if (external.zero()) {
-      for (const auto& c : constrained) account(c.dof);
-      for (const auto& d : dashpots) account(d.dof);
-    } else {
-      for (int dof = 0; dof < part.dofs(); ++dof) account(dof);
-    }
-    totals.energy_external_j += work_j;
-    totals.impulse_n_kg_m_s += normal.head<most>().dot(impulse);
-    totals.impulse_t_kg_m_s += tangent.head<most>().dot(impulse);
-    if constexpr (most == 3) totals.impulse_b_kg_m_s += binormal.dot(impulse);
-    totals.angular_impulse_kg_m2_s += angular;
-  }
 };
 
 /// Vectors by part, for the functions that take `of_part(part)`.
@@ -141,6 +151,9 @@ void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodySta
 /// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
 [[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem,
                                                     const scene::ParticipantSpec& participant, bool shared_integrated);
+/// Of one part, or of a share of one; `problem` as above.
+[[nodiscard]] BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
+                                      bool shared_integrated);
 
 /// Refuses to go on with numbers that mean nothing: SolverError naming body, node, position and window.
 void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window);

@@ -92,9 +92,9 @@ std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<
   return pairs;
 }
 
-std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
+std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states) {
   std::vector<PartNodes> nodes;
-  for (const auto& part : parts) nodes.push_back({part.body, &part.part.body_node});
+  for (const auto& state : states) nodes.push_back({state.body, &state.part.body_node});
   return contact_rows(problem, nodes);
 }
 

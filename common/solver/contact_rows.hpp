@@ -116,8 +116,7 @@ struct PartNodes {
                            const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m);
 /// The rows of a scene's contact pairs (all contact nodes must be among the parts).
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
-[[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem,
-                                             const std::vector<scene::ParticipantPart>& parts);
+[[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
 
 /// Of solids: refuses, with a ConfigError, a contact node with friction that is held along a coordinate which is in two
 /// of a pair's directions, so that what it does along one depends on the other. (In two dimensions nobody asks.)

@@ -9,18 +9,18 @@
 
 namespace ricochet::solver {
 
-ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts)
-    : components(problem.scene.components()), pairs(contact_rows(problem, parts)), stress(problem, parts) {
+ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states)
+    : components(problem.scene.components()), pairs(contact_rows(problem, states)), stress(problem, states) {
   for (const auto& contact : problem.scene.contacts) contact_keys.push_back(contact.key());
   std::set<std::pair<int, int>> paired;
   for (const auto& pair : pairs) {
     for (const auto& e : pair.normal.entries) paired.emplace(e.part, e.dof / components);
   }
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto& own = parts[p].part.body_node;
+  for (std::size_t p = 0; p < states.size(); ++p) {
+    const auto& own = states[p].part.body_node;
     for (const auto& contact : problem.contacts) {
       if (!contact.sliding) continue;
-      for (const int node : scene::contact_nodes(contact, parts[p].body)) {
+      for (const int node : scene::contact_nodes(contact, states[p].body)) {
         const auto found = std::lower_bound(own.begin(), own.end(), node);
         const int local = static_cast<int>(found - own.begin());
         if (found != own.end() && *found == node && paired.emplace(static_cast<int>(p), local).second)

@@ -40,7 +40,7 @@ struct ContactAccount {
 
 /// The contact of a scene in the local numbering of its owner: what can be said of it from the motion alone.
 struct ContactSurface {
-  ContactSurface(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
+  ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states);
 
   int components;
   std::vector<std::string> contact_keys;  ///< in the scene file, per contact

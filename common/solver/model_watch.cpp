@@ -140,14 +140,15 @@ void ModelWatch::set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& c
   }
 }
 
-void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states, bool last) {
-  const bool due = (window % every == 0 || last) && window != last_look_;
-  if (elements_.empty() || (!due && window == last_window_)) return;
+void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states,
+                      const std::vector<BodyState>& of_surface, bool last) {
+  const bool now = (due(window) || last) && window != last_look_;
+  if (elements_.empty() || (!now && window == last_window_)) return;
   const std::int64_t before = slipped_ ? last_window_ : last_look_;
-  if (due) look_at_elements(window, states);
-  if (due && surface_) look_at_pairs(window, states);
-  if (slipped_) look_at_slipped(before, window, states);
-  if (due) last_look_ = window;
+  if (now) look_at_elements(window, states);
+  if (now && surface_) look_at_pairs(window, of_surface);
+  if (slipped_) look_at_slipped(before, window, of_surface);
+  if (now) last_look_ = window;
   last_window_ = window;
 }
 

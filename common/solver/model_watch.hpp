@@ -36,8 +36,14 @@ class ModelWatch {
   /// `surface`: of who enforces the contact, else null; it must outlive the watch unmoved.
   ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface);
 
-  /// After a window is accepted; `last`: no other follows, so it looks whatever the window is.
-  void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false);
+  /// After a window is accepted; `last`: no other follows, so it looks whatever the window is. Elements are looked at
+  /// in `states`, and need to be up to date where it is `due` only; pairs in `of_surface`, whose numbering theirs is.
+  void look(std::int64_t window, const std::vector<BodyState>& states, const std::vector<BodyState>& of_surface,
+            bool last = false);
+  void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false) {
+    look(window, states, states, last);
+  }
+  [[nodiscard]] static bool due(std::int64_t window) { return window % every == 0; }
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
   /// What was found so far, and since when.
   void archive(Archive& a) {

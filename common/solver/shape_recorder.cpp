@@ -158,7 +158,7 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
 }
 
 void ShapeRecorder::note(std::int64_t window) {
-  if (path_.empty() || window % every_ != 0) return;
+  if (!due(window)) return;
   if (!windows_.empty() && windows_.back() == window) {
     windows_.pop_back();  // the start may be synchronised more than once
   } else if (windows_.size() == most_windows) {

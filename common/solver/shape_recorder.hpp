@@ -33,6 +33,8 @@ class ShapeRecorder {
 
   /// After `window` is accepted, and at the start; takes no memory from the heap.
   void note(std::int64_t window);
+  /// Whether that keeps the motion, or may.
+  [[nodiscard]] bool due(std::int64_t window) const { return !path_.empty() && window % every_ == 0; }
   /// After the last window, which is kept whatever its number.
   void finish(std::int64_t window);
   /// The windows kept so far.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "common/solver/blocks.hpp"
+
 namespace ricochet::solver {
 namespace {
 
@@ -39,18 +41,29 @@ bool SlidingRows::slipped(const Sliding& sliding, const std::vector<BodyState>& 
   });
 }
 
+Moments block_moments(const BodyState& state, double ahead_s, int block) {
+  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
+  Moments moments;
+  for (int dof = block * rows; dof < std::min((block + 1) * rows, state.part.dofs()); ++dof) {
+    moments.moved_kg_m[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
+    moments.mass_kg[dof % components] += state.mass[dof];
+  }
+  return moments;
+}
+
 Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const {
-  const int components = problem_->scene.components();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), mass = sum;
+  Moments sum;
   for (const auto& state : states) {
     if (state.body != body) continue;
-    for (int dof = 0; dof < state.part.dofs(); ++dof) {
-      sum[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
-      mass[dof % components] += state.mass[dof];
+    if (state.others != nullptr) {
+      sum.add(state.others->moments());
+      continue;
     }
+    for (int block = 0; block < blocks_of(state.part.nodes()); ++block) sum.add(block_moments(state, ahead_s, block));
   }
-  for (int c = 0; c < components; ++c) sum[c] = mass[c] > 0.0 ? sum[c] / mass[c] : 0.0;
-  return sum;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int c = 0; c < 3; ++c) mean[c] = sum.mass_kg[c] > 0.0 ? sum.moved_kg_m[c] / sum.mass_kg[c] : 0.0;
+  return mean;
 }
 
 bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs) {

@@ -22,21 +22,20 @@ std::optional<fem::NaturalPoint> face_middle(const fem::Element& nodes, const fe
 
 }  // namespace
 
-SurfaceStress::SurfaceStress(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts) {
+SurfaceStress::SurfaceStress(const scene::Problem& problem, const std::vector<BodyState>& states) {
   if (problem.contacts.empty()) return;
   const auto& contact = problem.contacts.front();
-  if (!collect(problem, parts, contact.body_a, true) && contact.body_b >= 0) {
-    collect(problem, parts, contact.body_b, false);
+  if (!collect(problem, states, contact.body_a, true) && contact.body_b >= 0) {
+    collect(problem, states, contact.body_b, false);
   }
 }
 
-bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, int body,
-                            bool first) {
+bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<BodyState>& states, int body, bool first) {
   const auto& surface = first ? problem.scene.contact_law().first.surface : problem.scene.contact_law().second->surface;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto& part = parts[p].part;
+  for (std::size_t p = 0; p < states.size(); ++p) {
+    const auto& part = states[p].part;
     const auto found = part.mesh.surfaces.find(surface);
-    if (parts[p].body != body || found == part.mesh.surfaces.end()) continue;
+    if (states[p].body != body || found == part.mesh.surfaces.end()) continue;
     model_ = part.mesh.model;
     part_ = static_cast<int>(p);
     const int components = fem::components(model_);

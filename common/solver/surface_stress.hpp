@@ -14,7 +14,7 @@ namespace ricochet::solver {
 class SurfaceStress {
  public:
   SurfaceStress() = default;
-  SurfaceStress(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts);
+  SurfaceStress(const scene::Problem& problem, const std::vector<BodyState>& states);
 
   /// `displacement` per part, node-major. 0 if no element of the surface is here.
   template <class DisplacementOfPart>
@@ -32,7 +32,7 @@ class SurfaceStress {
     double area_m2 = 0.0;
   };
   [[nodiscard]] double smallest_principal(const Element& own, const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  bool collect(const scene::Problem& problem, const std::vector<scene::ParticipantPart>& parts, int body, bool first);
+  bool collect(const scene::Problem& problem, const std::vector<BodyState>& states, int body, bool first);
 
   fem::Model model_ = fem::Model::bar;
   int part_ = -1;

@@ -26,7 +26,7 @@ constexpr const char* coupler = "the coupler";  // for error texts
                   seconds_between(begin, deadline)));
 }
 
-[[noreturn]] void throw_gone(const char* why) { throw ParticipantError(fmt::format("the coupler is gone: {}", why)); }
+[[noreturn]] void throw_gone(const char* why) { throw CouplerGone(fmt::format("the coupler is gone: {}", why)); }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/wire/keys.hpp"
 #include "common/wire/message.hpp"
 
@@ -31,6 +32,11 @@ inline constexpr std::chrono::milliseconds look_every{5};
 /// The instant `timeout_s` from now; a negative timeout counts as none, one beyond a year as a year.
 [[nodiscard]] Deadline deadline_in(double timeout_s);
 
+/// There is nobody to tell.
+struct CouplerGone : ParticipantError {
+  using ParticipantError::ParticipantError;
+};
+
 /// Participant's end.
 class Channel {
  public:
@@ -44,8 +50,7 @@ class Channel {
   /// Throws SolverError if a number of the message is not finite (`encode`).
   void send(const Message& message);
   /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and
-  /// "the coupler is gone" as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from
-  /// decoding.
+  /// CouplerGone as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from decoding.
   void receive(Message& message, Deadline deadline, bool watch_stdin);
 
  private:

@@ -30,19 +30,30 @@ std::string in_search_path(const std::string& program) {
   return "";
 }
 
-fs::path shipped_path(scene::Role role) {
+fs::path shipped_path(const scene::ParticipantSpec& participant) {
   std::error_code error;
   const auto self = fs::read_symlink("/proc/self/exe", error);
   if (error)
     throw MachineError(
         fmt::format("cannot read /proc/self/exe: {} (errno {}); ricochet needs /proc", error.message(), error.value()));
-  return self.parent_path() / shipped_program(role);
+  return self.parent_path() / shipped_program(participant);
+}
+
+/// What starts the processes of a participant that has several.
+std::vector<std::string> mpirun(int ranks) {
+  // Ranks wait for each other in turns with the other participants: none may keep a processor to itself.
+  std::vector<std::string> words = {
+      "mpirun", "-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle",
+      "1"};
+  if (geteuid() == 0) words.insert(words.begin() + 1, "--allow-run-as-root");
+  return words;
 }
 
 }  // namespace
 
-std::string shipped_program(scene::Role role) {
-  return role == scene::Role::explicit_solver ? "explicit_solver" : "implicit_solver";
+std::string shipped_program(const scene::ParticipantSpec& participant) {
+  if (participant.role == scene::Role::implicit_solver) return "implicit_solver";
+  return participant.ranks ? "explicit_solver_mpi" : "explicit_solver";
 }
 
 std::string find_executable(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
@@ -55,11 +66,14 @@ std::string find_executable(const scene::Scene& scene, const scene::ParticipantS
                     "scene (a path with '/' counts from the folder of the scene file)",
                     participant.name, participant.executable));
   }
-  fs::path path = own ? shipped_path(participant.role) : fs::path(scene.path).parent_path() / participant.executable;
+  fs::path path = own ? shipped_path(participant) : fs::path(scene.path).parent_path() / participant.executable;
   path = fs::absolute(path).lexically_normal();
   if (executable(path)) return path.string();
-  const std::string advice = own ? "build it (cmake --build), or name another program with `executable` in the scene"
-                                 : "correct `executable` in the scene, paths count from the folder of the scene file";
+  const std::string advice =
+      own && participant.ranks
+          ? "ranks need OpenMPI and METIS: install libopenmpi-dev, openmpi-bin and libmetis-dev and build again"
+      : own ? "build it (cmake --build), or name another program with `executable` in the scene"
+            : "correct `executable` in the scene, paths count from the folder of the scene file";
   throw ParticipantError(fmt::format("participant '{}': the program {} {}; {}", participant.name, path.string(),
                                      fs::exists(path) ? "may not be executed (chmod +x?)" : "does not exist", advice));
 }
@@ -74,7 +88,13 @@ std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::P
   }
   auto words = participant.launch;
   // One step each, with a processor that no other step has, and with the memory of the job, which is not shared out.
-  if (words.empty() && slurm) words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+  if (words.empty() && slurm && participant.ranks) {
+    words = {"srun", "--exact", "--mem=0", "--mpi=pmix", "--ntasks=" + std::to_string(*participant.ranks)};
+  } else if (words.empty() && slurm) {
+    words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+  } else if (words.empty() && participant.ranks) {
+    words = mpirun(*participant.ranks);
+  }
   if (words.empty()) return words;
   const bool on_path = words.front().find('/') == std::string::npos;
   const std::string found = on_path ? in_search_path(words.front()) : executable(words.front()) ? words.front() : "";

@@ -8,6 +8,7 @@
 #include <uv.h>
 
 #include <array>
+#include <cctype>
 #include <csignal>
 #include <cstring>
 #include <deque>
@@ -242,6 +243,8 @@ std::string last_lines(const std::string& path, std::size_t lines) {
   file.seekg(std::max<std::int64_t>(0, size - most_bytes));
   std::deque<std::string> kept;
   for (std::string line; std::getline(file, line);) {
+    const auto says_something = [](unsigned char c) { return std::isalnum(c) || c >= 0x80; };
+    if (std::none_of(line.begin(), line.end(), says_something)) continue;  // mpirun rules off what it says
     if (line.size() > longest_line) line = "... " + line.substr(line.size() - longest_line);
     kept.push_back(printable(line));
     if (kept.size() > lines) kept.pop_front();

@@ -20,7 +20,7 @@ Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& partic
   const auto key_file = results.file("keys/" + name + ".key");
   Member member{name, participant.role, executable, {"--scene", scene.path, "--name", name}};
   if (participant.start == scene::Start::by_hand) {
-    member.executable = participant.executable.empty() ? shipped_program(participant.role) : participant.executable;
+    member.executable = participant.executable.empty() ? shipped_program(participant) : participant.executable;
     member.key_file = key_file;
   } else {
     member.arguments.emplace_back("--watch-stdin");

@@ -44,10 +44,10 @@ int rows_computed(const ExplicitSolver& solver) {
     for (const auto& [first, last] : front.rows()) sum += last - first;
   };
   const auto state = solver.state();
-  if (const auto* motion = std::get_if<MotionDriven::State>(&state.drive)) {
+  if (const auto* motion = std::get_if<MotionDriven::State>(&state.stepping.drive)) {
     for (const auto& front : motion->fronts) count(front);
   } else {
-    for (const auto& part : std::get<ForceDriven::State>(state.drive).parts) count(part.front);
+    for (const auto& part : std::get<ForceDriven::State>(state.stepping.drive).parts) count(part.front);
   }
   return sum;
 }
@@ -80,7 +80,7 @@ class Twins {
   }
   void step() { step({}); }
   void expect_same_bits() {
-    const auto all = full.state().bodies, some = skipping.state().bodies;
+    const auto all = full.state().stepping.bodies, some = skipping.state().stepping.bodies;
     for (std::size_t b = 0; b < all.size(); ++b) {
       const auto &expected = all[b], &found = some[b];
       ASSERT_TRUE(same_bits(found.u, expected.u)) << "u, window " << window_;

@@ -22,7 +22,7 @@ struct ContactBlocks {
                          const std::string& body_keys = "")
       : problem(build(protocol, contact_keys, body_keys)),
         states(solver::initial_states(problem, problem.scene.participants.front(), true)),
-        surface(problem, scene::participant_parts(problem, problem.scene.participants.front())) {}
+        surface(problem, states) {}
 
   /// The lower block moves with `of_lower`, the upper one is at rest; each node by so much more per metre of x and y
   /// that no two pairs do the same.

@@ -19,7 +19,7 @@ struct ContactPlates {
   explicit ContactPlates(const std::string& protocol, const std::string& contact_keys = "")
       : problem(build(protocol, contact_keys)),
         states(solver::initial_states(problem, problem.scene.participants.front(), true)),
-        surface(problem, scene::participant_parts(problem, problem.scene.participants.front())) {}
+        surface(problem, states) {}
 
   /// Entries of the row along `direction`; the weights of each side sum to one, so that forces are in balance.
   [[nodiscard]] solver::ContactRow row(const Eigen::Vector2d& direction) const {

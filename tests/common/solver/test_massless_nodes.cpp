@@ -16,7 +16,7 @@ const std::string massless = "multiplier_update = \"massless\"\n";
 /// Two rods whose contact nodes, the last of the left and the first of the right one, have given their 1 kg to the
 /// 2 kg of their neighbours.
 struct Rods : test::SceneStates {
-  ContactSurface surface{problem, scene::participant_parts(problem, participant)};
+  ContactSurface surface{problem, states};
   MasslessNodes nodes{surface, states};
 
   Rods() : SceneStates(test::two_rods("all_explicit", massless)) {}
@@ -73,7 +73,7 @@ TEST(MasslessNodes, WithSeveralNeighboursGiveEachAShare) {
   }
   test::SceneStates plates(text + "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n" + massless +
                            "[time]\nstep_s = 1e-6\nend_s = 1e-3\n[coupling]\nprotocol = \"all_explicit\"\n");
-  const ContactSurface surface(plates.problem, scene::participant_parts(plates.problem, plates.participant));
+  const ContactSurface surface(plates.problem, plates.states);
   const MasslessNodes nodes(surface, plates.states);
   for (const auto& state : plates.states) {
     double along_normal = 0.0;

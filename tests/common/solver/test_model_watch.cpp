@@ -19,7 +19,6 @@ using Kind = participant::DepartureKind;
 struct Plates {
   scene::Problem problem;
   std::vector<BodyState> states;
-  std::vector<scene::ParticipantPart> parts;
 
   explicit Plates(const std::string& model = "plane_strain", const std::string& extra_mesh = "",
                   const std::string& second = "\"upper.start\"]") {
@@ -42,7 +41,6 @@ struct Plates {
     problem = scene::build_problem(scene::load_scene(path));
     states = initial_states(problem, problem.scene.participants.front(), true);
     std::filesystem::remove(path);
-    parts = scene::participant_parts(problem, problem.scene.participants.front());
   }
   /// u = motion(x) on the nodes of a solid body.
   template <class Motion>
@@ -63,7 +61,7 @@ struct Plates {
     }
   }
   [[nodiscard]] std::vector<participant::Departure> look(bool contact = true) const {
-    const ContactSurface surface(problem, parts);
+    const ContactSurface surface(problem, states);
     ModelWatch watch(problem, states, contact ? &surface : nullptr);
     watch.look(ModelWatch::every, states);
     watch.look(ModelWatch::every + 1, states);

@@ -29,16 +29,16 @@ std::string block(const std::string& model, const std::string& across) {
 double mean_of(const std::string& text, const Field& displacement) {
   const test::TemporaryFolder folder;
   const auto problem = scene::build_problem(scene::load_scene(folder.write(text)));
-  const auto parts = scene::participant_parts(problem, problem.scene.participants.at(0));
+  const auto states = initial_states(problem, problem.scene.participants.at(0), true);
   std::vector<Eigen::VectorXd> u;
-  for (const auto& owned : parts) {
+  for (const auto& owned : states) {
     auto& values = u.emplace_back(owned.part.dofs());
     for (int node = 0; node < owned.part.nodes(); ++node) {
       values.segment<2>(2 * node) = displacement(owned.part.mesh.position[static_cast<std::size_t>(node)].head<2>());
     }
   }
   const auto of_part = [&](int part) -> const Eigen::VectorXd& { return u[static_cast<std::size_t>(part)]; };
-  return SurfaceStress(problem, parts).mean(of_part);
+  return SurfaceStress(problem, states).mean(of_part);
 }
 
 // Edges of 1 and 3 m (grading 3). u_y = -x y: sigma_yy = -3 x on y = 0, where nothing shears; at the edges' midpoints

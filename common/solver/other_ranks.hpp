@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+namespace ricochet::solver {
+
+struct BodyState;
+struct Moments;
+
+/// What a process that steps its share of a part asks of the others that step the rest of it. Every rank makes the same
+/// calls in the same order.
+class OtherRanks {
+ public:
+  virtual ~OtherRanks() = default;
+  /// The displacement [m] of own nodes that rows of others read goes out; `receive` waits for that of their nodes which
+  /// rows here read, and writes it into `u`. In between K u can be computed where it reads none of those.
+  virtual void send(const Eigen::VectorXd& u) = 0;
+  virtual void receive(Eigen::VectorXd& u) = 0;
+
+  /// Of bodies that slide along each other: collects the moments of the whole part at u, which the first rank then has.
+  virtual void collect_moments(const BodyState& state) = 0;
+  [[nodiscard]] virtual const Moments& moments() const = 0;
+  /// Whether it is so on any rank.
+  [[nodiscard]] virtual bool anywhere(bool here) = 0;
+
+  /// What is booked of one degree of freedom: the mean force [N] while it moves [m], its component, and its arm.
+  using Book = std::function<void(double force, double moved, int component, double arm)>;
+  /// Calls `book` on the first rank for all degrees of freedom of the whole part that are booked, in the order in which
+  /// a process that has the whole part does; `force` and `moved` are asked for own ones on every rank.
+  virtual void book(const std::function<double(int dof)>& force, const std::function<double(int dof)>& moved,
+                    const Book& book) = 0;
+};
+
+}  // namespace ricochet::solver

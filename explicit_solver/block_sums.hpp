@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "common/solver/blocks.hpp"
+#include "common/solver/body_state.hpp"
+
+namespace ricochet::explicit_solver {
+
+using solver::block_nodes, solver::blocks_of;
+
+/// Sums over the degrees of freedom of one block of nodes, or of several, of a part.
+struct BlockSums {
+  double momentum_kg_m_s[3] = {0.0, 0.0, 0.0};  ///< m v, by component
+  double angular_kg_m2_s = 0.0;                 ///< arm m v
+  double velocity_j = 0.0;                      ///< v m v
+  double acceleration_j_s2 = 0.0;               ///< a m a
+  double strain_j = 0.0;                        ///< u . K u
+
+  static constexpr int numbers = 7;
+  [[nodiscard]] std::array<double, numbers> as_numbers() const;
+  [[nodiscard]] static BlockSums from_numbers(const double* numbers);
+  void add(const BlockSums& other);
+};
+
+/// Of block `block` of a part; `internal`: K u [N].
+[[nodiscard]] BlockSums block_sums(const solver::BodyState& state, const Eigen::VectorXd& internal, int block);
+
+/// Over all blocks.
+[[nodiscard]] BlockSums part_sums(const solver::BodyState& state, const Eigen::VectorXd& internal);
+
+/// Momentum, kinetic energy in the staggered metric 1/2 (v^T M v - dt^2/4 a^T M a) and strain energy of a part, from
+/// the sums over all its blocks, into its totals.
+void set_totals(const BlockSums& sums, double dt, solver::BodyState& state);
+
+}  // namespace ricochet::explicit_solver
