@@ -7,11 +7,15 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "common/base/error.hpp"
 
 namespace ricochet::implicit_solver {
 namespace {
+
+/// Entries of a block that are worth a thread.
+constexpr double least_entries_of_part = 1e4;
 
 /// CHOLMOD's workspace and the objects that must go back to it.
 struct Cholmod {
@@ -77,16 +81,18 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   return matrix;
 }
 
-/// y -= L x, L column-major rows x columns; four columns at a time, so that y is loaded and stored a quarter as often.
-void subtract_product(const double* l, int rows, int columns, const double* x, double* __restrict y) {
+/// y -= L x, L some rows of a column-major matrix with `stride` of them; four columns at a time, so that y is loaded and
+/// stored a quarter as often.
+void subtract_product(const double* l, int stride, int rows, int columns, const double* x, double* __restrict y) {
   int c = 0;
   for (; c + 4 <= columns; c += 4) {
-    const double *l0 = l + static_cast<std::ptrdiff_t>(c) * rows, *l1 = l0 + rows, *l2 = l1 + rows, *l3 = l2 + rows;
+    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
+    const double *l1 = l0 + stride, *l2 = l1 + stride, *l3 = l2 + stride;
     const double x0 = x[c], x1 = x[c + 1], x2 = x[c + 2], x3 = x[c + 3];
     for (int i = 0; i < rows; ++i) y[i] -= (l0[i] * x0 + l1[i] * x1) + (l2[i] * x2 + l3[i] * x3);
   }
   for (; c < columns; ++c) {
-    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * rows;
+    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
     for (int i = 0; i < rows; ++i) y[i] -= l0[i] * x[c];
   }
 }
@@ -110,7 +116,8 @@ void subtract_transposed_product(const double* l, int rows, int columns, const d
 }  // namespace
 
 CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active,
-                                 const std::vector<int>& root) {
+                                 const std::vector<int>& root, std::shared_ptr<Parallel> parallel)
+    : parallel_(std::move(parallel)) {
   const auto dofs = static_cast<std::size_t>(a.rows());
   std::vector<int> unknown_of(dofs, -1), dof_of_unknown;
   for (std::size_t dof = 0; dof < dofs; ++dof) {
@@ -150,6 +157,11 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / values[start[j]]);
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);
   collect_blocks(plan.blocks, start, rows, values);
+  const int threads = parallel_ ? parallel_->threads() : 1;
+  plan_ = plan_subtrees(blocks_, row_, interior_, unknowns, threads);
+  const auto taller = [](const Block& x, const Block& y) { return x.rows < y.rows; };
+  const auto tallest = std::max_element(blocks_.begin(), blocks_.end(), taller);
+  gathered_.setZero(tallest == blocks_.end() ? 0 : tallest->rows, threads);
 
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
@@ -161,12 +173,13 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   const Eigen::MatrixXd half = lower.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(roots, roots));
   root_inverse_ = half.transpose() * pivots.cwiseInverse().asDiagonal() * half;
   work_.setZero(unknowns);
+  solution_.setZero(unknowns);
   root_rhs_.setZero(roots);
 }
 
 void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows,
                                      const double* values) {
-  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0});
+  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0, 0});
   std::vector<int> place(dof_of_.size(), 0);
   for (Block& block : blocks_) {
     const int last = block.first + block.width - 1;
@@ -189,50 +202,139 @@ void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, con
         }
       }
     }
-    largest_block_ = std::max(largest_block_, block.rows);
   }
-  gathered_.setZero(largest_block_);
+}
+
+template <class Work>
+void CondensedFactor::for_each(int parts, const Work& work) {
+  if (parallel_) {
+    parallel_->for_each(parts, work);
+  } else {
+    for (int part = 0; part < parts; ++part) work(part, 0);
+  }
+}
+
+void CondensedFactor::load(const Eigen::VectorXd& b, int first, int end) {
+  for (int j = first; j < end; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
+}
+
+/// Unknowns of a block from each other.
+void CondensedFactor::solve_own(const Block& block) {
+  const double* triangle = values_.data() + block.values;
+  double* own = work_.data() + block.first;
+  for (int c = 0; c + 1 < block.width; ++c) {
+    for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
+  }
+}
+
+void CondensedFactor::eliminate(const Subtrees::Subtree& subtree, double* y) {
+  double* x = work_.data();
+  for (int b = subtree.first_block; b < subtree.end_block; ++b) {
+    const Block& block = blocks_[static_cast<std::size_t>(b)];
+    solve_own(block);
+    const int* row = row_.data() + block.first_row;
+    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
+    for (int k = 0; k < block.inner; ++k) y[k] = x[row[k]];
+    subtract_product(rectangle, block.rows, block.inner, block.width, x + block.first, y);
+    for (int k = 0; k < block.inner; ++k) x[row[k]] = y[k];
+  }
+}
+
+void CondensedFactor::subtract_earlier(const Subtrees::Strip& strip, double* y) {
+  double* x = work_.data();
+  for (int s = strip.first_source; s < strip.end_source; ++s) {
+    const RowsOfBlock& rows = plan_.sources[static_cast<std::size_t>(s)];
+    const Block& block = blocks_[static_cast<std::size_t>(rows.block)];
+    const int count = rows.end - rows.begin;
+    const int* row = row_.data() + block.first_row + rows.begin;
+    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
+    for (int k = 0; k < count; ++k) y[k] = x[row[k]];
+    subtract_product(rectangle + rows.begin, block.rows, count, block.width, x + block.first, y);
+    for (int k = 0; k < count; ++k) x[row[k]] = y[k];
+  }
 }
 
 void CondensedFactor::forward(const Eigen::VectorXd& b) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  for (int j = 0; j < unknowns; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
-  double* x = work_.data();
-  double* y = gathered_.data();
-  for (const Block& block : blocks_) {
-    const double* triangle = values_.data() + block.values;
-    const int* row = row_.data() + block.first_row;
-    double* own = x + block.first;
-    for (int c = 0; c + 1 < block.width; ++c) {
-      for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
-    }
-    for (int k = 0; k < block.rows; ++k) y[k] = x[row[k]];
-    subtract_product(triangle + static_cast<std::ptrdiff_t>(block.width) * block.width, block.rows, block.width, own,
-                     y);
-    for (int k = 0; k < block.rows; ++k) x[row[k]] = y[k];
+  for_each(static_cast<int>(plan_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = plan_.subtrees[static_cast<std::size_t>(part)];
+    load(b, subtree.first_unknown, subtree.end_unknown);
+    eliminate(subtree, gathered_.col(thread).data());
+  });
+  for (const Subtrees::Top& top : plan_.top) {
+    for_each(top.end_strip - top.first_strip, [&](int part, int thread) noexcept {
+      const Subtrees::Strip& strip = plan_.strips[static_cast<std::size_t>(top.first_strip + part)];
+      load(b, strip.first_unknown, strip.end_unknown);
+      subtract_earlier(strip, gathered_.col(thread).data());
+    });
+    if (top.block < static_cast<int>(blocks_.size())) solve_own(blocks_[static_cast<std::size_t>(top.block)]);
   }
   root_rhs_ = work_.tail(unknowns - interior_);
 }
 
+/// What `forward` left, which may be used again, times D^-1.
+void CondensedFactor::scale(int first, int end) {
+  for (int j = first; j < end; ++j) solution_[j] = work_[j] * inverse_diagonal_[static_cast<std::size_t>(j)];
+}
+
+void CondensedFactor::solve_own_transposed(const Block& block) {
+  const double* triangle = values_.data() + block.values;
+  double* own = solution_.data() + block.first;
+  for (int c = block.width - 2; c >= 0; --c) {
+    for (int r = c + 1; r < block.width; ++r) own[c] -= triangle[c * block.width + r] * own[r];
+  }
+}
+
+void CondensedFactor::recover(const Subtrees::Subtree& subtree, double* y) {
+  double* w = solution_.data();
+  for (int b = subtree.end_block - 1; b >= subtree.first_block; --b) {
+    const Block& block = blocks_[static_cast<std::size_t>(b)];
+    const int* row = row_.data() + block.first_row;
+    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
+    for (int k = 0; k < block.rows; ++k) y[k] = w[row[k]];
+    subtract_transposed_product(rectangle, block.rows, block.width, y, w + block.first);
+    solve_own_transposed(block);
+  }
+}
+
+/// The same of one block, several threads some of its columns each.
+void CondensedFactor::recover_top(const Block& block) {
+  double* y = gathered_.col(0).data();
+  double* w = solution_.data();
+  const int* row = row_.data() + block.first_row;
+  const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
+  scale(block.first, block.end());
+  for (int k = 0; k < block.rows; ++k) y[k] = w[row[k]];
+  const int parts = std::clamp(static_cast<int>(block.entries() / least_entries_of_part), 1, parallel_->threads());
+  for_each(parts, [&](int part, int) noexcept {
+    const int begin = block.width * part / parts, end = block.width * (part + 1) / parts;
+    subtract_transposed_product(rectangle + static_cast<std::ptrdiff_t>(begin) * block.rows, block.rows, end - begin, y,
+                                w + block.first + begin);
+  });
+  solve_own_transposed(block);
+}
+
+void CondensedFactor::store(int first, int end, Eigen::VectorXd& x) const {
+  for (int j = first; j < end; ++j) x[dof_of_[static_cast<std::size_t>(j)]] = solution_[j];
+}
+
 void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  solution_ = work_;  // what `forward` left may be used again
   solution_.tail(unknowns - interior_) = x_root;
-  double* w = solution_.data();
-  for (int j = 0; j < interior_; ++j) w[j] *= inverse_diagonal_[static_cast<std::size_t>(j)];
-  double* y = gathered_.data();
-  for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block) {
-    const double* triangle = values_.data() + block->values;
-    const int* row = row_.data() + block->first_row;
-    double* own = w + block->first;
-    for (int k = 0; k < block->rows; ++k) y[k] = w[row[k]];
-    subtract_transposed_product(triangle + static_cast<std::ptrdiff_t>(block->width) * block->width, block->rows,
-                                block->width, y, own);
-    for (int c = block->width - 2; c >= 0; --c) {
-      for (int r = c + 1; r < block->width; ++r) own[c] -= triangle[c * block->width + r] * own[r];
-    }
+  store(interior_, unknowns, x);
+  for (auto top = plan_.top.rbegin(); top != plan_.top.rend(); ++top) {
+    if (top->block == static_cast<int>(blocks_.size())) continue;  // the root
+    const Block& block = blocks_[static_cast<std::size_t>(top->block)];
+    recover_top(block);
+    store(block.first, block.end(), x);
   }
-  for (int j = 0; j < unknowns; ++j) x[dof_of_[static_cast<std::size_t>(j)]] = w[j];
+  for_each(static_cast<int>(plan_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = plan_.subtrees[static_cast<std::size_t>(part)];
+    const int end = std::min(subtree.end_unknown, interior_);
+    scale(subtree.first_unknown, end);
+    recover(subtree, gathered_.col(thread).data());
+    store(subtree.first_unknown, end, x);
+  });
 }
 
 }  // namespace ricochet::implicit_solver

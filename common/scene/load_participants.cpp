@@ -40,6 +40,8 @@ std::vector<std::string> load_launch(TableReader& table) {
   return words;
 }
 
+constexpr int most_threads = 1024;
+
 ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   ParticipantSpec participant;
   participant.name = table.name("name");
@@ -55,6 +57,9 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
   table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
   if (table.has("launch")) participant.launch = load_launch(table);
+  table.only_if(participant.executable.empty(), "threads",
+                "the shipped solver: a program of your own (key executable) has its own ways");
+  if (table.has("threads")) participant.threads = table.integer("threads", 1, most_threads);
   table.finish();
   return participant;
 }

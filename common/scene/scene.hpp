@@ -188,6 +188,8 @@ struct ParticipantSpec {
   std::vector<std::string> groups{};  ///< explicit, one body: only those of these element groups; empty: all
   /// Words in front of program and arguments; empty: none, under Slurm those of a step.
   std::vector<std::string> launch{};
+  /// To compute with; empty: its share of the processors that it finds. Results are the same for any number.
+  std::optional<int> threads{};
 };
 
 struct Output {

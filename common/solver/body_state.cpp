@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -151,11 +152,25 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
 
 }  // namespace
 
+namespace {
+
+/// Unless the scene says: the participant's share of the processors that this process may use. All participants compute
+/// at the same time, and the coupler waits meanwhile.
+int threads_of(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
+  if (participant.threads) return *participant.threads;
+  return std::max(1, usable_processors() / static_cast<int>(scene.participants.size()));
+}
+
+}  // namespace
+
 std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                                       bool shared_integrated) {
   std::vector<BodyState> states;
+  const auto parallel = std::make_shared<Parallel>(threads_of(problem.scene, participant));
   for (auto& owned : scene::participant_parts(problem, participant)) {
     states.push_back(initial_state(problem, std::move(owned), participant.role, shared_integrated));
+    states.back().parallel = parallel;
+    states.back().stiffness.compute_with(parallel);
   }
   return states;
 }

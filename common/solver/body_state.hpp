@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,7 @@ struct BodyState : BodyMotion {
   std::string name;
   fem::Part part;
   fem::StiffnessProduct stiffness;  ///< of the part, for K u in the step
+  std::shared_ptr<Parallel> parallel;  ///< the participant's threads, the same of all its parts
   std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
   std::vector<bool> integrated;  ///< per dof: this participant integrates it
