@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <string>
@@ -16,6 +17,9 @@ namespace {
 
 /// Entries of a block that are worth a thread.
 constexpr double least_entries_of_part = 1e4;
+
+/// Where part `part` of `parts` of so many begins.
+int share(int of, int part, int parts) { return static_cast<int>(std::int64_t{of} * part / parts); }
 
 /// CHOLMOD's workspace and the objects that must go back to it.
 struct Cholmod {
@@ -81,8 +85,8 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   return matrix;
 }
 
-/// y -= L x, L some rows of a column-major matrix with `stride` of them; four columns at a time, so that y is loaded and
-/// stored a quarter as often.
+/// y -= L x, L some rows of a column-major matrix with `stride` of them; four columns at a time, so that y is loaded
+/// and stored a quarter as often.
 void subtract_product(const double* l, int stride, int rows, int columns, const double* x, double* __restrict y) {
   int c = 0;
   for (; c + 4 <= columns; c += 4) {
@@ -157,11 +161,11 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / values[start[j]]);
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);
   collect_blocks(plan.blocks, start, rows, values);
-  const int threads = parallel_ ? parallel_->threads() : 1;
-  plan_ = plan_subtrees(blocks_, row_, interior_, unknowns, threads);
+  division_ = divide(blocks_, row_, interior_);
+  collect_targets();
   const auto taller = [](const Block& x, const Block& y) { return x.rows < y.rows; };
   const auto tallest = std::max_element(blocks_.begin(), blocks_.end(), taller);
-  gathered_.setZero(tallest == blocks_.end() ? 0 : tallest->rows, threads);
+  gathered_.setZero(tallest == blocks_.end() ? 0 : tallest->rows, parallel_ ? parallel_->threads() : 1);
 
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
@@ -172,14 +176,19 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   }
   const Eigen::MatrixXd half = lower.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(roots, roots));
   root_inverse_ = half.transpose() * pivots.cwiseInverse().asDiagonal() * half;
-  work_.setZero(unknowns);
   solution_.setZero(unknowns);
   root_rhs_.setZero(roots);
 }
 
 void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows,
                                      const double* values) {
-  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0, 0});
+  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0});
+  std::size_t room = 0;
+  for (const ColumnRange& range : ranges) {
+    const int last = range.first + range.width - 1, below = start[last + 1] - start[last] - 1;
+    room += static_cast<std::size_t>(range.width + below) * static_cast<std::size_t>(range.width);
+  }
+  values_.reserve(room);  // grown, it would for a time take twice as much
   std::vector<int> place(dof_of_.size(), 0);
   for (Block& block : blocks_) {
     const int last = block.first + block.width - 1;
@@ -205,6 +214,26 @@ void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, con
   }
 }
 
+void CondensedFactor::collect_targets() {
+  target_ = row_;
+  auto next = static_cast<int>(dof_of_.size());
+  for (const Subtrees::Subtree& subtree : division_.subtrees) {
+    if (division_.top.empty()) break;  // nothing is above it but the root
+    const Block& last = blocks_[static_cast<std::size_t>(subtree.end_block) - 1];
+    const auto above = row_.begin() + last.first_row, above_end = above + last.rows;
+    for (int b = subtree.first_block; b < subtree.end_block; ++b) {
+      const Block& block = blocks_[static_cast<std::size_t>(b)];
+      for (int k = block.first_row; k < block.first_row + block.rows; ++k) {
+        const int row = row_[static_cast<std::size_t>(k)];
+        if (row < subtree.end_unknown) continue;
+        target_[static_cast<std::size_t>(k)] = next + static_cast<int>(std::lower_bound(above, above_end, row) - above);
+      }
+    }
+    next += last.rows;
+  }
+  work_.setZero(next);
+}
+
 template <class Work>
 void CondensedFactor::for_each(int parts, const Work& work) {
   if (parallel_) {
@@ -212,6 +241,16 @@ void CondensedFactor::for_each(int parts, const Work& work) {
   } else {
     for (int part = 0; part < parts; ++part) work(part, 0);
   }
+}
+
+/// Into how many parts a block of the top is divided.
+int CondensedFactor::parts_of(const Block& block) const {
+  const int most = parallel_ ? parallel_->threads() : 1;
+  return std::clamp(static_cast<int>(block.entries() / least_entries_of_part), 1, most);
+}
+
+const double* CondensedFactor::rectangle_of(const Block& block) const {
+  return values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
 }
 
 void CondensedFactor::load(const Eigen::VectorXd& b, int first, int end) {
@@ -227,54 +266,65 @@ void CondensedFactor::solve_own(const Block& block) {
   }
 }
 
-void CondensedFactor::eliminate(const Subtrees::Subtree& subtree, double* y) {
+/// What the unknowns of a block subtract from those of its rows first ... end - 1.
+void CondensedFactor::subtract_below(const Block& block, int first, int end, double* y) {
   double* x = work_.data();
-  for (int b = subtree.first_block; b < subtree.end_block; ++b) {
-    const Block& block = blocks_[static_cast<std::size_t>(b)];
-    solve_own(block);
-    const int* row = row_.data() + block.first_row;
-    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
-    for (int k = 0; k < block.inner; ++k) y[k] = x[row[k]];
-    subtract_product(rectangle, block.rows, block.inner, block.width, x + block.first, y);
-    for (int k = 0; k < block.inner; ++k) x[row[k]] = y[k];
-  }
+  const int* target = target_.data() + block.first_row + first;
+  for (int k = 0; k < end - first; ++k) y[k] = x[target[k]];
+  subtract_product(rectangle_of(block) + first, block.rows, end - first, block.width, x + block.first, y);
+  for (int k = 0; k < end - first; ++k) x[target[k]] = y[k];
 }
 
-void CondensedFactor::subtract_earlier(const Subtrees::Strip& strip, double* y) {
-  double* x = work_.data();
-  for (int s = strip.first_source; s < strip.end_source; ++s) {
-    const RowsOfBlock& rows = plan_.sources[static_cast<std::size_t>(s)];
-    const Block& block = blocks_[static_cast<std::size_t>(rows.block)];
-    const int count = rows.end - rows.begin;
-    const int* row = row_.data() + block.first_row + rows.begin;
-    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
-    for (int k = 0; k < count; ++k) y[k] = x[row[k]];
-    subtract_product(rectangle + rows.begin, block.rows, count, block.width, x + block.first, y);
-    for (int k = 0; k < count; ++k) x[row[k]] = y[k];
+/// Adds what subtrees have collected for unknowns above them, and empties it.
+void CondensedFactor::add_from_subtrees() {
+  double* collected = work_.data() + dof_of_.size();
+  for (const Subtrees::Subtree& subtree : division_.subtrees) {
+    const Block& last = blocks_[static_cast<std::size_t>(subtree.end_block) - 1];
+    for (int k = 0; k < last.rows; ++k) {
+      work_[row_[static_cast<std::size_t>(last.first_row + k)]] += collected[k];
+      collected[k] = 0.0;
+    }
+    collected += last.rows;
   }
 }
 
 void CondensedFactor::forward(const Eigen::VectorXd& b) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  for_each(static_cast<int>(plan_.subtrees.size()), [&](int part, int thread) noexcept {
-    const Subtrees::Subtree& subtree = plan_.subtrees[static_cast<std::size_t>(part)];
+  load(b, interior_, unknowns);
+  for_each(static_cast<int>(division_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = division_.subtrees[static_cast<std::size_t>(part)];
     load(b, subtree.first_unknown, subtree.end_unknown);
-    eliminate(subtree, gathered_.col(thread).data());
+    for (int k = subtree.first_block; k < subtree.end_block; ++k) {
+      const Block& block = blocks_[static_cast<std::size_t>(k)];
+      solve_own(block);
+      subtract_below(block, 0, block.rows, gathered_.col(thread).data());
+    }
   });
-  for (const Subtrees::Top& top : plan_.top) {
-    for_each(top.end_strip - top.first_strip, [&](int part, int thread) noexcept {
-      const Subtrees::Strip& strip = plan_.strips[static_cast<std::size_t>(top.first_strip + part)];
-      load(b, strip.first_unknown, strip.end_unknown);
-      subtract_earlier(strip, gathered_.col(thread).data());
-    });
-    if (top.block < static_cast<int>(blocks_.size())) solve_own(blocks_[static_cast<std::size_t>(top.block)]);
+  for (const int k : division_.top) {
+    const Block& block = blocks_[static_cast<std::size_t>(k)];
+    load(b, block.first, block.end());
   }
-  root_rhs_ = work_.tail(unknowns - interior_);
+  if (!division_.top.empty()) add_from_subtrees();
+  for (const int k : division_.top) {
+    const Block& block = blocks_[static_cast<std::size_t>(k)];
+    solve_own(block);
+    const int parts = parts_of(block);
+    for_each(parts, [&](int part, int thread) noexcept {
+      subtract_below(block, share(block.rows, part, parts), share(block.rows, part + 1, parts),
+                     gathered_.col(thread).data());
+    });
+  }
+  root_rhs_ = work_.segment(interior_, unknowns - interior_);
 }
 
 /// What `forward` left, which may be used again, times D^-1.
 void CondensedFactor::scale(int first, int end) {
   for (int j = first; j < end; ++j) solution_[j] = work_[j] * inverse_diagonal_[static_cast<std::size_t>(j)];
+}
+
+void CondensedFactor::gather_below(const Block& block, double* y) const {
+  const int* row = row_.data() + block.first_row;
+  for (int k = 0; k < block.rows; ++k) y[k] = solution_[row[k]];
 }
 
 void CondensedFactor::solve_own_transposed(const Block& block) {
@@ -285,31 +335,14 @@ void CondensedFactor::solve_own_transposed(const Block& block) {
   }
 }
 
-void CondensedFactor::recover(const Subtrees::Subtree& subtree, double* y) {
-  double* w = solution_.data();
-  for (int b = subtree.end_block - 1; b >= subtree.first_block; --b) {
-    const Block& block = blocks_[static_cast<std::size_t>(b)];
-    const int* row = row_.data() + block.first_row;
-    const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
-    for (int k = 0; k < block.rows; ++k) y[k] = w[row[k]];
-    subtract_transposed_product(rectangle, block.rows, block.width, y, w + block.first);
-    solve_own_transposed(block);
-  }
-}
-
-/// The same of one block, several threads some of its columns each.
 void CondensedFactor::recover_top(const Block& block) {
   double* y = gathered_.col(0).data();
-  double* w = solution_.data();
-  const int* row = row_.data() + block.first_row;
-  const double* rectangle = values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
-  scale(block.first, block.end());
-  for (int k = 0; k < block.rows; ++k) y[k] = w[row[k]];
-  const int parts = std::clamp(static_cast<int>(block.entries() / least_entries_of_part), 1, parallel_->threads());
+  gather_below(block, y);
+  const int parts = parts_of(block);
   for_each(parts, [&](int part, int) noexcept {
-    const int begin = block.width * part / parts, end = block.width * (part + 1) / parts;
-    subtract_transposed_product(rectangle + static_cast<std::ptrdiff_t>(begin) * block.rows, block.rows, end - begin, y,
-                                w + block.first + begin);
+    const int first = share(block.width, part, parts), end = share(block.width, part + 1, parts);
+    subtract_transposed_product(rectangle_of(block) + static_cast<std::ptrdiff_t>(first) * block.rows, block.rows,
+                                end - first, y, solution_.data() + block.first + first);
   });
   solve_own_transposed(block);
 }
@@ -322,18 +355,23 @@ void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x
   const int unknowns = static_cast<int>(dof_of_.size());
   solution_.tail(unknowns - interior_) = x_root;
   store(interior_, unknowns, x);
-  for (auto top = plan_.top.rbegin(); top != plan_.top.rend(); ++top) {
-    if (top->block == static_cast<int>(blocks_.size())) continue;  // the root
-    const Block& block = blocks_[static_cast<std::size_t>(top->block)];
+  for (auto top = division_.top.rbegin(); top != division_.top.rend(); ++top) {
+    const Block& block = blocks_[static_cast<std::size_t>(*top)];
+    scale(block.first, block.end());
     recover_top(block);
     store(block.first, block.end(), x);
   }
-  for_each(static_cast<int>(plan_.subtrees.size()), [&](int part, int thread) noexcept {
-    const Subtrees::Subtree& subtree = plan_.subtrees[static_cast<std::size_t>(part)];
-    const int end = std::min(subtree.end_unknown, interior_);
-    scale(subtree.first_unknown, end);
-    recover(subtree, gathered_.col(thread).data());
-    store(subtree.first_unknown, end, x);
+  for_each(static_cast<int>(division_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = division_.subtrees[static_cast<std::size_t>(part)];
+    double* y = gathered_.col(thread).data();
+    scale(subtree.first_unknown, subtree.end_unknown);
+    for (int k = subtree.end_block - 1; k >= subtree.first_block; --k) {
+      const Block& block = blocks_[static_cast<std::size_t>(k)];
+      gather_below(block, y);
+      subtract_transposed_product(rectangle_of(block), block.rows, block.width, y, solution_.data() + block.first);
+      solve_own_transposed(block);
+    }
+    store(subtree.first_unknown, subtree.end_unknown, x);
   });
 }
 

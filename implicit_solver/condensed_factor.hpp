@@ -18,7 +18,8 @@ namespace ricochet::implicit_solver {
 ///   backward(x)  recover everything else from x_root.
 /// Contact forces act on root unknowns only, so contact states never touch the factor.
 ///
-/// Threads take what Subtrees says. All sums are made in one order: the same bits for any number of threads.
+/// Threads take Subtrees, and of the wide blocks above them some rows or columns each. All sums are made in one order:
+/// the same bits for any number of threads.
 class CondensedFactor {
  public:
   /// `active`: unknowns kept (the others are constrained; their rows and columns are dropped); `root`: dofs of the
@@ -40,16 +41,19 @@ class CondensedFactor {
 
  private:
   void collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows, const double* values);
+  void collect_targets();
   template <class Work>
   void for_each(int parts, const Work& work);
+  [[nodiscard]] int parts_of(const Block& block) const;
+  [[nodiscard]] const double* rectangle_of(const Block& block) const;
   void load(const Eigen::VectorXd& b, int first, int end);
-  void eliminate(const Subtrees::Subtree& subtree, double* gathered);
   void solve_own(const Block& block);
-  void subtract_earlier(const Subtrees::Strip& strip, double* gathered);
+  void subtract_below(const Block& block, int first, int end, double* gathered);
+  void add_from_subtrees();
   void scale(int first, int end);
-  void recover(const Subtrees::Subtree& subtree, double* gathered);
-  void recover_top(const Block& block);
+  void gather_below(const Block& block, double* gathered) const;
   void solve_own_transposed(const Block& block);
+  void recover_top(const Block& block);
   void store(int first, int end, Eigen::VectorXd& x) const;
 
   std::shared_ptr<Parallel> parallel_;
@@ -57,8 +61,12 @@ class CondensedFactor {
   std::vector<int> dof_of_;    ///< factor order -> dof
   std::vector<Block> blocks_;  ///< of the interior
   std::vector<int> row_;
+  /// Where `forward` subtracts what belongs into row_: there, but for rows outside of a block's subtree. What is to be
+  /// added to those is collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
+  /// subtree's last block, which has all of them.
+  std::vector<int> target_;
   std::vector<double> values_, inverse_diagonal_;
-  Subtrees plan_;
+  Subtrees division_;
   Eigen::MatrixXd gathered_;  ///< per thread: what a block's rows hold
   Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;

@@ -8,8 +8,9 @@
 namespace ricochet {
 namespace {
 
-/// Longest spinning for a number to change: about what waking a sleeper takes.
-constexpr auto longest_spin = std::chrono::microseconds(50);
+/// Longest spinning for a number to change: about what waking a sleeper takes. After the first of it the processor is
+/// offered to others, for who is waited for may be waiting for this very processor.
+constexpr auto longest_spin = std::chrono::microseconds(50), longest_pause = std::chrono::microseconds(5);
 
 void pause_processor() {
 #if defined(__x86_64__)
@@ -22,12 +23,15 @@ void pause_processor() {
 /// Returns once `enough(value)`: spins, then sleeps until it is told of a change.
 template <class Number, class Enough>
 void wait_until(const std::atomic<Number>& value, const Enough& enough) {
-  const auto asleep_from = std::chrono::steady_clock::now() + longest_spin;
+  const auto begin = std::chrono::steady_clock::now();
   for (;;) {
     const Number seen = value.load(std::memory_order_acquire);
     if (enough(seen)) return;
-    if (std::chrono::steady_clock::now() < asleep_from) {
+    const auto waited = std::chrono::steady_clock::now() - begin;
+    if (waited < longest_pause) {
       pause_processor();
+    } else if (waited < longest_spin) {
+      std::this_thread::yield();
     } else {
       value.wait(seen, std::memory_order_acquire);
     }

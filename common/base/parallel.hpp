@@ -28,7 +28,8 @@ class Parallel {
   template <class Work>
   void for_each(int parts, const Work& work) {
     static_assert(std::is_nothrow_invocable_v<const Work&, int, int>);
-    run(parts, &work, [](const void* given, int part, int thread) { (*static_cast<const Work*>(given))(part, thread); });
+    run(parts, &work,
+        [](const void* given, int part, int thread) { (*static_cast<const Work*>(given))(part, thread); });
   }
 
  private:

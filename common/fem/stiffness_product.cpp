@@ -214,9 +214,8 @@ void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& resul
     const auto before = static_cast<int>(std::int64_t{slices} * piece / pieces);
     return std::min(first + before * slice, last);
   };
-  parallel_->for_each(pieces, [&](int piece, int) noexcept {
-    multiply_here(u, result, begin(piece), begin(piece + 1));
-  });
+  parallel_->for_each(pieces,
+                      [&](int piece, int) noexcept { multiply_here(u, result, begin(piece), begin(piece + 1)); });
 }
 
 void StiffnessProduct::multiply_here(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {

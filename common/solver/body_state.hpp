@@ -65,9 +65,9 @@ struct BodyState : BodyMotion {
   int body = -1;  ///< index into Problem::bodies
   std::string name;
   fem::Part part;
-  fem::StiffnessProduct stiffness;  ///< of the part, for K u in the step
+  fem::StiffnessProduct stiffness;     ///< of the part, for K u in the step
   std::shared_ptr<Parallel> parallel;  ///< the participant's threads, the same of all its parts
-  std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
+  std::vector<int> shared_nodes;       ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
   std::vector<bool> integrated;  ///< per dof: this participant integrates it
   std::vector<bool> free;        ///< per dof: integrated here and not constrained

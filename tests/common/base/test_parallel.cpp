@@ -1,5 +1,3 @@
-#include "common/base/parallel.hpp"
-
 #include <gtest/gtest.h>
 #include <sched.h>
 
@@ -9,6 +7,8 @@
 #include <numeric>
 #include <thread>
 #include <vector>
+
+#include "common/base/parallel.hpp"
 
 namespace ricochet {
 namespace {
@@ -91,7 +91,8 @@ TEST(UsableProcessors, AreThoseOfTheProcessNotOfTheMachine) {
     CPU_SET(first, &one);
     sched_setaffinity(0, sizeof one, &one);
     found = usable_processors();
-  }).join();
+  })
+      .join();
   EXPECT_EQ(found, 1);
 }
 
