@@ -73,8 +73,11 @@ std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::P
         scene.where("coupling.launcher"), command_name, scene.path));
   }
   auto words = participant.launch;
-  // One step each, with a processor that no other step has, and with the memory of the job, which is not shared out.
-  if (words.empty() && slurm) words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+  // One step each, with processors that no other step has, and with the memory of the job, which is not shared out.
+  if (words.empty() && slurm) {
+    words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+    if (participant.threads) words.push_back(fmt::format("--cpus-per-task={}", *participant.threads));
+  }
   if (words.empty()) return words;
   const bool on_path = words.front().find('/') == std::string::npos;
   const std::string found = on_path ? in_search_path(words.front()) : executable(words.front()) ? words.front() : "";

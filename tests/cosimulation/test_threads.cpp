@@ -62,15 +62,12 @@ class AnyNumberOfThreads : public testing::TestWithParam<Case> {};
 
 TEST_P(AnyNumberOfThreads, GivesTheSameBytes) {
   const TemporaryFolder folder;
-  std::string one;
-  for (const int threads : {1, 2, 3, 7}) {
-    const RunResult run = run_text(with_threads(GetParam(), threads), folder, fmt::format("with_{}", threads));
-    if (threads == 1) {
-      one = run.folder;
-      EXPECT_GT(run.largest("contact_force_n"), 0.0);
-    } else {
-      expect_same_results(run.folder, one, {"scene", "scene_sha256"});
-    }
+  const RunResult alone = run_text(with_threads(GetParam(), 1), folder);
+  EXPECT_GT(alone.largest("contact_force_n"), 0.0);
+  for (const int threads : {2, 3, 7}) {
+    const TemporaryFolder other;
+    const RunResult run = run_text(with_threads(GetParam(), threads), other);
+    expect_same_results(run.folder, alone.folder, {"scene", "scene_sha256"});  // in which the numbers stand
   }
 }
 
