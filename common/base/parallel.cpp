@@ -62,7 +62,7 @@ void Parallel::run(int parts, const void* work, Call call) {
   call_.store(call, std::memory_order_relaxed);
   parts_.store(parts, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
-  ticket_.store(static_cast<std::uint64_t>(round) << 32, std::memory_order_release);
+  ticket_.store(static_cast<std::uint64_t>(round) << 32 | static_cast<std::uint64_t>(parts), std::memory_order_release);
   round_.store(round, std::memory_order_release);
   round_.notify_all();
   take_parts(0);
@@ -75,11 +75,11 @@ void Parallel::take_parts(int thread) {
     const void* const work = work_.load(std::memory_order_relaxed);
     const Call call = call_.load(std::memory_order_relaxed);
     const int parts = parts_.load(std::memory_order_relaxed);
-    const int part = static_cast<int>(ticket & 0xffffffffU);
-    if (part >= parts) return;
-    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel, std::memory_order_acquire))
+    const int left = static_cast<int>(ticket & 0xffffffffU);
+    if (left == 0) return;
+    if (!ticket_.compare_exchange_weak(ticket, ticket - 1, std::memory_order_acq_rel, std::memory_order_acquire))
       continue;
-    call(work, part, thread);
+    call(work, parts - left, thread);
     if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == parts) done_.notify_all();
     ticket = ticket_.load(std::memory_order_acquire);
   }

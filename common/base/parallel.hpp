@@ -40,12 +40,13 @@ class Parallel {
 
   const int threads_;
   std::vector<std::thread> others_;
-  // One work is a round. Who takes a part swaps `ticket_` for the next one, which fails if the round is over by then,
-  // so that work, call and number that were read before belong to it.
+  // One work is a round. Who takes a part takes one off those that are left in `ticket_`, which fails if somebody else
+  // was faster. While some are left the caller waits, so that work, call and number that were read before belong to
+  // them.
   std::atomic<const void*> work_{nullptr};
   std::atomic<Call> call_{nullptr};
   std::atomic<int> parts_{0};
-  std::atomic<std::uint64_t> ticket_{0};  ///< round in the upper half, next part in the lower
+  std::atomic<std::uint64_t> ticket_{0};  ///< round in the upper half, parts that are left in the lower
   std::atomic<int> done_{0};              ///< parts of this round
   std::atomic<std::uint32_t> round_{0};   ///< what sleepers look at
   std::atomic<bool> over_{false};
