@@ -4,14 +4,22 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "common/base/error.hpp"
 
 namespace ricochet::implicit_solver {
 namespace {
+
+/// Entries of a block that are worth a thread.
+constexpr double least_entries_of_part = 1e4;
+
+/// Where part `part` of `parts` of so many begins.
+int share(int of, int part, int parts) { return static_cast<int>(std::int64_t{of} * part / parts); }
 
 /// CHOLMOD's workspace and the objects that must go back to it.
 struct Cholmod {
@@ -77,16 +85,18 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
   return matrix;
 }
 
-/// y -= L x, L column-major rows x columns; four columns at a time, so that y is loaded and stored a quarter as often.
-void subtract_product(const double* l, int rows, int columns, const double* x, double* __restrict y) {
+/// y -= L x, L some rows of a column-major matrix with `stride` of them; four columns at a time, so that y is loaded
+/// and stored a quarter as often.
+void subtract_product(const double* l, int stride, int rows, int columns, const double* x, double* __restrict y) {
   int c = 0;
   for (; c + 4 <= columns; c += 4) {
-    const double *l0 = l + static_cast<std::ptrdiff_t>(c) * rows, *l1 = l0 + rows, *l2 = l1 + rows, *l3 = l2 + rows;
+    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
+    const double *l1 = l0 + stride, *l2 = l1 + stride, *l3 = l2 + stride;
     const double x0 = x[c], x1 = x[c + 1], x2 = x[c + 2], x3 = x[c + 3];
     for (int i = 0; i < rows; ++i) y[i] -= (l0[i] * x0 + l1[i] * x1) + (l2[i] * x2 + l3[i] * x3);
   }
   for (; c < columns; ++c) {
-    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * rows;
+    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
     for (int i = 0; i < rows; ++i) y[i] -= l0[i] * x[c];
   }
 }
@@ -110,7 +120,8 @@ void subtract_transposed_product(const double* l, int rows, int columns, const d
 }  // namespace
 
 CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active,
-                                 const std::vector<int>& root) {
+                                 const std::vector<int>& root, std::shared_ptr<Parallel> parallel)
+    : parallel_(std::move(parallel)) {
   const auto dofs = static_cast<std::size_t>(a.rows());
   std::vector<int> unknown_of(dofs, -1), dof_of_unknown;
   for (std::size_t dof = 0; dof < dofs; ++dof) {
@@ -150,6 +161,11 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / values[start[j]]);
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);
   collect_blocks(plan.blocks, start, rows, values);
+  division_ = divide(blocks_, row_, interior_);
+  collect_targets();
+  const auto taller = [](const Block& x, const Block& y) { return x.rows < y.rows; };
+  const auto tallest = std::max_element(blocks_.begin(), blocks_.end(), taller);
+  gathered_.setZero(tallest == blocks_.end() ? 0 : tallest->rows, parallel_ ? parallel_->threads() : 1);
 
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
@@ -160,13 +176,19 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   }
   const Eigen::MatrixXd half = lower.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(roots, roots));
   root_inverse_ = half.transpose() * pivots.cwiseInverse().asDiagonal() * half;
-  work_.setZero(unknowns);
+  solution_.setZero(unknowns);
   root_rhs_.setZero(roots);
 }
 
 void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows,
                                      const double* values) {
   for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0});
+  std::size_t room = 0;
+  for (const ColumnRange& range : ranges) {
+    const int last = range.first + range.width - 1, below = start[last + 1] - start[last] - 1;
+    room += static_cast<std::size_t>(range.width + below) * static_cast<std::size_t>(range.width);
+  }
+  values_.reserve(room);  // grown, it would for a time take twice as much
   std::vector<int> place(dof_of_.size(), 0);
   for (Block& block : blocks_) {
     const int last = block.first + block.width - 1;
@@ -189,50 +211,168 @@ void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, con
         }
       }
     }
-    largest_block_ = std::max(largest_block_, block.rows);
   }
-  gathered_.setZero(largest_block_);
+}
+
+void CondensedFactor::collect_targets() {
+  target_ = row_;
+  auto next = static_cast<int>(dof_of_.size());
+  for (const Subtrees::Subtree& subtree : division_.subtrees) {
+    if (division_.top.empty()) break;  // nothing is above it but the root
+    const Block& last = blocks_[static_cast<std::size_t>(subtree.end_block) - 1];
+    const auto above = row_.begin() + last.first_row, above_end = above + last.rows;
+    for (int b = subtree.first_block; b < subtree.end_block; ++b) {
+      const Block& block = blocks_[static_cast<std::size_t>(b)];
+      for (int k = block.first_row; k < block.first_row + block.rows; ++k) {
+        const int row = row_[static_cast<std::size_t>(k)];
+        if (row < subtree.end_unknown) continue;
+        target_[static_cast<std::size_t>(k)] = next + static_cast<int>(std::lower_bound(above, above_end, row) - above);
+      }
+    }
+    next += last.rows;
+  }
+  work_.setZero(next);
+}
+
+template <class Work>
+void CondensedFactor::for_each(int parts, const Work& work) {
+  if (parallel_) {
+    parallel_->for_each(parts, work);
+  } else {
+    for (int part = 0; part < parts; ++part) work(part, 0);
+  }
+}
+
+/// Into how many parts a block of the top is divided.
+int CondensedFactor::parts_of(const Block& block) const {
+  const int most = parallel_ ? parallel_->threads() : 1;
+  return std::clamp(static_cast<int>(block.entries() / least_entries_of_part), 1, most);
+}
+
+const double* CondensedFactor::rectangle_of(const Block& block) const {
+  return values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
+}
+
+void CondensedFactor::load(const Eigen::VectorXd& b, int first, int end) {
+  for (int j = first; j < end; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
+}
+
+/// Unknowns of a block from each other.
+void CondensedFactor::solve_own(const Block& block) {
+  const double* triangle = values_.data() + block.values;
+  double* own = work_.data() + block.first;
+  for (int c = 0; c + 1 < block.width; ++c) {
+    for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
+  }
+}
+
+/// What the unknowns of a block subtract from those of its rows first ... end - 1.
+void CondensedFactor::subtract_below(const Block& block, int first, int end, double* y) {
+  double* x = work_.data();
+  const int* target = target_.data() + block.first_row + first;
+  for (int k = 0; k < end - first; ++k) y[k] = x[target[k]];
+  subtract_product(rectangle_of(block) + first, block.rows, end - first, block.width, x + block.first, y);
+  for (int k = 0; k < end - first; ++k) x[target[k]] = y[k];
+}
+
+/// Adds what subtrees have collected for unknowns above them, and empties it.
+void CondensedFactor::add_from_subtrees() {
+  double* collected = work_.data() + dof_of_.size();
+  for (const Subtrees::Subtree& subtree : division_.subtrees) {
+    const Block& last = blocks_[static_cast<std::size_t>(subtree.end_block) - 1];
+    for (int k = 0; k < last.rows; ++k) {
+      work_[row_[static_cast<std::size_t>(last.first_row + k)]] += collected[k];
+      collected[k] = 0.0;
+    }
+    collected += last.rows;
+  }
 }
 
 void CondensedFactor::forward(const Eigen::VectorXd& b) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  for (int j = 0; j < unknowns; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
-  double* x = work_.data();
-  double* y = gathered_.data();
-  for (const Block& block : blocks_) {
-    const double* triangle = values_.data() + block.values;
-    const int* row = row_.data() + block.first_row;
-    double* own = x + block.first;
-    for (int c = 0; c + 1 < block.width; ++c) {
-      for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
+  load(b, interior_, unknowns);
+  for_each(static_cast<int>(division_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = division_.subtrees[static_cast<std::size_t>(part)];
+    load(b, subtree.first_unknown, subtree.end_unknown);
+    for (int k = subtree.first_block; k < subtree.end_block; ++k) {
+      const Block& block = blocks_[static_cast<std::size_t>(k)];
+      solve_own(block);
+      subtract_below(block, 0, block.rows, gathered_.col(thread).data());
     }
-    for (int k = 0; k < block.rows; ++k) y[k] = x[row[k]];
-    subtract_product(triangle + static_cast<std::ptrdiff_t>(block.width) * block.width, block.rows, block.width, own,
-                     y);
-    for (int k = 0; k < block.rows; ++k) x[row[k]] = y[k];
+  });
+  for (const int k : division_.top) {
+    const Block& block = blocks_[static_cast<std::size_t>(k)];
+    load(b, block.first, block.end());
   }
-  root_rhs_ = work_.tail(unknowns - interior_);
+  if (!division_.top.empty()) add_from_subtrees();
+  for (const int k : division_.top) {
+    const Block& block = blocks_[static_cast<std::size_t>(k)];
+    solve_own(block);
+    const int parts = parts_of(block);
+    for_each(parts, [&](int part, int thread) noexcept {
+      subtract_below(block, share(block.rows, part, parts), share(block.rows, part + 1, parts),
+                     gathered_.col(thread).data());
+    });
+  }
+  root_rhs_ = work_.segment(interior_, unknowns - interior_);
+}
+
+/// What `forward` left, which may be used again, times D^-1.
+void CondensedFactor::scale(int first, int end) {
+  for (int j = first; j < end; ++j) solution_[j] = work_[j] * inverse_diagonal_[static_cast<std::size_t>(j)];
+}
+
+void CondensedFactor::gather_below(const Block& block, double* y) const {
+  const int* row = row_.data() + block.first_row;
+  for (int k = 0; k < block.rows; ++k) y[k] = solution_[row[k]];
+}
+
+void CondensedFactor::solve_own_transposed(const Block& block) {
+  const double* triangle = values_.data() + block.values;
+  double* own = solution_.data() + block.first;
+  for (int c = block.width - 2; c >= 0; --c) {
+    for (int r = c + 1; r < block.width; ++r) own[c] -= triangle[c * block.width + r] * own[r];
+  }
+}
+
+void CondensedFactor::recover_top(const Block& block) {
+  double* y = gathered_.col(0).data();
+  gather_below(block, y);
+  const int parts = parts_of(block);
+  for_each(parts, [&](int part, int) noexcept {
+    const int first = share(block.width, part, parts), end = share(block.width, part + 1, parts);
+    subtract_transposed_product(rectangle_of(block) + static_cast<std::ptrdiff_t>(first) * block.rows, block.rows,
+                                end - first, y, solution_.data() + block.first + first);
+  });
+  solve_own_transposed(block);
+}
+
+void CondensedFactor::store(int first, int end, Eigen::VectorXd& x) const {
+  for (int j = first; j < end; ++j) x[dof_of_[static_cast<std::size_t>(j)]] = solution_[j];
 }
 
 void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x) {
   const int unknowns = static_cast<int>(dof_of_.size());
-  solution_ = work_;  // what `forward` left may be used again
   solution_.tail(unknowns - interior_) = x_root;
-  double* w = solution_.data();
-  for (int j = 0; j < interior_; ++j) w[j] *= inverse_diagonal_[static_cast<std::size_t>(j)];
-  double* y = gathered_.data();
-  for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block) {
-    const double* triangle = values_.data() + block->values;
-    const int* row = row_.data() + block->first_row;
-    double* own = w + block->first;
-    for (int k = 0; k < block->rows; ++k) y[k] = w[row[k]];
-    subtract_transposed_product(triangle + static_cast<std::ptrdiff_t>(block->width) * block->width, block->rows,
-                                block->width, y, own);
-    for (int c = block->width - 2; c >= 0; --c) {
-      for (int r = c + 1; r < block->width; ++r) own[c] -= triangle[c * block->width + r] * own[r];
-    }
+  store(interior_, unknowns, x);
+  for (auto top = division_.top.rbegin(); top != division_.top.rend(); ++top) {
+    const Block& block = blocks_[static_cast<std::size_t>(*top)];
+    scale(block.first, block.end());
+    recover_top(block);
+    store(block.first, block.end(), x);
   }
-  for (int j = 0; j < unknowns; ++j) x[dof_of_[static_cast<std::size_t>(j)]] = w[j];
+  for_each(static_cast<int>(division_.subtrees.size()), [&](int part, int thread) noexcept {
+    const Subtrees::Subtree& subtree = division_.subtrees[static_cast<std::size_t>(part)];
+    double* y = gathered_.col(thread).data();
+    scale(subtree.first_unknown, subtree.end_unknown);
+    for (int k = subtree.end_block - 1; k >= subtree.first_block; --k) {
+      const Block& block = blocks_[static_cast<std::size_t>(k)];
+      gather_below(block, y);
+      subtract_transposed_product(rectangle_of(block), block.rows, block.width, y, solution_.data() + block.first);
+      solve_own_transposed(block);
+    }
+    store(subtree.first_unknown, subtree.end_unknown, x);
+  });
 }
 
 }  // namespace ricochet::implicit_solver

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
+#include "common/base/parallel.hpp"
 #include "common/fem/part.hpp"
 #include "implicit_solver/elimination_order.hpp"
+#include "implicit_solver/subtrees.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -14,11 +17,16 @@ namespace ricochet::implicit_solver {
 ///   root         the small dense problem S x_root = z + (forces found there), S the Schur complement on the root
 ///   backward(x)  recover everything else from x_root.
 /// Contact forces act on root unknowns only, so contact states never touch the factor.
+///
+/// Threads take Subtrees, and of the wide blocks above them some rows or columns each. All sums are made in one order:
+/// the same bits for any number of threads.
 class CondensedFactor {
  public:
   /// `active`: unknowns kept (the others are constrained; their rows and columns are dropped); `root`: dofs of the
-  /// root, all active. Throws SolverError if A is not positive definite.
-  CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& root);
+  /// root, all active; `parallel`: the threads to compute with (null: the caller alone). Throws SolverError if A is not
+  /// positive definite.
+  CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& root,
+                  std::shared_ptr<Parallel> parallel = nullptr);
 
   /// Loads b (full length, inactive entries ignored) and eliminates; afterwards root_rhs() holds z.
   void forward(const Eigen::VectorXd& b);
@@ -32,22 +40,34 @@ class CondensedFactor {
   [[nodiscard]] std::size_t factor_entries() const { return values_.size(); }
 
  private:
-  /// Neighbouring columns of L whose structures are the same but for themselves, dense: a strictly lower triangle
-  /// (width x width, column-major), then a rectangle (rows x width, column-major).
-  struct Block {
-    int first, width;     ///< columns first .. first + width - 1
-    int rows, first_row;  ///< rows below, row_[first_row ...]
-    std::size_t values;   ///< values_[values ...]
-  };
   void collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows, const double* values);
+  void collect_targets();
+  template <class Work>
+  void for_each(int parts, const Work& work);
+  [[nodiscard]] int parts_of(const Block& block) const;
+  [[nodiscard]] const double* rectangle_of(const Block& block) const;
+  void load(const Eigen::VectorXd& b, int first, int end);
+  void solve_own(const Block& block);
+  void subtract_below(const Block& block, int first, int end, double* gathered);
+  void add_from_subtrees();
+  void scale(int first, int end);
+  void gather_below(const Block& block, double* gathered) const;
+  void solve_own_transposed(const Block& block);
+  void recover_top(const Block& block);
+  void store(int first, int end, Eigen::VectorXd& x) const;
 
+  std::shared_ptr<Parallel> parallel_;
   int interior_ = 0;           ///< unknowns eliminated before the root
   std::vector<int> dof_of_;    ///< factor order -> dof
   std::vector<Block> blocks_;  ///< of the interior
   std::vector<int> row_;
+  /// Where `forward` subtracts what belongs into row_: there, but for rows outside of a block's subtree. What is to be
+  /// added to those is collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
+  /// subtree's last block, which has all of them.
+  std::vector<int> target_;
   std::vector<double> values_, inverse_diagonal_;
-  int largest_block_ = 0;
-  Eigen::VectorXd gathered_;  ///< what a block's rows hold
+  Subtrees division_;
+  Eigen::MatrixXd gathered_;  ///< per thread: what a block's rows hold
   Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;
 };

@@ -72,7 +72,7 @@ void NewmarkWindow::factorise() {
     shared_roots_.emplace_back(dof, found - root.begin());
     if (found == root.end()) root.push_back(dof);
   }
-  factor_.emplace(a, active, root);
+  factor_.emplace(a, active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel);
   if (!contact_) return;
   const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
   if (contact_in_root_) {

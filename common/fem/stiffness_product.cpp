@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <map>
 
@@ -28,6 +29,9 @@ constexpr int usual_width = 2;
 #ifdef RICOCHET_ASK_FOR_AVX2
 const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #endif
+
+/// Rows that are worth a thread: some ten microseconds of work, where handing it over takes one or two.
+constexpr int least_rows(int components) { return components == 3 ? 2000 : 4000; }
 
 /// So many doubles that the processor computes at once.
 template <int width>
@@ -211,6 +215,21 @@ void StiffnessProduct::multiply_slices(int first, int end, const double* u, doub
 }
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
+  const int pieces = parallel_ ? std::min(parallel_->threads(), (last - first) / least_rows(components_)) : 1;
+  if (pieces <= 1) {
+    multiply_here(u, result, first, last);
+    return;
+  }
+  const int slice = rows_of_slice(components_), slices = (last - first + slice - 1) / slice;
+  const auto begin = [&](int piece) {  // in 64 bits: slices times threads
+    const auto before = static_cast<int>(std::int64_t{slices} * piece / pieces);
+    return std::min(first + before * slice, last);
+  };
+  parallel_->for_each(pieces,
+                      [&](int piece, int) noexcept { multiply_here(u, result, begin(piece), begin(piece + 1)); });
+}
+
+void StiffnessProduct::multiply_here(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
   if (components_ == 3) {
     stencils_.multiply(u.data(), result.data(), first / 3, last / 3, follows_);
     return;

@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "common/base/parallel.hpp"
 #include "common/fem/node_stencils.hpp"
 
 namespace ricochet::fem {
@@ -39,6 +42,9 @@ class StiffnessProduct {
   /// end of one (of the last slice: the number of rows).
   void multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
+  /// From here on computes with these threads where rows are many. A row is one thread's: the bits stay the same.
+  void compute_with(std::shared_ptr<Parallel> parallel) { parallel_ = std::move(parallel); }
+
   /// As fine as the rows can be chosen; whole nodes of two and three components.
   [[nodiscard]] static constexpr int rows_of_slice(int components) { return components == 3 ? 24 : plane_slice; }
   /// Whether rows take this component relative to their own node.
@@ -59,13 +65,15 @@ class StiffnessProduct {
   };
   void add_slice(const SparseMatrix& stiffness, int slice, const Numbering& numbering);
   void add_slot(const std::array<int, 4>& neighbours, int nodes);
+  void multiply_here(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
   void multiply_slices(int first, int end, const double* u, double* result) const;
   void multiply_slices_by_avx2(int first, int end, const double* u, double* result) const;
   template <int width>
   void multiply_slice(int slice, const double* u, double* result) const;
   void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
-  std::vector<int> slice_start_;  ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
+  std::shared_ptr<Parallel> parallel_;  ///< null: nobody but the caller
+  std::vector<int> slice_start_;        ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
   std::vector<Slot> slots_;
   std::vector<Coefficients> coefficients_;  ///< one per slot
   std::vector<int> gathered_;

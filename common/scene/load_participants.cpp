@@ -40,6 +40,8 @@ std::vector<std::string> load_launch(TableReader& table) {
   return words;
 }
 
+constexpr int most_threads = 1024;
+
 ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   ParticipantSpec participant;
   participant.name = table.name("name");
@@ -58,6 +60,9 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   table.only_if(is_explicit && participant.start == Start::launch && participant.executable.empty(), "ranks",
                 "role = \"explicit\", the shipped solver and start = \"launch\"");
   if (table.has("ranks")) participant.ranks = table.integer("ranks", 1, 100000);
+  table.only_if(participant.executable.empty(), "threads",
+                "the shipped solver: a program of your own (key executable) has its own ways");
+  if (table.has("threads")) participant.threads = table.integer("threads", 1, most_threads);
   table.finish();
   return participant;
 }

@@ -189,6 +189,8 @@ struct ParticipantSpec {
   /// Words in front of program and arguments; empty: none, under Slurm those of a step.
   std::vector<std::string> launch{};
   std::optional<int> ranks{};  ///< explicit: processes that step its nodes together, by MPI; none: one, without MPI
+  /// To compute with; empty: its share of the processors that it finds. Results are the same for any number.
+  std::optional<int> threads{};
 };
 
 struct Output {

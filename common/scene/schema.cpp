@@ -27,7 +27,7 @@ const Schema& scene_schema() {
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations", "resynchronise_every",
         "after_separation", "separation_windows", "timeout_s", "launcher", "transport", "address", "port",
         "energy_growth_limit"}},
-      {"participant", {"name", "role", "bodies", "groups", "executable", "start", "launch", "ranks"}},
+      {"participant", {"name", "role", "bodies", "groups", "executable", "start", "launch", "ranks", "threads"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };

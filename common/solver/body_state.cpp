@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -181,12 +182,32 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   return state;
 }
 
+namespace {
+
+/// Unless the scene says: the share of the processors that this process may use which falls to one process of the
+/// participant. All participants compute at the same time, and the coupler waits meanwhile.
+int threads_of(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
+  if (participant.threads) return *participant.threads;
+  return std::max(1, usable_processors() / static_cast<int>(scene.participants.size()) / participant.ranks.value_or(1));
+}
+
+}  // namespace
+
+void compute_with_threads(const scene::Scene& scene, const scene::ParticipantSpec& participant,
+                          std::vector<BodyState>& states) {
+  const auto parallel = std::make_shared<Parallel>(threads_of(scene, participant));
+  for (auto& state : states) {
+    state.parallel = parallel;
+    state.stiffness.compute_with(parallel);
+  }
+}
+
 std::vector<BodyState> initial_states(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                                       bool shared_integrated) {
   std::vector<BodyState> states;
-  for (auto& owned : scene::participant_parts(problem, participant)) {
+  for (auto& owned : scene::participant_parts(problem, participant))
     states.push_back(initial_state(problem, std::move(owned), participant.role, shared_integrated));
-  }
+  compute_with_threads(problem.scene, participant, states);
   return states;
 }
 

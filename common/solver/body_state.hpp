@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -76,8 +77,9 @@ struct BodyState : BodyMotion {
   int body = -1;  ///< index into Problem::bodies
   std::string name;
   fem::Part part;
-  fem::StiffnessProduct stiffness;  ///< of the part, for K u in the step
-  std::vector<int> shared_nodes;    ///< local nodes shared with other participants, in the order of the interface
+  fem::StiffnessProduct stiffness;     ///< of the part, for K u in the step
+  std::shared_ptr<Parallel> parallel;  ///< the participant's threads, the same of all its parts
+  std::vector<int> shared_nodes;       ///< local nodes shared with other participants, in the order of the interface
   std::vector<int> shared_dofs;
   std::vector<bool> integrated;  ///< per dof: this participant integrates it
   std::vector<bool> free;        ///< per dof: integrated here and not constrained
@@ -154,6 +156,9 @@ void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodySta
 /// Of one part, or of a share of one; `problem` as above.
 [[nodiscard]] BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
                                       bool shared_integrated);
+/// Gives the states of a participant the threads that it computes with.
+void compute_with_threads(const scene::Scene& scene, const scene::ParticipantSpec& participant,
+                          std::vector<BodyState>& states);
 
 /// Refuses to go on with numbers that mean nothing: SolverError naming body, node, position and window.
 void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window);

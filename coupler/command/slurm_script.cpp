@@ -72,13 +72,21 @@ std::string quoted(const std::string& word) {
 
 std::string own_path() { return fs::read_symlink("/proc/self/exe").string(); }
 
-/// One processor for each participant that is launched and one for the coupler: on any nodes, or on one.
+/// One processor for each thread of each process of a participant that is launched and one for the coupler: on one
+/// node, or tasks on any nodes. A task of several processors has all of them on one node; tasks are of one size.
 std::string tasks_of(const scene::Scene& scene) {
-  const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
-                                      [](const auto& p) { return p.start == scene::Start::launch; });
-  return scene.coupling.launcher == scene::LaunchedBy::slurm
-             ? fmt::format("--ntasks={}", launched + 1)
-             : fmt::format("--nodes=1 --ntasks=1 --cpus-per-task={}", launched + 1);
+  int launched = 0, threads = 0, most_threads = 1;
+  for (const auto& participant : scene.participants) {
+    if (participant.start != scene::Start::launch) continue;
+    const int processes = participant.ranks.value_or(1);
+    launched += processes;
+    threads += processes * participant.threads.value_or(1);
+    most_threads = std::max(most_threads, participant.threads.value_or(1));
+  }
+  if (scene.coupling.launcher != scene::LaunchedBy::slurm)
+    return fmt::format("--nodes=1 --ntasks=1 --cpus-per-task={}", threads + 1);
+  return fmt::format("--ntasks={}", launched + 1) +
+         (most_threads > 1 ? fmt::format(" --cpus-per-task={}", most_threads) : "");
 }
 
 std::string time_line(const std::optional<std::string>& time) {

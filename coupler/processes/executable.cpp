@@ -87,11 +87,11 @@ std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::P
         scene.where("coupling.launcher"), command_name, scene.path));
   }
   auto words = participant.launch;
-  // One step each, with a processor that no other step has, and with the memory of the job, which is not shared out.
-  if (words.empty() && slurm && participant.ranks) {
-    words = {"srun", "--exact", "--mem=0", "--mpi=pmix", "--ntasks=" + std::to_string(*participant.ranks)};
-  } else if (words.empty() && slurm) {
-    words = {"srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1"};
+  if (words.empty() && slurm) {
+    // One step each, with processors that no other step has, and with the memory of the job, which is not shared out.
+    words = {"srun", "--exact", "--mem=0", "--ntasks=" + std::to_string(participant.ranks.value_or(1))};
+    words.emplace_back(participant.ranks ? "--mpi=pmix" : "--nodes=1");
+    if (participant.threads) words.push_back(fmt::format("--cpus-per-task={}", *participant.threads));
   } else if (words.empty() && participant.ranks) {
     words = mpirun(*participant.ranks);
   }

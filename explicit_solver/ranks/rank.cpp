@@ -194,6 +194,7 @@ RankShare::RankShare(const scene::Problem& problem, const scene::ParticipantSpec
     neighbours_.push_back(std::make_shared<Neighbours>(part, state, communicator));
     state.others = neighbours_.back().get();
   }
+  solver::compute_with_threads(problem.scene, participant, states_);
 }
 
 void RankShare::book_for(const std::vector<BodyState>& whole, const std::vector<SharedPart>& shared) {

@@ -17,15 +17,16 @@ Kernels::Kernels(const std::string& folder, const std::vector<int>& refinements,
     : refinements_(refinements) {
   const std::string path = folder + "/kernels.json";
   run_command({std::string(RICOCHET_BUILD) + "/bench_kernels",
-               fmt::format("--benchmark_filter=^(triad|multiply_add)|/({})$", fmt::join(refinements, "|")),
+               fmt::format("--benchmark_filter=^(triad|multiply_add)|/({})(/real_time)?$", fmt::join(refinements, "|")),
                fmt::format("--benchmark_repetitions={}", repeats), "--benchmark_enable_random_interleaving=true",
                "--benchmark_min_time=0.02", "--benchmark_out_format=json", "--benchmark_out=" + path},
               folder + "/kernels.log");
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file);
   for (const auto& run : json.at("benchmarks")) {
-    if (run.at("run_type") != "iteration") continue;
-    auto& kernel = kernels_[run.at("run_name")];
+    if (run.at("run_type") != "iteration" || run.value("error_occurred", false)) continue;
+    const auto name = run.at("run_name").get<std::string>();
+    auto& kernel = kernels_[name.substr(0, name.find("/real_time"))];
     kernel.time_s.push_back(1e-9 * run.at("real_time").get<double>());
     kernel.bytes = run.value("bytes", 0.0);
     kernel.flops = run.value("flops", 0.0);
@@ -81,6 +82,16 @@ std::vector<Row> Kernels::rows() const {
     against("K u of solids: Eigen's sparse product / explicit kernel", "solid_sparse_product", "solid_product", {});
     against("solve: CHOLMOD simplicial / condensed factor", "cholmod_simplicial", "condensed_solve", {});
     against("solve: CHOLMOD supernodal / condensed factor", "cholmod_supernodal", "condensed_solve", {});
+    const auto by_two = [&](const char* label, const std::string& kernel) {
+      if (kernels_.count(fmt::format("{}_by_two/{}", kernel, n)) == 0) {
+        rows.push_back({label, mesh, {}, {}, "one processor"});
+      } else {
+        rows.push_back({label, mesh, quotients(at(kernel, n).time_s, at(kernel + "_by_two", n).time_s), {}});
+      }
+    };
+    by_two("K u: one thread / two", "stiffness_product");
+    by_two("K u of solids: one thread / two", "solid_product");
+    by_two("solve: one thread / two", "condensed_solve");
     const auto against_bound = [&](const char* label, const char* kernel) {
       rows.push_back({label, mesh, quotients(bound_s(kernel, n), at(kernel, n).time_s), {}});
     };

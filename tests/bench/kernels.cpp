@@ -2,17 +2,21 @@
 // and what this machine can do at most. The argument of a kernel is the refinement of the 0.5 mm mesh, that of the
 // triad the bytes it touches. Counters: bytes and flops per iteration as the roofline counts them.
 #include <benchmark/benchmark.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <numeric>
+#include <thread>
 #include <type_traits>
 
+#include "common/base/parallel.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
 #include "implicit_solver/condensed_factor.hpp"
@@ -157,6 +161,49 @@ void stiffness_product(benchmark::State& state) {
   state.counters["flops"] = 2.0 * nonzeros;
 }
 
+/// Two threads, each on a processor of its own: where other processes compute, too, the system would put both on one.
+/// Null if this process may use one only.
+std::shared_ptr<Parallel> two_threads() {
+  static const auto made = []() -> std::shared_ptr<Parallel> {
+    cpu_set_t usable;
+    if (sched_getaffinity(0, sizeof usable, &usable) != 0 || CPU_COUNT(&usable) < 2) return nullptr;
+    std::vector<int> processors;
+    for (int p = 0; p < CPU_SETSIZE; ++p) {
+      if (CPU_ISSET(p, &usable)) processors.push_back(p);
+    }
+    auto parallel = std::make_shared<Parallel>(2);
+    std::atomic<int> here{0};
+    parallel->for_each(2, [&](int, int thread) noexcept {
+      cpu_set_t own;
+      CPU_ZERO(&own);
+      CPU_SET(processors[static_cast<std::size_t>(thread)], &own);
+      sched_setaffinity(0, sizeof own, &own);
+      for (++here; here < 2;) std::this_thread::yield();  // so that nobody takes both parts
+    });
+    return parallel;
+  }();
+  return made;
+}
+
+/// The bodies' K u by two threads.
+template <class Bodies>
+void multiply_by_two(benchmark::State& state, Bodies& bodies) {
+  if (!two_threads()) {
+    state.SkipWithError("needs two processors");
+    return;
+  }
+  for (auto& body : bodies) body.product.compute_with(two_threads());
+  for (auto _ : state) {
+    for (auto& body : bodies) body.product.multiply(body.u, body.force);
+    benchmark::ClobberMemory();
+  }
+  for (auto& body : bodies) body.product.compute_with(nullptr);
+}
+
+void stiffness_product_by_two(benchmark::State& state) {
+  multiply_by_two(state, bodies_of(static_cast<int>(state.range(0))));
+}
+
 void sparse_product(benchmark::State& state) {
   auto& bodies = bodies_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -226,6 +273,15 @@ void solid_product(benchmark::State& state) {
   state.counters["flops"] = 2.0 * static_cast<double>(body.part.stiffness.nonZeros());
 }
 
+void solid_product_by_two(benchmark::State& state) {
+  struct {
+    SolidBody* body;
+    SolidBody* begin() { return body; }
+    SolidBody* end() { return body + 1; }
+  } one{&solid_of(static_cast<int>(state.range(0)))};
+  multiply_by_two(state, one);
+}
+
 void solid_sparse_product(benchmark::State& state) {
   auto& body = solid_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -251,10 +307,7 @@ void solid_element_by_element(benchmark::State& state) {
   }
 }
 
-void condensed_solve(benchmark::State& state) {
-  const auto refinement = static_cast<int>(state.range(0));
-  auto& factor = factor_of<implicit_solver::CondensedFactor>(refinement);
-  const auto& op = operator_of(refinement);
+void solve_by(benchmark::State& state, implicit_solver::CondensedFactor& factor, const ImplicitOperator& op) {
   Eigen::VectorXd x = op.b;
   for (auto _ : state) {
     factor.forward(op.b);
@@ -264,6 +317,26 @@ void condensed_solve(benchmark::State& state) {
   const auto entries = static_cast<double>(factor.factor_entries());
   state.counters["bytes"] = 2.0 * 8.0 * entries + 32.0 * static_cast<double>(op.b.size());  // L twice, no indices
   state.counters["flops"] = 4.0 * entries;
+}
+
+void condensed_solve(benchmark::State& state) {
+  const auto refinement = static_cast<int>(state.range(0));
+  solve_by(state, factor_of<implicit_solver::CondensedFactor>(refinement), operator_of(refinement));
+}
+
+void condensed_solve_by_two(benchmark::State& state) {
+  if (!two_threads()) {
+    state.SkipWithError("needs two processors");
+    return;
+  }
+  static std::map<int, std::unique_ptr<implicit_solver::CondensedFactor>> made;
+  auto& factor = made[static_cast<int>(state.range(0))];
+  const auto& op = operator_of(static_cast<int>(state.range(0)));
+  if (!factor) {
+    const std::vector<bool> active(static_cast<std::size_t>(op.a.rows()), true);
+    factor = std::make_unique<implicit_solver::CondensedFactor>(op.a, active, op.root, two_threads());
+  }
+  solve_by(state, *factor, op);
 }
 
 template <class Solver>
@@ -311,12 +384,15 @@ void meshes(benchmark::internal::Benchmark* kernel) {
 }
 
 BENCHMARK(stiffness_product)->Apply(meshes);
+BENCHMARK(stiffness_product_by_two)->Apply(meshes)->UseRealTime();
 BENCHMARK(sparse_product)->Apply(meshes);
 BENCHMARK(element_by_element)->Apply(meshes);
 BENCHMARK(solid_product)->Apply(meshes);
+BENCHMARK(solid_product_by_two)->Apply(meshes)->UseRealTime();
 BENCHMARK(solid_sparse_product)->Apply(meshes);
 BENCHMARK(solid_element_by_element)->Apply(meshes);
 BENCHMARK(condensed_solve)->Apply(meshes);
+BENCHMARK(condensed_solve_by_two)->Apply(meshes)->UseRealTime();
 BENCHMARK_TEMPLATE(cholmod_solve, Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>>)
     ->Name("cholmod_simplicial")
     ->Apply(meshes);

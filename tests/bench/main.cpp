@@ -20,6 +20,7 @@
 #include "tests/bench/memory_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
+#include "tests/bench/thread_rows.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -30,7 +31,7 @@ struct Options {
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
   std::vector<std::string> only = {"scenes", "striker",    "contact", "memory",  "exchange",
-                                   "flood",  "checkpoint", "kernels", "calculix"};
+                                   "flood",  "checkpoint", "threads", "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -73,6 +74,7 @@ class Measurements {
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
     if (options.wants("checkpoint")) checkpoints_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("threads")) threads_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
@@ -83,6 +85,7 @@ class Measurements {
     if (exchanges_) exchanges_->repeat();
     if (floods_) floods_->repeat();
     if (checkpoints_) checkpoints_->repeat();
+    if (threads_) threads_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -95,6 +98,7 @@ class Measurements {
     if (exchanges_) add(exchanges_->rows());
     if (floods_) add(floods_->rows());
     if (checkpoints_) add(checkpoints_->rows());
+    if (threads_) add(threads_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -120,6 +124,7 @@ class Measurements {
   std::optional<Exchanges> exchanges_;
   std::optional<Floods> floods_;
   std::optional<CheckpointCosts> checkpoints_;
+  std::optional<ThreadRuns> threads_;
   std::optional<CalculixRuns> calculix_;
 };
 

@@ -10,8 +10,9 @@ using testing::HasSubstr;
 
 class SlurmScript : public testing::Test {
  protected:
-  Outcome write(const std::string& launcher, std::vector<std::string> options = {}, const std::string& name = "scene") {
-    const auto text = with_key(config_text("two_bars"), "coupling", "launcher", "\"" + launcher + "\"");
+  Outcome write(const std::string& launcher, std::vector<std::string> options = {}, const std::string& name = "scene",
+                const std::string& participants = "") {
+    const auto text = with_key(config_text("two_bars"), "coupling", "launcher", "\"" + launcher + "\"") + participants;
     options.insert(options.begin(), {ricochet_binary(), "slurm-script", folder_.write(text, name + ".toml")});
     return run_command(options, folder_.path().string());
   }
@@ -31,6 +32,15 @@ TEST_F(SlurmScript, OfASceneThatIsLaunchedLocallyAsksForOneNode) {
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_THAT(outcome.out, HasSubstr("\n#SBATCH --nodes=1 --ntasks=1 --cpus-per-task=3\n"));
   EXPECT_THAT(outcome.out, testing::Not(HasSubstr("--time"))) << "the limit is the partition's";
+}
+
+TEST_F(SlurmScript, AsksForAProcessorForEachThread) {
+  const std::string participants =
+      "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\nthreads = 4\n"
+      "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\n";
+  const auto local = write("local", {}, "scene", participants), slurm = write("slurm", {}, "scene", participants);
+  EXPECT_THAT(local.out, HasSubstr("\n#SBATCH --nodes=1 --ntasks=1 --cpus-per-task=6\n")) << local.error;
+  EXPECT_THAT(slurm.out, HasSubstr("\n#SBATCH --ntasks=3 --cpus-per-task=4\n")) << slurm.error;
 }
 
 /// Run by the shell, with programs in the place of Slurm's: any path is one word, and the results folder may be named.

@@ -3,7 +3,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <random>
 #include <string>
@@ -92,6 +94,33 @@ TEST(CondensedFactor, ForcesOnTheRootNeedNoSecondElimination) {
   factor.forward(loaded);
   factor.backward(factor.root_inverse() * factor.root_rhs(), y);
   EXPECT_LT((x - y).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+/// Solves A x = b by some threads; b is rough.
+Eigen::VectorXd solve_by(int threads, const fem::SparseMatrix& a, const std::vector<int>& root) {
+  std::vector<bool> active(static_cast<std::size_t>(a.rows()), true);
+  active[7] = false;
+  CondensedFactor factor(a, active, root, threads > 0 ? std::make_shared<Parallel>(threads) : nullptr);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(a.rows()), b(a.rows());
+  for (int i = 0; i < b.size(); ++i) b[i] = std::sin(1.7 * i);
+  factor.forward(b);
+  factor.backward(factor.root_inverse() * factor.root_rhs(), x);
+  const Eigen::VectorXd once = x;
+  factor.forward(b);  // what the first solve left behind does not count
+  factor.backward(factor.root_inverse() * factor.root_rhs(), x);
+  EXPECT_EQ(x, once);
+  Eigen::VectorXd residual = a * x - b;
+  residual[7] = 0.0;
+  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-12);
+  return x;
+}
+
+TEST(CondensedFactor, HasTheSameBitsByAnyNumberOfThreads) {
+  const fem::SparseMatrix a = grid_operator(150, 140, 0.01);
+  for (const std::vector<int>& root : {std::vector<int>{}, std::vector<int>{5, 20000, 3, 9000}}) {
+    const Eigen::VectorXd alone = solve_by(0, a, root);
+    for (const int threads : {1, 2, 3, 7}) EXPECT_EQ(solve_by(threads, a, root), alone) << threads;
+  }
 }
 
 TEST(CondensedFactor, RefusesAnOperatorThatIsNotPositiveDefinite) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "common/fem/part.hpp"
@@ -82,6 +83,30 @@ TEST(StiffnessProduct, OfSomeSlicesHasTheSameBitsAndLeavesTheOtherRows) {
 }
 
 // A body that has flown far: forces as of the body at its place, and no sum of them that would push it on.
+TEST(StiffnessProduct, HasTheSameBitsByAnyNumberOfThreads) {
+  for (const Part& part : {whole(bar_mesh(graded_coordinates(0.0, 1.0, 9001, 1.0))),
+                           whole(quadrilateral_mesh(Model::axisymmetric, graded_coordinates(0.0, 0.1, 50, 2.0),
+                                                    graded_coordinates(0.0, 1.0, 101, 1.0))),
+                           whole(block(12, 13, 19))}) {
+    StiffnessProduct product(part.stiffness, components(part.mesh.model));
+    const int n = part.dofs(), slice = StiffnessProduct::rows_of_slice(components(part.mesh.model));
+    ASSERT_GT(n, 8000);  // else there is nothing for a second thread
+    Eigen::VectorXd u(n), alone(n);
+    for (int i = 0; i < n; ++i) u[i] = std::sin(1.7 * i);
+    product.multiply(u, alone);
+    for (const int threads : {1, 2, 3, 7}) {
+      product.compute_with(std::make_shared<Parallel>(threads));
+      Eigen::VectorXd together = Eigen::VectorXd::Constant(n, 1e99), expected = alone;
+      product.multiply(u, together);
+      EXPECT_EQ(together, alone) << threads;
+      together.setConstant(1e99);
+      product.multiply(u, together, slice, n);
+      expected.head(slice).setConstant(1e99);
+      EXPECT_EQ(together, expected) << threads;
+    }
+  }
+}
+
 TEST(StiffnessProduct, ATranslationMakesNoForce) {
   const auto mesh = [](Model model, int along) {
     return quadrilateral_mesh(model, graded_coordinates(0.0, 0.1, 2, 2.0), graded_coordinates(0.0, 1.0, along, 1.0));

@@ -71,6 +71,7 @@ executable = "my_solver"
 name = "contact"
 role = "implicit"
 launch = ["srun", "-n", "1", "--exact"]
+threads = 12
 [output]
 history_every = 2
 fields_every = 50
@@ -231,6 +232,8 @@ TEST(LoadScene, ParticipantsFieldByField) {
   EXPECT_EQ(scene.participant("back").start, Start::launch);
   EXPECT_EQ(scene.participant("contact").role, Role::implicit_solver);
   EXPECT_THAT(scene.participant("contact").launch, ElementsAre("srun", "-n", "1", "--exact"));
+  EXPECT_EQ(scene.participant("contact").threads, 12);
+  EXPECT_FALSE(scene.participant("front").threads.has_value());
   EXPECT_THROW((void)scene.participant("contacts"), ConfigError);
 }
 

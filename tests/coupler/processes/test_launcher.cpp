@@ -210,6 +210,16 @@ TEST_F(ExecutableTest, SlurmLaunchesInAnAllocationOnly) {
   setenv("SLURM_JOB_ID", "1", 1);
   participant_.launch = {"env"};
   EXPECT_THAT(launch_prefix(scene_, participant_), testing::ElementsAre(testing::EndsWith("/env")));
+  const std::string path = std::getenv("PATH");
+  std::ofstream(folder_ + "/srun") << "#!/bin/sh\n";
+  fs::permissions(folder_ + "/srun", fs::perms::owner_all);
+  setenv("PATH", folder_.c_str(), 1);
+  participant_.launch.clear();
+  participant_.threads = 3;
+  EXPECT_THAT(
+      launch_prefix(scene_, participant_),
+      testing::ElementsAre(folder_ + "/srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1", "--cpus-per-task=3"));
+  setenv("PATH", path.c_str(), 1);
   unsetenv("SLURM_JOB_ID");
 }
 
