@@ -41,10 +41,7 @@ fs::path shipped_path(const scene::ParticipantSpec& participant) {
 
 /// What starts the processes of a participant that has several.
 std::vector<std::string> mpirun(int ranks) {
-  // Ranks wait for each other in turns with the other participants: none may keep a processor to itself.
-  std::vector<std::string> words = {
-      "mpirun", "-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle",
-      "1"};
+  std::vector<std::string> words = {"mpirun", "-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none"};
   if (geteuid() == 0) words.insert(words.begin() + 1, "--allow-run-as-root");
   return words;
 }
@@ -89,8 +86,8 @@ std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::P
   auto words = participant.launch;
   if (words.empty() && slurm) {
     // One step each, with processors that no other step has, and with the memory of the job, which is not shared out.
-    words = {"srun", "--exact", "--mem=0", "--ntasks=" + std::to_string(participant.ranks.value_or(1))};
-    words.emplace_back(participant.ranks ? "--mpi=pmix" : "--nodes=1");
+    words = {"srun", "--exact", "--mem=0", participant.ranks ? "--mpi=pmix" : "--nodes=1",
+             fmt::format("--ntasks={}", participant.ranks.value_or(1))};
     if (participant.threads) words.push_back(fmt::format("--cpus-per-task={}", *participant.threads));
   } else if (words.empty() && participant.ranks) {
     words = mpirun(*participant.ranks);

@@ -107,7 +107,7 @@ void SlurmCluster::write_configuration() const {
   std::string text = fmt::format(
       "ClusterName=test\nSlurmctldHost={1}(127.0.0.1)\nSlurmctldPort={2}\nSlurmUser=root\nSlurmdUser=root\n"
       "AuthType=auth/munge\nAuthInfo=socket={0}/munge,cred_expire=5\nStateSaveLocation={0}/state\n"
-      "SlurmdSpoolDir={0}/spool/%n\nSlurmctldPidFile={0}/slurmctld.pid\nSlurmdPidFile={0}/%n.pid\n"
+      "SlurmdSpoolDir={0}/spool/%n\nTmpFS={0}/tmp/%n\nSlurmctldPidFile={0}/slurmctld.pid\nSlurmdPidFile={0}/%n.pid\n"
       "SlurmctldLogFile={0}/log/slurmctld.log\nSlurmdLogFile={0}/log/%n.log\n"
       "ProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSelectType=select/cons_tres\n"
       "SelectTypeParameters=CR_CPU\nSlurmdParameters=config_overrides\nSlurmctldTimeout=10\nSlurmdTimeout=5\n"
@@ -116,7 +116,8 @@ void SlurmCluster::write_configuration() const {
       "JobAcctGatherType=jobacct_gather/none\nSchedulerParameters=batch_sched_delay=0,sched_interval=1\n",
       folder, host, ports[0]);
   for (int n = 1; n <= nodes; ++n) {
-    fs::create_directories(folder_.path() / "spool" / fmt::format("node{}", n));
+    for (const char* of_node : {"spool", "tmp"})  // PMIx wants one of its own for a step's
+      fs::create_directories(folder_.path() / of_node / fmt::format("node{}", n));
     text += fmt::format("NodeName=node{} NodeHostname={} NodeAddr=127.0.0.1 Port={} CPUs={} RealMemory=1000\n", n, host,
                         ports[static_cast<std::size_t>(n)], processors);
   }

@@ -96,6 +96,24 @@ TEST_F(OnSlurm, AHundredJobsOfAHundredSucceed) {
              across_nodes);
 }
 
+/// Of the explicit participant, over several nodes.
+TEST_F(OnSlurm, RanksAreOneStep) {
+  const auto text = with_key(config_text("kim_impact"), "time", "end_s", "6e-6");
+  const auto history = history_here(text);
+  const std::string participants =
+      "\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"
+      "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"steel\", \"carbide\"]\nranks = 5\n";
+  const auto script = script_of(text + participants);
+  // By their host's name OpenMPI would take these nodes for one, whose ranks can read each other's memory.
+  const auto job =
+      cluster_->submit({"--export=ALL,OMPI_MCA_btl=^vader", "--output=" + path("job.log"), script, path("out")});
+  ASSERT_TRUE(cluster_->wait_until_empty(120.0)) << cluster_->ask({"squeue"});
+  EXPECT_EQ(cluster_->state_of(job), "COMPLETED") << file_text(path("job.log"));
+  expect_results(path("out"), history);
+  const auto told = cluster_->ask({"scontrol", "--oneliner", "show", "job", job});
+  EXPECT_THAT(told, testing::Not(HasSubstr(" NumNodes=1 "))) << "seven processors are more than a node has";
+}
+
 TEST_F(OnSlurm, ACancelledJobLeavesNothing) {
   const auto script = script_of(long_bars(1000000));
   const auto job = cluster_->submit({"--output=" + path("job.log"), script, path("out")});
@@ -134,6 +152,7 @@ TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
       << file_text(path("job.log"));
   const auto reached = checkpoints_in(path("out")).back();
   ASSERT_TRUE(cluster_->wait_until_empty(90.0)) << cluster_->ask({"squeue"});
+  system(("cp -r " + cluster_->folder().path().string() + " /tmp/sl").c_str());
   EXPECT_EQ(cluster_->state_of(job), "COMPLETED") << file_text(path("job.log"));
   EXPECT_THAT(file_text(path("job.log")), HasSubstr(fmt::format("going on from window {} ", reached)));
   expect_results(path("out"), history);
@@ -156,6 +175,7 @@ TEST_F(OnSlurm, ALimitOfAMinuteEndsInACheckpointAndTheNextJobGoesOn) {
   const auto reached = checkpoints_in(path("out")).back();
   EXPECT_LE(reached, before + 400) << "it went on after the signal";
   ASSERT_TRUE(cluster_->wait_until_empty(60.0)) << cluster_->ask({"squeue"});
+  system(("cp -r " + cluster_->folder().path().string() + " /tmp/sl").c_str());
   EXPECT_EQ(cluster_->state_of(job), "COMPLETED") << file_text(path("job.log"));
   EXPECT_THAT(file_text(path("job.log")), HasSubstr(fmt::format("going on from window {} ", reached)));
   expect_results(path("out"), history);
@@ -196,6 +216,7 @@ TEST_P(NodeOfSlurm, IsNamedWithinTheDeadlineAndTheRunGoesOnElsewhere) {
   EXPECT_THAT(file_text(path("job.log")), HasSubstr(GetParam().words));
   fmt::print("{} {} after {:.1f} s\n", lost, GetParam().words, elapsed.count());
   ASSERT_TRUE(cluster_->wait_until_empty(120.0)) << cluster_->ask({"squeue"}) << file_text(path("job.log"));
+  system(("cp -r " + cluster_->folder().path().string() + " /tmp/sl").c_str());
   EXPECT_EQ(cluster_->state_of(job), "COMPLETED") << file_text(path("job.log"));
   expect_results(path("out"), history);
 }

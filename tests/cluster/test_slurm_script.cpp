@@ -43,6 +43,15 @@ TEST_F(SlurmScript, AsksForAProcessorForEachThread) {
   EXPECT_THAT(slurm.out, HasSubstr("\n#SBATCH --ntasks=3 --cpus-per-task=4\n")) << slurm.error;
 }
 
+TEST_F(SlurmScript, AsksForAProcessorForEachRank) {
+  const std::string participants =
+      "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"
+      "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\nranks = 5\n";
+  const auto local = write("local", {}, "scene", participants), slurm = write("slurm", {}, "scene", participants);
+  EXPECT_THAT(local.out, HasSubstr("\n#SBATCH --nodes=1 --ntasks=1 --cpus-per-task=7\n")) << local.error;
+  EXPECT_THAT(slurm.out, HasSubstr("\n#SBATCH --ntasks=7\n")) << slurm.error;
+}
+
 /// Run by the shell, with programs in the place of Slurm's: any path is one word, and the results folder may be named.
 TEST_F(SlurmScript, IsRunByTheShellWhateverThePathsHold) {
   const auto script = (folder_.path() / "job.sh").string(), out = (folder_.path() / "it's out").string();

@@ -219,8 +219,22 @@ TEST_F(ExecutableTest, SlurmLaunchesInAnAllocationOnly) {
   EXPECT_THAT(
       launch_prefix(scene_, participant_),
       testing::ElementsAre(folder_ + "/srun", "--exact", "--mem=0", "--nodes=1", "--ntasks=1", "--cpus-per-task=3"));
+  participant_.ranks = 4;
+  EXPECT_THAT(
+      launch_prefix(scene_, participant_),
+      testing::ElementsAre(folder_ + "/srun", "--exact", "--mem=0", "--mpi=pmix", "--ntasks=4", "--cpus-per-task=3"));
   setenv("PATH", path.c_str(), 1);
   unsetenv("SLURM_JOB_ID");
+}
+
+TEST_F(ExecutableTest, RanksAreStartedByMpirun) {
+  participant_.role = scene::Role::explicit_solver;
+  participant_.ranks = 4;
+  EXPECT_EQ(shipped_program(participant_), "explicit_solver_mpi");
+  const auto words = launch_prefix(scene_, participant_);
+  EXPECT_THAT(words.front(), testing::EndsWith("/mpirun"));
+  EXPECT_THAT(words, testing::Contains("4"));
+  EXPECT_EQ(std::count(words.begin(), words.end(), "--allow-run-as-root"), geteuid() == 0 ? 1 : 0);
 }
 
 }  // namespace
