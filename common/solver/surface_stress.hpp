@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/problem/problem.hpp"
+#include "common/solver/body_state.hpp"
 
 namespace ricochet::solver {
 
