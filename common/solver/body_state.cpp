@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -46,13 +45,7 @@ void BodyState::take(const Given& given) {
 
 std::vector<int> BodyState::booked() const {
   std::vector<int> dofs;
-  if (external.zero()) {
-    for (const auto& c : constrained) dofs.push_back(c.dof);
-    for (const auto& d : dashpots) dofs.push_back(d.dof);
-  } else {
-    dofs.resize(static_cast<std::size_t>(part.dofs()));
-    std::iota(dofs.begin(), dofs.end(), 0);
-  }
+  for_each_booked([&](int dof) { dofs.push_back(dof); });
   return dofs;
 }
 

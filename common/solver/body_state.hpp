@@ -123,18 +123,22 @@ struct BodyState : BodyMotion {
       return;
     }
     const int components = fem::components(part.mesh.model);
-    const auto one = [&](int dof) {
-      book(mean_force(dof), increment(dof), dof % components, arm.size() > 0 ? arm[dof] : 0.0);
-    };
-    if (external.zero()) {
-      for (const auto& c : constrained) one(c.dof);
-      for (const auto& d : dashpots) one(d.dof);
-    } else {
-      for (int dof = 0; dof < part.dofs(); ++dof) one(dof);
-    }
+    for_each_booked(
+        [&](int dof) { book(mean_force(dof), increment(dof), dof % components, arm.size() > 0 ? arm[dof] : 0.0); });
   }
   /// Momentum of the integrated nodes from v.
   void update_momentum();
+
+ private:
+  template <class Visit>
+  void for_each_booked(const Visit& visit) const {
+    if (external.zero()) {
+      for (const auto& c : constrained) visit(c.dof);
+      for (const auto& d : dashpots) visit(d.dof);
+    } else {
+      for (int dof = 0; dof < part.dofs(); ++dof) visit(dof);
+    }
+  }
 };
 
 /// Vectors by part, for the functions that take `of_part(part)`.

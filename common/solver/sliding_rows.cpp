@@ -56,7 +56,7 @@ Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>&
   for (const auto& state : states) {
     if (state.body != body) continue;
     if (state.others != nullptr) {
-      sum.add(state.others->moments());
+      sum.add(state.others->moments());  // at u: the explicit side never asks ahead
       continue;
     }
     for (int block = 0; block < blocks_of(state.part.nodes()); ++block) sum.add(block_moments(state, ahead_s, block));

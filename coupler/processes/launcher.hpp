@@ -78,7 +78,8 @@ class Launcher {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The last lines of a text file, each after an indent, fit for a terminal, and long ones cut; empty if there are none.
+/// The last lines of a text file that say something (not rules or blanks), each after an indent, fit for a terminal,
+/// and long ones cut; empty if there are none.
 [[nodiscard]] std::string last_lines(const std::string& path, std::size_t lines);
 
 }  // namespace ricochet::coupler

@@ -15,14 +15,6 @@ std::string with_checkpoints(const std::string& text, int every_windows) {
   return with_key(text, "checkpoint", "every_windows", std::to_string(every_windows));
 }
 
-/// Meshes that a configuration names lie beside it.
-std::string with_absolute_meshes(std::string text) {
-  const std::string key = "gmsh = \"";
-  for (auto at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
-    text.insert(at + key.size(), std::string(RICOCHET_SOURCE) + "/configs/");
-  return text;
-}
-
 /// The last checkpoint is that of the end: the run is to go on from the one before.
 void forget_the_end(const std::string& results) {
   const auto windows = checkpoints_in(results);

@@ -61,6 +61,18 @@ TEST(KilledRank, IsReplacedFromTheLastCheckpoint) {
   EXPECT_EQ(run.summary().at("windows"), all_windows);
 }
 
+/// As where it was built without OpenMPI, or installed from the package.
+TEST(Ranks, NeedAProgramOfTheirOwnAndSaySo) {
+  const TemporaryFolder folder;
+  const auto alone = (folder.path() / "ricochet").string();
+  std::filesystem::copy_file(ricochet_binary(), alone);
+  const auto scene = folder.write(with_participants(bars(few_windows), "explicit", "ranks = 2"));
+  const auto outcome = run_command({alone, "run", scene}, folder.path().string());
+  EXPECT_EQ(outcome.code, 4) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("explicit_solver_mpi does not exist; ranks need OpenMPI and METIS: install "
+                                       "libopenmpi-dev, openmpi-bin and libmetis-dev and build again"));
+}
+
 TEST(KilledCoupler, LeavesNoRank) {
   const TemporaryFolder folder;
   FaultRun run(folder, with_participants(bars(many_windows), "explicit", "ranks = 3"));

@@ -97,6 +97,13 @@ std::string config_text(const std::string& name) {
   return text;
 }
 
+std::string with_absolute_meshes(std::string text) {
+  const std::string key = "gmsh = \"";
+  for (auto at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
+    text.insert(at + key.size(), std::string(RICOCHET_SOURCE) + "/configs/");
+  return text;
+}
+
 std::string with_key(const std::string& text, const std::string& table, const std::string& key,
                      const std::string& value) {
   const std::string header = "[" + table + "]", entry = key + " = " + value + "\n";

@@ -45,6 +45,9 @@ RunResult run_text(const std::string& text, const TemporaryFolder& folder, const
 
 std::string config_text(const std::string& name);
 
+/// A configuration's text for a scene file elsewhere: the meshes that it names lie beside it.
+std::string with_absolute_meshes(std::string text);
+
 /// A scene's text with one key of one table set; the table is added if the scene lacks it.
 std::string with_key(const std::string& text, const std::string& table, const std::string& key,
                      const std::string& value);
