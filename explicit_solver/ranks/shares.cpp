@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -83,8 +84,30 @@ Graph graph_of(const BodyState& state, const std::vector<bool>& first) {
   return graph;
 }
 
+/// The graph without vertex 0.
+Graph without_first(const Graph& graph) {
+  Graph rest;
+  rest.weight.assign(graph.weight.begin() + 1, graph.weight.end());
+  for (std::size_t v = 1; v < graph.weight.size(); ++v) {
+    for (idx_t e = graph.start[v]; e < graph.start[v + 1]; ++e) {
+      if (graph.neighbour[at(e)] == 0) continue;
+      rest.neighbour.push_back(graph.neighbour[at(e)] - 1);
+      rest.edges_between.push_back(graph.edges_between[at(e)]);
+    }
+    rest.start.push_back(static_cast<idx_t>(rest.neighbour.size()));
+  }
+  return rest;
+}
+
 /// Per vertex of the graph its rank; what the first rank must have is with rank 0.
 std::vector<int> ranks_of(Graph graph, int ranks) {
+  const idx_t all = std::accumulate(graph.weight.begin(), graph.weight.end(), idx_t{0});
+  if (graph.has_first && ranks > 1 && graph.weight.front() >= all / ranks) {  // more than a share: it gets no other
+    std::vector<int> rank = ranks_of(without_first(graph), ranks - 1);
+    for (int& r : rank) ++r;
+    rank.insert(rank.begin(), 0);
+    return rank;
+  }
   auto vertices = static_cast<idx_t>(graph.weight.size()), parts = static_cast<idx_t>(ranks), cut = idx_t{0},
        constraints = idx_t{1};
   std::vector<idx_t> rank(graph.weight.size(), 0);

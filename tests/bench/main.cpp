@@ -18,6 +18,7 @@
 #include "tests/bench/flood_rows.hpp"
 #include "tests/bench/kernel_rows.hpp"
 #include "tests/bench/memory_rows.hpp"
+#include "tests/bench/rank_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
 #include "tests/bench/thread_rows.hpp"
@@ -30,8 +31,8 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "striker",    "contact", "memory",  "exchange",
-                                   "flood",  "checkpoint", "threads", "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes",     "striker", "contact", "memory",  "exchange", "flood",
+                                   "checkpoint", "threads", "ranks",   "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -75,6 +76,7 @@ class Measurements {
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
     if (options.wants("checkpoint")) checkpoints_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("threads")) threads_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("ranks")) ranks_.emplace(folder_, options.steps);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
@@ -86,6 +88,7 @@ class Measurements {
     if (floods_) floods_->repeat();
     if (checkpoints_) checkpoints_->repeat();
     if (threads_) threads_->repeat();
+    if (ranks_) ranks_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -99,6 +102,7 @@ class Measurements {
     if (floods_) add(floods_->rows());
     if (checkpoints_) add(checkpoints_->rows());
     if (threads_) add(threads_->rows());
+    if (ranks_) add(ranks_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -125,6 +129,7 @@ class Measurements {
   std::optional<Floods> floods_;
   std::optional<CheckpointCosts> checkpoints_;
   std::optional<ThreadRuns> threads_;
+  std::optional<RankRuns> ranks_;
   std::optional<CalculixRuns> calculix_;
 };
 

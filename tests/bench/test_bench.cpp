@@ -46,7 +46,7 @@ test::Outcome bench(std::vector<std::string> arguments, const test::TemporaryFol
 TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
   const test::TemporaryFolder folder;
   const auto outcome = bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",
-                              "scenes,striker,contact,exchange,flood,checkpoint,threads,kernels,calculix"},
+                              "scenes,striker,contact,exchange,flood,checkpoint,threads,ranks,kernels,calculix"},
                              folder);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::istringstream csv(test::file_text((folder.path() / "bench.csv").string()));

@@ -65,6 +65,21 @@ TEST(Shares, EveryNodeIsOneRanks) {
   }
 }
 
+/// The contact alone is more than a share; the others share the rest.
+TEST(Shares, WhatTheFirstRankMustHaveIsAllItGets) {
+  const Block block(12, 12);
+  const auto& part = block.whole.front().part;
+  constexpr int ranks = 12, layer = 13 * 13;
+  const auto shared = share_out(block.problem, block.whole, 1, ranks).front();
+  std::vector<int> nodes(ranks, 0);
+  for (int node = 0; node < part.nodes(); ++node) ++nodes[static_cast<std::size_t>(shared.rank_of(node))];
+  EXPECT_GT(nodes[0], part.nodes() / ranks);
+  EXPECT_LE(nodes[0], 2 * layer + 3 * solver::block_nodes);
+  for (int rank = 1; rank < ranks; ++rank)
+    EXPECT_NEAR(nodes[static_cast<std::size_t>(rank)], (part.nodes() - nodes[0]) / (ranks - 1),
+                2 * solver::block_nodes);
+}
+
 /// Complete rows: the same entries as in the whole part's, of the same neighbours, and nothing in the others.
 TEST(Shares, RowsOfOwnNodesAreThoseOfTheWhole) {
   const Block block(3, 9);
