@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <regex>
+#include <sstream>
 
 #include "tests/support/run.hpp"
+#include "tests/support/same_history.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -38,6 +40,18 @@ struct Package {
     throw std::runtime_error(fmt::format("{}\n{}{}", fmt::join(command, " "), outcome.out, outcome.error));
   }
 };
+
+/// A compiler's command with what links the shared library.
+std::vector<std::string> linked(const Package& package, std::vector<std::string> command) {
+  std::istringstream words(sanitizers);
+  for (std::string word; words >> word;) command.push_back(word);
+  for (const auto& entry : fs::recursive_directory_iterator(package.prefix)) {
+    if (entry.path().filename() != "libricochet.so") continue;
+    const auto folder = entry.path().parent_path().string();
+    command.insert(command.end(), {"-L" + folder, "-Wl,-rpath," + folder, "-lricochet"});
+  }
+  return command;
+}
 
 void takes_part_in_a_run(const Package& package) {
   TemporaryFolder folder;
@@ -103,6 +117,83 @@ void command_line_errors_name_what_is_wrong(const Package& package) {
   EXPECT_THAT(says({"--name", "a", "--connect", "nowhere"}), testing::HasSubstr("cannot connect to 'nowhere'"));
 }
 
+/// One participant of the left bar, in Fortran, on the C face.
+void fortran_participant_takes_part_in_runs(const Package& package) {
+  const auto include = package.prefix + "/include/ricochet", bar = (package.folder.path() / "explicit_bar").string();
+  const std::vector<std::string> command{"gfortran",
+                                         "-O2",
+                                         "-Wall",
+                                         "-Werror",
+                                         "-J",
+                                         package.folder.path(),
+                                         "-o",
+                                         bar,
+                                         include + "/ricochet.f90",
+                                         RICOCHET_SOURCE "/common/participant/c/explicit_bar.f90"};
+  package.run(linked(package, command));
+  for (const auto& [protocol, substeps] : {std::pair{"kim", 1}, {"belytschko_mullen", 1}, {"prakash_hjelmstad", 3}}) {
+    TemporaryFolder folder;
+    const auto scene = [&, protocol = protocol, substeps = substeps](const std::string& executable) {
+      auto text = with_protocol(config_text("two_bars"), protocol);
+      if (substeps > 1) text = with_key(text, "coupling", "substeps", std::to_string(substeps));
+      return text + "[[participant]]\nname = \"bar\"\nrole = \"explicit\"\nbodies = [\"left\"]\n" + executable +
+             "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
+             "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+    };
+    const auto fortran = run_text(scene(fmt::format("executable = \"{}\"\n", bar)), folder, "fortran");
+    expect_same_history(fortran, run_text(scene(""), folder, "ours"), 1e-11);
+    EXPECT_GT(fortran.largest("contact_force_n"), 1e5);
+  }
+  const auto contract =
+      run_command({ricochet_binary(), "check-participant", "--", bar, "--name", "bar"}, package.folder.path().string());
+  EXPECT_EQ(contract.code, 0) << contract.out << contract.error;
+}
+
+/// The header is plain C; calls that make no sense are named.
+void calls_from_c_that_are_wrong_are_named(const Package& package) {
+  const auto source = package.folder.write(R"(#include <ricochet.h>
+#include <string.h>
+
+int main(void) {
+  double zero[1] = {0};
+  int body[1] = {0};
+  ricochet_loop* loop = ricochet_open("explicit", "misuse", 1);
+  if (!loop) return 2;
+  const char* what = ricochet_name(loop);
+  if (!strcmp(what, "role")) return ricochet_open("implict", "misuse", 1) ? 0 : 2;
+  if (!strcmp(what, "capability")) return ricochet_add_capability(loop, "repeat_windows");
+  if (!strcmp(what, "nodes")) return ricochet_set_interface(loop, -1, body, zero, zero);
+  if (!strcmp(what, "early")) return ricochet_read(loop, zero);
+  if (!strcmp(what, "none")) return ricochet_advance(NULL);
+  if (ricochet_initialize(loop, zero, zero) == 0) return 0;
+  return ricochet_add_body(loop, "late");
+}
+)",
+                                           "misuse.c");
+  const auto program = (package.folder.path() / "misuse").string();
+  const std::vector<std::string> command{
+      "cc",      "-std=c99", "-Wall", "-Wextra", "-Wpedantic",
+      "-Werror", source,     "-o",    program,   "-I" + package.prefix + "/include/ricochet"};
+  package.run(linked(package, command));
+  const auto says = [&](const std::string& name, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {program, "--name", name, "--connect", "nowhere"});
+    const auto outcome = run_command(more, package.folder.path().string());
+    EXPECT_EQ(outcome.code, 2) << name;
+    return outcome.error;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(says("role"),
+              HasSubstr("unknown role \"implict\", allowed are explicit, implicit; did you mean \"implicit\"?"));
+  EXPECT_THAT(says("capability"), HasSubstr("found \"repeat_windows\", allowed are repeat_window, driven_by_force; did "
+                                            "you mean \"repeat_window\"?"));
+  EXPECT_THAT(says("nodes"), HasSubstr("nodes: error: ricochet_set_interface: found -1 nodes, allowed are >= 0"));
+  EXPECT_THAT(says("early"), HasSubstr("ricochet_read must come after ricochet_initialize"));
+  EXPECT_THAT(says("none"), HasSubstr("ricochet_advance was called without a loop: ricochet_open gave none"));
+  EXPECT_THAT(says("late"), HasSubstr("cannot connect to 'nowhere'"));
+  EXPECT_THAT(says("late"), HasSubstr("ricochet_add_body must come before ricochet_initialize"));
+  EXPECT_THAT(says("late", {"--thing"}), HasSubstr("unexpected argument \"--thing\", allowed are"));
+}
+
 /// One test: each would have to install and build anew.
 TEST(Package, IsFoundBuiltAgainstAndRun) {
   const Package package;
@@ -111,6 +202,8 @@ TEST(Package, IsFoundBuiltAgainstAndRun) {
   headers_include_nothing_that_is_not_installed(package);
   python_participant_runs_from_its_place(package);
   command_line_errors_name_what_is_wrong(package);
+  fortran_participant_takes_part_in_runs(package);
+  calls_from_c_that_are_wrong_are_named(package);
 }
 
 }  // namespace
