@@ -170,12 +170,13 @@ TEST(PythonBar, RefusesABodyItDoesNotKnow) {
   EXPECT_THAT(run.outcome.error, testing::HasSubstr("body 'left' has what explicit_bar.py does not know"));
 }
 
-/// explicit_bar.py's numbers in a time loop of its own; `more` stands at the end of each turn.
-std::string looping_bar(const TemporaryFolder& folder, const std::string& more = "") {
+/// explicit_bar.py's numbers in a time loop of its own, so many steps in a window, between whose ends the shared node
+/// moves evenly; `more` stands at the end of each turn.
+std::string looping_bar(const TemporaryFolder& folder, const std::string& more = "", int steps = 1) {
   const auto text = bar_with(folder, "with_callbacks.py", "['repeat_window']", "");
   const auto path = folder.write(replaced(replaced(file_text(text), "import pack_state, unpack_state, ConfigError",
                                                    "import OwnLoop, arguments, ConfigError"),
-                                          "main(ExplicitBar)", R"(import copy
+                                          "main(ExplicitBar)", fmt::format("STEPS = {}\n", steps) + R"(import copy
 
 options = arguments()
 bar = ExplicitBar(options.scene, options.name)
@@ -185,10 +186,12 @@ with OwnLoop(bar.describe(), options) as loop:
     while loop.ongoing():
         if loop.must_save():
             saved = copy.deepcopy(vars(bar))
-        bar.dt = loop.max_time_step()
-        force = bar.advance(0, loop.read())
-        bar.accept()
-        bar.dt = window
+        steps = STEPS if loop.max_time_step() > 0 else 1
+        bar.dt, begin = loop.max_time_step() / steps, bar.u[bar.shared]
+        for step in range(1, steps + 1):
+            force = bar.advance(0, begin + step / steps * (loop.read() - begin))
+            bar.accept()
+        bar.dt = window / STEPS
         loop.write(force, bar.record())
         loop.advance()
         if loop.must_restore():
@@ -210,6 +213,17 @@ TEST_P(PythonOwnLoops, GiveTheHistoryOfOurs) {
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonOwnLoops,
                          testing::Values("hughes_liu", "kim", "belytschko_mullen", "fixed_point"),
                          [](const auto& test) { return std::string(test.param); });
+
+/// The interface makes and loses some energy, with four steps a window as with one.
+TEST(PythonOwnLoop, MayTakeStepsOfItsOwn) {
+  TemporaryFolder folder;
+  for (const char* protocol : {"hughes_liu", "kim", "belytschko_mullen", "fixed_point"}) {
+    const auto run = run_text(two_bars(protocol, looping_bar(folder, "", 4)), folder, protocol);
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12) << protocol;
+    EXPECT_LT(largest(run.column("energy_interface_j")), 0.015 * run.column("energy_kinetic_j").front()) << protocol;
+    EXPECT_GT(run.largest("contact_force_n"), 1.3e5) << protocol;
+  }
+}
 
 TEST(PythonOwnLoop, KeepsTheContract) {
   TemporaryFolder folder;
@@ -305,6 +319,57 @@ std::string python_says(const std::string& expression, const TemporaryFolder& fo
                   folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   return outcome.out;
+}
+
+TEST(PythonSession, RefusesWhatItsParticipantCannotDo) {
+  TemporaryFolder folder;
+  const auto refusal = [&folder](const std::string& arguments) {
+    const auto outcome = run_command({"/usr/bin/python3", "-c",
+                                      fmt::format(R"(
+import sys
+sys.path.insert(0, '{}')
+from ricochet_participant import *
+
+
+class Stub(Participant):
+    def __init__(self, able):
+        self.able = able
+
+    def describe(self):
+        return Description('p', 'explicit', 's', bodies=['b'], interface_body=[0], interface_position_m=[0.0],
+                           interface_mass_kg=[1.0], capabilities=self.able)
+
+    def initialize(self, setup):
+        return [0.0] * 3 if setup['driven_by'] == 'force' else 0.0
+
+
+def drive(able, substep=0, **change):
+    session, none = Session(Stub(able)), np.zeros((0, 0))
+    session.initialize(dict(window_size_s=1.0, history_every=1, substeps=2, driven_by='force',
+                            interface_mass_kg=np.ones((1, 1)), interface_stiffness=none) | change)
+    session.check_substep(dict(substep=substep))
+
+
+try:
+    drive({})
+except ProtocolError as error:
+    print(error)
+)",
+                                                  python_folder, arguments)},
+                                     folder.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  EXPECT_EQ(refusal("['driven_by_force', 'single_substep'], substep=1"), "");
+  EXPECT_EQ(refusal("[], driven_by='displacement'"), "");
+  EXPECT_EQ(refusal("['interface_stiffness'], driven_by='displacement', interface_stiffness=np.ones((1, 1))"), "");
+  EXPECT_EQ(refusal("[]"), "the coupler sent 'initialize' that drives it by force, which it is not made for\n");
+  EXPECT_EQ(refusal("['driven_by_force'], interface_stiffness=np.ones((1, 1))"),
+            "the coupler sent an interface stiffness of shape (1, 1), which this participant cannot do\n");
+  EXPECT_EQ(refusal("['driven_by_force'], substep=1"), "the coupler sent substep 1 of 2, 0 are accepted\n");
+  EXPECT_EQ(refusal("['driven_by_force', 'single_substep'], substep=2"),
+            "the coupler sent substep 2 of 2, 0 are accepted\n");
+  EXPECT_EQ(refusal("['driven_by_force'], substeps=0"), "the coupler sent a wrong 'initialize'\n");
 }
 
 TEST(PythonWire, HasTheFieldsOfTheSchema) {
