@@ -242,6 +242,10 @@ TEST(PythonOwnLoop, TellsTheCouplerWhyItIsLeft) {
   const auto unstable = outcome_of("        if bar.u.any(): raise ArithmeticError(\"the rod has burst\")\n");
   EXPECT_EQ(unstable.code, 3);
   EXPECT_THAT(unstable.error, testing::HasSubstr("ArithmeticError: the rod has burst"));
+  const auto input = outcome_of("        if bar.u.any(): raise ConfigError(\"the rod is not straight\")\n");
+  EXPECT_EQ(input.code, 2);
+  EXPECT_THAT(input.error, testing::HasSubstr("the rod is not straight"));
+  EXPECT_THAT(input.error, testing::Not(testing::HasSubstr("Traceback")));
   const auto left = outcome_of("        if bar.u.any(): sys.exit(0)\n");
   EXPECT_EQ(left.code, 4);
   EXPECT_THAT(left.error, testing::HasSubstr("the solver left its time loop before the run was over"));

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """sfepy_integrator.py --scene SCENE --name NAME --connect ENDPOINT: explicit participant with the body of sfepy_body.py,
-stepped by a time integrator of SfePy in its own loop, and driven by force.
+stepped by a time integrator of SfePy in its own loop.
 
 SfePy's integrators solve M a + K u = f step by step and call back before and after each step. What it takes to let the
 coupler drive one, all of it in the call after a step:
@@ -13,7 +13,7 @@ import numpy as np, scipy.sparse as sparse, sys
 from sfepy.solvers.ls import ScipyDirect
 from sfepy.solvers.nls import Newton
 from sfepy.solvers.ts_solvers import VelocityVerletTS
-from ricochet_participant import ConfigError, OwnLoop, arguments
+from ricochet_participant import OwnLoop, arguments
 from sfepy_body import Part
 
 
@@ -22,85 +22,96 @@ class Over(Exception):
 
 
 class Driven:
-    """The body as SfePy's integrators see it, vec = [u, v, a] of what is not held, and its part of the conversation."""
+    """The body as SfePy's integrators see it, vec = [u, v, a] of its own degrees of freedom, and its part of the
+    conversation. Between the ends of a window the link input changes evenly."""
 
     def __init__(self, part, loop, staggered, in_window):
-        self.part, self.loop, self.staggered, self.step, self.in_window = part, loop, staggered, 0, in_window
-        self.free = ~part.held
-        self.k, self.m = part.k[self.free][:, self.free], sparse.diags(part.m[self.free]).tocsr()
-        n, shared = len(part.held), part.shared_dofs.ravel()
-        self.to_free = sparse.identity(n, format="csr")[self.free][:, shared]  # shared -> not held
-        self.link = self.force = np.zeros(len(shared))
-        self.on_supports = sparse.identity(n, format="csr")[:, part.held] @ part.k[part.held][:, self.free]  # P there
-        self.work, self.impulse, self.old_u = 0.0, np.zeros(2), np.zeros(self.m.shape[0])
-        self.at_link = lambda x: self.to_free.T @ x
+        self.part, self.loop, self.staggered, self.in_window, self.step = part, loop, staggered, in_window, 0
+        self.by_force, self.shared = loop.setup["driven_by"] == "force", part.shared_dofs.ravel()
+        integrated = np.ones_like(part.held)
+        integrated[self.shared] = self.by_force
+        self.own, self.supports = integrated & ~part.held, integrated & part.held
+        self.mass, self.node_mass = part.m[self.own], part.node_mass @ integrated[::2]
+        unit = sparse.identity(len(part.held), format="csr")[:, self.shared]
+        self.load = (unit if self.by_force else -part.k @ unit)[self.own]  # of a unit link input
+        self.k, self.m = part.k[self.own][:, self.own], sparse.diags(self.mass).tocsr()
+        self.link = self.end_of_step = np.zeros(len(self.shared))
+        self.u = self.internal = np.zeros(len(part.held))  # of the whole body, after the last step
+        self.work, self.impulse = 0.0, np.zeros(2)
 
     def residual(self, vec):
         u, _, a = np.split(vec, 3)
-        return np.r_[self.k @ u, 0 * u, self.m @ a - self.to_free @ self.force]
+        return np.r_[self.k @ u, 0 * u, self.m @ a - self.load @ self.end_of_step]
 
     def matrix(self, vec):
         return sparse.block_diag([self.k, 0 * self.k, self.m], format="csr")
+
+    def whole(self, values):
+        whole = np.zeros(len(self.own))
+        whole[self.own] = values
+        return whole
 
     def steps(self):
         return self.in_window if self.loop.max_time_step() > 0 else 1
 
     def before(self, ts, vec):
         self.step += 1
-        self.old_force, self.force = self.force, self.link + self.step / self.steps() * (self.end() - self.link)
-
-    def end(self):
-        return self.loop.read().ravel()
+        self.begin_of_step = self.end_of_step
+        self.end_of_step = self.link + self.step / self.steps() * (self.loop.read().ravel() - self.link)
 
     def after(self, ts, vec):
-        u = vec[:len(self.old_u)]
-        self.work += 0.5 * (self.old_force + self.force) @ self.at_link(u - self.old_u)
-        self.impulse = self.impulse + 0.5 * ts.dt * (self.on_supports @ (u + self.old_u)).reshape(-1, 2).sum(axis=0)
-        self.old_u = u.copy()
-        if self.step < self.steps():
-            return
-        self.step, self.link = 0, self.force
-        self.loop.write([self.at_link(x) for x in np.split(vec, 3)], self.record(vec))
-        self.loop.advance()
-        if not self.loop.ongoing():
+        motion = [self.whole(x) for x in np.split(vec, 3)]
+        if not self.by_force:
+            motion[0][self.shared] = self.end_of_step
+        u, internal = motion[0], self.part.k @ motion[0]
+        mean = 0.5 * (self.internal + internal)
+        on_link = 0.5 * (self.begin_of_step + self.end_of_step) if self.by_force else mean[self.shared]
+        self.work += on_link @ (u - self.u)[self.shared]
+        self.impulse = self.impulse + ts.dt * (mean * self.supports).reshape(-1, 2).sum(axis=0)
+        self.u, self.internal = u, internal
+        if self.step == self.steps():
+            self.end_window(ts, vec, motion)
+
+    def end_window(self, ts, vec, motion):
+        loop, self.step, self.link = self.loop, 0, self.end_of_step
+        output = [x[self.shared] for x in motion] if self.by_force else self.internal[self.shared]
+        loop.write(output, self.record(*np.split(vec, 3)[1:]))
+        loop.advance()
+        if not loop.ongoing():
             raise Over
-        if self.loop.must_restore():
-            vec[:], self.link, self.work, self.impulse, self.old_u = self.saved
-            self.force = self.link
-        if self.loop.must_save():
-            self.saved = vec.copy(), self.link, self.work, self.impulse, self.old_u
-        dt = self.loop.max_time_step() / self.steps()
+        if loop.must_restore():
+            vec[:], self.link, self.u, self.internal, self.work, self.impulse = self.saved
+            self.end_of_step = self.link
+        if loop.must_save():
+            self.saved = vec.copy(), self.link, self.u, self.internal, self.work, self.impulse
+        dt = loop.max_time_step() / self.steps()
         if dt != ts.dt:
             ts.dt, self.solver.matrix = dt, None
 
-    def record(self, vec):
-        u, v, a = np.split(vec, 3)
+    def record(self, v, a):
         lag = 0.5 * self.loop.setup["window_size_s"] / self.in_window * a if self.staggered else 0
-        everywhere = np.zeros_like(self.part.v)
-        everywhere[self.free] = self.part.m[self.free] * v
-        momentum = everywhere.reshape(-1, 2).sum(axis=0)
-        return [self.part.node_mass.sum(), 0.5 * self.part.m[self.free] @ (v**2 - lag**2), 0.5 * u @ (self.k @ u), self.work,
+        momentum = self.whole(self.mass * v).reshape(-1, 2).sum(axis=0)
+        return [self.node_mass, 0.5 * self.mass @ (v**2 - lag**2), 0.5 * self.u @ self.internal, self.work,
                 momentum[1], -momentum[0], self.impulse[1], -self.impulse[0]]
 
 
-def run(make_solver, staggered, steps=None):
+def run(make_solver, staggered, steps=None, most_trials=2):
     """`staggered`: the scheme conserves the energy of central differences, 1/2 v.Mv - dt^2/8 a.Ma. `steps`: of its own in
-    each window; None: as many as the scene's substeps."""
+    each window; None: as many as the scene's substeps. `most_trials`: of a window, on the average; all but fixed_point
+    need two at most."""
     options = arguments()
     part = Part(options.scene, options.name)
     able = ["repeat_window", "driven_by_force"]
     with OwnLoop(part.describe(solver="sfepy_integrator.py", capabilities=able), options) as loop:
         loop.initialize(np.zeros(part.shared_dofs.shape), np.zeros(8))
-        if loop.setup["driven_by"] != "force":
-            raise ConfigError("sfepy_integrator.py can be driven by force only; use the protocol prakash_hjelmstad")
         steps = steps or loop.setup["substeps"]
         driven = Driven(part, loop, staggered, steps)
         newton = Newton({"i_max": 1, "is_linear": True}, fun=driven.residual, fun_grad=driven.matrix,
                         lin_solver=ScipyDirect({}))
-        turns = 2 * loop.setup["last_window"] + 2 * part.shared_dofs.size + 10  # as many as a dual protocol can ask for
+        turns = most_trials * loop.setup["last_window"] + 2 * part.shared_dofs.size + 10
         driven.solver = make_solver({"t0": 0.0, "t1": 1.0, "n_step": turns * steps, "is_linear": True},
                                     nls=newton)
-        start = part.v[driven.free]
+        start = part.v[driven.own]
         try:
             driven.solver(np.r_[0 * start, start, 0 * start], init_fun=lambda ts, vec: vec, prestep_fun=driven.before,
                           poststep_fun=driven.after)
