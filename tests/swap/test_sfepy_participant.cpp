@@ -60,10 +60,12 @@ INSTANTIATE_TEST_SUITE_P(Protocols, SfepyBodies,
 TEST(Sfepy, KeepsTheContract) {
   TemporaryFolder folder;
   const auto scene = folder.write(striker_by("hughes_liu", 1, "", ""));
-  const auto outcome =
-      run_command({ricochet_binary(), "check-participant", "--", sfepy_body, "--scene", scene, "--name", "of_striker"},
-                  folder.path().string());
-  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+  for (const auto& program : {sfepy_body, sfepy_integrator}) {
+    const auto outcome =
+        run_command({ricochet_binary(), "check-participant", "--", program, "--scene", scene, "--name", "of_striker"},
+                    folder.path().string(), 200.0);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+  }
 }
 
 TEST(Sfepy, GoesOnFromWhatItSaved) {

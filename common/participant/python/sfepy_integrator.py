@@ -101,8 +101,10 @@ def run(make_solver, staggered, steps=None, most_trials=2):
     need two at most."""
     options = arguments()
     part = Part(options.scene, options.name)
-    able = ["repeat_window", "driven_by_force"]
-    with OwnLoop(part.describe(solver="sfepy_integrator.py", capabilities=able), options) as loop:
+    limit = 0.99 * 2 / part.largest_frequency() * (steps or 1) if staggered else 0.0  # of central differences alone
+    description = part.describe(solver="sfepy_integrator.py", capabilities=["repeat_window", "driven_by_force"],
+                                critical_time_step_s=limit)
+    with OwnLoop(description, options) as loop:
         loop.initialize(np.zeros(part.shared_dofs.shape), np.zeros(8))
         steps = steps or loop.setup["substeps"]
         driven = Driven(part, loop, staggered, steps)
