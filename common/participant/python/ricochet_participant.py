@@ -230,7 +230,7 @@ class OwnLoop:
     Every turn computes one whole window, which ends when the time `max_time_step()` has passed. It may be 0: then the
     coupler synchronises, which is a window in which no time passes (new accelerations from the link values that are read,
     nothing else moves). A run that fails ends the program by SystemExit with its exit code. What leaves the `with` as an
-    exception is told the coupler as the reason.
+    exception is told the coupler as the reason; a ConfigError or SolverError ends the program with its code.
     """
 
     def __init__(self, description, options):
