@@ -24,19 +24,19 @@ class OwnLoop::Relay : public Participant {
   void synchronise(Integration given, const std::vector<double>& link_input, LinkOutput& output) override {
     integration = given;
     time_step = 0.0;
-    save = restore = false;
+    restore = std::exchange(tried_, false);
+    save = false;
     pass(link_input, output);
   }
-  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
+  void advance(std::int64_t, const std::vector<double>& link_input, LinkOutput& output) override {
     time_step = setup.window_size_s;
-    restore = window == window_;
+    restore = std::exchange(tried_, true);
     const auto& capabilities = description_.capabilities;
     save = !restore &&
            std::find(capabilities.begin(), capabilities.end(), Capability::repeat_window) != capabilities.end();
-    window_ = window;
     pass(link_input, output);
   }
-  void accept() override {}
+  void accept() override { tried_ = false; }
   void record(std::vector<double>& row) override { row.insert(row.end(), recorded.begin(), recorded.end()); }
 
   // for the loop's thread
@@ -83,8 +83,7 @@ class OwnLoop::Relay : public Participant {
   Description description_;
   ServeOptions options_;
   std::binary_semaphore to_loop_{0}, to_coupler_{0};
-  bool left_ = false;
-  std::int64_t window_ = 0;
+  bool left_ = false, tried_ = false;  ///< tried: a window that is not accepted
   std::thread thread_;
 };
 

@@ -46,7 +46,7 @@ class OwnLoop {
   [[nodiscard]] double max_time_step() const;
   /// A new window begins, and the coupler may ask for it again.
   [[nodiscard]] bool must_save() const;
-  /// The coupler asks for the same window again: go back to where `must_save` was true.
+  /// The coupler asks for the same window again, or drops it: go back to where `must_save` was true.
   [[nodiscard]] bool must_restore() const;
   /// LinkOutput input at the end of the window (explicit: displacement [m], implicit: force [N]).
   [[nodiscard]] const std::vector<double>& read() const;

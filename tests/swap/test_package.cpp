@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <regex>
+#include <sstream>
 
 #include "tests/support/run.hpp"
+#include "tests/support/same_history.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -38,6 +40,18 @@ struct Package {
     throw std::runtime_error(fmt::format("{}\n{}{}", fmt::join(command, " "), outcome.out, outcome.error));
   }
 };
+
+/// A compiler's command with what links the shared library.
+std::vector<std::string> linked(const Package& package, std::vector<std::string> command) {
+  std::istringstream words(sanitizers);
+  for (std::string word; words >> word;) command.push_back(word);
+  for (const auto& entry : fs::recursive_directory_iterator(package.prefix)) {
+    if (entry.path().filename() != "libricochet.so") continue;
+    const auto folder = entry.path().parent_path().string();
+    command.insert(command.end(), {"-L" + folder, "-Wl,-rpath," + folder, "-lricochet"});
+  }
+  return command;
+}
 
 void takes_part_in_a_run(const Package& package) {
   TemporaryFolder folder;
@@ -103,6 +117,200 @@ void command_line_errors_name_what_is_wrong(const Package& package) {
   EXPECT_THAT(says({"--name", "a", "--connect", "nowhere"}), testing::HasSubstr("cannot connect to 'nowhere'"));
 }
 
+/// One participant of the left bar, in Fortran, on the C face.
+void fortran_participant_takes_part_in_runs(const Package& package) {
+  const auto include = package.prefix + "/include/ricochet", bar = (package.folder.path() / "explicit_bar").string();
+  const std::vector<std::string> command{"gfortran",
+                                         "-O2",
+                                         "-Wall",
+                                         "-Werror",
+                                         "-J",
+                                         package.folder.path(),
+                                         "-o",
+                                         bar,
+                                         include + "/ricochet.f90",
+                                         RICOCHET_SOURCE "/common/participant/c/explicit_bar.f90"};
+  package.run(linked(package, command));
+  for (const auto& [protocol, substeps] : {std::pair{"kim", 1}, {"belytschko_mullen", 1}, {"prakash_hjelmstad", 3}}) {
+    TemporaryFolder folder;
+    const auto scene = [&, protocol = protocol, substeps = substeps](const std::string& executable) {
+      auto text = with_protocol(config_text("two_bars"), protocol);
+      if (substeps > 1) text = with_key(text, "coupling", "substeps", std::to_string(substeps));
+      return text + "[[participant]]\nname = \"bar\"\nrole = \"explicit\"\nbodies = [\"left\"]\n" + executable +
+             "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
+             "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+    };
+    const auto fortran = run_text(scene(fmt::format("executable = \"{}\"\n", bar)), folder, "fortran");
+    expect_same_history(fortran, run_text(scene(""), folder, "ours"), 1e-11);
+    EXPECT_GT(fortran.largest("contact_force_n"), 1e5);
+  }
+  const auto contract =
+      run_command({ricochet_binary(), "check-participant", "--", bar, "--name", "bar"}, package.folder.path().string());
+  EXPECT_EQ(contract.code, 0) << contract.out << contract.error;
+}
+
+/// The implicit participant of a rod of two elements, of which one is its own, held at its far end: the trapezoidal
+/// rule for the one free node, with the summed mass.
+const char* implicit_in_c = R"(#include <ricochet.h>
+
+int main(void) {
+  const double k = 4e5, dt8 = 1.0 / 8;
+  const char* columns[] = {"energy_kinetic_j/rod", "energy_strain_j/rod", "energy_interface_j/rod",
+                           "momentum_n_kg_m_s/rod", "impulse_n_kg_m_s/rod", "mass_kg/rod"};
+  double u = 0, v = 0.1, a = 0, m = 2, l = 0, work = 0, impulse = 0, share = 0, first_share = 0, row[6] = {0};
+  const double position = 10.0, own_mass = 1.0;
+  const int body = 0;
+  ricochet_loop* loop = ricochet_open("implicit", "implicit.c", 1);
+  if (!loop) return 2;
+  int error = ricochet_add_body(loop, "rod") | ricochet_set_interface(loop, 1, &body, &position, &own_mass);
+  for (int i = 0; i < 6; ++i) error |= ricochet_add_column(loop, columns[i]);
+  if (error) return error;
+  if ((error = ricochet_initialize(loop, &u, row))) return error;
+  if (!ricochet_driven_by_force(loop)) return 5;
+  if ((error = ricochet_interface_mass(loop, &m))) return error;
+  const double window = ricochet_window_size(loop);
+  while (ricochet_ongoing(loop)) {
+    const double dt = ricochet_max_time_step(loop), u_old = u, l_old = l, a_old = a;
+    if ((error = ricochet_read(loop, &l))) return error;
+    const double predicted = u + dt * v + dt * dt / 4 * a;
+    a = (-l - k * predicted) / (m + dt * dt / 4 * k);
+    u = predicted + dt * dt / 4 * a;
+    v += dt / 2 * (a_old + a);
+    work -= 0.5 * (l_old + l) * (u - u_old);
+    impulse -= dt / 2 * k * (u_old + u);
+    share = dt8 * window * window * a * l;
+    if (dt == 0) first_share = share;
+    row[0] = 0.5 * m * v * v + share;
+    row[1] = 0.5 * k * u * u;
+    row[2] = work + share - first_share;
+    row[3] = m * v;
+    row[4] = impulse;
+    row[5] = m + own_mass;
+    if ((error = ricochet_write(loop, &u, &v, &a, row))) return error;
+    if ((error = ricochet_advance(loop))) return error;
+  }
+  return ricochet_close(loop);
+}
+)";
+
+void implicit_participant_in_c_takes_part_in_a_run(const Package& package) {
+  const auto& folder = package.folder;
+  const auto program = (folder.path() / "implicit").string();
+  package.run(linked(package, {"cc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
+                               folder.write(implicit_in_c, "implicit.c"), "-o", program,
+                               "-I" + package.prefix + "/include/ricochet"}));
+  static_cast<void>(folder.write(R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+0 1 "start"
+0 2 "end"
+1 3 "rod"
+1 4 "left"
+$EndPhysicalNames
+$Entities
+2 2 0 0
+1 0 0 0 1 1
+2 20 0 0 1 2
+1 0 0 0 10 0 0 2 3 4 2 1 -2
+2 10 0 0 20 0 0 1 3 2 1 -2
+$EndEntities
+$Nodes
+1 3 1 3
+1 1 0 3
+1
+2
+3
+0 0 0
+10 0 0
+20 0 0
+$EndNodes
+$Elements
+4 4 1 4
+0 1 15 1
+1 1
+0 2 15 1
+2 3
+1 1 1 1
+3 1 2
+1 2 1 1
+4 2 3
+$EndElements
+)",
+                                 "rod.msh"));
+  const auto scene = [](const std::string& executable) {
+    return R"(model = "bar"
+[[body]]
+name = "rod"
+mesh = { gmsh = "rod.msh" }
+material = { youngs_modulus_pa = 4e6, density_kg_m3 = 0.2 }
+support = [{ surface = "start", fixed = ["x"] }, { surface = "end", fixed = ["x"] }]
+initial_velocity_m_s = [0.1]
+[partition]
+implicit_groups = { rod = ["left"] }
+[time]
+step_s = 5e-4
+end_s = 0.1
+[[participant]]
+name = "explicit"
+role = "explicit"
+bodies = ["rod"]
+[[participant]]
+name = "implicit"
+role = "implicit"
+)" + executable;
+  };
+  const auto c = run_text(scene("executable = \"" + program + "\"\n"), folder, "c");
+  expect_same_history(c, run_text(scene(""), folder, "ours"), 1e-11);
+  EXPECT_GT(c.largest("energy_strain_j"), 0.009);  // of 0.01 J
+}
+
+/// The header is plain C; calls that make no sense are named.
+void calls_from_c_that_are_wrong_are_named(const Package& package) {
+  const auto source = package.folder.write(R"(#include <ricochet.h>
+#include <string.h>
+
+int main(void) {
+  double zero[1] = {0};
+  int body[1] = {0};
+  ricochet_loop* loop = ricochet_open("explicit", "misuse", 1);
+  if (!loop) return 2;
+  const char* what = ricochet_name(loop);
+  if (!strcmp(what, "role")) return ricochet_open("implict", "misuse", 1) ? 0 : 2;
+  if (!strcmp(what, "capability")) return ricochet_add_capability(loop, "repeat_windows");
+  if (!strcmp(what, "nodes")) return ricochet_set_interface(loop, -1, body, zero, zero);
+  if (!strcmp(what, "early")) return ricochet_read(loop, zero);
+  if (!strcmp(what, "none")) return ricochet_advance(NULL);
+  if (ricochet_initialize(loop, zero, zero) == 0) return 0;
+  return ricochet_add_body(loop, "late");
+}
+)",
+                                           "misuse.c");
+  const auto program = (package.folder.path() / "misuse").string();
+  const std::vector<std::string> command{
+      "cc",      "-std=c99", "-Wall", "-Wextra", "-Wpedantic",
+      "-Werror", source,     "-o",    program,   "-I" + package.prefix + "/include/ricochet"};
+  package.run(linked(package, command));
+  const auto says = [&](const std::string& name, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {program, "--name", name, "--connect", "nowhere"});
+    const auto outcome = run_command(more, package.folder.path().string());
+    EXPECT_EQ(outcome.code, 2) << name;
+    return outcome.error;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(says("role"),
+              HasSubstr("unknown role \"implict\", allowed are explicit, implicit; did you mean \"implicit\"?"));
+  EXPECT_THAT(says("capability"), HasSubstr("found \"repeat_windows\", allowed are repeat_window, driven_by_force; did "
+                                            "you mean \"repeat_window\"?"));
+  EXPECT_THAT(says("nodes"), HasSubstr("nodes: error: ricochet_set_interface: found -1 nodes, allowed are >= 0"));
+  EXPECT_THAT(says("early"), HasSubstr("ricochet_read must come after ricochet_initialize"));
+  EXPECT_THAT(says("none"), HasSubstr("ricochet_advance was called without a loop: ricochet_open gave none"));
+  EXPECT_THAT(says("late"), HasSubstr("cannot connect to 'nowhere'"));
+  EXPECT_THAT(says("late"), HasSubstr("ricochet_add_body must come before ricochet_initialize"));
+  EXPECT_THAT(says("late", {"--thing"}), HasSubstr("unexpected argument \"--thing\", allowed are"));
+}
+
 /// One test: each would have to install and build anew.
 TEST(Package, IsFoundBuiltAgainstAndRun) {
   const Package package;
@@ -111,6 +319,9 @@ TEST(Package, IsFoundBuiltAgainstAndRun) {
   headers_include_nothing_that_is_not_installed(package);
   python_participant_runs_from_its_place(package);
   command_line_errors_name_what_is_wrong(package);
+  fortran_participant_takes_part_in_runs(package);
+  implicit_participant_in_c_takes_part_in_a_run(package);
+  calls_from_c_that_are_wrong_are_named(package);
 }
 
 }  // namespace

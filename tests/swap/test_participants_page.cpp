@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 
+#include "common/scene/protocols.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -41,7 +42,10 @@ TEST(ParticipantsPage, ShowsCodeOfTheExamples) {
   const std::string project = root + "tests/support/spring_mass_project/";
   expect_code("cpp", 3, {project + "spring_mass.cpp", root + "tests/support/own_loop_spring.cpp"});
   expect_code("cmake", 1, {project + "CMakeLists.txt"});
-  expect_code("python", 4, {python + "explicit_bar.py", python + "getfem_impact.py"});
+  expect_code("python", 6,
+              {python + "explicit_bar.py", python + "getfem_impact.py", python + "ricochet_participant.py",
+               python + "sfepy_body.py"});
+  expect_code("fortran", 1, {root + "common/participant/c/explicit_bar.f90"});
 }
 
 TEST(ParticipantsPage, ShowsASceneEntryThatRuns) {
@@ -73,6 +77,24 @@ TEST(ParticipantsPage, ListsTheClausesOfTheContract) {
   EXPECT_EQ(listed, tested);
 }
 
+TEST(ParticipantsPage, TellsWhatEachProtocolAsksFor) {
+  const auto words = [](const std::vector<Capability>& capabilities) {
+    std::string text;
+    for (const auto c : capabilities) text += fmt::format("{}`{}`", text.empty() ? "" : ", ", name_of(c));
+    return text.empty() ? "nothing" : text;
+  };
+  const std::string text = page();
+  std::size_t rows = 0;
+  for (const auto& protocol : scene::protocols()) {
+    if (!protocol.coupled()) continue;
+    ++rows;
+    EXPECT_THAT(text, testing::HasSubstr(fmt::format(
+                          "\n| `{}` | {} | {} | {} |\n", protocol.name, protocol.dual ? "force" : "displacement",
+                          words(protocol.explicit_capabilities), words(protocol.implicit_capabilities))));
+  }
+  EXPECT_EQ(rows, 7U);
+}
+
 TEST(ParticipantsPage, NamesFilesThatExist) {
   const std::string text = page();
   const std::regex path("`((?:tests|common|configs)/[^` ]+)`");
@@ -90,7 +112,10 @@ TEST(ParticipantsPage, CountsLinesRightly) {
   };
   EXPECT_THAT(page(), testing::HasSubstr(fmt::format("`getfem_impact.py` ({} lines)", lines("getfem_impact.py"))));
   EXPECT_THAT(page(), testing::HasSubstr(fmt::format("explicit_bar.py` ({} lines)", lines("explicit_bar.py"))));
-  EXPECT_LT(lines("ricochet_wire.py") + lines("ricochet_session.py"), 480);
+  EXPECT_THAT(page(), testing::HasSubstr(fmt::format("`sfepy_body.py` ({} lines)", lines("sfepy_body.py"))));
+  EXPECT_THAT(page(), testing::HasSubstr(fmt::format("`sfepy_integrator.py` ({} lines", lines("sfepy_integrator.py"))));
+  EXPECT_LT(lines("ricochet_wire.py") + lines("ricochet_session.py"), 500);
+  EXPECT_LT(lines("../c/explicit_bar.f90"), 120);
 }
 
 TEST(ParticipantsPage, StatesTheDefaultsOfTheCommand) {

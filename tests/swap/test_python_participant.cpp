@@ -8,6 +8,7 @@
 
 #include "common/wire/lifecycle.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/same_history.hpp"
 #include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
@@ -169,6 +170,150 @@ TEST(PythonBar, RefusesABodyItDoesNotKnow) {
   EXPECT_THAT(run.outcome.error, testing::HasSubstr("body 'left' has what explicit_bar.py does not know"));
 }
 
+/// explicit_bar.py's numbers in a time loop of its own, so many steps in a window, between whose ends the shared node
+/// moves evenly; `more` stands at the end of each turn.
+std::string looping_bar(const TemporaryFolder& folder, const std::string& more = "", int steps = 1) {
+  const auto text = bar_with(folder, "with_callbacks.py", "['repeat_window']", "");
+  const auto path = folder.write(replaced(replaced(file_text(text), "import pack_state, unpack_state, ConfigError",
+                                                   "import OwnLoop, arguments, ConfigError"),
+                                          "main(ExplicitBar)", fmt::format("STEPS = {}\n", steps) + R"(import copy
+
+options = arguments()
+bar = ExplicitBar(options.scene, options.name)
+with OwnLoop(bar.describe(), options) as loop:
+    loop.initialize(0.0, np.zeros(5))
+    window = loop.setup["window_size_s"]
+    while loop.ongoing():
+        if loop.must_save():
+            saved = copy.deepcopy(vars(bar))
+        steps = STEPS if loop.max_time_step() > 0 else 1
+        bar.dt, begin = loop.max_time_step() / steps, bar.u[bar.shared]
+        for step in range(1, steps + 1):
+            force = bar.advance(0, begin + step / steps * (loop.read() - begin))
+            bar.accept()
+        bar.dt = window / STEPS
+        loop.write(force, bar.record())
+        loop.advance()
+        if loop.must_restore():
+            vars(bar).update(copy.deepcopy(saved))
+)" + more + "sys.exit(loop.finalize())"),
+                                 "looping_bar.py");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+class PythonOwnLoops : public testing::TestWithParam<const char*> {};
+
+TEST_P(PythonOwnLoops, GiveTheHistoryOfOurs) {
+  TemporaryFolder folder;
+  const auto loop = run_text(two_bars(GetParam(), looping_bar(folder)), folder, "loop");
+  expect_same_history(loop, run_text(two_bars(GetParam(), ""), folder, "ours"), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, PythonOwnLoops,
+                         testing::Values("hughes_liu", "kim", "belytschko_mullen", "fixed_point"),
+                         [](const auto& test) { return std::string(test.param); });
+
+/// The interface makes and loses some energy, with four steps a window as with one.
+TEST(PythonOwnLoop, MayTakeStepsOfItsOwn) {
+  TemporaryFolder folder;
+  for (const char* protocol : {"hughes_liu", "kim", "belytschko_mullen", "fixed_point"}) {
+    const auto run = run_text(two_bars(protocol, looping_bar(folder, "", 4)), folder, protocol);
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12) << protocol;
+    EXPECT_LT(largest(run.column("energy_interface_j")), 0.015 * run.column("energy_kinetic_j").front()) << protocol;
+    EXPECT_GT(run.largest("contact_force_n"), 1.3e5) << protocol;
+  }
+}
+
+TEST(PythonOwnLoop, KeepsTheContract) {
+  TemporaryFolder folder;
+  const auto scene = folder.write(two_bars("hughes_liu", ""));
+  const auto outcome = run_command(
+      {ricochet_binary(), "check-participant", "--", looping_bar(folder), "--scene", scene, "--name", "of_left"},
+      folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+}
+
+TEST(PythonOwnLoop, TellsTheCouplerWhyItIsLeft) {
+  TemporaryFolder folder;
+  const auto outcome_of = [&folder](const std::string& more) {
+    return run_file(folder.write(two_bars("hughes_liu", looping_bar(folder, more))), folder).outcome;
+  };
+  const auto unstable = outcome_of("        if bar.u.any(): raise ArithmeticError(\"the rod has burst\")\n");
+  EXPECT_EQ(unstable.code, 3);
+  EXPECT_THAT(unstable.error, testing::HasSubstr("ArithmeticError: the rod has burst"));
+  const auto input = outcome_of("        if bar.u.any(): raise ConfigError(\"the rod is not straight\")\n");
+  EXPECT_EQ(input.code, 2);
+  EXPECT_THAT(input.error, testing::HasSubstr("the rod is not straight"));
+  EXPECT_THAT(input.error, testing::Not(testing::HasSubstr("Traceback")));
+  const auto left = outcome_of("        if bar.u.any(): sys.exit(0)\n");
+  EXPECT_EQ(left.code, 4);
+  EXPECT_THAT(left.error, testing::HasSubstr("the solver left its time loop before the run was over"));
+}
+
+/// Elements that harden, N = k e + c e^3: the coupler needs no K.
+TEST(PythonBar, MayBeNonlinear) {
+  TemporaryFolder folder;
+  auto text = replaced(file_text(bar_with(folder, "linear_bar.py", "['repeat_window']", R"(    def inner(self, u):
+        e = np.diff(u)
+        return self.k @ u + 2e18 * (np.append(0, e**3) - np.append(e**3, 0))
+)")),
+                       "return (self.k @ self.trial)", "return self.inner(self.trial)");
+  text = replaced(text, "self.internal = self.k @ self.trial", "self.internal = self.inner(self.trial)");
+  text =
+      replaced(text, "0.5 * self.u @ self.internal", "0.5 * self.u @ self.k @ self.u + 5e17 * sum(np.diff(self.u)**4)");
+  const auto path = folder.write(text, "hard_bar.py");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  const auto hard = run_text(two_bars("hughes_liu", path), folder, "hard");
+  const auto linear = run_text(two_bars("hughes_liu", ""), folder, "linear");
+  EXPECT_GT(difference(hard, linear, "contact_force_n"), 0.01);
+  EXPECT_LT(hard.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_LT(std::abs(hard.last("energy_error")), 1.2 * largest(linear.column("energy_error")));
+}
+
+/// Driven by force a participant answers with its motion; what it lacks is named.
+TEST(PythonBar, ThatAnswersWithAnotherShapeIsNamed) {
+  TemporaryFolder folder;
+  const auto forced = bar_with(folder, "forced_bar.py", "['repeat_window', 'driven_by_force', 'single_substep']", "");
+  const auto force = run_file(folder.write(two_bars("prakash_hjelmstad", forced)), folder);
+  EXPECT_EQ(force.outcome.code, 4);
+  EXPECT_THAT(
+      force.outcome.error,
+      testing::HasSubstr("the link output has not the shape of 3 x (1, 1): displacement, velocity, acceleration"));
+  const auto moving = bar_with(folder, "moving_bar.py", "['repeat_window', 'driven_by_force', 'single_substep']",
+                               R"(    def initialize(self, setup):
+        self.dt = setup["window_size_s"]
+        return np.zeros((3, 1))
+
+    def synchronise(self, integration, link):
+        return np.zeros((3, 1))
+)");
+  const auto substep = run_file(folder.write(two_bars("gravouil_combescure", moving)), folder);
+  EXPECT_EQ(substep.outcome.code, 4);
+  EXPECT_THAT(substep.outcome.error,
+              testing::HasSubstr("it announces the capability 'single_substep' but cannot compute a single substep"));
+}
+
+/// As a user installs it who has no way to a registry.
+TEST(PythonPackage, IsInstalledByPip) {
+  TemporaryFolder folder;
+  const auto source = folder.path() / "python", environment = folder.path() / "venv";
+  std::filesystem::copy(python_folder, source);  // pip builds in the folder that it is given
+  const auto run = [&folder](const std::vector<std::string>& command) {
+    const auto outcome = run_command(command, folder.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+    return outcome.out;
+  };
+  run({"/usr/bin/python3", "-m", "venv", "--system-site-packages", environment});
+  run({environment / "bin/pip", "install", "--no-build-isolation", "--no-deps", "--no-index", source});
+  std::filesystem::remove_all(source);
+  EXPECT_THAT(run({environment / "bin/python3", "-c",
+                   "import ricochet_participant as r; print(r.__file__, r.Participant, r.OwnLoop)"}),
+              testing::HasSubstr((environment / "lib").string()));
+  EXPECT_THAT(file_text(python_folder + "/pyproject.toml"), testing::HasSubstr("version = \"" RICOCHET_VERSION "\""))
+      << "of the project";
+}
+
 std::string python_says(const std::string& expression, const TemporaryFolder& folder) {
   const auto outcome =
       run_command({"/usr/bin/python3", "-c",
@@ -178,6 +323,57 @@ std::string python_says(const std::string& expression, const TemporaryFolder& fo
                   folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   return outcome.out;
+}
+
+TEST(PythonSession, RefusesWhatItsParticipantCannotDo) {
+  TemporaryFolder folder;
+  const auto refusal = [&folder](const std::string& arguments) {
+    const auto outcome = run_command({"/usr/bin/python3", "-c",
+                                      fmt::format(R"(
+import sys
+sys.path.insert(0, '{}')
+from ricochet_participant import *
+
+
+class Stub(Participant):
+    def __init__(self, able):
+        self.able = able
+
+    def describe(self):
+        return Description('p', 'explicit', 's', bodies=['b'], interface_body=[0], interface_position_m=[0.0],
+                           interface_mass_kg=[1.0], capabilities=self.able)
+
+    def initialize(self, setup):
+        return [0.0] * 3 if setup['driven_by'] == 'force' else 0.0
+
+
+def drive(able, substep=0, **change):
+    session, none = Session(Stub(able)), np.zeros((0, 0))
+    session.initialize(dict(window_size_s=1.0, history_every=1, substeps=2, driven_by='force',
+                            interface_mass_kg=np.ones((1, 1)), interface_stiffness=none) | change)
+    session.check_substep(dict(substep=substep))
+
+
+try:
+    drive({})
+except ProtocolError as error:
+    print(error)
+)",
+                                                  python_folder, arguments)},
+                                     folder.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  EXPECT_EQ(refusal("['driven_by_force', 'single_substep'], substep=1"), "");
+  EXPECT_EQ(refusal("[], driven_by='displacement'"), "");
+  EXPECT_EQ(refusal("['interface_stiffness'], driven_by='displacement', interface_stiffness=np.ones((1, 1))"), "");
+  EXPECT_EQ(refusal("[]"), "the coupler sent 'initialize' that drives it by force, which it is not made for\n");
+  EXPECT_EQ(refusal("['driven_by_force'], interface_stiffness=np.ones((1, 1))"),
+            "the coupler sent an interface stiffness of shape (1, 1), which this participant cannot do\n");
+  EXPECT_EQ(refusal("['driven_by_force'], substep=1"), "the coupler sent substep 1 of 2, 0 are accepted\n");
+  EXPECT_EQ(refusal("['driven_by_force', 'single_substep'], substep=2"),
+            "the coupler sent substep 2 of 2, 0 are accepted\n");
+  EXPECT_EQ(refusal("['driven_by_force'], substeps=0"), "the coupler sent a wrong 'initialize'\n");
 }
 
 TEST(PythonWire, HasTheFieldsOfTheSchema) {

@@ -1,5 +1,6 @@
-# Included by the root. cmake --install BUILD --prefix DIR --component sdk: the SDK as a package for find_package(ricochet)
-# and for Python.
+# Included by the root. cmake --install BUILD --prefix DIR --component sdk: the SDK as a package for find_package(ricochet),
+# for C and Fortran if libricochet.so has been built, and for Python, where `pip install DIR/share/ricochet/python` makes it
+# a package of that, too.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -23,4 +24,8 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/ricochet-config-version.cma
 install(FILES ${CMAKE_BINARY_DIR}/ricochet-config.cmake ${CMAKE_BINARY_DIR}/ricochet-config-version.cmake
   DESTINATION ${package_folder} COMPONENT sdk)
 install(DIRECTORY common/participant/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet/python COMPONENT sdk
-  USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+  USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN pyproject.toml PATTERN __pycache__ EXCLUDE
+  PATTERN build EXCLUDE)
+install(TARGETS ricochet_c COMPONENT sdk OPTIONAL)
+install(FILES common/participant/c/ricochet.h common/participant/c/ricochet.f90
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet COMPONENT sdk)

@@ -1,10 +1,11 @@
-"""Take part in a coupled run of ricochet from Python: derive from `Participant` and call `main`.
+"""Take part in a coupled run of ricochet from Python: derive from `Participant` and call `main`, or keep your own time
+loop and call an `OwnLoop`.
 
-The Python twin of common/participant (participant.hpp, session.cpp). Link values are numpy arrays of shape
+The Python twin of common/participant (participant.hpp, own_loop.hpp, session.cpp). Link values are numpy arrays of shape
 (n, components), absolute and in SI units; increments, resynchronisation, legal order, deadlines and failure messages
 are done here.
 """
-import argparse, dataclasses, hashlib, sys, time, tomllib
+import argparse, dataclasses, hashlib, os, sys, threading, time, tomllib
 
 import numpy as np
 
@@ -45,6 +46,9 @@ class ContactStatus:
 class Participant:
     """What a solver must be. Explicit: link input is the displacement [m], output P = K u [N] of its own elements.
     Implicit: link input is the summed P of the explicit ones [N], output the tuple (u, v, a) of its interface nodes.
+    Explicit with the capability "driven_by_force", where setup["driven_by"] is "force": it integrates its interface
+    nodes itself with its own mass, M a = f - K u + lambda; link input is lambda at the end of the window [N], linear over
+    its setup["substeps"] central difference steps, output the tuple (u, v, a).
 
     To be written:
       describe()                      a Description
@@ -54,6 +58,11 @@ class Participant:
                                       state; link output
       accept()                        makes the last trial final
     """
+
+    def advance_substep(self, window, substep, link):
+        """With the capability "single_substep", driven by force: trial of the one substep 1 .. setup["substeps"] of that
+        window, each accepted before the next; `link`: lambda at its end, linear from the end of the one before."""
+        raise RunError("it announces the capability 'single_substep' but cannot compute a single substep")
 
     def contact_status(self):
         return ContactStatus()
@@ -101,14 +110,19 @@ def arguments():
 
 
 def read_scene(path, name):
-    """A scene file without Gmsh meshes as a dict, its entry of the participant, and its SHA-256. The coupler has
-    checked the values already."""
+    """A scene file as a dict, its entry of the participant, and the SHA-256 of it and of its Gmsh meshes, whose paths
+    are absolute in the dict. The coupler has checked the values already."""
     with open(path, "rb") as file:
         data = file.read()
     scene = tomllib.loads(data.decode())
     entries = [entry for entry in scene.get("participant", []) if entry["name"] == name]
     if not entries:
         raise ConfigError(f"{path}: found no [[participant]] with name = \"{name}\"")
+    for body in scene["body"]:
+        if "gmsh" in body["mesh"]:
+            body["mesh"]["gmsh"] = os.path.join(os.path.dirname(os.path.abspath(path)), body["mesh"]["gmsh"])
+            with open(body["mesh"]["gmsh"], "rb") as file:
+                data += file.read()
     return scene, entries[0], hashlib.sha256(data).hexdigest()
 
 
@@ -157,3 +171,140 @@ def serve(make, options):
 def main(make):
     """The main program of a participant: serve with the options of the command line."""
     sys.exit(serve(make, arguments()))
+
+
+class Relay(Participant):
+    """The participant that `serve` runs in a thread: it passes each window to the loop of another thread and sleeps until
+    that is done. Of the two threads only one is at work, so nothing else needs a lock."""
+
+    def __init__(self, description):
+        self.description, self.to_loop, self.to_coupler = description, threading.Semaphore(0), threading.Semaphore(0)
+        self.setup, self.integration, self.link, self.left, self.over = {}, "", None, None, False
+        self.time_step, self.save, self.restore, self.tried = 0.0, False, False, False
+
+    def describe(self):
+        return self.description
+
+    def initialize(self, setup):
+        self.setup = setup
+        return [self.written] * 3 if setup["driven_by"] == "force" else self.written  # the rates are asked for later
+
+    def synchronise(self, integration, link):
+        self.integration = integration
+        return self.compute(0.0, False, link)
+
+    def advance(self, window, link):
+        output = self.compute(self.setup["window_size_s"], "repeat_window" in self.description.capabilities, link)
+        self.tried = True
+        return output
+
+    def compute(self, time_step, may_repeat, link):
+        self.time_step, self.restore, self.save = time_step, self.tried, may_repeat and not self.tried
+        self.tried, self.link = False, link
+        self.to_loop.release()
+        self.to_coupler.acquire()
+        if self.left:
+            raise self.left
+        return self.written
+
+    def accept(self):
+        self.tried = False
+
+    def record(self):
+        return self.recorded
+
+
+class OwnLoop:
+    """For codes that own their time loop; the twin of own_loop.hpp:
+
+        with OwnLoop(description, arguments()) as loop:
+            loop.initialize(force or displacement at t = 0, history row)
+            while loop.ongoing():
+                if loop.must_save(): saved = copy of the state
+                state.step(loop.max_time_step(), loop.read())
+                loop.write(link output, history row)
+                loop.advance()
+                if loop.must_restore(): state = copy of saved
+        sys.exit(loop.finalize())
+
+    Every turn computes one whole window, which ends when the time `max_time_step()` has passed. It may be 0: then the
+    coupler synchronises, which is a window in which no time passes (new accelerations from the link values that are read,
+    nothing else moves). A run that fails ends the program by SystemExit with its exit code. What leaves the `with` as an
+    exception is told the coupler as the reason; a ConfigError or SolverError ends the program with its code.
+    """
+
+    def __init__(self, description, options):
+        self.relay = Relay(description)
+        self.exit_code = 4
+        self.thread = threading.Thread(target=self.converse, args=[options], daemon=True)
+
+    def converse(self, options):
+        self.exit_code = serve(lambda scene, name: self.relay, options)
+        self.relay.over = True
+        self.relay.to_loop.release()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, traceback):
+        self.leave(error)
+        if isinstance(error, RunError):
+            sys.exit(self.exit_code)
+
+    def initialize(self, value, record=()):
+        self.write(value, record)
+        self.thread.start()
+        self.wait()
+
+    @property
+    def setup(self):
+        """What the coupler set, the fields of the message `initialize`; after `initialize`."""
+        return self.relay.setup
+
+    def integration(self):
+        """By which integration an implicit participant is to go on: "implicit_newmark" | "explicit_central"."""
+        return self.relay.integration
+
+    def ongoing(self):
+        return not self.relay.over
+
+    def max_time_step(self):
+        return self.relay.time_step
+
+    def must_save(self):
+        """A new window begins, and the coupler may ask for it again."""
+        return self.relay.save
+
+    def must_restore(self):
+        """What was computed since `must_save` is void: go back to where that was true."""
+        return self.relay.restore and self.ongoing()
+
+    def read(self):
+        """Link input at the end of the window, shape (n, components)."""
+        return self.relay.link
+
+    def write(self, output, record=()):
+        """Link output and history row at the end of the window."""
+        self.relay.written, self.relay.recorded = output, list(record)
+
+    def advance(self):
+        self.relay.to_coupler.release()
+        self.wait()
+
+    def wait(self):
+        self.relay.to_loop.acquire()
+        if self.relay.over and self.exit_code:
+            sys.exit(self.exit_code)
+
+    def leave(self, error=None):
+        if self.thread.is_alive():
+            if not self.relay.over:
+                early = RunError("the solver left its time loop before the run was over")
+                self.relay.left = error if isinstance(error, Exception) else early
+                self.relay.to_coupler.release()
+            self.thread.join()
+
+    def finalize(self):
+        """Waits for the end of the conversation; the exit code for `sys.exit`."""
+        self.leave()
+        return self.exit_code

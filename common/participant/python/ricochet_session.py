@@ -23,6 +23,8 @@ class Session:
         self.shape = (len(d.interface_body), d.components)
         self.state, self.run_id, self.sequence, self.asked = "greeting", "", 0, 0
         self.window = self.accepted = 0
+        self.substep = self.accepted_substep = 0  # of the trial, 0: whole window; of the window under way
+        self.moves = False  # driven by force: answers displacement, velocity, acceleration
         self.input = self.accepted_input = self.output = self.accepted_output = np.zeros(self.shape)
         self.rates, self.rows, self.stresses, self.spans = (EMPTY, EMPTY), [], [], []
         self.drift = self.compute_s = self.wait_s = 0.0
@@ -30,7 +32,7 @@ class Session:
 
     def message(self, kind, **fields):
         fields |= {"kind": kind, "version": VERSION, "run_id": self.run_id, "sequence": self.sequence,
-                   "window": self.window, "substep": 0}
+                   "window": self.window, "substep": self.substep}
         self.sequence += 1
         return fields
 
@@ -58,6 +60,9 @@ class Session:
             self.spans.append((self.window, begin, end))
         return reply
 
+    def can(self, capability):
+        return capability in self.description.capabilities
+
     def require(self, holds, what):
         if not holds:
             raise ProtocolError(f"the coupler sent {what}")
@@ -77,9 +82,16 @@ class Session:
             axial_stress_columns=["window", *d.axial_stress_columns] if d.axial_stress_columns else [])
 
     def initialize(self, request):
-        self.require(request["window_size_s"] > 0 and request["history_every"] >= 1, "a wrong 'initialize'")
+        self.require(request["window_size_s"] > 0 and request["history_every"] >= 1 and request["substeps"] >= 1,
+                     "a wrong 'initialize'")
+        drive, d = request["driven_by"], self.description
+        able = ["force"] if d.role == "implicit" else ["displacement", "force"][:1 + self.can("driven_by_force")]
+        self.require(drive in able, f"'initialize' that drives it by {drive}, which it is not made for")
+        stiffness, size = request["interface_stiffness"].shape, self.shape[0] * self.shape[1]
+        self.require(stiffness[0] == 0 or self.can("interface_stiffness") and stiffness == (size, size),
+                     f"an interface stiffness of shape {stiffness}, which this participant cannot do")
         self.require(request["interface_mass_kg"].shape == (self.shape[0], 1), "masses of another number of nodes")
-        self.setup, self.state, begin = request, "initialized", time.monotonic()
+        self.setup, self.state, self.moves, begin = request, "initialized", drive == "force", time.monotonic()
         self.take(self.participant.initialize(request))
         return self.message("initialized", setup_s=time.monotonic() - begin, absolute=self.full(self.value))
 
@@ -97,15 +109,20 @@ class Session:
 
     def advance(self, request):
         at_once, last = request["accept_at_once"], self.setup["last_window"]
-        self.require(request["window"] == self.accepted + 1 <= last and not request["substep"], f"window {request['window']}")
+        self.require(request["window"] == self.accepted + 1 <= last, f"window {request['window']}")
+        self.check_substep(request)
         self.require(request["windows"] == 1 or (self.shape[0] == 0 and at_once and request["windows"] > 0),
                      "several windows at once to a participant with interface nodes")
-        self.require(self.state == "ready" or "repeat_window" in self.description.capabilities, "a repeated window")
+        self.require(self.state == "ready" or self.can("repeat_window"), "a repeated window")
         self.receive(request)
+        self.substep = request["substep"]
         last = min(last, self.accepted + request["windows"])
         while True:
             self.window = self.accepted + 1
-            self.take(self.participant.advance(self.window, self.input))
+            if self.substep:
+                self.take(self.participant.advance_substep(self.window, self.substep, self.input))
+            else:
+                self.take(self.participant.advance(self.window, self.input))
             increment = self.value - self.accepted_output
             self.output = self.value if request["absolute_requested"] else self.accepted_output + increment
             if at_once:
@@ -117,6 +134,12 @@ class Session:
         return self.message("advanced", increment=self.full(increment), absolute=absolute, **self.motion(),
                             **self.answer(request["records_requested"]))
 
+    def check_substep(self, request):
+        step, last = request["substep"], self.setup["substeps"]
+        whole = step == 0 and self.accepted_substep == 0
+        self.require(whole or self.can("single_substep") and self.moves and step == self.accepted_substep + 1 <= last,
+                     f"substep {step} of {last}, {self.accepted_substep} are accepted")
+
     def accept(self, request):
         self.require(request["window"] == self.window, f"'accept' of window {request['window']}")
         self.accept_window()
@@ -124,7 +147,7 @@ class Session:
         return self.message("accepted", **self.answer(request["records_requested"]))
 
     def load_state(self, request):
-        self.require("load_state" in self.description.capabilities, "'load_state', which this participant cannot do")
+        self.require(self.can("load_state"), "'load_state', which this participant cannot do")
         self.require(request["frozen_contact"] in ("open", "sticking"), "an unknown frozen contact")
         self.require(request["state"].shape == (len(self.participant.read_state()[0]), 1), "a state of another size")
         self.participant.load_state(request["state"][:, 0], request["frozen_contact"])
@@ -132,13 +155,13 @@ class Session:
         return self.message("state_loaded")
 
     def read_state(self, request):
-        self.require("load_state" in self.description.capabilities, "'read_state', which this participant cannot do")
+        self.require(self.can("load_state"), "'read_state', which this participant cannot do")
         state, scale = self.participant.read_state()
         return self.message("state", state=array(state, 1), state_scale=array(scale, 1))
 
     def save_state(self, request):
         """All that this end and the participant go on from."""
-        self.require("save_state" in self.description.capabilities, "'save_state', which this participant cannot do")
+        self.require(self.can("save_state"), "'save_state', which this participant cannot do")
         own = self.participant.save_state()
         if type(own) is not bytes:
             raise RunError(f"its save_state returned {type(own).__name__}, expected bytes")
@@ -147,7 +170,7 @@ class Session:
         return self.message("saved_state", saved=msgpack.packb([link, own]))
 
     def restore_state(self, request):
-        self.require("save_state" in self.description.capabilities, "'restore_state', which this participant cannot do")
+        self.require(self.can("save_state"), "'restore_state', which this participant cannot do")
         link, own = msgpack.unpackb(request["saved"])
         s = unpack_state(link)
         self.require(s["input"].shape == s["output"].shape == self.shape, "the state of another interface")
@@ -179,7 +202,11 @@ class Session:
 
     def accept_window(self):
         self.participant.accept()
-        self.accepted, self.accepted_input, self.accepted_output = self.window, self.input, self.output
+        self.accepted_input, self.accepted_output = self.input, self.output
+        self.accepted_substep = self.substep % self.setup["substeps"]
+        if self.accepted_substep:
+            return  # the window goes on
+        self.accepted = self.window
         every = self.setup["fields_every"]
         fields = every > 0 and (self.window % every == 0 or self.window == self.setup["last_window"])
         if self.window % self.setup["history_every"] == 0:
@@ -211,12 +238,12 @@ class Session:
 
     def take(self, output):
         """Checks and copies what the solver returned: it may go on writing into its own arrays."""
-        implicit = self.description.role == "implicit"
-        values = [np.array(x, dtype=float) for x in (output if implicit else [output])]
-        if len(values) != (3 if implicit else 1) or any(x.size != np.prod(self.shape) for x in values):
-            raise RunError(f"the link output has not the shape of {'3 x ' if implicit else ''}{self.shape}")
+        values = [np.array(x, dtype=float) for x in (output if self.moves and np.iterable(output) else [output])]
+        if len(values) != (3 if self.moves else 1) or any(x.size != np.prod(self.shape) for x in values):
+            raise RunError("the link output has not the shape of " + (
+                f"3 x {self.shape}: displacement, velocity, acceleration" if self.moves else f"{self.shape}: force"))
         values = [x.reshape(self.shape) for x in values]
-        self.value, self.rates = values[0], tuple(values[1:]) if implicit else (EMPTY, EMPTY)
+        self.value, self.rates = values[0], tuple(values[1:]) if self.moves else (EMPTY, EMPTY)
 
     def rows_of(self, request, field):
         self.require(request[field].shape == self.shape, f"'{field}' of shape {request[field].shape}")
