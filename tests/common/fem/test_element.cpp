@@ -76,7 +76,7 @@ TEST_P(EveryModel, PatchTestGivesTheExactStressEverywhere) {
     const ElementGeometry element = element_geometry(part_.mesh, e);
     for (const NaturalPoint& at : points_of(element.kind)) {
       const StressVector stress = element_stress(section_, steel, element, element_displacement(part_.mesh, e, u), at);
-      EXPECT_LT(sample::relative_error(stress, expected), model_ == Model::solid ? 1e-10 : 1e-11)
+      EXPECT_LT(sample::relative_error(stress, expected), model_ == Model::bar ? 1e-11 : 1e-10)
           << "element " << e << " at " << at.transpose();
     }
   }
@@ -95,7 +95,7 @@ TEST_P(EveryModel, PatchTestLeavesInnerNodesInEquilibrium) {
     if (along < low + 1e-6 || along > 0.05 - 1e-6) continue;
     if (model_ != Model::bar && (x[0] < 1e-6 || x[0] > 0.03 - 1e-6)) continue;
     ++inner;
-    EXPECT_LT(std::abs(force[i]), (model_ == Model::solid ? 1e-10 : 1e-11) * force.norm()) << "dof " << i;
+    EXPECT_LT(std::abs(force[i]), (model_ == Model::bar ? 1e-11 : 1e-10) * force.norm()) << "dof " << i;
   }
   EXPECT_GE(inner, 3);
 }
@@ -114,7 +114,7 @@ TEST_P(EveryModel, RigidMotionGivesNoForce) {
   }
   for (const auto& motion : motions) {
     const Eigen::VectorXd u = sample::nodal(part_.mesh, motion);
-    EXPECT_LT((part_.stiffness * u).norm(), (model_ == Model::solid ? 2e-11 : 1e-13) * scale * u.norm());
+    EXPECT_LT((part_.stiffness * u).norm(), (model_ == Model::bar ? 1e-13 : 2e-11) * scale * u.norm());
   }
 }
 
@@ -192,7 +192,7 @@ TEST_P(EveryModel, ForcesAreTheDerivativesOfTheStrainEnergy) {
       EXPECT_NEAR(force[i], slope, (model_ == Model::solid ? 1e-7 : 1e-8) * force.norm())
           << "element " << e << ", dof " << i;
     }
-    const double round_off = model_ == Model::solid ? 1e-10 : 1e-12;  // places are rounded to 1e-11 (Solid::relative)
+    const double round_off = model_ == Model::bar ? 1e-12 : 1e-10;  // places are rounded to 1e-11 (matrix_places)
     EXPECT_NEAR(0.5 * u.dot(force), strain_energy(section_, element, u), round_off * std::abs(u.dot(force)));
   }
 }
@@ -207,7 +207,7 @@ TEST_P(EveryModel, LumpedMassIsPositiveAndSumsToDensityTimesVolume) {
   if (model_ == Model::solid) area = 0.03 * 0.02;
   if (model_ == Model::axisymmetric) area = std::numbers::pi * 0.03 * 0.03;
   EXPECT_NEAR(part_.lumped_mass.sum(), 7850.0 * area * length,
-              (model_ == Model::solid ? 1e-10 : 1e-12) * 7850.0 * area * length);
+              (model_ == Model::bar ? 1e-12 : 1e-10) * 7850.0 * area * length);
   EXPECT_GT(part_.lumped_mass.minCoeff(), 0.0);
 }
 
@@ -215,7 +215,7 @@ TEST(LumpedMass, OfAConicalFrustumIsExact) {
   ElementGeometry quadrilateral{ElementKind::quadrilateral, ElementCoordinates(4, 2)};
   quadrilateral.x << 0.0, 0.0, 0.04, 0.0, 0.01, 0.03, 0.0, 0.03;
   const double volume = std::numbers::pi * 0.03 / 3.0 * (0.04 * 0.04 + 0.04 * 0.01 + 0.01 * 0.01);
-  EXPECT_NEAR(element_volume(sample::section(Model::axisymmetric), quadrilateral).sum(), volume, 1e-13 * volume);
+  EXPECT_NEAR(element_volume(sample::section(Model::axisymmetric), quadrilateral).sum(), volume, 1e-10 * volume);
 }
 
 // A cone with its node on the axis: m_i = 2 pi rho integral of N_i r dA with r = R N_1 is 2 pi rho R A/6 for the rim
@@ -225,9 +225,9 @@ TEST(LumpedMass, OfAConeIsExactAtEachNode) {
   cone.x << 0.0, 0.0, 0.03, 0.0, 0.0, 0.04;
   const double rim = 2.0 * std::numbers::pi * 0.03 * (0.5 * 0.03 * 0.04) / 6.0;
   const Eigen::VectorXd volume = element_volume(sample::section(Model::axisymmetric), cone);
-  EXPECT_NEAR(volume[0], 0.5 * rim, 1e-13 * rim);
-  EXPECT_NEAR(volume[1], rim, 1e-13 * rim);
-  EXPECT_NEAR(volume[2], 0.5 * rim, 1e-13 * rim);
+  EXPECT_NEAR(volume[0], 0.5 * rim, 1e-10 * rim);
+  EXPECT_NEAR(volume[1], rim, 1e-10 * rim);
+  EXPECT_NEAR(volume[2], 0.5 * rim, 1e-10 * rim);
 }
 
 TEST(HoopStrain, TakesItsLimitOnTheAxis) {
