@@ -28,7 +28,7 @@ ElementMatrix element_stiffness(const Section& section, const Material& material
 }
 
 Eigen::VectorXd element_volume(const Section& section, const ElementGeometry& element) {
-  return traits(element.kind).volume(section, matrix_places(section.model, element));
+  return traits(element.kind).volume(section, element.x);
 }
 
 Eigen::VectorXd element_lumped_mass(const Section& section, const Material& material, const ElementGeometry& element) {

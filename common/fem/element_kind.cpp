@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "common/fem/bar.hpp"
 #include "common/fem/hexahedron.hpp"
@@ -115,7 +116,9 @@ Face from_smallest(const Face& face) {
 
 Face sorted(const Face& face) {
   Face ascending = face;
-  std::sort(ascending.begin(), ascending.end());
+  for (int* end = ascending.begin(); end != ascending.end(); ++end) {  // std::sort makes GCC 12 warn of other sizes
+    for (int* node = end; node != ascending.begin() && node[-1] > node[0]; --node) std::swap(node[-1], node[0]);
+  }
   return ascending;
 }
 

@@ -84,7 +84,7 @@ struct ElementTraits {
   NaturalPoint centre;
   int gmsh_type;           ///< https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format
   unsigned char vtk_type;  ///< https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
-  /// The functions of element.hpp, of places that are rounded as matrix_places says but for `jacobian`.
+  /// The functions of element.hpp; stiffness and stress are given matrix_places, the others the places as they are.
   ElementMatrix (*stiffness)(const Section&, const Material&, const ElementCoordinates&);
   Eigen::VectorXd (*volume)(const Section&, const ElementCoordinates&);
   StressVector (*stress)(const Section&, const Material&, const ElementCoordinates&, const ElementVector&,

@@ -80,12 +80,6 @@ void take_groups_and_surfaces(const Mesh& whole, Part& part) {
     std::erase_if(surface, [&](const Face& face) { return !own.contains(from_smallest(face)); });
 }
 
-/// Stiffness and mass of an element.
-struct Matrices {
-  ElementMatrix stiffness;
-  Eigen::VectorXd mass;
-};
-
 /// Per node its neighbours' numbers, itself included, ascending: those of node i are node[start[i]] ... node[start[i +
 /// 1] - 1].
 struct Neighbours {
@@ -144,16 +138,17 @@ SparseMatrix zeros(const Neighbours& neighbours, int nodes, int dofs_per_node) {
 void assemble(Part& part) {
   const int dofs_per_node = components(part.mesh.model);
   const auto make = [&part](const ElementGeometry& geometry) {
-    return Matrices{element_stiffness(part.section, part.material, geometry),
-                    element_lumped_mass(part.section, part.material, geometry)};
+    return element_stiffness(part.section, part.material, geometry);
   };
   const Neighbours neighbours = neighbours_of(part.mesh);
   part.lumped_mass = Eigen::VectorXd::Zero(part.nodes());
   part.stiffness = zeros(neighbours, part.nodes(), dofs_per_node);
-  ElementCopies<Matrices> copies(part.section.model);
+  ElementCopies<ElementMatrix> copies(part.section.model);
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
     const Element& element = part.mesh.elements[at(e)];
-    const auto& [stiffness, mass] = copies.of(element_geometry(part.mesh, e), make);
+    const ElementGeometry geometry = element_geometry(part.mesh, e);
+    const ElementMatrix& stiffness = copies.of(geometry, make);
+    const Eigen::VectorXd mass = element_lumped_mass(part.section, part.material, geometry);
     for (int i = 0; i < mass.size(); ++i) {
       const int row = element[at(i)], *const first = &neighbours.node[at(neighbours.start[at(row)])],
                 *const end = first + (neighbours.start[at(row) + 1] - neighbours.start[at(row)]);

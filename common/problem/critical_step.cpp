@@ -70,12 +70,9 @@ void add_springs(const Problem& problem, const ContactGeometry& contact, Whole& 
 /// In the order in which fem::extract_part sums, so that it gives the same bits.
 Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.mesh.position.size()));
-  fem::ElementCopies<Eigen::VectorXd> copies(body.section.model);
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
-    const Eigen::VectorXd& own =
-        copies.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
-          return fem::element_lumped_mass(body.section, body.material, geometry);
-        });
+    const Eigen::VectorXd own =
+        fem::element_lumped_mass(body.section, body.material, fem::element_geometry(body.mesh, e));
     for (Eigen::Index i = 0; i < own.size(); ++i)
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }

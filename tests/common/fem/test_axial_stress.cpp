@@ -34,7 +34,7 @@ TEST(AxialLayers, AreTheElementsAlongTheAxisOrAWholeFractionOfThem) {
   EXPECT_DOUBLE_EQ(layers.border.front(), -0.08);
   EXPECT_NEAR(layers.border.back(), 0.0, 1e-17);
   const double volume = std::numbers::pi * 0.005 * 0.005 * 1e-3;
-  EXPECT_THAT(layers.volume_m3, Each(DoubleNear(volume, 1e-10 * volume)));
+  EXPECT_THAT(layers.volume_m3, Each(DoubleNear(volume, 1e-12 * volume)));
   EXPECT_EQ(axial_layers(bar_mesh(graded_coordinates(0.0, 1.0, 7, 1.0)), sample::section(Model::bar), 1).size(), 1);
 }
 
