@@ -56,7 +56,9 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     plan.unknowns += count_unknowns(problem, part, implicit);
     assembled.push_back({part.body, &part.part});
   }
-  if (!implicit) plan.critical_time_step_s = critical_time_step(problem, participant, assembled);
+  if (!implicit)
+    plan.critical_time_step_s =
+        critical_time_step(problem, participant, assembled, problem.window_size_s / problem.scene.coupling.substeps);
   return plan;
 }
 

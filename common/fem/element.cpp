@@ -7,8 +7,24 @@
 
 namespace ricochet::fem {
 
+ElementCoordinates matrix_places(Model model, const ElementGeometry& element) {
+  ElementCoordinates x = element.x;
+  if (model == Model::bar) return x;
+  for (Eigen::Index c = model == Model::axisymmetric ? 1 : 0; c < x.cols(); ++c) {
+    const double first = x(0, c);
+    for (Eigen::Index i = 0; i < x.rows(); ++i) x(i, c) -= first;
+  }
+  double size = 0.0;
+  for (Eigen::Index c = 0; c < x.cols(); ++c)
+    for (Eigen::Index i = 0; i < x.rows(); ++i) size = std::max(size, std::abs(x(i, c) - x(0, c)));
+  const double grain = std::ldexp(1.0, std::ilogb(size) - 36);
+  for (Eigen::Index c = 0; c < x.cols(); ++c)
+    for (Eigen::Index i = 0; i < x.rows(); ++i) x(i, c) = grain * std::round(x(i, c) / grain);
+  return x;
+}
+
 ElementMatrix element_stiffness(const Section& section, const Material& material, const ElementGeometry& element) {
-  return traits(element.kind).stiffness(section, material, element.x);
+  return traits(element.kind).stiffness(section, material, matrix_places(section.model, element));
 }
 
 Eigen::VectorXd element_volume(const Section& section, const ElementGeometry& element) {
@@ -22,7 +38,7 @@ Eigen::VectorXd element_lumped_mass(const Section& section, const Material& mate
 
 StressVector element_stress(const Section& section, const Material& material, const ElementGeometry& element,
                             const ElementVector& u, const NaturalPoint& at) {
-  return traits(element.kind).stress(section, material, element.x, u, at);
+  return traits(element.kind).stress(section, material, matrix_places(section.model, element), u, at);
 }
 
 EdgeLengths edge_lengths(const ElementGeometry& element) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <vector>
+#include <utility>
 
 #include "common/fem/bar.hpp"
 #include "common/fem/hexahedron.hpp"
@@ -49,8 +49,7 @@ const ElementTraits table[] = {
      .stiffness = bar_stiffness,
      .volume = bar_volume,
      .stress = bar_stress,
-     .jacobian = bar_jacobian,
-     .relative = nullptr},
+     .jacobian = bar_jacobian},
     {.dimension = 2,
      .nodes = 3,
      .edges = triangle_edges,
@@ -63,8 +62,7 @@ const ElementTraits table[] = {
      .stiffness = triangle_stiffness,
      .volume = triangle_volume,
      .stress = triangle_stress,
-     .jacobian = triangle_jacobian,
-     .relative = nullptr},
+     .jacobian = triangle_jacobian},
     {.dimension = 2,
      .nodes = 4,
      .edges = quadrilateral_edges,
@@ -77,8 +75,7 @@ const ElementTraits table[] = {
      .stiffness = quadrilateral_stiffness,
      .volume = quadrilateral_volume,
      .stress = quadrilateral_stress,
-     .jacobian = quadrilateral_jacobian,
-     .relative = nullptr},
+     .jacobian = quadrilateral_jacobian},
     {.dimension = 3,
      .nodes = 4,
      .edges = tetrahedron_edges,
@@ -91,8 +88,7 @@ const ElementTraits table[] = {
      .stiffness = tetrahedron_stiffness,
      .volume = tetrahedron_volume,
      .stress = tetrahedron_stress,
-     .jacobian = tetrahedron_jacobian,
-     .relative = tetrahedron_relative},
+     .jacobian = tetrahedron_jacobian},
     {.dimension = 3,
      .nodes = 8,
      .edges = hexahedron_edges,
@@ -105,8 +101,7 @@ const ElementTraits table[] = {
      .stiffness = hexahedron_stiffness,
      .volume = hexahedron_volume,
      .stress = hexahedron_stress,
-     .jacobian = hexahedron_jacobian,
-     .relative = hexahedron_relative},
+     .jacobian = hexahedron_jacobian},
 };
 
 }  // namespace
@@ -120,10 +115,10 @@ Face from_smallest(const Face& face) {
 }
 
 Face sorted(const Face& face) {
-  Face ascending{};
-  std::vector<int> nodes(face.begin(), face.end());
-  std::sort(nodes.begin(), nodes.end());
-  for (const int node : nodes) ascending.push_back(node);
+  Face ascending = face;
+  for (int* end = ascending.begin(); end != ascending.end(); ++end) {  // std::sort makes GCC 12 warn of other sizes
+    for (int* node = end; node != ascending.begin() && node[-1] > node[0]; --node) std::swap(node[-1], node[0]);
+  }
   return ascending;
 }
 

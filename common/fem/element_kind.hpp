@@ -84,14 +84,12 @@ struct ElementTraits {
   NaturalPoint centre;
   int gmsh_type;           ///< https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format
   unsigned char vtk_type;  ///< https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
-  /// The functions of element.hpp.
+  /// The functions of element.hpp; stiffness and stress are given matrix_places, the others the places as they are.
   ElementMatrix (*stiffness)(const Section&, const Material&, const ElementCoordinates&);
   Eigen::VectorXd (*volume)(const Section&, const ElementCoordinates&);
   StressVector (*stress)(const Section&, const Material&, const ElementCoordinates&, const ElementVector&,
                          const NaturalPoint&);
   double (*jacobian)(const ElementCoordinates&, const NaturalPoint&);
-  /// Of a solid kind, the places that its matrices depend on alone, and with them their bits (Solid::relative).
-  ElementCoordinates (*relative)(const ElementCoordinates&);
 };
 
 [[nodiscard]] const ElementTraits& traits(ElementKind kind);

@@ -95,7 +95,8 @@ double last_component(const Tridiagonal& t, double shift) {
 // leaves the largest one right (Paige 1976), and three vectors are all it stores. With theta the largest Ritz value and
 // s its vector in the Krylov basis, an eigenvalue lies within beta_k |s_k| of theta: the stopping test.
 double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorXd& mass, int components,
-                             const std::vector<bool>& fixed_dof, double tolerance) {
+                             const std::vector<bool>& fixed_dof, double tolerance, double rough) {
+  constexpr double cheap_rows = 2e7;
   const Eigen::VectorXd scale = inverse_root_mass(mass, components, fixed_dof);
   if (scale.isZero(0.0)) return 0.0;
   const StiffnessProduct product(stiffness, components);  // several times faster than Eigen's
@@ -116,7 +117,9 @@ double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorX
     const bool invariant = beta <= std::numeric_limits<double>::epsilon() * std::abs(alpha);
     if (k == check || invariant) {
       const auto [below, above] = bracket_largest_eigenvalue(t);
-      if (invariant || beta * last_component(t, above) <= tolerance * below) return std::max(below, 0.0);
+      const bool cheap = static_cast<double>(k) * static_cast<double>(v.size()) < cheap_rows;
+      const double enough = cheap ? tolerance : std::max(tolerance, rough);
+      if (invariant || beta * last_component(t, above) <= enough * below) return std::max(below, 0.0);
       check = k + std::max<Eigen::Index>(5, k / 10);
     }
     previous.swap(v);

@@ -76,26 +76,28 @@ Blocks blocks(const Elasticity& d, const Hexahedron::Coordinates& x) {
 }  // namespace
 
 ElementMatrix hexahedron_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
-  const Blocks k = blocks(elasticity(section.model, material), Hexahedron::relative(x));
+  const Blocks k = blocks(elasticity(section.model, material), Hexahedron::places(x));
   const Eigen::Matrix<double, modes, dofs> follow = k.aa.ldlt().solve(k.ua.transpose());
   const Eigen::Matrix<double, dofs, dofs> stiffness = k.uu - k.ua * follow;
   return 0.5 * (stiffness + stiffness.transpose());
 }
 
-Eigen::VectorXd hexahedron_volume(const Section&, const ElementCoordinates& x) { return Hexahedron::volume(x); }
+Eigen::VectorXd hexahedron_volume(const Section&, const ElementCoordinates& x) {
+  return Hexahedron::volume(Hexahedron::places(x));
+}
 
 StressVector hexahedron_stress(const Section& section, const Material& material, const ElementCoordinates& x,
                                const ElementVector& u, const NaturalPoint& at) {
-  const Hexahedron::Coordinates relative = Hexahedron::relative(x);
+  const Hexahedron::Coordinates places = Hexahedron::places(x);
   const Elasticity d = elasticity(section.model, material);
   Eigen::Matrix<double, dofs, 1> displacement;
   for (int i = 0; i < dofs; ++i) displacement[i] = u[i];
-  Voigt strain = Hexahedron::strain_operator(relative, at) * displacement;
+  Voigt strain = Hexahedron::strain_operator(places, at) * displacement;
   if (!at.isZero(0.0)) {  // in the middle the modes have no strain
-    const Blocks k = blocks(d, relative);
+    const Blocks k = blocks(d, places);
     const Eigen::Matrix<double, modes, 1> a = -k.aa.ldlt().solve(k.ua.transpose() * displacement);
-    strain += mode_strains(Hexahedron::jacobian_matrix(relative, NaturalPoint::Zero()),
-                           Hexahedron::jacobian_matrix(relative, at).determinant(), at) *
+    strain += mode_strains(Hexahedron::jacobian_matrix(places, NaturalPoint::Zero()),
+                           Hexahedron::jacobian_matrix(places, at).determinant(), at) *
               a;
   }
   StressVector stress(6);
@@ -104,7 +106,5 @@ StressVector hexahedron_stress(const Section& section, const Material& material,
 }
 
 double hexahedron_jacobian(const ElementCoordinates& x, const NaturalPoint& at) { return Hexahedron::jacobian(x, at); }
-
-ElementCoordinates hexahedron_relative(const ElementCoordinates& x) { return Hexahedron::relative(x); }
 
 }  // namespace ricochet::fem

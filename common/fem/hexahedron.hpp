@@ -19,6 +19,5 @@ namespace ricochet::fem {
                                              const ElementCoordinates& x, const ElementVector& u,
                                              const NaturalPoint& at);
 [[nodiscard]] double hexahedron_jacobian(const ElementCoordinates& x, const NaturalPoint& at);
-[[nodiscard]] ElementCoordinates hexahedron_relative(const ElementCoordinates& x);
 
 }  // namespace ricochet::fem

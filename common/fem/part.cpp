@@ -4,27 +4,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/fem/element_copies.hpp"
 
 namespace ricochet::fem {
 namespace {
 
 /// Local nodes in ascending body-node order, the elements renumbered.
 void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part& part) {
-  std::set<int> nodes(extra_nodes.begin(), extra_nodes.end());
-  for (const int e : part.body_element) {
-    nodes.insert(whole.elements[at(e)].begin(), whole.elements[at(e)].end());
-  }
-  part.body_node.assign(nodes.begin(), nodes.end());
   std::vector<int> local(whole.position.size(), -1);
-  for (std::size_t i = 0; i < part.body_node.size(); ++i) {
-    local[at(part.body_node[i])] = static_cast<int>(i);
-    part.mesh.position.push_back(whole.position[at(part.body_node[i])]);
+  for (const int node : extra_nodes) local[at(node)] = 0;
+  for (const int e : part.body_element) {
+    for (const int node : whole.elements[at(e)]) local[at(node)] = 0;
   }
+  for (std::size_t node = 0; node < local.size(); ++node) {
+    if (local[node] < 0) continue;
+    local[node] = part.nodes();
+    part.body_node.push_back(static_cast<int>(node));
+    part.mesh.position.push_back(whole.position[node]);
+  }
+  part.mesh.elements.reserve(part.body_element.size());
   for (const int e : part.body_element) {
     Element& element = part.mesh.elements.emplace_back(whole.elements[at(e)]);
     for (int& node : element) node = local[at(node)];
@@ -37,17 +39,23 @@ int local_index(const std::vector<int>& ascending, int whole_index) {
   return static_cast<int>(found - ascending.begin());
 }
 
-/// Faces of the elements. A face inside the body belongs, in the direction that has the body behind it, to one element
-/// only, so a surface's loads are never taken by two parts.
-std::set<Face> faces(const Mesh& mesh) {
-  std::set<Face> faces;
+/// Those of the faces, in local nodes, that elements of the part have. A face inside the body belongs, in the direction
+/// that has the body behind it, to one element only, so a surface's loads are never taken by two parts.
+std::set<Face> own_faces(const Mesh& mesh, const std::set<Face>& wanted) {
+  std::vector<bool> has_wanted(mesh.position.size(), false);  // per node
+  for (const Face& face : wanted) {
+    for (const int node : face) has_wanted[at(node)] = true;
+  }
+  std::set<Face> own;
   for (const auto& element : mesh.elements) {
     for (Face face : traits(element.kind).faces) {
       for (int& node : face) node = element[at(node)];
-      faces.insert(from_smallest(face));
+      if (std::all_of(face.begin(), face.end(), [&](int node) { return has_wanted[at(node)]; }) &&
+          wanted.contains(from_smallest(face)))
+        own.insert(from_smallest(face));
     }
   }
-  return faces;
+  return own;
 }
 
 void take_groups_and_surfaces(const Mesh& whole, Part& part) {
@@ -57,69 +65,104 @@ void take_groups_and_surfaces(const Mesh& whole, Part& part) {
       if (const int i = local_index(part.body_element, e); i >= 0) group.push_back(i);
     }
   }
-  const auto own = faces(part.mesh);
+  std::set<Face> wanted;
   for (const auto& [name, faces_of_whole] : whole.surfaces) {
     auto& surface = part.mesh.surfaces[name];
     for (Face face : faces_of_whole) {
       for (int& node : face) node = local_index(part.body_node, node);
-      if (own.contains(from_smallest(face))) surface.push_back(face);
+      if (std::any_of(face.begin(), face.end(), [](int node) { return node < 0; })) continue;
+      surface.push_back(face);
+      wanted.insert(from_smallest(face));
     }
   }
+  const auto own = own_faces(part.mesh, wanted);
+  for (auto& [name, surface] : part.mesh.surfaces)
+    std::erase_if(surface, [&](const Face& face) { return !own.contains(from_smallest(face)); });
 }
 
-/// Stiffness and mass of an element.
-struct Matrices {
-  ElementMatrix stiffness;
-  Eigen::VectorXd mass;
+/// Per node its neighbours' numbers, itself included, ascending: those of node i are node[start[i]] ... node[start[i +
+/// 1] - 1].
+struct Neighbours {
+  std::vector<int> start{0}, node;
 };
 
-/// Of the elements of a part, those of a solid's distinct elements found once: copies have the same places of their
-/// nodes relative to the first one (traits' `relative`) and with them the same matrices to the last bit.
-class ElementCopies {
- public:
-  explicit ElementCopies(const Part& part) : part_(part) {}
-
-  const Matrices& of(int element) {
-    const ElementGeometry geometry = element_geometry(part_.mesh, element);
-    const auto relative = traits(geometry.kind).relative;
-    if (relative == nullptr) return latest_ = make(geometry);
-    const ElementCoordinates x = relative(geometry.x);
-    std::vector<double> key(x.data(), x.data() + x.size());
-    const auto found = known_.find(key);
-    return (found != known_.end() ? found : known_.insert({std::move(key), make(geometry)}).first)->second;
+Neighbours neighbours_of(const Mesh& mesh) {
+  const std::size_t nodes = mesh.position.size();
+  std::vector<int> start(nodes + 1, 0);  // of each node's elements
+  for (const auto& element : mesh.elements) {
+    for (const int node : element) ++start[at(node) + 1];
   }
-
- private:
-  [[nodiscard]] Matrices make(const ElementGeometry& geometry) const {
-    return {element_stiffness(part_.section, part_.material, geometry),
-            element_lumped_mass(part_.section, part_.material, geometry)};
+  for (std::size_t i = 0; i < nodes; ++i) start[i + 1] += start[i];
+  std::vector<int> of_node(at(start.back())), next(start.begin(), start.end() - 1);
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    for (const int node : mesh.elements[at(e)]) of_node[at(next[at(node)]++)] = e;
   }
+  Neighbours neighbours;
+  std::vector<int> found_by(nodes, -1);
+  for (int i = 0; i < static_cast<int>(nodes); ++i) {
+    const auto first = neighbours.node.size();
+    for (int k = start[at(i)]; k < start[at(i) + 1]; ++k) {
+      for (const int node : mesh.elements[at(of_node[at(k)])]) {
+        if (found_by[at(node)] == i) continue;
+        found_by[at(node)] = i;
+        neighbours.node.push_back(node);
+      }
+    }
+    std::sort(neighbours.node.begin() + static_cast<std::ptrdiff_t>(first), neighbours.node.end());
+    neighbours.start.push_back(static_cast<int>(neighbours.node.size()));
+  }
+  return neighbours;
+}
 
-  const Part& part_;
-  std::map<std::vector<double>, Matrices> known_;
-  Matrices latest_;
-};
+/// A matrix of zeros with a block of entries for every two neighbours.
+SparseMatrix zeros(const Neighbours& neighbours, int nodes, int dofs_per_node) {
+  SparseMatrix matrix(nodes * dofs_per_node, nodes * dofs_per_node);
+  matrix.resizeNonZeros(static_cast<Eigen::Index>(neighbours.node.size()) * dofs_per_node * dofs_per_node);
+  int next = 0;
+  for (int node = 0; node < nodes; ++node) {
+    for (int r = 0; r < dofs_per_node; ++r) {
+      matrix.outerIndexPtr()[node * dofs_per_node + r] = next;
+      for (int k = neighbours.start[at(node)]; k < neighbours.start[at(node) + 1]; ++k) {
+        for (int c = 0; c < dofs_per_node; ++c)
+          matrix.innerIndexPtr()[next++] = neighbours.node[at(k)] * dofs_per_node + c;
+      }
+    }
+  }
+  matrix.outerIndexPtr()[nodes * dofs_per_node] = next;
+  std::fill_n(matrix.valuePtr(), next, 0.0);
+  return matrix;
+}
 
 /// Element by element in ascending order, every entry of an element kept even if zero: the structure is symmetric and
 /// the sums depend on nothing but the elements.
 void assemble(Part& part) {
   const int dofs_per_node = components(part.mesh.model);
+  const auto make = [&part](const ElementGeometry& geometry) {
+    return element_stiffness(part.section, part.material, geometry);
+  };
+  const Neighbours neighbours = neighbours_of(part.mesh);
   part.lumped_mass = Eigen::VectorXd::Zero(part.nodes());
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(part.mesh.elements.size() * (dofs_per_node == 3 ? 576 : 64));
-  ElementCopies copies(part);
+  part.stiffness = zeros(neighbours, part.nodes(), dofs_per_node);
+  ElementCopies<ElementMatrix> copies(part.section.model);
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-    const auto& nodes = part.mesh.elements[at(e)];
-    const auto& [stiffness, mass] = copies.of(e);
-    const auto dof = [&](int i) { return nodes[at(i / dofs_per_node)] * dofs_per_node + i % dofs_per_node; };
-    for (int i = 0; i < mass.size(); ++i) part.lumped_mass[nodes[at(i)]] += mass[i];
-    for (int i = 0; i < stiffness.rows(); ++i) {
-      for (int j = 0; j < stiffness.cols(); ++j) entries.emplace_back(dof(i), dof(j), stiffness(i, j));
+    const Element& element = part.mesh.elements[at(e)];
+    const ElementGeometry geometry = element_geometry(part.mesh, e);
+    const ElementMatrix& stiffness = copies.of(geometry, make);
+    const Eigen::VectorXd mass = element_lumped_mass(part.section, part.material, geometry);
+    for (int i = 0; i < mass.size(); ++i) {
+      const int row = element[at(i)], *const first = &neighbours.node[at(neighbours.start[at(row)])],
+                *const end = first + (neighbours.start[at(row) + 1] - neighbours.start[at(row)]);
+      part.lumped_mass[row] += mass[i];
+      for (int j = 0; j < mass.size(); ++j) {
+        const auto block = static_cast<int>(std::lower_bound(first, end, element[at(j)]) - first) * dofs_per_node;
+        for (int r = 0; r < dofs_per_node; ++r) {
+          double* const entry =
+              part.stiffness.valuePtr() + part.stiffness.outerIndexPtr()[row * dofs_per_node + r] + block;
+          for (int c = 0; c < dofs_per_node; ++c) entry[c] += stiffness(i * dofs_per_node + r, j * dofs_per_node + c);
+        }
+      }
     }
   }
-  part.stiffness.resize(part.dofs(), part.dofs());
-  part.stiffness.setFromTriplets(entries.begin(), entries.end());
-  part.stiffness.makeCompressed();
 }
 
 }  // namespace
@@ -233,9 +276,12 @@ Eigen::Vector3d face_normal(const Mesh& mesh, const Face& face) {
 
 double element_critical_time_step(const Part& part) {
   double largest = 0.0;
+  ElementCopies<double> frequencies(part.section.model);
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-    const ElementGeometry geometry = element_geometry(part.mesh, e);
-    largest = std::max(largest, element_max_frequency_squared(part.section, part.material, geometry));
+    const double squared = frequencies.of(element_geometry(part.mesh, e), [&part](const ElementGeometry& geometry) {
+      return element_max_frequency_squared(part.section, part.material, geometry);
+    });
+    largest = std::max(largest, squared);
   }
   return largest > 0.0 ? 2.0 / std::sqrt(largest) : std::numeric_limits<double>::infinity();
 }

@@ -56,11 +56,14 @@ using FaceArea = std::array<double, 4>;  ///< 0 beyond the nodes of the face
 [[nodiscard]] double element_critical_time_step(const Part& part);
 
 /// omega_max^2 of K x = omega^2 M x by Lanczos on the assembled part, to `tolerance` relative, from below (so
-/// 2/omega_max errs upwards by half of it); `mass` per node [kg], positive where a degree of freedom is free
+/// 2/omega_max errs upwards by half of it); where that takes more than a tenth of a second or so, counted in rows of
+/// products, to `rough`, if that is more. The products that another digit takes grow with the mesh, those
+/// of the first three hardly do; `mass` per node [kg], positive where a degree of freedom is free
 /// (std::invalid_argument otherwise); dofs with `fixed_dof` true left out; 0 if none is free [1/s^2].
 /// Throws SolverError if it does not converge. The same input gives the same bits.
 [[nodiscard]] double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorXd& mass, int components,
-                                           const std::vector<bool>& fixed_dof, double tolerance = 1e-6);
+                                           const std::vector<bool>& fixed_dof, double tolerance = 1e-6,
+                                           double rough = 0.0);
 
 /// Nodal forces of a constant traction [Pa per component] on a surface of the part (node-major) [N].
 /// ConfigError if the body has no such surface; zero if no face of it is this part's.

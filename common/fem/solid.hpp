@@ -2,8 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 #include "common/fem/element.hpp"
 
@@ -14,7 +12,6 @@
 ///   natural_gradient(p)               N_i,xi N_i,eta N_i,zeta, a row per node
 ///   points                            quadrature points and weights
 /// What looks like more than it need be is written so that GCC 12 raises no false alarm in its own AVX-512 headers.
-/// An element is computed from the places of its nodes relative to its first one, rounded as `relative` says.
 namespace ricochet::fem {
 
 using Voigt = Eigen::Matrix<double, 6, 1>;
@@ -30,17 +27,11 @@ struct Solid {
   using Coordinates = Eigen::Matrix<double, nodes, 3>;
   using StrainOperator = Eigen::Matrix<double, 6, 3 * nodes>;
 
-  /// Relative to the first node and rounded to 2^-36 of the element's size: copies of one element in a mesh, which the
-  /// rounding of their places tells apart, get the same matrices to the last bit, whoever computes them, so that a
-  /// mesh of copies holds few (ElementCopies, NodeStencils). It moves a node by less than 1e-11 of the size.
-  static Coordinates relative(const ElementCoordinates& x) {
-    double size = 0.0;
-    for (int i = 0; i < 3 * nodes; ++i) size = std::max(size, std::abs(x(i / 3, i % 3) - x(0, i % 3)));
-    const double grain = std::ldexp(1.0, std::ilogb(size) - 36);
-    Coordinates rounded;
-    for (int i = 0; i < 3 * nodes; ++i)
-      rounded(i / 3, i % 3) = grain * std::round((x(i / 3, i % 3) - x(0, i % 3)) / grain);
-    return rounded;
+  /// What elements of this kind have of ElementCoordinates.
+  static Coordinates places(const ElementCoordinates& x) {
+    Coordinates places;
+    for (int i = 0; i < 3 * nodes; ++i) places(i / 3, i % 3) = x(i / 3, i % 3);
+    return places;
   }
 
   /// Strains of displacements N_i with these gradients, a row per function.
@@ -71,8 +62,7 @@ struct Solid {
   }
 
   /// integral of N_i dV.
-  static Eigen::VectorXd volume(const ElementCoordinates& absolute) {
-    const Coordinates x = relative(absolute);
+  static Eigen::VectorXd volume(const Coordinates& x) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(nodes);
     for (const SolidPoint& q : Shape::points) {
       const Eigen::Matrix<double, nodes, 1> shape = Shape::at(q.natural());
@@ -83,9 +73,7 @@ struct Solid {
   }
 
   static double jacobian(const ElementCoordinates& x, const NaturalPoint& at) {
-    Coordinates places;
-    for (int i = 0; i < 3 * nodes; ++i) places(i / 3, i % 3) = x(i / 3, i % 3);
-    return jacobian_matrix(places, at).determinant();
+    return jacobian_matrix(places(x), at).determinant();
   }
 };
 

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <map>
+#include <functional>
+#include <unordered_map>
 
 // Vectors pass between functions of this file only, so how a processor without AVX passes them is nobody's business.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -85,6 +86,139 @@ bool maps_to_zero(const SparseMatrix& stiffness, int components, int component) 
 
 }  // namespace
 
+/// Finds the slots of each slice, and which slices have the same.
+class StiffnessProduct::Builder {
+ public:
+  Builder(StiffnessProduct& product, const SparseMatrix& stiffness, const Numbering& numbering)
+      : product_(product),
+        stiffness_(stiffness),
+        numbering_(numbering),
+        nodes_(static_cast<int>(stiffness.rows()) / 2) {}
+
+  void add(int slice) {
+    find_neighbours(slice);
+    Slots slots;
+    for (const Neighbours& neighbours : neighbours_) {
+      slots.slots.push_back(slot_of(slice, neighbours));
+      slots.coefficients.push_back(coefficients_of(slice, neighbours));
+    }
+    const std::size_t hash = hash_of(slots);
+    const auto [low, high] = known_.equal_range(hash);
+    auto same = low;
+    while (same != high && !stored_as(same->second, slots)) ++same;
+    product_.slots_of_.push_back(same != high ? same->second : product_.distinct_slices());
+    if (same != high) return;
+    known_.insert({hash, product_.distinct_slices()});
+    product_.slots_.insert(product_.slots_.end(), slots.slots.begin(), slots.slots.end());
+    product_.coefficients_.insert(product_.coefficients_.end(), slots.coefficients.begin(), slots.coefficients.end());
+    product_.start_.push_back(static_cast<int>(product_.slots_.size()));
+  }
+
+ private:
+  using Neighbours = std::array<int, nodes_of_slice>;  // of the four nodes; -1: none
+
+  [[nodiscard]] int number(int node) const { return numbering_.number.empty() ? node : numbering_.number[at(node)]; }
+
+  /// Blocks of the four nodes by the distance of the neighbour's number: one distance, one slot of neighbours in a row.
+  void find_neighbours(int slice) {
+    const int first_node = slice * nodes_of_slice, numbered = numbering_.number.empty() ? nodes_ : numbering_.count;
+    by_distance_.clear();
+    for (int n = 0; n < nodes_of_slice; ++n) {
+      const int row = 2 * (first_node + n), own = number(first_node + n);
+      for (SparseMatrix::InnerIterator it(stiffness_, row); it; ++it) {
+        const int neighbour = static_cast<int>(it.col()) / 2, distance = number(neighbour) - own;
+        if (!by_distance_.empty() && last_ == std::pair(n, neighbour)) continue;  // its other component
+        last_ = {n, neighbour};
+        const auto place = std::lower_bound(by_distance_.begin(), by_distance_.end(), distance,
+                                            [](const auto& entry, int value) { return entry.first < value; });
+        const bool there = place != by_distance_.end() && place->first == distance;
+        auto& row_of = there ? *place : *by_distance_.insert(place, {distance, {-1, -1, -1, -1}});
+        row_of.second[at(n)] = neighbour;
+      }
+    }
+    std::array<std::vector<int>, nodes_of_slice> scattered;  // neighbours that share no slot in a row
+    neighbours_.clear();
+    for (const auto& [distance, row] : by_distance_) {
+      const int first = number(first_node) + distance,
+                missing = static_cast<int>(std::count(row.begin(), row.end(), -1));
+      if (first >= 0 && first + nodes_of_slice <= numbered && nodes_of_slice - missing > 2) {
+        neighbours_.push_back(row);
+        continue;
+      }
+      for (std::size_t n = 0; n < row.size(); ++n) {
+        if (row[n] >= 0) scattered[n].push_back(row[n]);
+      }
+    }
+    std::size_t longest = 0;
+    for (const auto& list : scattered) longest = std::max(longest, list.size());
+    for (std::size_t k = 0; k < longest; ++k) {
+      Neighbours& slot = neighbours_.emplace_back();
+      for (std::size_t n = 0; n < slot.size(); ++n) slot[n] = k < scattered[n].size() ? scattered[n][k] : -1;
+    }
+  }
+
+  /// One load where all four, those that are missing included, could be nodes in a row.
+  [[nodiscard]] Slot slot_of(int slice, const Neighbours& neighbours) const {
+    const int first_dof = slice * slice_rows;
+    const auto known = std::find_if(neighbours.begin(), neighbours.end(), [](int node) { return node >= 0; });
+    const int first = *known - static_cast<int>(known - neighbours.begin());
+    bool in_a_row = first >= 0 && first + nodes_of_slice <= nodes_;
+    int present = 0;
+    Slot slot;
+    for (int n = 0; n < nodes_of_slice; ++n) {
+      const int neighbour = neighbours[at(n)];
+      in_a_row = in_a_row && (neighbour < 0 || neighbour == first + n);
+      present += neighbour >= 0 ? 1 : 0;
+      slot.distance[at(n)] = neighbour >= 0 ? 2 * neighbour - first_dof : 0;
+    }
+    slot.in_a_row = in_a_row && present > 2;
+    if (slot.in_a_row) slot.distance = {2 * first - first_dof, 0, 0, 0};
+    return slot;
+  }
+
+  [[nodiscard]] Coefficients coefficients_of(int slice, const Neighbours& neighbours) const {
+    Coefficients block;
+    for (int n = 0; n < nodes_of_slice; ++n) {
+      const int neighbour = neighbours[at(n)], row = slice * slice_rows + 2 * n;
+      if (neighbour < 0) continue;
+      for (int r = 0; r < 2; ++r) {
+        block.same[2 * n + r] = stiffness_.coeff(row + r, 2 * neighbour + r);
+        block.cross[2 * n + r] = stiffness_.coeff(row + r, 2 * neighbour + 1 - r);
+      }
+    }
+    return block;
+  }
+
+  static std::size_t hash_of(const Slots& slots) {
+    std::size_t hash = slots.slots.size();
+    const auto mix = [&hash](std::size_t value) { hash = (hash ^ value) * 0x9e3779b97f4a7c15ULL + (hash >> 29); };
+    for (const Slot& slot : slots.slots) mix(static_cast<std::size_t>(static_cast<unsigned>(slot.distance[0])));
+    for (const Coefficients& block : slots.coefficients) {
+      mix(std::hash<double>()(block.same[0]));
+      mix(std::hash<double>()(block.cross[3]));
+    }
+    return hash;
+  }
+
+  [[nodiscard]] bool stored_as(int k, const Slots& slots) const {
+    const int first = product_.start_[at(k)], end = product_.start_[at(k) + 1];
+    if (end - first != static_cast<int>(slots.slots.size())) return false;
+    if (end == first) return true;  // of nodes that another process steps
+    return std::equal(slots.slots.begin(), slots.slots.end(), product_.slots_.begin() + first) &&
+           std::memcmp(slots.coefficients.data(), &product_.coefficients_[at(first)],
+                       slots.coefficients.size() * sizeof(Coefficients)) == 0;
+  }
+
+  StiffnessProduct& product_;
+  const SparseMatrix& stiffness_;
+  const Numbering& numbering_;
+  int nodes_;
+  std::unordered_multimap<std::size_t, int> known_;  ///< by the hash of slots that are stored, which
+  std::vector<std::pair<int, Neighbours>> by_distance_;
+  std::pair<int, int> last_{-1, -1};    ///< node of the slice and neighbour seen last
+  std::vector<Neighbours> neighbours_;  ///< of the slice, per slot
+};
+
 StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components, const Numbering& numbering)
     : components_(components) {
   for (int c = 0; c < components; ++c) follows_[c] = maps_to_zero(stiffness, components, c) ? 1.0 : 0.0;
@@ -93,78 +227,11 @@ StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components
     return;
   }
   const int slices = components == 2 ? static_cast<int>(stiffness.rows()) / slice_rows : 0;
-  slice_start_.push_back(0);
-  for (int slice = 0; slice < slices; ++slice) add_slice(stiffness, slice, numbering);
+  Builder builder(*this, stiffness, numbering);
+  for (int slice = 0; slice < slices; ++slice) builder.add(slice);
   first_row_ = slices * slice_rows;
   rows_ = stiffness.bottomRows(stiffness.rows() - first_row_);
   rows_.makeCompressed();
-}
-
-void StiffnessProduct::add_slice(const SparseMatrix& stiffness, int slice, const Numbering& numbering) {
-  using Neighbours = std::array<int, nodes_of_slice>;  // of the four nodes; -1: none
-  const int first_node = slice * nodes_of_slice, nodes = static_cast<int>(stiffness.rows()) / 2;
-  const auto number = [&](int node) { return numbering.number.empty() ? node : numbering.number[at(node)]; };
-  const int numbered = numbering.number.empty() ? nodes : numbering.count;
-  // Blocks of the four nodes by the distance of the neighbour's number: one distance, one slot of neighbours in a row.
-  std::map<int, Neighbours> by_distance;
-  for (int n = 0; n < nodes_of_slice; ++n) {
-    for (int r = 0; r < 2; ++r) {
-      for (SparseMatrix::InnerIterator it(stiffness, 2 * (first_node + n) + r); it; ++it) {
-        const int neighbour = static_cast<int>(it.col()) / 2;
-        auto& row = by_distance.insert({number(neighbour) - number(first_node + n), {-1, -1, -1, -1}}).first->second;
-        row[at(n)] = neighbour;
-      }
-    }
-  }
-  std::array<std::vector<int>, nodes_of_slice> scattered;  // neighbours that share no slot in a row
-  std::vector<Neighbours> slots;
-  for (const auto& [distance, row] : by_distance) {
-    const int first = number(first_node) + distance, missing = static_cast<int>(std::count(row.begin(), row.end(), -1));
-    if (first >= 0 && first + nodes_of_slice <= numbered && nodes_of_slice - missing > 2) {
-      slots.push_back(row);
-      continue;
-    }
-    for (std::size_t n = 0; n < row.size(); ++n) {
-      if (row[n] >= 0) scattered[n].push_back(row[n]);
-    }
-  }
-  std::size_t longest = 0;
-  for (const auto& list : scattered) longest = std::max(longest, list.size());
-  for (std::size_t k = 0; k < longest; ++k) {
-    Neighbours& slot = slots.emplace_back();
-    for (std::size_t n = 0; n < slot.size(); ++n) slot[n] = k < scattered[n].size() ? scattered[n][k] : -1;
-  }
-  for (const Neighbours& neighbours : slots) {
-    add_slot(neighbours, nodes);
-    Coefficients& block = coefficients_.emplace_back();
-    for (int n = 0; n < nodes_of_slice; ++n) {
-      const int neighbour = neighbours[at(n)], row = 2 * (first_node + n);
-      if (neighbour < 0) continue;
-      for (int r = 0; r < 2; ++r) {
-        block.same[2 * n + r] = stiffness.coeff(row + r, 2 * neighbour + r);
-        block.cross[2 * n + r] = stiffness.coeff(row + r, 2 * neighbour + 1 - r);
-      }
-    }
-  }
-  slice_start_.push_back(static_cast<int>(slots_.size()));
-}
-
-/// One load where all four, those that are missing included, could be nodes in a row.
-void StiffnessProduct::add_slot(const std::array<int, 4>& neighbours, int nodes) {
-  Slot& slot = slots_.emplace_back();
-  slot.gathered = static_cast<int>(gathered_.size());
-  const auto known = std::find_if(neighbours.begin(), neighbours.end(), [](int node) { return node >= 0; });
-  const int first = *known - static_cast<int>(known - neighbours.begin());
-  bool in_a_row = first >= 0 && first + nodes_of_slice <= nodes;
-  int present = 0;
-  for (int n = 0; n < nodes_of_slice; ++n) {
-    const int neighbour = neighbours[at(n)];
-    in_a_row = in_a_row && (neighbour < 0 || neighbour == first + n);
-    present += neighbour >= 0 ? 1 : 0;
-  }
-  slot.first = in_a_row && present > 2 ? 2 * first : -1;
-  if (slot.first >= 0) return;
-  for (const int neighbour : neighbours) gathered_.push_back(neighbour >= 0 ? 2 * neighbour : 0);
 }
 
 void StiffnessProduct::multiply(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
@@ -177,15 +244,16 @@ template <int width>
   Vector<width> follows, own[parts], same_sum[parts] = {}, cross_sum[parts] = {};
   for (int i = 0; i < width; ++i) follows[i] = follows_[i % 2];
   for (int p = 0; p < parts; ++p) own[p] = follows * load<width>(u + slice * slice_rows + p * width);
-  const int end = slice_start_[static_cast<std::size_t>(slice) + 1];
-  for (int k = slice_start_[static_cast<std::size_t>(slice)]; k < end; ++k) {
+  const int stored = slots_of_[static_cast<std::size_t>(slice)], end = start_[static_cast<std::size_t>(stored) + 1];
+  const double* const here = u + slice * slice_rows;
+  for (int k = start_[static_cast<std::size_t>(stored)]; k < end; ++k) {
     const Slot& slot = slots_[static_cast<std::size_t>(k)];
     const Coefficients& c = coefficients_[static_cast<std::size_t>(k)];
     for (int p = 0; p < parts; ++p) {
       const int i = p * width;
       const Vector<width> neighbour =
-          (slot.first >= 0 ? load<width>(u + slot.first + i)
-                           : load_pairs<width>(u, &gathered_[static_cast<std::size_t>(slot.gathered + i / 2)])) -
+          (slot.in_a_row ? load<width>(here + slot.distance[0] + i)
+                         : load_pairs<width>(here, &slot.distance[static_cast<std::size_t>(i / 2)])) -
           own[p];
       same_sum[p] += load<width>(c.same + i) * neighbour;
       cross_sum[p] += load<width>(c.cross + i) * swap_components<width>(neighbour);
@@ -250,7 +318,7 @@ void StiffnessProduct::multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& 
 }
 
 double StiffnessProduct::contiguous_share() const {
-  const auto count = std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.first >= 0; });
+  const auto count = std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.in_a_row; });
   return slots_.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(slots_.size());
 }
 

@@ -26,7 +26,8 @@ struct Numbering {
 /// xx, yy, ...) and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross
 /// * swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
 /// u_neighbour is one load; elsewhere it is put together from four. Sums run in a fixed order: the same part gives the
-/// same bits everywhere.
+/// same bits everywhere. Slices among copies of the same elements, as structured, swept and periodic meshes are made
+/// of, have the same slots, which are stored once (matrix_places makes copies equal to the last bit).
 ///
 /// A translation makes no force: where K maps a constant component to zero, a row takes u relative to its own node.
 /// Else the rounding of K u, which grows with the distance travelled, would push a body in free flight (momentum error
@@ -50,21 +51,30 @@ class StiffnessProduct {
   /// Whether rows take this component relative to their own node.
   [[nodiscard]] bool translation_is_free(int component) const { return follows_[component] != 0.0; }
 
-  /// Share of the slots whose four neighbours are one load.
+  /// Share of the stored slots whose four neighbours are one load.
   [[nodiscard]] double contiguous_share() const;
+  /// Of the slices of two components: how many there are, and how many are stored.
+  [[nodiscard]] int slices() const { return static_cast<int>(slots_of_.size()); }
+  [[nodiscard]] int distinct_slices() const { return static_cast<int>(start_.size()) - 1; }
 
  private:
   static constexpr int plane_slice = 8;
+  /// A neighbour of each of four nodes: how far its first dof is from the slice's.
   struct Slot {
-    int first = 0;     ///< dof of the first neighbour if they are in a row, else -1
-    int gathered = 0;  ///< else: index of four dofs in `gathered_`
+    std::array<int, 4> distance{};
+    bool in_a_row = false;  ///< then the first one's alone
+    bool operator==(const Slot&) const = default;
   };
   struct Coefficients {
     alignas(64) double same[8] = {};
     alignas(64) double cross[8] = {};
   };
-  void add_slice(const SparseMatrix& stiffness, int slice, const Numbering& numbering);
-  void add_slot(const std::array<int, 4>& neighbours, int nodes);
+  /// What slices with the same neighbours and the same coefficients share.
+  struct Slots {
+    std::vector<Slot> slots;
+    std::vector<Coefficients> coefficients;  ///< one per slot
+  };
+  class Builder;
   void multiply_here(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
   void multiply_slices(int first, int end, const double* u, double* result) const;
   void multiply_slices_by_avx2(int first, int end, const double* u, double* result) const;
@@ -73,13 +83,13 @@ class StiffnessProduct {
   void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
 
   std::shared_ptr<Parallel> parallel_;  ///< null: nobody but the caller
-  std::vector<int> slice_start_;        ///< slots of slice s: slice_start_[s] .. slice_start_[s + 1]
+  std::vector<int> slots_of_;           ///< per slice
+  std::vector<int> start_{0};           ///< slots_of_[s] = k: slots start_[k] .. start_[k + 1]
   std::vector<Slot> slots_;
   std::vector<Coefficients> coefficients_;  ///< one per slot
-  std::vector<int> gathered_;
-  NodeStencils stencils_;  ///< of three components
-  SparseMatrix rows_;      ///< rows behind the last whole slice, or all of one component
-  int first_row_ = 0;      ///< row of the first of rows_
+  NodeStencils stencils_;                   ///< of three components
+  SparseMatrix rows_;                       ///< rows behind the last whole slice, or all of one component
+  int first_row_ = 0;                       ///< row of the first of rows_
   int components_ = 1;
   double follows_[3] = {0.0, 0.0, 0.0};  ///< per component 1: u is taken relative to the row's node; 0: as it is
 };

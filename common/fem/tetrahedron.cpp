@@ -24,25 +24,25 @@ using Tetrahedron = Solid<LinearSolid>;
 }  // namespace
 
 ElementMatrix tetrahedron_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
-  const Tetrahedron::Coordinates relative = Tetrahedron::relative(x);
+  const Tetrahedron::Coordinates places = Tetrahedron::places(x);
   const Eigen::Matrix<double, 6, 6> d = elasticity(section.model, material);
-  const Tetrahedron::StrainOperator b = Tetrahedron::strain_operator(relative, NaturalPoint::Zero());
-  const double volume = Tetrahedron::jacobian_matrix(relative, NaturalPoint::Zero()).determinant() / 6.0;
+  const Tetrahedron::StrainOperator b = Tetrahedron::strain_operator(places, NaturalPoint::Zero());
+  const double volume = Tetrahedron::jacobian_matrix(places, NaturalPoint::Zero()).determinant() / 6.0;
   const Eigen::Matrix<double, 12, 12> stiffness = volume * (b.transpose() * d * b);
   return 0.5 * (stiffness + stiffness.transpose());
 }
 
-Eigen::VectorXd tetrahedron_volume(const Section&, const ElementCoordinates& x) { return Tetrahedron::volume(x); }
+Eigen::VectorXd tetrahedron_volume(const Section&, const ElementCoordinates& x) {
+  return Tetrahedron::volume(Tetrahedron::places(x));
+}
 
 StressVector tetrahedron_stress(const Section& section, const Material& material, const ElementCoordinates& x,
                                 const ElementVector& u, const NaturalPoint& at) {
-  return elasticity(section.model, material) * (Tetrahedron::strain_operator(Tetrahedron::relative(x), at) * u);
+  return elasticity(section.model, material) * (Tetrahedron::strain_operator(Tetrahedron::places(x), at) * u);
 }
 
 double tetrahedron_jacobian(const ElementCoordinates& x, const NaturalPoint& at) {
   return Tetrahedron::jacobian(x, at);
 }
-
-ElementCoordinates tetrahedron_relative(const ElementCoordinates& x) { return Tetrahedron::relative(x); }
 
 }  // namespace ricochet::fem

@@ -13,6 +13,5 @@ namespace ricochet::fem {
                                               const ElementCoordinates& x, const ElementVector& u,
                                               const NaturalPoint& at);
 [[nodiscard]] double tetrahedron_jacobian(const ElementCoordinates& x, const NaturalPoint& at);
-[[nodiscard]] ElementCoordinates tetrahedron_relative(const ElementCoordinates& x);
 
 }  // namespace ricochet::fem

@@ -40,6 +40,7 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
 /// The scene's step, or safety_factor times the critical step of what is explicit. `all_implicit` takes the step that
 /// `all_explicit` would take, so that the two can be compared.
 double window_size(const Problem& problem) {
+  constexpr double largest_rough_share = 0.998;  // of a critical step that is known to 5e-4
   const Scene& scene = problem.scene;
   if (scene.time.step_s) return *scene.time.step_s;
   const ProtocolTraits& protocol = scene.coupling.protocol;
@@ -48,7 +49,9 @@ double window_size(const Problem& problem) {
   for (const BodyProblem& body : problem.bodies) {
     std::vector<bool> is_explicit(body.mesh.elements.size(), true);
     for (std::size_t e = 0; hybrid && e < is_explicit.size(); ++e) is_explicit[e] = !body.implicit_element[e];
-    critical = std::min(critical, critical_time_step(body, is_explicit, protocol.dual));
+    const double enough_s = critical_time_step(body, is_explicit, protocol.dual, 0.0);
+    const bool close = scene.time.safety_factor > largest_rough_share;
+    critical = std::min(critical, close ? critical_time_step(body, is_explicit, protocol.dual, enough_s) : enough_s);
   }
   const double window = scene.coupling.substeps * scene.time.safety_factor * critical;
   if (window > scene.time.end_s)
@@ -69,7 +72,7 @@ void bound_largest_step(Problem& problem) {
 
 }  // namespace
 
-Problem build_problem(const Scene& scene) {
+Problem build_bodies(const Scene& scene) {
   Problem problem;
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
@@ -77,6 +80,11 @@ Problem build_problem(const Scene& scene) {
   refuse_absorbing_contact(problem);
   bound_largest_step(problem);
   set_partition(problem);
+  return problem;
+}
+
+Problem build_problem(const Scene& scene) {
+  Problem problem = build_bodies(scene);
   problem.window_size_s = window_size(problem);
   return problem;
 }

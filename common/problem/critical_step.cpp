@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "common/fem/element_copies.hpp"
 #include "common/problem/build.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
 namespace {
 
-constexpr double frequency_tolerance = 1e-9;
+constexpr double frequency_tolerance = 1e-9, rough_tolerance = 1e-3;
 
 double step_of(double frequency_squared) {
   return frequency_squared > 0.0 ? 2.0 / std::sqrt(frequency_squared) : std::numeric_limits<double>::infinity();
@@ -64,21 +65,6 @@ void add_springs(const Problem& problem, const ContactGeometry& contact, Whole& 
   }
 }
 
-/// `tolerance`: of the largest frequency squared, relative.
-double critical_time_step_to(double tolerance, const BodyProblem& body, const fem::Part& part, bool own_mass) {
-  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
-  const int components = fem::components(body.section.model);
-  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
-  Eigen::VectorXd mass(part.nodes());
-  std::vector<bool> fixed_dof;
-  for (int i = 0; i < part.nodes(); ++i) {
-    const int node = part.body_node[at(i)];
-    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
-    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
-  }
-  return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, tolerance));
-}
-
 }  // namespace
 
 /// In the order in which fem::extract_part sums, so that it gives the same bits.
@@ -93,19 +79,26 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
   return mass;
 }
 
-double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass) {
-  return critical_time_step(body, part_of(body, of_element), own_mass);
+double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_element, bool own_mass, double step_s) {
+  return critical_time_step(body, part_of(body, of_element), own_mass, step_s);
 }
 
-double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass) {
-  return critical_time_step_to(frequency_tolerance, body, part, own_mass);
-}
-
-double critical_time_step_beyond(const BodyProblem& body, const std::vector<bool>& of_element, double step_s) {
-  constexpr double rough = 1e-3;
-  const fem::Part part = part_of(body, of_element);
-  const double critical_s = critical_time_step_to(rough, body, part, false);
-  return critical_s > (1.0 + 2.0 * rough) * step_s ? critical_s : critical_time_step(body, part);
+double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass, double step_s) {
+  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
+  const int components = fem::components(body.section.model);
+  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
+  Eigen::VectorXd mass(part.nodes());
+  std::vector<bool> fixed_dof;
+  for (int i = 0; i < part.nodes(); ++i) {
+    const int node = part.body_node[at(i)];
+    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
+    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
+  }
+  const auto critical_to = [&](double rough) {
+    return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance, rough));
+  };
+  const double critical_s = critical_to(rough_tolerance);
+  return std::abs(critical_s / step_s - 1.0) > 2.0 * rough_tolerance ? critical_s : critical_to(frequency_tolerance);
 }
 
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
@@ -117,15 +110,15 @@ std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& b
 }
 
 double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
-                          const std::vector<AssembledPart>& parts) {
+                          const std::vector<AssembledPart>& parts, double step_s) {
   const bool dual = problem.scene.coupling.protocol.dual;
   double smallest = std::numeric_limits<double>::infinity();
   for (const AssembledPart& assembled : parts) {
     const BodyProblem& body = problem.bodies[at(assembled.body)];
     const std::vector<bool> limiting = limiting_elements(problem, body, participant);
     const bool same = std::count(limiting.begin(), limiting.end(), true) == std::ssize(assembled.part->body_element);
-    smallest = std::min(
-        smallest, same ? critical_time_step(body, *assembled.part, dual) : critical_time_step(body, limiting, dual));
+    smallest = std::min(smallest, same ? critical_time_step(body, *assembled.part, dual, step_s)
+                                       : critical_time_step(body, limiting, dual, step_s));
   }
   return smallest;
 }
@@ -139,10 +132,12 @@ std::vector<double> element_critical_steps(const Problem& problem) {
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     const BodyProblem& body = problem.bodies[at(index)];
     const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contacts, index));
+    fem::ElementCopies<double> copies(body.section.model);
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       if (at_contact[at(e)]) continue;
-      steps.push_back(step_of(
-          fem::element_max_frequency_squared(body.section, body.material, fem::element_geometry(body.mesh, e))));
+      steps.push_back(copies.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
+        return step_of(fem::element_max_frequency_squared(body.section, body.material, geometry));
+      }));
     }
   }
   return steps;

@@ -6,7 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
-#include "common/fem/element.hpp"
+#include "common/fem/element_copies.hpp"
 #include "common/problem/build.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
@@ -60,10 +60,12 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
   const double frequency_squared = 4.0 / (step_s * step_s);
   std::vector<bool> inside = elements_at(body.mesh, contact);
+  fem::ElementCopies<bool> above(body.section.model);
   for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
     if (inside[at(e)]) continue;
-    inside[at(e)] = fem::element_frequency_squared_above(body.section, body.material,
-                                                         fem::element_geometry(body.mesh, e), frequency_squared);
+    inside[at(e)] = above.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
+      return fem::element_frequency_squared_above(body.section, body.material, geometry, frequency_squared);
+    });
   }
   return inside;
 }

@@ -79,6 +79,8 @@ struct Problem {
 /// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError (names scene file, key,
 /// and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
+/// The same but for the size of windows, which stays 0: a participant hears it from the coupler.
+[[nodiscard]] Problem build_bodies(const Scene& scene);
 
 /// The pairs of a contact that slides, once the second body has moved by `shift_m` along the first; sorted by distance,
 /// without nodes that lie opposite nothing.

@@ -17,7 +17,7 @@ double critical_time_step(const scene::Problem& problem, const scene::Participan
                           const std::vector<BodyState>& states) {
   std::vector<scene::AssembledPart> parts;
   for (const auto& state : states) parts.push_back({state.body, &state.part});
-  const double step_s = scene::critical_time_step(problem, participant, parts);
+  const double step_s = scene::critical_time_step(problem, participant, parts, 0.0);
   return std::isfinite(step_s) ? step_s : 0.0;
 }
 

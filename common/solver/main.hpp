@@ -15,7 +15,7 @@ template <class Solver>
 int solver_main(int argc, const char* const* argv) {
   return participant::participant_main(argc, argv, [](participant::Arguments& arguments) {
     if (arguments.scene.empty()) throw ConfigError("--scene is missing");
-    auto problem = scene::build_problem(scene::load_scene(arguments.scene));
+    auto problem = scene::build_bodies(scene::load_scene(arguments.scene));
     arguments.options.timeout_s = problem.scene.coupling.timeout_s;  // until the coupler states its own
     return std::make_unique<Solver>(std::move(problem), arguments.name);
   });

@@ -1,10 +1,30 @@
 #include "common/solver/surface_stress.hpp"
 
+#include <algorithm>
+#include <map>
 #include <numeric>
 #include <optional>
 
 namespace ricochet::solver {
 namespace {
+
+/// Elements by their faces, of those faces alone whose nodes are all on the surface.
+std::map<fem::Face, std::vector<int>> elements_by_face(const fem::Mesh& mesh, const std::vector<fem::Face>& surface) {
+  std::vector<bool> on_surface(mesh.position.size(), false);
+  for (const fem::Face& face : surface) {
+    for (const int node : face) on_surface[fem::at(node)] = true;
+  }
+  std::map<fem::Face, std::vector<int>> elements;
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const fem::Element& nodes = mesh.elements[fem::at(e)];
+    for (fem::Face face : fem::traits(nodes.kind).faces) {
+      for (int& node : face) node = nodes[fem::at(node)];
+      if (std::all_of(face.begin(), face.end(), [&](int node) { return on_surface[fem::at(node)]; }))
+        elements[fem::sorted(face)].push_back(e);
+    }
+  }
+  return elements;
+}
 
 /// Natural coordinates of the middle of the element's face; none if the element lacks it.
 std::optional<fem::NaturalPoint> face_middle(const fem::Element& nodes, const fem::Face& wanted) {
@@ -39,8 +59,11 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
     model_ = part.mesh.model;
     part_ = static_cast<int>(p);
     const int components = fem::components(model_);
+    const auto elements = elements_by_face(part.mesh, found->second);
     for (const fem::Face& face : found->second) {
-      for (int element = 0; element < static_cast<int>(part.mesh.elements.size()); ++element) {
+      const auto behind = elements.find(fem::sorted(face));
+      if (behind == elements.end()) continue;
+      for (const int element : behind->second) {
         const fem::Element& nodes = part.mesh.elements[fem::at(element)];
         const auto middle = face_middle(nodes, face);
         if (!middle) continue;

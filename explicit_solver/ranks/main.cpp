@@ -22,7 +22,7 @@ using explicit_solver::MpiCommunicator;
 
 scene::Problem problem_of(const participant::Arguments& arguments, int ranks) {
   if (arguments.scene.empty()) throw ConfigError("--scene is missing");
-  auto problem = scene::build_problem(scene::load_scene(arguments.scene));
+  auto problem = scene::build_bodies(scene::load_scene(arguments.scene));
   const auto& spec = problem.scene.participant(arguments.name);
   if (spec.ranks.value_or(1) != ranks) {
     throw ConfigError(

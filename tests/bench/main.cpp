@@ -21,6 +21,7 @@
 #include "tests/bench/rank_rows.hpp"
 #include "tests/bench/rounded_striker_rows.hpp"
 #include "tests/bench/scene_rows.hpp"
+#include "tests/bench/set_up_rows.hpp"
 #include "tests/bench/thread_rows.hpp"
 
 namespace ricochet::bench {
@@ -31,8 +32,8 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes",     "striker", "contact", "memory",  "exchange", "flood",
-                                   "checkpoint", "threads", "ranks",   "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes", "set-up",     "striker", "contact", "memory",  "exchange",
+                                   "flood",  "checkpoint", "threads", "ranks",   "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -69,6 +70,7 @@ class Measurements {
   explicit Measurements(const Options& options) : folder_(std::filesystem::absolute(options.out).string()) {
     if (options.wants("kernels")) kernels_.emplace(folder_, options.refinements, options.repeats);
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("set-up")) set_ups_.emplace(folder_);
     if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("contact")) contacts_.emplace(folder_);
     if (options.wants("memory")) memory_.emplace(folder_);
@@ -81,6 +83,7 @@ class Measurements {
   }
   void repeat() {
     if (scenes_) scenes_->repeat();
+    if (set_ups_) set_ups_->repeat();
     if (striker_) striker_->repeat();
     if (contacts_) contacts_->repeat();
     if (memory_) memory_->repeat();
@@ -95,6 +98,7 @@ class Measurements {
     std::vector<Row> rows;
     const auto add = [&rows](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
+    if (set_ups_) add(set_ups_->rows());
     if (striker_) add(striker_->rows());
     if (contacts_) add(contacts_->rows());
     if (memory_) add(memory_->rows());
@@ -122,6 +126,7 @@ class Measurements {
   std::string folder_;
   std::optional<Kernels> kernels_;
   std::optional<SceneRuns> scenes_;
+  std::optional<SetUps> set_ups_;
   std::optional<RoundedStriker> striker_;
   std::optional<ContactGrowth> contacts_;
   std::optional<Memory> memory_;

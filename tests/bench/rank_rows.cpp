@@ -9,14 +9,14 @@
 namespace ricochet::bench {
 namespace {
 
-constexpr int plane_elements = 1280, solid_elements = 40, solid_deep = 8;
+constexpr int plane_elements = 640, solid_elements = 28, solid_deep = 8;
 
-/// Twice as large is two of these side by side in the plane, and about as much in solids: 57^2 = 2.03 * 40^2.
+/// Twice as large is two of these side by side in the plane, and about as much in solids: 40^2 = 2.04 * 28^2.
 RankScene scene_of(bool solid, bool twice_as_large) {
   RankScene scene;
   scene.solid = solid;
   if (solid) {
-    scene.elements = twice_as_large ? 57 : solid_elements;
+    scene.elements = twice_as_large ? 40 : solid_elements;
     scene.deep = solid_deep;
   } else {
     scene.elements = plane_elements * (twice_as_large ? 2 : 1);

@@ -56,6 +56,21 @@ TEST(NodeStencils, AreStoredOnceForCopiesOfAnElement) {
   EXPECT_GT(NodeStencils(uneven.stiffness).distinct(), uneven.nodes() / 2);
 }
 
+// Eleven nodes across: where a slice of four begins among them repeats every eleven slices.
+TEST(StiffnessProduct, StoresSlicesAmongCopiesOfAnElementOnce) {
+  for (const Model model : {Model::plane_strain, Model::axisymmetric}) {
+    const Part part = whole(
+        quadrilateral_mesh(model, graded_coordinates(0.0, 0.005, 10, 2.0), graded_coordinates(-0.08, 0.08, 160, 1.0)));
+    const StiffnessProduct product(part.stiffness, 2);
+    EXPECT_EQ(product.slices(), 11 * 161 / 4);
+    EXPECT_LE(product.distinct_slices(), 11 + 3 + 3);  // and those that the two ends are neighbours of
+  }
+  const Part uneven =
+      whole(read_gmsh(std::string(RICOCHET_SOURCE) + "/configs/striker.msh", Model::axisymmetric, "striker"));
+  const StiffnessProduct product(uneven.stiffness, 2);
+  EXPECT_GT(product.distinct_slices(), product.slices() / 2);
+}
+
 TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
   const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);

@@ -66,7 +66,7 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   EXPECT_EQ(report.pairs_open, 1);
   EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
   EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
-  EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-6);
+  EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-4);
   account.impulses = plates.surface.no_impulses();
   plates.surface.report(plates.states, {forces[0], forces[0], forces[1]}, account, report);
   EXPECT_EQ(report.contact_iterations, 0) << "since the last report";

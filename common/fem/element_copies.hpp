@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <unordered_map>
+
+#include "common/fem/element.hpp"
+
+namespace ricochet::fem {
+
+/// What is computed from an element's matrix_places alone, once for all copies of an element. `Make` is called with the
+/// geometry of the first of them.
+template <class Value>
+class ElementCopies {
+ public:
+  explicit ElementCopies(Model model) : model_(model) {}
+
+  template <class Make>
+  const Value& of(const ElementGeometry& geometry, const Make& make) {
+    const ElementCoordinates x = matrix_places(model_, geometry);
+    key_.assign(1, static_cast<char>(geometry.kind));
+    key_.append(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double));
+    const auto found = known_.find(key_);
+    return found != known_.end() ? found->second : known_.emplace(key_, make(geometry)).first->second;
+  }
+
+ private:
+  Model model_;
+  std::unordered_map<std::string, Value> known_;
+  std::string key_;
+};
+
+}  // namespace ricochet::fem
