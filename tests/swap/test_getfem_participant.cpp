@@ -81,6 +81,10 @@ class Doubting(getfem_impact.Impact):
         description.record_columns += ["contact_iterations", "contact_residual", "contact_unconverged"]
         return description
 
+    def synchronise(self, integration, link):
+        self.rows = -1  # the start may be synchronised more than once
+        return super().synchronise(integration, link)
+
     def record(self):
         self.rows += 1
         return super().record() + [30 if self.rows else 0, 2e-5 if self.rows else 0, self.rows // 2]
