@@ -95,7 +95,6 @@ Eigen::MatrixXd unit_responses(const ContractRun& run, const std::vector<std::si
   return matrix;
 }
 
-/// Drive by force with the protocols' demands.
 ContractDrive forced(ContractDrive drive) {
   drive.by_force = true;
   return drive;

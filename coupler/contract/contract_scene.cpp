@@ -37,7 +37,7 @@ Values position_of(const ContractRun& run, std::size_t node) {
 /// Per row of `a` that of `b` whose node is the nearest of the same body.
 std::vector<std::size_t> rows_beside(const ContractRun& a, const ContractRun& b) {
   const auto components = static_cast<std::size_t>(a.description.components);
-  const auto nodes_a = a.size() / components, nodes_b = b.size() / components;
+  const auto nodes_a = a.size() / components, nodes_b = b.size() / static_cast<std::size_t>(b.description.components);
   if (nodes_a != nodes_b || a.description.components != b.description.components) {
     fail(fmt::format("it has {} interface nodes of {} components, the shipped solver {} of {}", nodes_a, components,
                      nodes_b, b.description.components));

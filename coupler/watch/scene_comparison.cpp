@@ -123,6 +123,8 @@ SceneComparison::SceneComparison(const scene::Problem& problem, const PeerDescri
   for (std::size_t row = 0; row < description_.interface_body.data.size(); ++row) nodes_.push_back(find(row));
   const bool summed = description_.role == Role::implicit_solver && !problem.scene.coupling.protocol.dual;
   for (const auto& part : parts_) {
+    const bool touches = description_.role == Role::implicit_solver;
+    contact_nodes_.push_back(touches ? scene::contact_nodes(problem.contacts, part.body) : std::vector<int>());
     auto& mass = integrated_mass_kg_.emplace_back(part.part.lumped_mass);
     if (!summed) continue;
     const Eigen::VectorXd whole = scene::body_lumped_mass(problem.bodies[at(part.body)]);
@@ -168,9 +170,8 @@ bool SceneComparison::left_out(std::size_t row) const {
 bool SceneComparison::held(std::size_t row, int component) const {
   const auto& part = parts_[at(nodes_[row].part)];
   const int node = part.part.body_node[at(nodes_[row].local)];
-  const auto touching = scene::contact_nodes(problem_.contacts, part.body);
-  if (description_.role == Role::implicit_solver && std::binary_search(touching.begin(), touching.end(), node))
-    return true;
+  const auto& touching = contact_nodes_[at(nodes_[row].part)];
+  if (std::binary_search(touching.begin(), touching.end(), node)) return true;
   return problem_.bodies[at(part.body)].fixed_dof[at(node) * components_ + at(component)];
 }
 
@@ -193,11 +194,12 @@ void SceneComparison::check_description() const {
   for (std::size_t row = 0; row < nodes_.size(); ++row) {
     if (nodes_[row].part >= 0) continue;
     const auto& name = description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])];
-    for (std::size_t body = 0; body < problem_.bodies.size(); ++body) {
-      if (problem_.bodies[body].name != name || differs(static_cast<int>(body))) continue;
-      throw ConfigError(fmt::format("{}: the scene's mesh has no interface node there{}", where(row),
-                                    advice(static_cast<int>(body))));
-    }
+    const auto is = [&](const scene::BodyProblem& body) { return body.name == name; };
+    const auto body = std::find_if(problem_.bodies.begin(), problem_.bodies.end(), is);
+    if (body == problem_.bodies.end()) throw ConfigError(fmt::format("{}: the scene has no such body", where(row)));
+    const int index = static_cast<int>(body - problem_.bodies.begin());
+    if (differs(index)) continue;
+    throw ConfigError(fmt::format("{}: the scene's mesh has no interface node there{}", where(row), advice(index)));
   }
   check_masses();
 }

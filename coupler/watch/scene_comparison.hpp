@@ -72,6 +72,7 @@ class SceneComparison {
   PeerDescription description_;
   std::vector<scene::ParticipantPart> parts_;
   std::vector<Eigen::VectorXd> integrated_mass_kg_;  ///< per part and node: own, or summed over participants
+  std::vector<std::vector<int>> contact_nodes_;      ///< per part, of an implicit participant: nodes of the whole body
   std::vector<Node> nodes_;                          ///< per interface node
   std::size_t components_;
 };

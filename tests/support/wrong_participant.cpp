@@ -1,5 +1,5 @@
-// wrong_participant --scene SCENE --name FLAW --connect ENDPOINT: the explicit solver, with one thing about its body or
-// its link that is wrong. Tests have it started in the place of explicit_solver; its name in the scene says which.
+// wrong_participant --scene SCENE --name FLAW --connect ENDPOINT: a shipped solver, with one thing about its body or
+// its link that is wrong. Tests have it started in the place of that solver; its name in the scene says which.
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "common/participant/participant.hpp"
 #include "common/problem/problem.hpp"
 #include "explicit_solver/explicit_solver.hpp"
+#include "implicit_solver/implicit_solver.hpp"
 
 namespace ricochet::participant {
 namespace {
@@ -60,12 +61,18 @@ std::vector<double> by_component(const std::vector<double>& values, std::size_t 
   return result;
 }
 
+std::unique_ptr<Participant> solver_of(Problem problem, const std::string& name) {
+  if (problem.scene.participant(name).role == Role::implicit_solver)
+    return std::make_unique<implicit_solver::ImplicitSolver>(std::move(problem), name);
+  return std::make_unique<explicit_solver::ExplicitSolver>(std::move(problem), name);
+}
+
 class Wrong : public Participant {
  public:
-  Wrong(Problem problem, const std::string& flaw) : flaw_(flaw), solver_(std::move(problem), flaw) {}
+  Wrong(Problem problem, const std::string& flaw) : flaw_(flaw), solver_(solver_of(std::move(problem), flaw)) {}
 
   Description describe() override {
-    auto d = solver_.describe();
+    auto d = solver_->describe();
     components_ = static_cast<std::size_t>(d.components);
     if (flaw_ == "interface_heavier") scale(d.interface_mass_kg, 1.01);
     if (flaw_ == "interface_twice") scale(d.interface_mass_kg, 2.0);
@@ -87,34 +94,47 @@ class Wrong : public Participant {
       mine.window_size_s /= setup.substeps;
       mine.substeps = 1;
     }
-    solver_.initialize(mine, output);
+    if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
+    solver_->initialize(mine, output);
     change(output);
   }
   void synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) override {
-    solver_.synchronise(integration, link_input, output);
+    auto input = link_input;
+    if (flaw_ == "pushes") scale(input, -1.0);
+    solver_->synchronise(flaw_ == "stays_implicit" ? Integration::implicit_newmark : integration, input, output);
     change(output);
   }
   void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
-    solver_.advance(window, link_input, output);
+    solver_->advance(window, link_input, output);
     change(output);
     if (flaw_ == "turns_wrong" && window > 40) scale(output.value, -1.0);
   }
-  void accept() override { solver_.accept(); }
-  [[nodiscard]] ContactStatus contact_status() const override { return solver_.contact_status(); }
-  void record(std::vector<double>& row) override { solver_.record(row); }
-  void axial_stress(std::vector<double>& row) override { solver_.axial_stress(row); }
-  void load_state(const std::vector<double>& state, FrozenContact contact) override {
-    if (flaw_ != "loads_nothing") solver_.load_state(state, contact);
+  void accept() override {
+    solver_->accept();
+    advanced_ = true;
   }
-  void read_state(std::vector<double>& state, std::vector<double>& scale) override { solver_.read_state(state, scale); }
-  std::string save_state() override { return solver_.save_state(); }
-  void restore_state(std::string_view bytes) override { solver_.restore_state(bytes); }
+  [[nodiscard]] ContactStatus contact_status() const override { return solver_->contact_status(); }
+  void record(std::vector<double>& row) override {
+    solver_->record(row);
+    if (flaw_ == "tells_more_energy") row[1] *= 1.01;
+  }
+  void axial_stress(std::vector<double>& row) override { solver_->axial_stress(row); }
+  void load_state(const std::vector<double>& state, FrozenContact contact) override {
+    if (flaw_ != "loads_nothing") solver_->load_state(state, contact);
+    advanced_ = false;
+  }
+  void read_state(std::vector<double>& state, std::vector<double>& scale) override {
+    solver_->read_state(state, scale);
+    if (flaw_ == "stays_loaded" && advanced_) state[0] += 1.0 / scale[0];
+  }
+  std::string save_state() override { return solver_->save_state(); }
+  void restore_state(std::string_view bytes) override { solver_->restore_state(bytes); }
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                        LinkOutput& output) override {
-    solver_.advance_substep(window, substep, link_input, output);
+    solver_->advance_substep(window, substep, link_input, output);
     if (flaw_ == "skips_a_substep" && substep >= 2) scale(output.velocity_m_s, 0.9);
   }
-  void finish() override { solver_.finish(); }
+  void finish() override { solver_->finish(); }
 
  private:
   static void scale(std::vector<double>& values, double factor) {
@@ -122,12 +142,14 @@ class Wrong : public Participant {
   }
   void change(LinkOutput& output) const {
     if (flaw_ == "wrong_sign") scale(output.value, -1.0);
+    if (flaw_ == "one_pulls") output.value.front() *= -1.0;
     if (flaw_ == "reversed_rows") output.value = reversed(output.value, components_);
     if (flaw_ == "rows_by_component") output.value = by_component(output.value, components_);
   }
   std::string flaw_;
   std::size_t components_ = 1;
-  explicit_solver::ExplicitSolver solver_;
+  std::unique_ptr<Participant> solver_;
+  bool advanced_ = false;  ///< since a state was loaded
 };
 
 std::unique_ptr<Participant> make(Arguments& arguments) {

@@ -110,6 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
         Flaw{"drifts", "zero input stays zero", "its link output reaches 1e-09"},
         Flaw{"wrong_work", "interface work equals force times motion", "force times motion is"},
         Flaw{"pulls", "answers unit inputs by a symmetric, positive matrix", "its internal force has the wrong sign"},
+        Flaw{"deaf", "answers unit inputs by a symmetric, positive matrix",
+             "its internal force does not depend on its link input"},
         Flaw{"any_version", "refuses another version of the protocol", "it was silent for 10 s"}),
     [](const auto& test) { return std::string(test.param.name); });
 

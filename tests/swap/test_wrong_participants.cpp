@@ -1,4 +1,4 @@
-// A program in the place of the explicit solver with one thing about it that is wrong: a run of it is refused, or
+// A program in the place of a shipped solver with one thing about it that is wrong: a run of it is refused, or
 // stopped, with the name of who is wrong and of what. What each does is in tests/support/wrong_participant.cpp.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -35,6 +35,12 @@ std::string cylinders_by(const std::string& flaw, const std::string& protocol = 
   text = with_key(text, "time", "end_s", "10.8e-6");
   text = replaced(text, "fields_every = 50", "fields_every = 0");
   return text + participants_of("\"steel\", \"carbide\"", flaw, keys);
+}
+/// The same with the implicit solver in its place.
+std::string cylinders_by_implicit(const std::string& flaw) {
+  return replaced(replaced(cylinders_by("explicit"), fmt::format("executable = \"{}\"\n", wrong_program()), ""),
+                  "name = \"implicit\"\nrole = \"implicit\"\n",
+                  fmt::format("name = \"{}\"\nrole = \"implicit\"\nexecutable = \"{}\"\n", flaw, wrong_program()));
 }
 std::string with_steps(const std::string& text, int substeps) {
   return with_key(text, "coupling", "substeps", std::to_string(substeps));
@@ -107,6 +113,10 @@ INSTANTIATE_TEST_SUITE_P(
                {"body 'carbide', interface node 21 at (0.005, 0.0151) m: the scene's mesh has no interface node there",
                 opt_out}},
         Misuse{"wrong_sign", bars_by("wrong_sign"), 2, {"likely cause: its sign is wrong"}},
+        Misuse{"pushes",
+               cylinders_by_implicit("pushes"),
+               2,
+               {"component ", ": its acceleration by forces of some ", "likely cause: its sign is wrong"}},
         Misuse{"reversed_rows",
                cylinders_by("reversed_rows"),
                2,
@@ -222,6 +232,30 @@ INSTANTIATE_TEST_SUITE_P(
         Beside{"skips_a_substep",
                bars_in_two_steps_by("skips_a_substep"),
                {"FAILED   single steps of a window end like the whole: "}},
+        Beside{
+            "one_pulls",
+            bars_by("one_pulls"),
+            {"FAILED   answers unit inputs by a symmetric, positive matrix: its internal force is not positive: some "
+             "input meets a resistance of -1, in units of the largest entry"}},
+        Beside{"pushes",
+               cylinders_by_implicit("pushes"),
+               {"FAILED   answers unit inputs by a symmetric, positive matrix: minus its acceleration has the wrong "
+                "sign: the link input L acts with a minus"}},
+        Beside{"ignores_stiffness",
+               cylinders_by_implicit("ignores_stiffness"),
+               {"FAILED   a stiffness on its interface acts like its force: window 1, ",
+                "with a stiffness S on the interface; given the force S u itself "}},
+        Beside{"stays_implicit",
+               cylinders_by_implicit("stays_implicit"),
+               {"FAILED   integrates by central differences when it is asked to: window ",
+                "by central differences it is"}},
+        Beside{"stays_loaded",
+               bars_by("stays_loaded"),
+               {"FAILED   loads and tells its motion: number 0 of ", "is not linear in what was loaded: "}},
+        Beside{
+            "tells_more_energy",
+            bars_by("tells_more_energy"),
+            {"FAILED   computes what the shipped solver does: window ", "history column ", ", the shipped solver's "}},
         Beside{"loads_nothing",
                bars_by("loads_nothing"),
                {"FAILED   loads and tells its motion: number 0 of ", "of its state: loaded ", ", read back "}}),
@@ -248,7 +282,30 @@ TEST(BesideTheShippedSolver, TheImplicitOneIsTriedToo) {
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("passed   a stiffness on its interface acts like its force"),
                                  HasSubstr("passed   integrates by central differences when it is asked to"),
+                                 HasSubstr("-        answers as the scene's own elements: it is implicit"),
                                  HasSubstr("passed   computes what the shipped solver does")));
+}
+
+/// A spring that knows no body of the scene.
+TEST(BesideTheShippedSolver, WhatIsAnotherBodyIsSaid) {
+  TemporaryFolder folder;
+  const auto check = [&](const std::string& scene, const std::string& name) {
+    return run_command({ricochet_binary(), "check-participant", "--scene", folder.write(scene), "--name", name, "--",
+                        RICOCHET_BUILD "/flawed_participant", "sound"},
+                       folder.path().string(), 120.0);
+  };
+  const auto plane = check(cylinders_by("right"), "right");
+  EXPECT_EQ(plane.code, 5);
+  EXPECT_THAT(plane.out, AllOf(HasSubstr("masses and places: it has 1 components per node, the scene has 2"),
+                               HasSubstr("-        answers as the scene's own elements: its interface is another"),
+                               HasSubstr("it has 1 interface nodes of 1 components, the shipped solver 22 of 2")));
+  const auto bar = check(left_bar_in_two_steps_by("right", ""), "right");
+  EXPECT_THAT(bar.out, AllOf(HasSubstr("body 'rod', interface node 0 at (0) m: the scene has no such body"),
+                             HasSubstr("FAILED   computes what the shipped solver does: ")));
+  const auto other =
+      check_beside_ours(folder, bars_by("heavier", "hughes_liu", "differing_bodies = [\"left\"]"), "heavier");
+  EXPECT_THAT(other.out, HasSubstr("-        computes what the shipped solver does: the scene says that "
+                                   "differing_bodies of participant 'heavier' are other models"));
 }
 
 TEST(BesideTheShippedSolver, BothOptionsAreNeeded) {
