@@ -107,16 +107,23 @@ bool is_effort(const std::string& column) {
   return column == "contact_iterations" || column == "contact_residual" || column == "contact_unconverged";
 }
 
-/// The largest value of all columns of that kind (energies, momenta and impulses, ...): of sums that cancel rounding
-/// alone is left.
+/// The unit that a column's name ends in; of a number without one its name.
+std::string unit_of(const std::string& column) {
+  const auto name = column.substr(0, column.find('/'));
+  for (const char* unit : {"_kg_m2_s", "_kg_m_s", "_n_s", "_kg", "_pa", "_j", "_n", "_m"}) {
+    const std::string end = unit;
+    if (name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0) return end;
+  }
+  return name;
+}
+
+/// The largest value of all columns in that unit, of lengths also of the interface's displacement: of sums that cancel,
+/// and of gaps that are closed, rounding alone is left.
 double scale_of(const ContractRun& run, const std::string& column) {
-  const auto kind = [](const std::string& name) {
-    const auto word = name.substr(0, name.find('_'));
-    return word == "impulse" ? "momentum" : word == "friction" ? "contact" : word;
-  };
-  double scale = 0.0;
+  const auto unit = unit_of(column);
+  double scale = unit == "_m" ? largest(run.by_force ? run.output : run.input) : 0.0;
   for (const auto& other : run.description.record_columns) {
-    if (kind(other) == kind(column) && !is_effort(other)) scale = std::max(scale, largest(run.column(other)));
+    if (unit_of(other) == unit && !is_effort(other)) scale = std::max(scale, largest(run.column(other)));
   }
   return scale;
 }
