@@ -39,7 +39,8 @@ Reason current_reason() {
 
 Reason reason_in(const Session& session) {
   auto reason = current_reason();
-  if (session.window() > 0) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+  const bool placed = reason.text.rfind("window ", 0) == 0;
+  if (session.window() > 0 && !placed) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
   return reason;
 }
 

@@ -56,6 +56,10 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   participant.start =
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
   table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
+  table.only_if(participant.foreign(), "differing_bodies", "executable, a program of your own");
+  if (table.has("differing_bodies"))
+    participant.differing_bodies =
+        table.words("differing_bodies", is_explicit ? participant.bodies : body_names(scene));
   if (table.has("launch")) participant.launch = load_launch(table);
   table.only_if(is_explicit && participant.start == Start::launch && participant.executable.empty(), "ranks",
                 "role = \"explicit\", the shipped solver and start = \"launch\"");

@@ -78,8 +78,10 @@ CouplingSettings load_coupling(TableReader& table, bool has_contact) {
       coupling.after_separation);
   coupling.separation_windows = table.integer("separation_windows", 1, most, coupling.separation_windows);
   coupling.timeout_s = table.number("timeout_s", above(0.0), coupling.timeout_s);
+  if (table.has("start_timeout_s")) coupling.start_timeout_s = table.number("start_timeout_s", above(0.0));
   load_transport(table, coupling);
   coupling.energy_growth_limit = table.number("energy_growth_limit", above(0.0), coupling.energy_growth_limit);
+  if (table.has("energy_loss_limit")) coupling.energy_loss_limit = table.number("energy_loss_limit", above(0.0));
   table.finish();
   return coupling;
 }

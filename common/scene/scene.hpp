@@ -168,13 +168,17 @@ struct CouplingSettings {
   int max_iterations = 50;
   int resynchronise_every = 100;  ///< windows between exchanges of absolute values; 0: never
   AfterSeparation after_separation = AfterSeparation::switch_to_explicit;
-  int separation_windows = 10;  ///< windows with every pair open and gaps growing that count as separated
-  double timeout_s = 60.0;      ///< longest wait for any peer
+  int separation_windows = 10;            ///< windows with every pair open and gaps growing that count as separated
+  double timeout_s = 60.0;                ///< longest wait for any peer
+  std::optional<double> start_timeout_s;  ///< the same until it is initialized; empty: timeout_s
   LaunchedBy launcher = LaunchedBy::coupler;
   Transport transport = Transport::automatic;
   std::string address = "127.0.0.1";  ///< tcp: address to bind; under Slurm, unless given, "0.0.0.0": every one
   int port = 0;                       ///< tcp: 0 picks a free one
   double energy_growth_limit = 0.05;  ///< relative growth of the energy balance that stops the run
+  /// Relative loss that does. Empty: 0.3 if a participant is a program of somebody else's, else any may be lost:
+  /// shipped solvers and protocols lose what they are known to.
+  std::optional<double> energy_loss_limit;
 };
 
 enum class Start { launch, by_hand };
@@ -191,6 +195,12 @@ struct ParticipantSpec {
   std::optional<int> ranks{};  ///< explicit: processes that step its nodes together, by MPI; none: one, without MPI
   /// To compute with; empty: its share of the processors that it finds. Results are the same for any number.
   std::optional<int> threads{};
+  /// Bodies of which a program of somebody else's may be another model than the scene's: nothing of it is compared with
+  /// the scene's mesh, elements and density.
+  std::vector<std::string> differing_bodies{};
+
+  /// A program of somebody else's, whoever starts it.
+  [[nodiscard]] bool foreign() const { return !executable.empty(); }
 };
 
 struct Output {

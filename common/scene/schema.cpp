@@ -25,9 +25,10 @@ const Schema& scene_schema() {
       {"time", {"step_s", "largest_step_s", "safety_factor", "end_s", "until_separated_plus_s"}},
       {"coupling",
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations", "resynchronise_every",
-        "after_separation", "separation_windows", "timeout_s", "launcher", "transport", "address", "port",
-        "energy_growth_limit"}},
-      {"participant", {"name", "role", "bodies", "groups", "executable", "start", "launch", "ranks", "threads"}},
+        "after_separation", "separation_windows", "timeout_s", "start_timeout_s", "launcher", "transport", "address",
+        "port", "energy_growth_limit", "energy_loss_limit"}},
+      {"participant",
+       {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };

@@ -30,7 +30,7 @@ const char* const exit_codes =
 
 struct Arguments {
   std::string scene, study, out, name, results;
-  ContractCommand command;
+  ContractRequest contract;
   std::optional<double> step_s, until_s;
   std::optional<std::string> time;
   StabilityRequest stability;
@@ -83,10 +83,16 @@ void define_checkpoint(CLI::App& app, Arguments& arguments) {
 }
 
 void define_contract(CLI::App& app, Arguments& arguments) {
-  app.add_option("COMMAND", arguments.command.words, "Program and arguments, after --; --connect is appended")
-      ->required();
+  app.add_option(
+      "COMMAND", arguments.contract.command.words,
+      "Program and arguments, after --; --connect is appended. Not needed where the scene names the program");
+  app.add_option("--scene", arguments.contract.scene,
+                 "Scene it takes part in: it is compared with the shipped solver, window by window")
+      ->type_name("SCENE");
+  app.add_option("--name", arguments.contract.name, "Which participant of the scene it is")->type_name("NAME");
   app.add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step");
-  app.add_option("--timeout", arguments.command.timeout_s, "Longest wait for an answer [s]")->capture_default_str();
+  app.add_option("--timeout", arguments.contract.command.timeout_s, "Longest wait for an answer [s]")
+      ->capture_default_str();
 }
 
 void define_init(CLI::App& app, Arguments& arguments) {
@@ -109,9 +115,15 @@ int check_contract(const Arguments& arguments) {
   const auto require_positive = [](const char* option, double value) {
     if (!(value > 0.0)) throw ConfigError(fmt::format("{}: found {}, allowed: a number of seconds > 0", option, value));
   };
-  require_positive("--timeout", arguments.command.timeout_s);
+  ContractRequest request = arguments.contract;
+  require_positive("--timeout", request.command.timeout_s);
   if (arguments.step_s) require_positive("--step", *arguments.step_s);
-  const bool passed = check_participant(arguments.command, arguments.step_s.value_or(0.0));
+  if (request.scene.empty() != request.name.empty())
+    throw ConfigError("--scene and --name: found one of them, allowed: both, or none");
+  if (request.scene.empty() && request.command.words.empty())
+    throw ConfigError("COMMAND is required, after --, unless --scene and --name say what to start");
+  request.window_size_s = arguments.step_s.value_or(0.0);
+  const bool passed = check_participant(request);
   return static_cast<int>(passed ? ExitCode::done : ExitCode::protocol);
 }
 

@@ -8,30 +8,32 @@
 #include <optional>
 
 #include "common/base/error.hpp"
+#include "coupler/contract/contract_response.hpp"
 #include "coupler/contract/contract_run.hpp"
+#include "coupler/contract/contract_scene.hpp"
+#include "coupler/processes/machine_check.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
-/// A clause that does not apply to this participant, and why.
-struct NotApplicable {
-  std::string why;
-};
-
-[[noreturn]] void fail(const std::string& text) { throw ProtocolError(text); }
-
 /// The clauses, in the order in which they are tried; later ones build on what the first run brought.
 class Contract {
  public:
-  Contract(const ContractCommand& command, double window_size_s) : command_(command) {
+  /// `beside`: what it takes part in; null: it is driven without a scene.
+  Contract(const ContractCommand& command, double window_size_s, const ContractScene* beside)
+      : command_(command), beside_(beside) {
     drive_.window_size_s = window_size_s;
   }
   bool check();
 
  private:
-  void judge(const std::string& clause, const std::function<void()>& test);
+  /// A test returns what is worth saying of a clause that is kept.
+  using Test = std::function<std::string()>;
+  void judge(const std::string& clause, const Test& test);
   /// Runs `test` if the first run went through: there is nothing to compare with otherwise.
-  void judge_run(const std::string& clause, const std::function<void()>& test);
+  void judge_run(const std::string& clause, const Test& test);
+  void judge_beside_ours();
+  void say_what_was_not_tried() const;
 
   void describes_itself();
   void runs_to_the_end();
@@ -44,21 +46,22 @@ class Contract {
   void outlives_no_coupler(bool silent);
 
   ContractCommand command_;
+  const ContractScene* beside_;
   ContractDrive drive_;
   ContractRun first_;
   bool described_ = false, ran_ = false, deterministic_ = false;
   int passed_ = 0, failed_ = 0, skipped_ = 0;
 };
 
-void Contract::judge(const std::string& clause, const std::function<void()>& test) {
+void Contract::judge(const std::string& clause, const Test& test) {
   const auto print = [&clause](const char* verdict, const std::string& text) {
     fmt::print("  {:<8} {}{}{}\n", verdict, clause, text.empty() ? "" : ": ", text);
     std::fflush(stdout);
   };
   try {
-    test();
+    const auto text = test();
     ++passed_;
-    print("passed", "");
+    print("passed", text);
   } catch (const NotApplicable& reason) {
     ++skipped_;
     print("-", reason.why);
@@ -68,26 +71,62 @@ void Contract::judge(const std::string& clause, const std::function<void()>& tes
   }
 }
 
-void Contract::judge_run(const std::string& clause, const std::function<void()>& test) {
+void Contract::judge_run(const std::string& clause, const Test& test) {
   judge(clause, [&] {
     if (!ran_) throw NotApplicable{"not tested, it did not come that far"};
-    test();
+    return test();
   });
 }
 
+void Contract::judge_beside_ours() {
+  judge_run("declares the scene's own masses and places", [this] { return beside_->declares_the_scene(command_); });
+  judge_run("answers as the scene's own elements", [this] { return beside_->answers_as_the_elements(command_); });
+  judge_run("computes what the shipped solver does",
+            [this] { return beside_->computes_what_the_shipped_solver_does(command_, drive_); });
+}
+
+void Contract::say_what_was_not_tried() const {
+  fmt::print(
+      "not tried: {}loads, supports and contact of a whole run, result fields, axial stress\n",
+      beside_ ? "" : "masses, places, stiffness and motion beside the shipped solver (--scene SCENE --name NAME), ");
+}
+
 bool Contract::check() {
-  judge("describes itself consistently", [this] { describes_itself(); });
-  judge(fmt::format("computes {} windows and ends with exit code 0", drive_.windows), [this] { runs_to_the_end(); });
-  judge_run("a second process gives the same bits", [this] { is_deterministic(); });
-  judge_run("a repeated trial of a window gives the same bits", [this] { repeats_a_window(); });
-  judge_run("another process goes on from its saved state to the same bits", [this] { goes_on_from_what_it_saved(); });
-  judge_run("zero input stays zero", [this] { keeps_zero(); });
-  judge_run("interface work equals force times motion", [this] { reports_its_work(); });
-  judge("refuses another version of the protocol", [this] { refuses_another_version(); });
-  judge("ends by itself when the coupler dies", [this] { outlives_no_coupler(false); });
-  judge("ends by itself when the coupler falls silent", [this] { outlives_no_coupler(true); });
+  const auto silent = [this](void (Contract::*test)()) {
+    return [this, test]() -> std::string {
+      (this->*test)();
+      return "";
+    };
+  };
+  const auto with_the_first = [this](auto* test) { return [this, test] { return test(command_, drive_, first_); }; };
+  judge("describes itself consistently", silent(&Contract::describes_itself));
+  judge(fmt::format("computes {} windows and ends with exit code 0", drive_.windows),
+        silent(&Contract::runs_to_the_end));
+  judge_run("a second process gives the same bits", silent(&Contract::is_deterministic));
+  judge_run("a repeated trial of a window gives the same bits", silent(&Contract::repeats_a_window));
+  judge_run("another process goes on from its saved state to the same bits",
+            silent(&Contract::goes_on_from_what_it_saved));
+  judge_run("zero input stays zero", silent(&Contract::keeps_zero));
+  judge_run("interface work equals force times motion", silent(&Contract::reports_its_work));
+  judge_run("answers unit inputs by a symmetric, positive matrix", with_the_first(respond_like_an_elastic_body));
+  judge_run("driven by force it takes the steps of a window", with_the_first(take_substeps));
+  judge_run("single steps of a window end like the whole", with_the_first(take_single_substeps));
+  judge_run("a stiffness on its interface acts like its force", with_the_first(take_interface_stiffness));
+  judge_run("integrates by central differences when it is asked to", with_the_first(switch_integration));
+  judge_run("loads and tells its motion", with_the_first(load_their_motion));
+  if (beside_) judge_beside_ours();
+  judge("refuses another version of the protocol", silent(&Contract::refuses_another_version));
+  judge("ends by itself when the coupler dies", [this] {
+    outlives_no_coupler(false);
+    return std::string();
+  });
+  judge("ends by itself when the coupler falls silent", [this] {
+    outlives_no_coupler(true);
+    return std::string();
+  });
   fmt::print("{} of {} clauses passed, {} failed, {} not applicable\n", passed_, passed_ + failed_ + skipped_, failed_,
              skipped_);
+  say_what_was_not_tried();
   return failed_ == 0;
 }
 
@@ -157,12 +196,6 @@ void Contract::goes_on_from_what_it_saved() {
   ContractRun run;
   run_contract(command_, drive, run);
   if (deterministic_) require_equal(first_, run, fmt::format("a process restored at window {}", drive.save_at));
-}
-
-double largest(const std::vector<double>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
 }
 
 void Contract::keeps_zero() {
@@ -250,9 +283,17 @@ void Contract::outlives_no_coupler(bool silent) {
 
 }  // namespace
 
-bool check_participant(const ContractCommand& command, double window_size_s) {
+bool check_participant(const ContractRequest& request) {
+  ContractCommand command = request.command;
+  std::optional<scene::Problem> problem;
+  std::optional<ContractScene> beside;
+  if (!request.scene.empty()) {
+    problem = load_problem(request.scene);
+    beside.emplace(*problem, request.name);
+    command.words = beside->command(command.words);
+  }
   fmt::print("{}\n", fmt::join(command.words, " "));
-  return Contract(command, window_size_s).check();
+  return Contract(command, request.window_size_s, beside ? &*beside : nullptr).check();
 }
 
 }  // namespace ricochet::coupler

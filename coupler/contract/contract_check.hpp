@@ -1,12 +1,20 @@
 #pragma once
 
+#include <string>
+
 #include "coupler/contract/contract_peer.hpp"
 
 namespace ricochet::coupler {
 
-/// `ricochet check-participant`: runs a program through the contract of docs/participants.md, clause by clause, and
-/// prints a verdict for each. Several processes are started, one after the other. `window_size_s` 0: half of the
-/// participant's own critical time step. True if no clause failed.
-bool check_participant(const ContractCommand& command, double window_size_s);
+/// The command line of `ricochet check-participant`.
+struct ContractRequest {
+  ContractCommand command;   ///< with a scene it may be without words: the scene's program for the participant
+  double window_size_s = 0;  ///< 0: half of its own critical time step, beside the shipped solver the scene's
+  std::string scene, name;   ///< of the participant; empty: it is driven without a scene
+};
+
+/// Runs a program through the contract of docs/participants.md, clause by clause, and prints a verdict for each; with a
+/// scene also beside the shipped solver. Several processes are started, one after the other. True if no clause failed.
+bool check_participant(const ContractRequest& request);
 
 }  // namespace ricochet::coupler

@@ -79,14 +79,20 @@ double length_scale(const wire::Description& d) {
 std::vector<double> input_at(const ContractRun& run, const ContractDrive& drive, int window, bool other) {
   const auto& d = run.description;
   std::vector<double> input(run.size(), 0.0);
+  if (!drive.inputs.empty()) {
+    std::copy_n(drive.inputs.begin() + static_cast<std::ptrdiff_t>(input.size()) * window, input.size(), input.begin());
+    return input;
+  }
   if (drive.zero_input && !other) return input;
-  const double displacement = 1e-6 * length_scale(d);
+  const double displacement = 1e-6 * length_scale(d), long_window_s = drive.fine * run.window_size_s;
+  const int last = drive.windows / drive.fine, before = window / drive.fine;
+  const double share = static_cast<double>(window % drive.fine) / drive.fine;
   for (std::size_t i = 0; i < input.size(); ++i) {
     const double phase = 1.3 * static_cast<double>(i) + (other ? 0.9 : 0.0);
-    const double shape = window * std::sin(0.5 * window + phase) / drive.windows;
+    const auto shape = [&](int n) { return n * std::sin(0.5 * n + phase) / last; };
     const double mass = d.interface_mass_kg.data[i / static_cast<std::size_t>(d.components)];
-    const double size = run.implicit() ? mass * displacement / (run.window_size_s * run.window_size_s) : displacement;
-    input[i] = size * shape;
+    const double size = run.by_force ? mass * displacement / (long_window_s * long_window_s) : displacement;
+    input[i] = size * ((1.0 - share) * shape(before) + (share > 0.0 ? share * shape(before + 1) : 0.0));
   }
   return input;
 }
@@ -96,7 +102,7 @@ void append(const std::vector<double>& values, std::vector<double>& to) {
 }
 
 void take_rates(const wire::Rates& answer, wire::Kind kind, ContractRun& run) {
-  const std::size_t expected = run.implicit() ? run.size() : 0;
+  const std::size_t expected = run.by_force ? run.size() : 0;
   for (const auto* rates : {&answer.velocity_m_s, &answer.acceleration_m_s2}) {
     require(rates->data.size() == expected, fmt::format("'{}' has {} velocities or accelerations, expected {}",
                                                         wire::name(kind), rates->data.size(), expected));
@@ -116,40 +122,60 @@ wire::Initialize initialize_request(const ContractRun& run, const ContractDrive&
   wire::Initialize message;
   message.protocol = "hughes_liu";
   message.window_size_s = run.window_size_s;
-  message.driven_by = name_of(run.implicit() ? Drive::force : Drive::displacement);
+  message.driven_by = name_of(run.by_force ? Drive::force : Drive::displacement);
+  message.substeps = drive.substeps;
   message.interface_mass_kg = run.description.interface_mass_kg;
-  for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
+  if (!drive.by_force) {
+    for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
+  }
+  if (!drive.interface_stiffness.empty()) {
+    const int size = static_cast<int>(run.size());
+    message.interface_stiffness.resize(size, size);
+    message.interface_stiffness.data = drive.interface_stiffness;
+  }
   message.until_separated_plus_s = -1.0;
   message.separation_windows = 10;
   message.last_window = drive.windows;
   return message;
 }
 
-void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
-  const double critical = run.description.critical_time_step_s;
-  run.window_size_s = drive.window_size_s > 0 ? drive.window_size_s : critical > 0 ? 0.5 * critical : 1e-6;
-  run.first_output = output_of(ask<wire::Initialized>(peer, initialize_request(run, drive)).absolute, "absolute", run);
-  wire::Synchronise synchronise;
-  synchronise.integration = name_of(run.implicit() ? Integration::implicit_newmark : Integration::explicit_central);
-  synchronise.link_absolute = run.description.interface_position_m;
-  synchronise.link_absolute.data.assign(run.size(), 0.0);
-  const auto& answer = ask<wire::Synchronised>(peer, synchronise);
-  run.input.assign(run.size(), 0.0);
-  run.output = output_of(answer.absolute, "absolute", run);
-  take_rates(answer, wire::Synchronised::kind, run);
+std::vector<double> last_input(const ContractRun& run) {
+  return {run.input.end() - static_cast<std::ptrdiff_t>(run.size()), run.input.end()};
 }
 
-/// One `advance` with the input as increment to the last accepted one.
+/// One `advance` from one link input to the next.
 const wire::Advanced& advance_by(ContractPeer& peer, const ContractRun& run, int window,
-                                 const std::vector<double>& input, bool accept_at_once) {
+                                 const std::vector<double>& last, const std::vector<double>& input,
+                                 bool accept_at_once) {
   wire::Advance message;
   message.link_increment = run.description.interface_position_m;
-  for (std::size_t i = 0; i < input.size(); ++i) {
-    message.link_increment.data[i] = input[i] - run.input[run.input.size() - input.size() + i];
-  }
+  for (std::size_t i = 0; i < input.size(); ++i) message.link_increment.data[i] = input[i] - last[i];
   message.link_absolute.resize(0, static_cast<int>(run.description.components));
   message.accept_at_once = accept_at_once;
   return ask<wire::Advanced>(peer, std::move(message), window);
+}
+
+/// The substeps of a window one after the other, the link input linear between its ends; the answer is the last one's.
+wire::Advanced advance_one_by_one(ContractPeer& peer, const ContractDrive& drive, const ContractRun& run, int window,
+                                  const std::vector<double>& last, const std::vector<double>& input) {
+  wire::Advanced answer;
+  std::vector<double> increment(input.size(), 0.0);
+  for (int substep = 1; substep <= drive.substeps; ++substep) {
+    wire::Message request;
+    auto& advance = request.make<wire::Advance>();
+    request.window = window;
+    request.substep = substep;
+    advance.link_increment = run.description.interface_position_m;
+    for (std::size_t i = 0; i < input.size(); ++i)
+      advance.link_increment.data[i] = (input[i] - last[i]) / drive.substeps;
+    advance.link_absolute.resize(0, static_cast<int>(run.description.components));
+    advance.accept_at_once = true;
+    answer = peer.ask(request).as<wire::Advanced>();
+    const auto change = output_of(answer.increment, "increment", run);
+    for (std::size_t i = 0; i < change.size(); ++i) increment[i] += change[i];
+  }
+  answer.increment.data = increment;
+  return answer;
 }
 
 bool same_answer(const wire::Advanced& a, const wire::Advanced& b) {
@@ -158,11 +184,12 @@ bool same_answer(const wire::Advanced& a, const wire::Advanced& b) {
 }
 
 void one_window(ContractPeer& peer, const ContractDrive& drive, int window, ContractRun& run) {
-  const auto input = input_at(run, drive, window, false);
-  const wire::Advanced answer = advance_by(peer, run, window, input, !drive.try_first);
+  const auto input = input_at(run, drive, window, false), last = last_input(run);
+  const wire::Advanced answer = drive.one_by_one ? advance_one_by_one(peer, drive, run, window, last, input)
+                                                 : advance_by(peer, run, window, last, input, !drive.try_first);
   if (drive.try_first) {
-    advance_by(peer, run, window, input_at(run, drive, window, true), false);
-    const wire::Advanced again = advance_by(peer, run, window, input, false);
+    advance_by(peer, run, window, last, input_at(run, drive, window, true), false);
+    const wire::Advanced again = advance_by(peer, run, window, last, input, false);
     if (!same_answer(answer, again)) run.forgotten.push_back(window);
     ask<wire::Accepted>(peer, wire::Accept{}, window);
   }
@@ -174,6 +201,14 @@ void one_window(ContractPeer& peer, const ContractDrive& drive, int window, Cont
 }
 
 }  // namespace
+
+void fail(const std::string& text) { throw ProtocolError(text); }
+
+double largest(const std::vector<double>& values) {
+  double result = 0.0;
+  for (const double value : values) result = std::max(result, std::abs(value));
+  return result;
+}
 
 std::vector<double> ContractRun::column(const std::string& name) const {
   const auto& columns = description.record_columns;
@@ -193,6 +228,38 @@ void describe(ContractPeer& peer, double timeout_s, ContractRun& run) {
   peer.welcome(run.hello.participant, timeout_s);
   run.description = ask<wire::Description>(peer, wire::Describe{});
   check_description(run.hello, run.description);
+}
+
+ContractAnswer synchronise(ContractPeer& peer, const ContractRun& run, const std::vector<double>& input,
+                           Integration integration) {
+  wire::Synchronise request;
+  request.integration = name_of(integration);
+  request.link_absolute = run.description.interface_position_m;
+  request.link_absolute.data = input;
+  const auto& answer = ask<wire::Synchronised>(peer, request);
+  return {output_of(answer.absolute, "absolute", run), answer.velocity_m_s.data, answer.acceleration_m_s2.data};
+}
+
+ContractAnswer try_window(ContractPeer& peer, const ContractRun& run, int window, const std::vector<double>& last,
+                          const std::vector<double>& input, bool accept) {
+  const auto& answer = advance_by(peer, run, window, last, input, accept);
+  return {output_of(answer.increment, "increment", run), answer.velocity_m_s.data, answer.acceleration_m_s2.data};
+}
+
+void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
+  const double critical = run.description.critical_time_step_s;
+  run.window_size_s = drive.window_size_s > 0 ? drive.window_size_s : critical > 0 ? 0.5 * critical : 1e-6;
+  run.by_force = drive.by_force || run.implicit();
+  run.first_output = output_of(ask<wire::Initialized>(peer, initialize_request(run, drive)).absolute, "absolute", run);
+  wire::Synchronise request;
+  const bool newmark = run.implicit() && !drive.as_explicit;
+  request.integration = name_of(newmark ? Integration::implicit_newmark : Integration::explicit_central);
+  run.input = input_at(run, drive, 0, false);
+  request.link_absolute = run.description.interface_position_m;
+  request.link_absolute.data = run.input;
+  const auto& answer = ask<wire::Synchronised>(peer, request);
+  run.output = output_of(answer.absolute, "absolute", run);
+  take_rates(answer, wire::Synchronised::kind, run);
 }
 
 void advance(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {

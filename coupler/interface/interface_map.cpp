@@ -12,7 +12,7 @@ namespace ricochet::coupler {
 namespace {
 
 constexpr double relative_tolerance = 1e-9;
-constexpr double largest_mass_kg = 1e30;  // sums of more, and what is divided by them, leave the range of numbers
+constexpr double largest_mass_kg = InterfaceMap::largest_mass_kg;
 
 /// One interface node of one participant.
 struct Node {

@@ -38,6 +38,9 @@ class InterfaceMap {
   /// participant coincide, no participant (or more than one) integrates it, or components differ.
   explicit InterfaceMap(const std::vector<PeerDescription>& descriptions);
 
+  /// Sums of more, and what is divided by them, leave the range of numbers.
+  static constexpr double largest_mass_kg = 1e30;
+
   [[nodiscard]] int nodes() const { return static_cast<int>(mass_kg_.size()); }
   [[nodiscard]] int components() const { return components_; }
   [[nodiscard]] const InterfaceRows& rows(std::size_t participant) const { return rows_[participant]; }

@@ -18,15 +18,15 @@ using wire::Clock;
 void Peers::handshake() {
   const auto begin = Clock::now();
   const auto deadline =
-      begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run_.timeout_s));
+      begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run_.start_wait_s()));
   const auto missing = [this] {
     return std::find_if(peers_.begin(), peers_.end(), [](const Remote& peer) { return peer.identity.empty(); });
   };
   while (missing() != peers_.end()) {
     if (receive_one(deadline, "")) continue;
     const auto& peer = *missing();
-    throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s{}{}", peer.expected.name,
-                                       run_.timeout_s, refusal_text(peer), log_tail(peer)));
+    throw ParticipantError(fmt::format("participant '{}' has not said hello within {} s (coupling.start_timeout_s){}{}",
+                                       peer.expected.name, run_.start_wait_s(), refusal_text(peer), log_tail(peer)));
   }
   listener_.close_door();
 }
@@ -70,7 +70,7 @@ void Peers::admit() {
   auto& welcome = message.make<wire::Welcome>();
   welcome.participant = peer.expected.name;
   // The coupler may wait for one peer after another while this one has nothing to do.
-  welcome.timeout_s = 2.0 * run_.timeout_s;
+  welcome.timeout_s = 2.0 * std::max(run_.timeout_s, run_.start_wait_s());
   welcome.shared_memory = memory != nullptr;
   peer.transport = memory ? Transport::shm : run_.transport == Transport::tcp ? Transport::tcp : Transport::zmq;
   post(peer, message);

@@ -111,6 +111,22 @@ void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector
   }
 }
 
+void check_declared_steps(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
+  constexpr double found_twice = 1e-6;  // of an eigenvalue
+  const auto& scene = problem.scene;
+  const double step_s = problem.window_size_s / scene.coupling.substeps;
+  for (const auto& description : descriptions) {
+    const double critical_s = description.critical_time_step_s;
+    if (description.role != Role::explicit_solver || critical_s <= 0.0 || step_s <= (1.0 + found_twice) * critical_s)
+      continue;
+    throw ConfigError(fmt::format(
+        "participant '{}' declares the critical time step {:.6g} s, found a step of {:.6g} s; allowed: time.step_s = "
+        "{:.3g} or less{}",
+        description.participant, critical_s, step_s, 0.9 * scene.coupling.substeps * critical_s,
+        scene.coupling.protocol.dual ? ", or more coupling.substeps" : ""));
+  }
+}
+
 ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,
                             const ResultsDirectory& results, const std::string& run_id) {
   const auto& scene = problem.scene;
@@ -124,7 +140,8 @@ ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std
                         problem.window_size_s,
                         scene.coupling.transport,
                         scene.where("coupling.transport"),
-                        largest_message(problem)};
+                        largest_message(problem),
+                        scene.coupling.start_timeout_s};
   return {std::move(members), run, listen_endpoint(scene.coupling)};
 }
 

@@ -34,6 +34,9 @@ namespace ricochet::coupler {
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
 void require_capability(const PeerDescription& description, Capability needed, const std::string& activity);
 
+/// Refuses a step above the critical one that an explicit participant declares: ConfigError.
+void check_declared_steps(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions);
+
 /// Refuses a participant that lacks what the protocol needs: ConfigError naming the participant, the capability and the
 /// protocol. Coupled protocols also need exactly one implicit participant.
 void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector<PeerDescription>& descriptions);

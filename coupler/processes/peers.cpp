@@ -64,13 +64,17 @@ void Peers::post(Remote& peer, wire::Message& message) {
 const wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   const auto begin = Clock::now();
-  const auto deadline = begin + seconds(run_.timeout_s);
+  const auto deadline = begin + seconds(starts(peer) ? run_.start_wait_s() : run_.timeout_s);
   while (!peer.has_message) {
     if (!receive_one(deadline, peer.identity)) throw_silent(peer);
   }
   peer.has_message = false;
   note_wait(index, begin);
   return *peer.inbox;
+}
+
+bool Peers::starts(const Remote& peer) {
+  return peer.asked == wire::name(wire::Kind::describe) || peer.asked == wire::name(wire::Kind::initialize);
 }
 
 void Peers::note_wait(std::size_t index, Clock::time_point begin) {
@@ -242,16 +246,22 @@ void Peers::throw_failure(const Remote& peer) const {
                      failure.error_code == static_cast<int>(ExitCode::protocol) ||
                      failure.error_code == static_cast<int>(ExitCode::machine);
   const auto code = known ? static_cast<ExitCode>(failure.error_code) : ExitCode::participant;
-  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer), failure.error_text));
+  // Its own text begins with the window, which may be a later one of several that were asked for.
+  const std::string window = fmt::format("window {}: ", peer.window);
+  const bool twice = peer.window > 0 && failure.error_text.rfind(window, 0) == 0;
+  throw Error(code, fmt::format("participant '{}' failed {}: {}", peer.expected.name, place(peer),
+                                twice ? failure.error_text.substr(window.size()) : failure.error_text));
 }
 
 void Peers::throw_silent(const Remote& peer) const {
   const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
+  const bool start = run_.start_timeout_s && starts(peer);
   throw ParticipantError(
-      fmt::format("{} has been silent for {:.1f} s {} (asked to '{}', coupling.timeout_s = {} s): it hangs, "
+      fmt::format("{} has been silent for {:.1f} s {} (asked to '{}', coupling.{} = {} s): it hangs, "
                   "is stopped, or "
                   "needs a longer timeout{}",
-                  who(peer), silent_s, place(peer), peer.asked, run_.timeout_s, log_tail(peer)));
+                  who(peer), silent_s, place(peer), peer.asked, start ? "start_timeout_s" : "timeout_s",
+                  start ? run_.start_wait_s() : run_.timeout_s, log_tail(peer)));
 }
 
 /// With its machine, if that is another one.

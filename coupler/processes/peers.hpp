@@ -35,7 +35,9 @@ struct RunIdentity {
   Transport transport = Transport::automatic;          ///< as in the scene
   std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
   std::size_t largest_message =
-      wire::default_largest_message;  ///< of a participant that has not described itself [bytes]
+      wire::default_largest_message;           ///< of a participant that has not described itself [bytes]
+  std::optional<double> start_timeout_s = {};  ///< the wait until it is initialized; empty: timeout_s
+  [[nodiscard]] double start_wait_s() const { return start_timeout_s.value_or(timeout_s); }
 };
 
 /// The participants of a run as remote processes: who is connected, whose turn it is, who is late, who died.
@@ -111,6 +113,8 @@ class Peers {
   [[noreturn]] void throw_broken(const Remote& peer, const ProtocolError& error) const;
   [[noreturn]] void throw_failure(const Remote& peer) const;
   [[noreturn]] void throw_silent(const Remote& peer) const;
+  /// What it was asked last is part of its start.
+  [[nodiscard]] static bool starts(const Remote& peer);
   [[nodiscard]] static std::string who(const Remote& peer);
   [[nodiscard]] std::string place(const Remote& peer) const;
   [[nodiscard]] std::string refusal_text(const Remote& peer) const;

@@ -53,6 +53,7 @@ void check_descriptions(const std::vector<PeerDescription>& descriptions) {
 ProcessSet::ProcessSet(std::vector<Member> members, const RunIdentity& run, const std::string& endpoint)
     : members_(std::move(members)),
       timeout_s_(run.timeout_s),
+      start_timeout_s_(run.start_wait_s()),
       listener_(std::in_place, endpoint, names_of(members_), run.largest_message),
       peers_(*listener_, launcher_, expected_peers(members_), run) {}
 
@@ -76,8 +77,8 @@ void ProcessSet::launch() {
                         member.key_file.empty() ? wire::to_text(listener_->key_of(member.name)) : ""});
       continue;
     }
-    fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", member.name, timeout_s_,
-               member.executable, fmt::join(arguments_of(member), " "));
+    fmt::print(stderr, "participant '{}' is to be started by hand, within {} s:\n  {} {}\n", member.name,
+               start_timeout_s_, member.executable, fmt::join(arguments_of(member), " "));
   }
 }
 

@@ -73,7 +73,7 @@ class ProcessSet {
   void remove_keys() const;
 
   std::vector<Member> members_;
-  double timeout_s_;
+  double timeout_s_, start_timeout_s_;
   Launcher launcher_;
   std::optional<wire::Listener> listener_;
   Peers peers_;

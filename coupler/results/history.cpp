@@ -74,6 +74,7 @@ void Errors::add(HistoryRow& row) {
   double lost = 0;
   for (std::size_t i = 0; i < balance.size(); ++i) lost = std::max(lost, std::abs(balance[i] - first_[i]));
   row.momentum_error = ratio(lost, largest_momentum_);
+  row.momentum_reference_kg_m_s = largest_momentum_;
   if (conserved_.arm_m > 0) {
     row.angular_momentum_error = ratio(std::abs(angular - first_angular_), conserved_.arm_m * largest_momentum_);
   }
@@ -114,7 +115,7 @@ History::Column History::parse(const std::string& column, const std::string& par
   } else if ((parsed.of_contacts = member_of(contact_quantities, column))) {
     return parsed;
   }
-  std::string names = fmt::format("bodies: {}", fmt::join(bodies_, ", "));
+  std::string names = bodies_.empty() ? "no bodies" : fmt::format("bodies: {}", fmt::join(bodies_, ", "));
   if (!contacts_.empty()) names += fmt::format("; contacts: {}", fmt::join(contacts_, ", "));
   throw ProtocolError(
       fmt::format("participant '{}' announces the unknown history column \"{}\" ({})", participant, column, names));

@@ -25,6 +25,7 @@ struct HistoryRow {
   std::vector<double> created_j;
   double energy_error = 0;  ///< see Errors
   double momentum_error = 0;
+  double momentum_reference_kg_m_s = 0;  ///< what momentum_error is relative to
   double angular_momentum_error = 0;
 };
 

@@ -107,6 +107,8 @@ void CoupledRun::start() {
 void CoupledRun::setup() {
   const auto descriptions = set_.describe();
   check_capabilities(scene_.coupling.protocol, descriptions);
+  check_declared_steps(problem_, descriptions);
+  compare_with_scene(descriptions);
   std::vector<History::Source> sources, stress_sources;
   for (const auto& description : descriptions) {
     sources.push_back({description.participant, description.record_columns});
@@ -120,6 +122,7 @@ void CoupledRun::setup() {
   coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, problem_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
+  try_links();
   const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
                               may_switch(),  outside_.watches_overlaps(),         scene_.checkpoint.every_windows};
   loop_ = std::make_unique<TimeLoop>(
@@ -127,6 +130,23 @@ void CoupledRun::setup() {
       [this](std::int64_t window) { save_if_due(window); });
   prepare_checkpoints(descriptions);
   if (from_) restore();
+}
+
+/// Programs of somebody else's only: shipped solvers read what this would compare them with.
+void CoupledRun::compare_with_scene(const std::vector<PeerDescription>& descriptions) {
+  comparisons_.resize(descriptions.size());
+  for (std::size_t p = 0; p < descriptions.size(); ++p) {
+    if (!scene_.participants[p].foreign() || !SceneComparison::possible(problem_, descriptions[p])) continue;
+    comparisons_[p].emplace(problem_, descriptions[p]);
+    comparisons_[p]->check_description();
+  }
+}
+
+void CoupledRun::try_links() {
+  for (std::size_t p = 0; p < comparisons_.size(); ++p) {
+    if (comparisons_[p]) comparisons_[p]->try_link(coupling_->links()[p], scene_.coupling.substeps);
+    if (from_) comparisons_[p].reset();  // its first row was looked at by the run before
+  }
 }
 
 /// Those of the shipped solvers need nothing; of others it is enough to know it before it matters.
@@ -200,6 +220,10 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions)
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
   suspicion_.step_s = problem_.window_size_s / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
+  suspicion_.scene_path = scene_.path;
+  for (const auto& participant : scene_.participants) {
+    if (participant.foreign()) suspicion_.foreign.push_back(participant.name);
+  }
   std::vector<std::string> names;
   for (const auto& description : descriptions) {
     names.push_back(description.participant);
@@ -207,7 +231,8 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions)
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
-                                         names, body_names(scene_), EnergyWatch::every_of(plan_.windows));
+                                         names, body_names(scene_), EnergyWatch::every_of(plan_.windows),
+                                         loss_limits(problem_, descriptions));
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.
@@ -242,7 +267,12 @@ void CoupledRun::step() {
 void CoupledRun::take_records(std::int64_t window) {
   auto& links = coupling_->links();
   for (std::size_t p = 0; p < links.size(); ++p) {
-    history_->add(p, links[p].take_records());
+    const auto records = links[p].take_records();
+    if (comparisons_[p] && !records.empty()) {
+      comparisons_[p]->check_first_row(records, links[p].driven_by_force() ? Drive::force : Drive::displacement);
+      comparisons_[p].reset();
+    }
+    history_->add(p, records);
     if (axial_stress_) axial_stress_->add(p, links[p].take_axial_stress());
   }
   note_departures(window);

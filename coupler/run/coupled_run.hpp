@@ -18,6 +18,7 @@
 #include "coupler/run/time_loop.hpp"
 #include "coupler/watch/energy_watch.hpp"
 #include "coupler/watch/outside_model.hpp"
+#include "coupler/watch/scene_comparison.hpp"
 
 namespace ricochet::coupler {
 
@@ -48,6 +49,8 @@ class CoupledRun {
   void phases();
   void start();
   void setup();
+  void compare_with_scene(const std::vector<PeerDescription>& descriptions);
+  void try_links();
   void prepare_watch(const std::vector<PeerDescription>& descriptions);
   [[nodiscard]] bool may_switch();
   void prepare_checkpoints(const std::vector<PeerDescription>& descriptions);
@@ -87,6 +90,7 @@ class CoupledRun {
   std::unique_ptr<History> history_;
   std::unique_ptr<AxialStress> axial_stress_;  ///< null if the scene does not ask
   std::unique_ptr<EnergyWatch> watch_;
+  std::vector<std::optional<SceneComparison>> comparisons_;  ///< per participant, until its first row has come
   OutsideModel outside_;
   ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;

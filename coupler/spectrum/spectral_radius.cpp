@@ -87,7 +87,10 @@ Growth measure_growth(const LinearMap& map) {
     growth.windows += windows_per_sample;
     growth.direction = after - before;
     const double size = growth.direction.norm();
-    if (!(size > 0.0)) return growth;  // everything has died out
+    if (!(size > 0.0)) {  // everything has died out
+      growth.resolution = 0.0;
+      return growth;
+    }
     samples.push_back({static_cast<double>(growth.windows), std::log(size) + log_scale});
     growth.direction /= size;
     growth.resolution = hidden / static_cast<double>(growth.windows);
@@ -176,7 +179,7 @@ SpectralRadius exact_spectral_radius(const LinearMap& map) {
 SpectralRadius iterated_spectral_radius(const LinearMap& map) {
   const Growth growth = measure_growth(map);
   SpectralRadius result{std::exp(growth.per_window), growth.resolution, "growth", map.size, growth.windows};
-  if (result.stable()) return result;
+  if (!result.grows()) return result;
   if (const auto value = arnoldi(map, growth.direction, result.windows); value && *value - 1.0 > result.resolution) {
     result.value = *value;
     result.method = "Arnoldi";

@@ -24,7 +24,12 @@ struct SpectralRadius {
   Eigen::Index unknowns = 0;
   std::int64_t windows = 0;  ///< applications of T it took
   [[nodiscard]] double growth() const { return value - 1.0; }
-  [[nodiscard]] bool stable() const { return growth() <= resolution; }
+  /// With a coarser resolution nothing is said of a scheme that does not grow: thousands of windows are to follow.
+  static constexpr double coarsest_resolution = 0.01;
+  [[nodiscard]] bool grows() const { return growth() > resolution; }
+  [[nodiscard]] bool known() const { return grows() || resolution <= coarsest_resolution; }
+  [[nodiscard]] bool stable() const { return known() && !grows(); }
+  [[nodiscard]] const char* verdict() const { return !known() ? "unknown" : grows() ? "unstable" : "stable"; }
 };
 
 /// T column by column, then all eigenvalues. A stable scheme has every eigenvalue on the unit circle, and rigid motion

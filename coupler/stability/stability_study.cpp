@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
 #include "common/scene/variant.hpp"
@@ -131,10 +132,11 @@ void StabilityStudy::bisect(std::size_t column, FrozenContact contact) {
   for (const auto& point : points_) {
     if (point.column != column || point.contact != contact || edge.unstable_s > 0.0) continue;
     edge.predicted_s = point.predicted_edge_s;
-    (point.radius.stable() ? edge.stable_s : edge.unstable_s) = point.step_s;
+    if (point.radius.known()) (point.radius.stable() ? edge.stable_s : edge.unstable_s) = point.step_s;
   }
   while (edge.stable_s > 0.0 && edge.unstable_s > edge_ratio * edge.stable_s) {
     measure(column, variant(column, 0.5 * (edge.stable_s + edge.unstable_s)), {contact});
+    if (!points_.back().radius.known()) break;
     (points_.back().radius.stable() ? edge.stable_s : edge.unstable_s) = points_.back().step_s;
   }
   edges_.push_back(edge);
@@ -158,7 +160,7 @@ void StabilityStudy::print(const Point& p) const {
                                                                       p.radius.unknowns, p.radius.windows);
   fmt::print("{:<{}} {:>12.6g} {:>9.5f} {:<9} {:>12.3e} {:>11.1e} {:<9} {}\n", text_of(against_.values[p.column]),
              label_width(), p.step_s, p.step_s / p.predicted_edge_s, name_of(p.contact), p.radius.growth(),
-             p.radius.resolution, p.radius.stable() ? "stable" : "unstable", method);
+             p.radius.resolution, p.radius.verdict(), method);
   std::fflush(stdout);
 }
 
@@ -192,6 +194,13 @@ std::vector<std::string> StabilityStudy::notes() const {
     const auto& trouble = scene::protocol_traits(name).trouble;
     if (!trouble.empty()) texts.push_back(fmt::format("protocol {} {}", name, trouble));
   }
+  const auto unknown = std::count_if(points_.begin(), points_.end(), [](const Point& p) { return !p.radius.known(); });
+  if (unknown > 0) {
+    texts.push_back(fmt::format(
+        "{} of {} points are unknown: what a window does is not linear in the states that were loaded, to a resolution "
+        "of {:g}; a participant that does not load what it is given looks like this (`{} check-participant` tries it)",
+        unknown, points_.size(), SpectralRadius::coarsest_resolution, command_name));
+  }
   return texts;
 }
 
@@ -201,11 +210,10 @@ std::string StabilityStudy::csv() const {
       "windows\n",
       against_.key);
   for (const auto& p : points_) {
-    text +=
-        fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.6e},{:.3e},{},{},{},{}\n",
-                    text_of(against_.values[p.column]), p.step_s, p.step_s / p.predicted_edge_s, p.predicted_edge_s,
-                    name_of(p.contact), p.radius.value, p.radius.growth(), p.radius.resolution,
-                    p.radius.stable() ? "stable" : "unstable", p.radius.method, p.radius.unknowns, p.radius.windows);
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.6e},{:.3e},{},{},{},{}\n",
+                        text_of(against_.values[p.column]), p.step_s, p.step_s / p.predicted_edge_s, p.predicted_edge_s,
+                        name_of(p.contact), p.radius.value, p.radius.growth(), p.radius.resolution, p.radius.verdict(),
+                        p.radius.method, p.radius.unknowns, p.radius.windows);
   }
   return text;
 }
@@ -224,8 +232,10 @@ report::StabilityMap StabilityStudy::map() const {
   const auto on_axis = [this](double step_s, double edge_s) { return by_courant() ? step_s / edge_s : step_s; };
   for (const auto& p : points_) {
     const std::string contact(name_of(p.contact));
-    map.cells.push_back(
-        {contact, p.column, on_axis(p.step_s, p.predicted_edge_s), p.radius.growth(), p.radius.stable()});
+    if (p.radius.known()) {
+      map.cells.push_back(
+          {contact, p.column, on_axis(p.step_s, p.predicted_edge_s), p.radius.growth(), p.radius.stable()});
+    }
     if (!std::isfinite(p.predicted_edge_s)) continue;
     const report::StabilityEdge edge{contact, p.column, on_axis(p.predicted_edge_s, p.predicted_edge_s), "predicted"};
     const auto same = [&edge](const report::StabilityEdge& other) {

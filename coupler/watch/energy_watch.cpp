@@ -6,12 +6,17 @@
 #include <cmath>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "common/problem/critical_step.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 constexpr double smallest_strain = 1e-12;
+/// Of the energy, where a program of somebody else's takes part; of the momentum.
+constexpr double energy_loss = 0.3, momentum_loss = 0.2;
+/// Less momentum than this share of that of all mass with all energy is none to compare with.
+constexpr double least_moving = 0.1;
 
 double energy(const BodyTotals& body) { return body.energy_kinetic_j + body.energy_strain_j; }
 
@@ -42,6 +47,14 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
                     "lower contact.penalty_pa_m or use enforcement = \"multiplier\"",
                     suspicion.penalty_step_ratio));
   }
+  for (const auto& name : suspicion.foreign) {
+    causes.push_back(fmt::format(
+        "participant '{0}', a program of your own: a force of the wrong sign, rows in another order, another "
+        "mass or stiffness, steps that it does not take look like this; `{1} check-participant --scene {2} --name {0}` "
+        "compares it with "
+        "ours",
+        name, command_name, suspicion.scene_path));
+  }
   if (!suspicion.protocol_trouble.empty()) {
     causes.push_back(fmt::format("protocol {} {}", suspicion.protocol, suspicion.protocol_trouble));
   } else if (growth_j > 0 && interface_j > 0.5 * growth_j) {
@@ -54,6 +67,49 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
   return fmt::format("likely cause: {}", fmt::join(causes, "; or "));
 }
 
+namespace {
+
+bool all_tell(const std::vector<PeerDescription>& descriptions, std::initializer_list<const char*> quantities) {
+  for (const auto& description : descriptions) {
+    const auto& told = description.record_columns;
+    for (const auto& body : description.bodies) {
+      for (const char* quantity : quantities) {
+        if (std::find(told.begin(), told.end(), fmt::format("{}/{}", quantity, body)) == told.end()) return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Nothing but the bodies themselves has momentum.
+bool is_free(const scene::Scene& scene) {
+  const bool alone = std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const scene::Body& body) {
+    const bool weightless =
+        std::all_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), [](double g) { return g == 0.0; });
+    return weightless && body.supports.empty() && body.tractions.empty() && body.prescribed.empty() &&
+           body.absorbing.empty();
+  });
+  return alone && std::all_of(scene.contacts.begin(), scene.contacts.end(),
+                              [](const scene::Contact& contact) { return contact.second.has_value(); });
+}
+
+}  // namespace
+
+LossLimits loss_limits(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
+  const auto& scene = problem.scene;
+  LossLimits limits;
+  const bool foreign = std::any_of(scene.participants.begin(), scene.participants.end(),
+                                   [](const scene::ParticipantSpec& participant) { return participant.foreign(); });
+  if (foreign && all_tell(descriptions, {"energy_kinetic_j", "energy_strain_j"})) limits.energy = energy_loss;
+  if (scene.coupling.energy_loss_limit) limits.energy = *scene.coupling.energy_loss_limit;
+  const bool along = all_tell(descriptions, {"momentum_n_kg_m_s"}) &&
+                     (scene.model == scene::Model::bar || scene.model == scene::Model::axisymmetric ||
+                      all_tell(descriptions, {"momentum_t_kg_m_s"}));
+  const bool given = is_free(scene) || all_tell(descriptions, {"impulse_n_kg_m_s"});
+  if (along && given) limits.momentum = momentum_loss;
+  return limits;
+}
+
 double energy_floor_j(const scene::Problem& problem) {
   double sum = 0.0;
   for (const auto& body : problem.bodies) {
@@ -63,8 +119,9 @@ double energy_floor_j(const scene::Problem& problem) {
 }
 
 EnergyWatch::EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
-                         std::vector<std::string> bodies, std::int64_t look_every)
-    : limit_(limit),
+                         std::vector<std::string> bodies, std::int64_t look_every, LossLimits losses)
+    : losses_(losses),
+      limit_(limit),
       floor_j_(floor_j),
       every_(look_every),
       suspicion_(std::move(suspicion)),
@@ -75,19 +132,40 @@ void EnergyWatch::check(const HistoryRow& row) {
   if (!finite(row)) stop(row, "a result is not finite", 0.0);
   if (row.window % every_ != 0) return;
   const double growth_j = balance_.created_j(row), reference_j = std::max(balance_.reference_j(), floor_j_);
-  if (growth_j <= limit_ * reference_j) {
-    growing_since_.reset();
-  } else {
-    if (!growing_since_) growing_since_ = row.window;
-    if (balance_.mostly_initial() || row.window - *growing_since_ >= patience) {
-      stop(row,
-           fmt::format("the energy balance has grown by {:.3g} % (coupling.energy_growth_limit = {:.3g} %)",
-                       100 * growth_j / reference_j, 100 * limit_),
-           growth_j);
-    }
+  if (counts(growth_j > limit_ * reference_j, row.window, growing_since_)) {
+    stop(row,
+         fmt::format("the energy balance has grown by {:.3g} % (coupling.energy_growth_limit = {:.3g} %)",
+                     100 * growth_j / reference_j, 100 * limit_),
+         growth_j);
   }
+  check_losses(row, -growth_j, reference_j);
   last_energy_j_.clear();
   for (const auto& body : row.bodies) last_energy_j_.push_back(energy(body));
+}
+
+bool EnergyWatch::counts(bool beyond, std::int64_t window, std::optional<std::int64_t>& since) const {
+  if (!beyond) since.reset();
+  if (beyond && !since) since = window;
+  return since && (balance_.mostly_initial() || window - *since >= patience);
+}
+
+void EnergyWatch::check_losses(const HistoryRow& row, double lost_j, double reference_j) {
+  const auto stop_for = [&](const std::string& what) {
+    throw EnergyGrowth(fmt::format("wrong in window {} (t = {:.6g} s): {}; {}", row.window, row.time_s, what,
+                                   likely_cause(suspicion_, 0.0, 0.0)));
+  };
+  // Bodies that swing in themselves have no momentum but rounding.
+  const double reference_kg_m_s =
+      std::max(row.momentum_reference_kg_m_s, least_moving * std::sqrt(2.0 * row.sum.mass_kg * reference_j));
+  const double lost_kg_m_s = row.momentum_error * row.momentum_reference_kg_m_s;
+  if (counts(lost_kg_m_s > losses_.momentum * reference_kg_m_s, row.window, drifting_since_)) {
+    stop_for(fmt::format("{:.3g} % of the momentum came from nowhere or got lost, allowed are {:.3g} %",
+                         100 * lost_kg_m_s / reference_kg_m_s, 100 * losses_.momentum));
+  }
+  if (counts(lost_j > losses_.energy * reference_j, row.window, losing_since_)) {
+    stop_for(fmt::format("{:.3g} % of the energy got lost (coupling.energy_loss_limit = {:.3g} %)",
+                         100 * lost_j / reference_j, 100 * losses_.energy));
+  }
 }
 
 void EnergyWatch::stop(const HistoryRow& row, const std::string& what, double growth_j) const {

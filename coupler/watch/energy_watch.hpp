@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/check/check.hpp"
+#include "coupler/interface/peer.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -22,6 +24,14 @@ struct Suspicion {
     double critical_time_step_s = 0.0;  ///< of an explicit participant; <= 0: not stated
   };
   std::vector<Step> steps;
+  std::vector<std::string> foreign;  ///< participants that are programs of somebody else's
+  std::string scene_path;
+};
+
+/// How much of a balance may be lost before a run is stopped; infinite: as much as there is.
+struct LossLimits {
+  double energy = std::numeric_limits<double>::infinity();    ///< of EnergyBalance::reference_j
+  double momentum = std::numeric_limits<double>::infinity();  ///< HistoryRow::momentum_error
 };
 
 /// "likely cause: ..." for a run that became unstable. `interface_j`: energy the coupling made so far.
@@ -37,7 +47,7 @@ struct EnergyGrowth : SolverError {
 /// It looks every so many windows, whatever rows the history file keeps, so that `output.history_every` changes no
 /// verdict. Where most of the energy comes from outside (loads, prescribed motion), growth counts only once it has
 /// lasted: a jump of a prescribed velocity is resolved by the step to half a window's work, which is much of the work
-/// done so far at first and little later.
+/// done so far at first and little later. What is lost counts in the same way.
 class EnergyWatch {
  public:
   static constexpr std::int64_t every = 8;  ///< windows from look to look
@@ -49,25 +59,32 @@ class EnergyWatch {
   /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`.
   /// `participants`, `bodies`: names for the texts.
   EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
-              std::vector<std::string> bodies, std::int64_t look_every = every);
+              std::vector<std::string> bodies, std::int64_t look_every = every, LossLimits losses = {});
 
   /// Throws EnergyGrowth naming window, time, where energy was made and the likely cause, if the energy balance has
-  /// grown by more than the limit or anything in the row is not finite.
+  /// grown by more than the limit, more energy or momentum was lost than may be, or anything in the row is not finite.
   void check(const HistoryRow& row);
-  void archive(Archive& a) { a(balance_, last_energy_j_, growing_since_); }
+  void archive(Archive& a) { a(balance_, last_energy_j_, growing_since_, losing_since_, drifting_since_); }
 
  private:
   [[noreturn]] void stop(const HistoryRow& row, const std::string& what, double growth_j) const;
   [[nodiscard]] std::string culprit(const HistoryRow& row, double growth_j) const;
+  /// `beyond` its limit now, and for as long as it takes to count. `since`: the first window of that.
+  [[nodiscard]] bool counts(bool beyond, std::int64_t window, std::optional<std::int64_t>& since) const;
+  void check_losses(const HistoryRow& row, double lost_j, double reference_j);
 
+  LossLimits losses_;
   double limit_, floor_j_;
   std::int64_t every_;
   Suspicion suspicion_;
   std::vector<std::string> participants_, bodies_;
   EnergyBalance balance_;
-  std::vector<double> last_energy_j_;          ///< per body
-  std::optional<std::int64_t> growing_since_;  ///< window
+  std::vector<double> last_energy_j_;                                          ///< per body
+  std::optional<std::int64_t> growing_since_, losing_since_, drifting_since_;  ///< window
 };
+
+/// What may be lost in a run of these participants: nothing is limited that not everybody tells of.
+[[nodiscard]] LossLimits loss_limits(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions);
 
 /// Energy below which round-off decides: that of strains of 1e-12, 1e-24 m c^2 of all bodies [J].
 [[nodiscard]] double energy_floor_j(const scene::Problem& problem);

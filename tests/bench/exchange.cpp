@@ -60,8 +60,10 @@ void answer(const std::string& endpoint, std::size_t bytes) {
 std::string echo_participants(int nodes) {
   std::string text;
   for (const char* role : {"explicit", "implicit"}) {
-    text += fmt::format("[[participant]]\nname = \"{0}_{1}\"\nrole = \"{0}\"\nexecutable = \"{2}/echo_participant\"\n",
-                        role, nodes, RICOCHET_BUILD);
+    text += fmt::format(
+        "[[participant]]\nname = \"{0}_{1}\"\nrole = \"{0}\"\nexecutable = \"{2}/echo_participant\"\n"
+        "differing_bodies = [\"steel\", \"carbide\"]\n",
+        role, nodes, RICOCHET_BUILD);
     if (std::string(role) == "explicit") text += "bodies = [\"steel\", \"carbide\"]\n";
   }
   return text;

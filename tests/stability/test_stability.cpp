@@ -387,6 +387,21 @@ TEST(StabilityRefuses, CourantNumbersOfWhatHasNoLimit) {
   }
 }
 
+TEST(AParticipantThatLoadsNothing, IsNotCalledStable) {
+  TemporaryFolder folder;
+  const auto text = bars("hughes_liu") +
+                    "[[participant]]\nname = \"loads_nothing\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"
+                    "executable = \"" RICOCHET_BUILD
+                    "/wrong_participant\"\n"
+                    "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  const auto result = study(folder.write(text), folder, {"--sweep", "courant=0.5,0.9"});
+  ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
+  ASSERT_EQ(result.rows.size(), 4U);
+  for (const auto& row : result.rows) EXPECT_NE(row.at("verdict"), "stable") << row.at("resolution");
+  EXPECT_EQ(result.rows[0].at("verdict"), "unknown");
+  EXPECT_THAT(result.outcome.out, HasSubstr("points are unknown: what a window does is not linear in the states"));
+}
+
 TEST(StabilityRefuses, AParticipantThatCannotLoadAState) {
   const std::string participants =
       "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"

@@ -16,9 +16,9 @@
 namespace ricochet::participant {
 namespace {
 
-constexpr std::array<std::string_view, 10> flaws = {
-    "sound",  "negative_mass", "exit_code",   "process_dependent", "trial_leaks",
-    "drifts", "wrong_work",    "any_version", "outlives_coupler",  "forgets_its_state"};
+constexpr std::array<std::string_view, 12> flaws = {
+    "sound",      "negative_mass", "exit_code",        "process_dependent", "trial_leaks", "drifts",
+    "wrong_work", "any_version",   "outlives_coupler", "forgets_its_state", "pulls",       "deaf"};
 
 class Spring : public Participant {
  public:
@@ -40,6 +40,8 @@ class Spring : public Participant {
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
     dt_ = setup.window_size_s;
+    if (flaw_ == "pulls") stiffness_ = -stiffness_;
+    if (flaw_ == "deaf") stiffness_ = 0.0;
     if (flaw_ == "process_dependent") stiffness_ *= 1.0 + 1e-12 * static_cast<double>(getpid());
     output.value = {0.0};
   }

@@ -20,7 +20,7 @@ std::string two_bars(const std::string& protocol, const std::string& executable)
   return with_protocol(config_text("two_bars"), protocol) +
          fmt::format(
              "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"left\"]\n"
-             "executable = \"{}\"\n",
+             "executable = \"{}\"\ndiffering_bodies = [\"left\"]\n",
              executable) +
          "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
          "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";

@@ -58,7 +58,7 @@ void takes_part_in_a_run(const Package& package) {
   const std::string scene = config_text("two_bars") +
                             fmt::format(
                                 "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"left\"]\n"
-                                "executable = \"{}\"\n",
+                                "executable = \"{}\"\ndiffering_bodies = [\"left\"]\n",
                                 package.program) +
                             "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
                             "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";

@@ -5,7 +5,7 @@ The Python twin of common/participant (participant.hpp, own_loop.hpp, session.cp
 (n, components), absolute and in SI units; increments, resynchronisation, legal order, deadlines and failure messages
 are done here.
 """
-import argparse, dataclasses, hashlib, os, sys, threading, time, tomllib
+import argparse, dataclasses, hashlib, os, sys, threading, time, tomllib, traceback
 
 import numpy as np
 
@@ -134,7 +134,10 @@ def reason(error):
     if isinstance(error, (MemoryError, OSError)):
         return 7, f"{type(error).__name__}: {error}"
     unstable = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
-    return 3 if unstable else 4, f"{type(error).__name__}: {error}"
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{os.path.basename(last.filename)}, line {last.lineno}, in {last.name}"
+    words = f": {error}" if str(error) else ""
+    return 3 if unstable else 4, f"{type(error).__name__}{words} ({place})"
 
 
 def converse(session, channel):
@@ -158,8 +161,10 @@ def serve(make, options):
         return 0
     except Exception as error:
         code, text = reason(error)
+        if not isinstance(error, RunError):
+            traceback.print_exc()
         if channel:
-            text = f"window {session.window}: {text}" if session.window > 0 else text
+            text = f"window {session.window}: {text}" if session.window > 0 and not text.startswith("window ") else text
             channel.send(session.message("failure", error_code=code, error_culprit=options.name, error_text=text))
         print(f"{options.name}: error: {text}", file=sys.stderr, flush=True)
         return code

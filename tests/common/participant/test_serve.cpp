@@ -123,6 +123,7 @@ TEST_P(ServeThrown, BecomesAFailureMessageAndAnExitCode) {
   const auto message = failure();
   EXPECT_EQ(message.as<wire::Failure>().error_code, GetParam().code);
   EXPECT_THAT(message.as<wire::Failure>().error_text, HasSubstr(GetParam().says));
+  EXPECT_THAT(message.as<wire::Failure>().error_text, testing::Not(HasSubstr("window 1: window 1: ")));
   EXPECT_EQ(end(), GetParam().code);
   EXPECT_EQ(said_, "spring: error: " + message.as<wire::Failure>().error_text + "\n");
 }
@@ -130,6 +131,7 @@ TEST_P(ServeThrown, BecomesAFailureMessageAndAnExitCode) {
 INSTANTIATE_TEST_SUITE_P(
     Errors, ServeThrown,
     testing::Values(Thrown{"config", [] { throw ConfigError("c"); }, 2, "window 1: c"},
+                    Thrown{"placed", [] { throw SolverError("window 1: s"); }, 3, "window 1: s"},
                     Thrown{"solver", [] { throw SolverError("s"); }, 3, "window 1: s"},
                     Thrown{"participant", [] { throw ParticipantError("p"); }, 4, "window 1: p"},
                     Thrown{"protocol", [] { throw ProtocolError("w"); }, 5, "window 1: w"},

@@ -52,15 +52,18 @@ resynchronise_every = 0
 after_separation = "implicit"
 separation_windows = 7
 timeout_s = 5
+start_timeout_s = 50
 transport = "tcp"
 address = "0.0.0.0"
 port = 5555
 energy_growth_limit = 0.01
+energy_loss_limit = 0.5
 [[participant]]
 name = "front"
 role = "explicit"
 bodies = ["steel"]
 executable = "bin/my_solver"
+differing_bodies = ["steel"]
 start = "by_hand"
 [[participant]]
 name = "back"
@@ -209,10 +212,12 @@ TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
   EXPECT_EQ(scene.coupling.after_separation, AfterSeparation::stay_implicit);
   EXPECT_EQ(scene.coupling.separation_windows, 7);
   EXPECT_EQ(scene.coupling.timeout_s, 5.0);
+  EXPECT_EQ(scene.coupling.start_timeout_s, 50.0);
   EXPECT_EQ(scene.coupling.transport, Transport::tcp);
   EXPECT_EQ(scene.coupling.address, "0.0.0.0");
   EXPECT_EQ(scene.coupling.port, 5555);
   EXPECT_EQ(scene.coupling.energy_growth_limit, 0.01);
+  EXPECT_EQ(scene.coupling.energy_loss_limit, 0.5);
   EXPECT_EQ(scene.output.history_every, 2);
   EXPECT_EQ(scene.output.fields_every, 50);
   EXPECT_EQ(scene.output.axial_stress_every, 5);
@@ -228,6 +233,8 @@ TEST(LoadScene, ParticipantsFieldByField) {
   EXPECT_THAT(front.bodies, ElementsAre("steel"));
   EXPECT_EQ(front.executable, path.substr(0, path.rfind('/')) + "/bin/my_solver");
   EXPECT_EQ(front.start, Start::by_hand);
+  EXPECT_THAT(front.differing_bodies, ElementsAre("steel"));
+  EXPECT_TRUE(front.foreign());
   EXPECT_EQ(scene.participant("back").executable, "my_solver");
   EXPECT_EQ(scene.participant("back").start, Start::launch);
   EXPECT_EQ(scene.participant("contact").role, Role::implicit_solver);

@@ -138,6 +138,10 @@ TEST(History, TakesWhatIsToldOfEachOfSeveralContacts) {
               }),
               HasSubstr("unknown history column \"energy_contact_j/first\""))
       << "told of all together";
+  EXPECT_THAT(text_of([] {
+                History({{"x", {"window", "mass_kg/rod"}}}, {});
+              }),
+              HasSubstr("unknown history column \"mass_kg/rod\" (no bodies)"));
   EXPECT_THAT(
       contacts_named_in({"window", "mass_kg/rod", "gap_min_m/b", "gap_min_m/a", "contact_force_n/b", "gap_min_m"}),
       testing::ElementsAre("b", "a"));
@@ -317,6 +321,61 @@ struct Watched {
     watch.check(r);
   }
 };
+
+/// With the most that may be lost; `momentum_error` of each row.
+struct LossWatched {
+  double moving_kg_m_s = 1.0;
+  EnergyWatch watch;
+  std::int64_t window = 0;
+  explicit LossWatched(LossLimits limits, Suspicion suspicion = {})
+      : watch(0.05, 0.0, std::move(suspicion), {"explicit"}, {"rod"}, EnergyWatch::every, limits) {}
+  void row(double kinetic, double external, double momentum_error) {
+    auto r = row_of(kinetic, external, 0, 0, 0);
+    r.window = window;
+    r.momentum_error = momentum_error;
+    r.momentum_reference_kg_m_s = moving_kg_m_s;
+    r.sum.mass_kg = 2.0;
+    window += EnergyWatch::every;
+    watch.check(r);
+  }
+};
+
+TEST(EnergyWatch, WhatIsLostBeyondItsLimitStopsAndNamesWhoIsForeign) {
+  Suspicion suspicion;
+  suspicion.protocol = "hughes_liu";
+  suspicion.protocol_trouble = "has a trouble of its own";
+  suspicion.foreign = {"explicit"};
+  suspicion.scene_path = "/a/scene.toml";
+  LossWatched energy({.energy = 0.3}, suspicion), momentum({.momentum = 0.2}, suspicion);
+  energy.row(1, 0, 0);
+  EXPECT_NO_THROW(energy.row(0.71, 0, 0.9));
+  EXPECT_THAT(
+      text_of([&] { energy.row(0.69, 0, 0.9); }),
+      AllOf(HasSubstr("window 16"), HasSubstr("31 % of the energy got lost (coupling.energy_loss_limit = 30 %)"),
+            HasSubstr("likely cause: participant 'explicit', a program of your own"),
+            HasSubstr("check-participant --scene /a/scene.toml --name explicit`"),
+            HasSubstr("; or protocol hughes_liu has a trouble")));
+  momentum.row(1, 0, 0);
+  EXPECT_NO_THROW(momentum.row(0.1, 0, 0.19));
+  EXPECT_THAT(text_of([&] { momentum.row(1, 0, 0.21); }),
+              HasSubstr("21 % of the momentum came from nowhere or got lost, allowed are 20 %"));
+}
+
+TEST(EnergyWatch, MomentumThatIsRoundingAloneIsNone) {
+  LossWatched swinging({.momentum = 0.2});
+  swinging.moving_kg_m_s = 1e-12;
+  swinging.row(1, 0, 0);
+  EXPECT_NO_THROW(swinging.row(1, 0, 1.0));
+}
+
+TEST(EnergyWatch, ALossOfWhatComesFromOutsideMustLast) {
+  LossWatched watched({.energy = 0.3, .momentum = 0.2});
+  watched.row(0, 0, 0);
+  for (int n = 0; n < 4; ++n) EXPECT_NO_THROW(watched.row(1, 10, 0.5)) << n;
+  EXPECT_NO_THROW(watched.row(10, 10, 0));
+  for (int n = 0; n < 4; ++n) EXPECT_NO_THROW(watched.row(1, 10, 0)) << n;
+  EXPECT_THROW(watched.row(1, 10, 0), SolverError);
+}
 
 TEST(EnergyWatch, LossesAndSmallGrowthPass) {
   Watched watched;

@@ -33,6 +33,20 @@ TEST(ExactSpectralRadius, OfMatricesByHand) {
   EXPECT_FALSE(exact_spectral_radius(map_of(1.001 * rotation)).stable());
 }
 
+/// A map that answers the same whatever was loaded, as of a participant whose load_state does nothing.
+TEST(ExactSpectralRadius, SaysNothingOfWhatIsNoLinearMap) {
+  LinearMap deaf;
+  deaf.size = 2;
+  deaf.load = [](const Eigen::VectorXd&) {};
+  deaf.advance = [](std::int64_t) {};
+  deaf.read = [](Eigen::VectorXd& out) { out = Eigen::Vector2d(0.1, 0.2); };
+  const auto radius = exact_spectral_radius(deaf);
+  EXPECT_GT(radius.resolution, 0.01);
+  EXPECT_FALSE(radius.known());
+  EXPECT_FALSE(radius.stable());
+  EXPECT_STREQ(radius.verdict(), "unknown");
+}
+
 /// Two bars of springs, the first explicit, which share a node; 2 x 61 unknowns and two link inputs.
 struct Chains {
   static constexpr int springs = 30;

@@ -1,0 +1,326 @@
+#include "coupler/contract/contract_response.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using Values = std::vector<double>;
+
+/// More unit inputs than this are not tried: evenly spaced ones are.
+constexpr std::size_t most_probes = 40;
+constexpr double rounding = 1e-6;
+
+void require_capability(const ContractRun& first, Capability capability, const std::string& who_needs_it) {
+  if (first.description.has(capability)) return;
+  throw NotApplicable{fmt::format("it does not announce \"{}\" ({})", name_of(capability), who_needs_it)};
+}
+
+void require_role(const ContractRun& first, Role role) {
+  if (first.implicit() != (role == Role::implicit_solver))
+    throw NotApplicable{fmt::format("it is not {}", name_of(role))};
+}
+
+std::string place(const ContractRun& run, std::size_t row) {
+  const auto components = static_cast<std::size_t>(run.description.components);
+  return components == 1 ? fmt::format("interface node {}", row)
+                         : fmt::format("interface node {}, component {}", row / components, row % components);
+}
+
+/// Those rows of the link that are tried one by one.
+std::vector<std::size_t> probed_rows(std::size_t size) {
+  std::vector<std::size_t> rows;
+  const std::size_t count = std::min(size, most_probes);
+  for (std::size_t i = 0; i < count; ++i) rows.push_back(i * size / count);
+  return rows;
+}
+
+/// Of a matrix that should be one of unit responses.
+void check_symmetry(const ContractRun& run, const std::vector<std::size_t>& rows, const Eigen::MatrixXd& matrix,
+                    const std::string& answer, const std::string& sign) {
+  const double size = matrix.cwiseAbs().maxCoeff();
+  if (!(size > 0.0)) fail(fmt::format("{} does not depend on its link input", answer));
+  Eigen::Index i = 0, j = 0;
+  const double skew = (matrix - matrix.transpose()).cwiseAbs().maxCoeff(&i, &j);
+  if (skew > rounding * size) {
+    const auto at = [&](Eigen::Index k) { return place(run, rows[static_cast<std::size_t>(k)]); };
+    fail(
+        fmt::format("{} at {} is {:.6g} for a unit input at {}, and {:.6g} the other way round, expected the same: its "
+                    "rows are in another order than the nodes that it describes (reversed, or by component in place of "
+                    "by node), or it is not linear",
+                    answer, at(i), matrix(i, j), at(j), matrix(j, i)));
+  }
+  if (matrix.diagonal().maxCoeff() <= 0.0) fail(fmt::format("{} has the wrong sign: {}", answer, sign));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(matrix, Eigen::EigenvaluesOnly);
+  if (modes.eigenvalues()[0] < -rounding * size)
+    fail(fmt::format("{} is not positive: some input meets a resistance of {:.3g}, in units of the largest entry, {}",
+                     answer, modes.eigenvalues()[0] / size, sign));
+}
+
+std::string probes_text(std::size_t probed, std::size_t size) {
+  return probed == size ? "" : fmt::format("{} of {} unit inputs tried", probed, size);
+}
+
+/// Displacement of a unit response [m], or force [N], as the contract's link inputs are sized.
+double probe_size(const ContractRun& run, std::size_t row) {
+  const auto node = row / static_cast<std::size_t>(run.description.components);
+  const double displacement = std::max(largest(run.description.interface_position_m.data), 1.0) * 1e-6;
+  if (!run.by_force) return displacement;
+  return run.description.interface_mass_kg.data[node] * displacement / (run.window_size_s * run.window_size_s);
+}
+
+/// Column by column, of some rows, what `answer(input)` changes by.
+template <class Answer>
+Eigen::MatrixXd unit_responses(const ContractRun& run, const std::vector<std::size_t>& rows, const Answer& answer) {
+  const Values zero(run.size(), 0.0);
+  const Values before = answer(zero);
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd matrix(count, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    Values input = zero;
+    const auto row = rows[static_cast<std::size_t>(j)];
+    input[row] = probe_size(run, row);
+    const Values after = answer(input);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto to = rows[static_cast<std::size_t>(i)];
+      matrix(i, j) = (after[to] - before[to]) / input[row];
+    }
+  }
+  return matrix;
+}
+
+ContractDrive forced(ContractDrive drive) {
+  drive.by_force = true;
+  return drive;
+}
+
+/// Of who is driven by force the acceleration at the present time is M^-1 times it, which is symmetric whatever the
+/// masses only if rows are nodes.
+std::string accelerate_as_pushed(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
+  const auto rows = probed_rows(first.size());
+  if (rows.empty()) return "";
+  ContractPeer peer(command);
+  ContractRun run;
+  describe(peer, command.timeout_s, run);
+  start(peer, drive, run);
+  const auto integration = run.implicit() ? Integration::implicit_newmark : Integration::explicit_central;
+  const double sign = run.implicit() ? -1.0 : 1.0;
+  const auto mobility = unit_responses(run, rows, [&](const Values& input) {
+    Values rate = synchronise(peer, run, input, integration).acceleration;
+    for (double& value : rate) value *= sign;
+    return rate;
+  });
+  check_symmetry(run, rows, mobility, run.implicit() ? "minus its acceleration" : "its acceleration",
+                 run.implicit() ? "the link input L acts with a minus, M a = f - K u - L"
+                                : "driven by force, M a = f - K u + lambda, lambda the link input");
+  return probes_text(rows.size(), first.size());
+}
+
+/// Names the first window, row and quantity in which b differs from a by more than rounding; window n of a is n times
+/// `stride` of b.
+void require_same_motion(const ContractRun& a, const ContractRun& b, int stride, const std::string& what) {
+  struct Quantity {
+    const char *name, *unit;
+    const Values &in_a, &in_b;
+  };
+  const auto size = a.size();
+  for (const auto& q :
+       {Quantity{"displacement", "m", a.output, b.output}, Quantity{"velocity", "m/s", a.velocity, b.velocity},
+        Quantity{"acceleration", "m/s^2", a.acceleration, b.acceleration}}) {
+    const double scale = largest(q.in_b);
+    for (std::size_t k = 0; k < q.in_a.size(); ++k) {
+      const std::size_t window = k / size, row = k % size;
+      const double other = q.in_b[window * static_cast<std::size_t>(stride) * size + row];
+      if (std::abs(q.in_a[k] - other) <= rounding * scale) continue;
+      fail(fmt::format("window {}, {}: {} is {:.6g} {}, {} {:.6g} {}", window, place(a, row), q.name, q.in_a[k], q.unit,
+                       what, other, q.unit));
+    }
+  }
+}
+
+/// Random numbers that are the same everywhere.
+Values some_numbers(std::size_t count, std::uint32_t seed) {
+  Values result;
+  for (std::size_t i = 0; i < count; ++i) {
+    seed = seed * 1664525U + 1013904223U;
+    result.push_back(seed / 4294967296.0 - 0.5);
+  }
+  return result;
+}
+
+Values sum_of(Values a, const Values& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
+  return a;
+}
+
+}  // namespace
+
+std::string respond_like_an_elastic_body(const ContractCommand& command, const ContractDrive& drive,
+                                         const ContractRun& first) {
+  if (first.size() == 0) throw NotApplicable{"it has no interface nodes"};
+  if (first.implicit()) return accelerate_as_pushed(command, drive, first);
+  const auto rows = probed_rows(first.size());
+  ContractPeer peer(command);
+  ContractRun run;
+  describe(peer, command.timeout_s, run);
+  start(peer, drive, run);
+  const auto stiffness = unit_responses(run, rows, [&](const Values& input) {
+    return synchronise(peer, run, input, Integration::explicit_central).output;
+  });
+  check_symmetry(run, rows, stiffness, "its internal force",
+                 "P = K u is positive where it resists a positive displacement");
+  return probes_text(rows.size(), first.size());
+}
+
+std::string take_substeps(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
+  require_role(first, Role::explicit_solver);
+  require_capability(first, Capability::driven_by_force, "dual protocols will refuse it");
+  accelerate_as_pushed(command, forced(drive), first);
+  for (const int m : {1, 2, 4}) {
+    ContractDrive coarse = forced(drive), fine = forced(drive);
+    coarse.substeps = fine.fine = m;
+    fine.windows = m * coarse.windows;
+    fine.window_size_s = first.window_size_s;
+    coarse.window_size_s = m * first.window_size_s;
+    ContractRun whole, steps;
+    run_contract(command, coarse, whole);
+    if (m == 1) continue;  // there is nothing to compare it with but that it comes to its end
+    run_contract(command, fine, steps);
+    require_same_motion(
+        whole, steps, m,
+        fmt::format("driven by force with m = {} steps in a window; after {} windows of one step", m, m));
+  }
+  return "m = 1, 2, 4";
+}
+
+std::string take_single_substeps(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
+  require_role(first, Role::explicit_solver);
+  require_capability(first, Capability::single_substep, "protocol gravouil_combescure will refuse it");
+  ContractDrive whole = forced(drive);
+  whole.substeps = 3;
+  whole.window_size_s = 3.0 * first.window_size_s;
+  ContractDrive single = whole;
+  single.one_by_one = true;
+  ContractRun at_once, one_by_one;
+  run_contract(command, whole, at_once);
+  run_contract(command, single, one_by_one);
+  require_same_motion(one_by_one, at_once, 1, "asked for one substep after the other; asked for the whole window");
+  return "";
+}
+
+std::string take_interface_stiffness(const ContractCommand& command, const ContractDrive& drive,
+                                     const ContractRun& first) {
+  require_role(first, Role::implicit_solver);
+  require_capability(first, Capability::interface_stiffness, "dual protocols and belytschko_mullen will refuse it");
+  const std::size_t size = first.size(), components = static_cast<std::size_t>(first.description.components);
+  if (size == 0) throw NotApplicable{"it has no interface nodes"};
+  ContractDrive stiff = drive;
+  stiff.interface_stiffness.assign(size * size, 0.0);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double k = first.description.interface_mass_kg.data[i / components] / std::pow(first.window_size_s, 2);
+    stiff.interface_stiffness[i * size + i] = 2.0 * k;
+    if (i + components >= size) continue;  // and between neighbours
+    stiff.interface_stiffness[i * size + i + components] = stiff.interface_stiffness[(i + components) * size + i] =
+        0.1 * k;
+  }
+  ContractRun with;
+  run_contract(command, stiff, with);
+  ContractDrive plain = drive;
+  plain.inputs = with.input;
+  for (std::size_t k = 0; k < plain.inputs.size(); ++k) {
+    for (std::size_t j = 0; j < size; ++j)
+      plain.inputs[k] += stiff.interface_stiffness[k % size * size + j] * with.output[k / size * size + j];
+  }
+  ContractRun without;
+  run_contract(command, plain, without);
+  require_same_motion(with, without, 1, "with a stiffness S on the interface; given the force S u itself");
+  return "";
+}
+
+std::string switch_integration(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
+  require_role(first, Role::implicit_solver);
+  require_capability(first, Capability::switch_integration, "it stays implicit after separation");
+  ContractDrive central = drive;
+  central.as_explicit = true;
+  ContractRun run;
+  run_contract(command, central, run);
+  const double dt = run.window_size_s, scale = largest(run.output);
+  for (std::size_t k = run.size(); k < run.output.size(); ++k) {
+    const std::size_t last = k - run.size();
+    const double expected = run.output[last] + dt * run.velocity[last] + 0.5 * dt * dt * run.acceleration[last];
+    if (std::abs(run.output[k] - expected) <= rounding * scale) continue;
+    fail(fmt::format("window {}, {}: displacement is {:.6g} m, by central differences it is {:.6g} m", k / run.size(),
+                     place(run, k % run.size()), run.output[k], expected));
+  }
+  return "";
+}
+
+std::string load_their_motion(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
+  require_capability(first, Capability::load_state, "`ricochet stability` will refuse it");
+  ContractPeer peer(command);
+  ContractRun run;
+  describe(peer, command.timeout_s, run);
+  start(peer, drive, run);
+  const auto integration = run.implicit() ? Integration::implicit_newmark : Integration::explicit_central;
+  const auto tell = [&]() -> wire::State {
+    wire::Message request;
+    request.make<wire::ReadState>();
+    return peer.ask(request).as<wire::State>();
+  };
+  const auto load = [&](const Values& state, const Values& input) {
+    wire::Message request;
+    auto& message = request.make<wire::LoadState>();
+    message.frozen_contact = name_of(FrozenContact::open);
+    message.state.resize(static_cast<int>(state.size()), 1);
+    message.state.data = state;
+    peer.ask(request);
+    synchronise(peer, run, input, integration);
+  };
+  const Values scale = tell().state_scale.data;
+  const auto scaled = [&scale](Values state) {
+    for (std::size_t i = 0; i < state.size(); ++i) state[i] *= scale[i];
+    return state;
+  };
+  const auto state_of = [&scale](const Values& numbers) {
+    Values state = numbers;
+    for (std::size_t i = 0; i < state.size(); ++i) state[i] /= scale[i];
+    return state;
+  };
+  int window = 0;
+  const auto after_window = [&](const Values& numbers, const Values& last, const Values& input) {
+    load(state_of(numbers), last);
+    const Values told = scaled(tell().state.data);
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      if (std::abs(told[i] - numbers[i]) <= rounding) continue;
+      fail(fmt::format("number {} of {} of its state: loaded {:.6g}, read back {:.6g}", i, told.size(),
+                       numbers[i] / scale[i], told[i] / scale[i]));
+    }
+    try_window(peer, run, ++window, last, input, true);
+    return scaled(tell().state.data);
+  };
+  const auto inputs = [&](std::uint32_t seed) {
+    Values values = some_numbers(run.size(), seed);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] *= probe_size(run, i);
+    return values;
+  };
+  const Values a = some_numbers(scale.size(), 1), b = some_numbers(scale.size(), 2);
+  const Values a0 = inputs(3), b0 = inputs(4), a1 = inputs(5), b1 = inputs(6);
+  const Values of_a = after_window(a, a0, a1), of_b = after_window(b, b0, b1);
+  const Values of_both = after_window(sum_of(a, b), sum_of(a0, b0), sum_of(a1, b1)), sum = sum_of(of_a, of_b);
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    if (std::abs(of_both[i] - sum[i]) <= rounding * largest(sum)) continue;
+    fail(
+        fmt::format("number {} of {} of its state after a window is not linear in what was loaded: {:.6g} after the "
+                    "sum of two states, the sum after each is {:.6g} (loads, supports and contact must be homogeneous)",
+                    i, sum.size(), of_both[i] / scale[i], sum[i] / scale[i]));
+  }
+  return "";
+}
+
+}  // namespace ricochet::coupler

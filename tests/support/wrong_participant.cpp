@@ -1,0 +1,167 @@
+// wrong_participant --scene SCENE --name FLAW --connect ENDPOINT: a shipped solver, with one thing about its body or
+// its link that is wrong. Tests have it started in the place of that solver; its name in the scene says which.
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/participant/participant.hpp"
+#include "common/problem/problem.hpp"
+#include "explicit_solver/explicit_solver.hpp"
+#include "implicit_solver/implicit_solver.hpp"
+
+namespace ricochet::participant {
+namespace {
+
+using scene::Problem;
+
+void scale_stiffness(Problem& problem, double factor) {
+  for (auto& body : problem.bodies) body.material.youngs_modulus_pa *= factor;
+}
+
+void scale_mass(Problem& problem, double factor) {
+  for (auto& body : problem.bodies) body.material.density_kg_m3 *= factor;
+}
+
+void make_per_radian(Problem& problem) {
+  for (auto& body : problem.bodies) body.section.measure /= 2.0 * M_PI;
+}
+
+void make_slower(Problem& problem) {
+  for (auto& body : problem.bodies) body.initial_velocity_m_s *= 0.99;
+}
+
+const std::map<std::string, std::function<void(Problem&)>> wrong_bodies = {
+    {"stiffer", [](Problem& problem) { scale_stiffness(problem, 1.01); }},
+    {"heavier", [](Problem& problem) { scale_mass(problem, 1.01); }},
+    {"per_radian", make_per_radian},
+    {"slower", make_slower},
+};
+
+/// Rows of nodes in the other order.
+std::vector<double> reversed(const std::vector<double>& values, std::size_t components) {
+  std::vector<double> result;
+  for (std::size_t i = values.size() / components; i-- > 0;) {
+    for (std::size_t c = 0; c < components; ++c) result.push_back(values[i * components + c]);
+  }
+  return result;
+}
+
+/// All first components, then all second ones.
+std::vector<double> by_component(const std::vector<double>& values, std::size_t components) {
+  std::vector<double> result;
+  for (std::size_t c = 0; c < components; ++c) {
+    for (std::size_t i = c; i < values.size(); i += components) result.push_back(values[i]);
+  }
+  return result;
+}
+
+std::unique_ptr<Participant> solver_of(Problem problem, const std::string& name) {
+  if (problem.scene.participant(name).role == Role::implicit_solver)
+    return std::make_unique<implicit_solver::ImplicitSolver>(std::move(problem), name);
+  return std::make_unique<explicit_solver::ExplicitSolver>(std::move(problem), name);
+}
+
+class Wrong : public Participant {
+ public:
+  Wrong(Problem problem, const std::string& flaw) : flaw_(flaw), solver_(solver_of(std::move(problem), flaw)) {}
+
+  Description describe() override {
+    auto d = solver_->describe();
+    components_ = static_cast<std::size_t>(d.components);
+    if (flaw_ == "interface_heavier") scale(d.interface_mass_kg, 1.01);
+    if (flaw_ == "interface_twice") scale(d.interface_mass_kg, 2.0);
+    if (flaw_ == "long_step") d.critical_time_step_s *= 0.5;
+    if (flaw_ == "reversed_positions") {  // of each of two equally large bodies
+      auto& all = d.interface_position_m;
+      const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+      const auto first = reversed({all.begin(), middle}, components_),
+                 second = reversed({middle, all.end()}, components_);
+      std::copy(second.begin(), second.end(), std::copy(first.begin(), first.end(), all.begin()));
+    }
+    if (flaw_ == "far_place") d.interface_position_m.back() += 1e-4;
+    return d;
+  }
+  void initialize(const Setup& setup, LinkOutput& output) override {
+    auto mine = setup;
+    if (flaw_ == "late") sleep(3);
+    if (flaw_ == "one_step") {  // of as many as there should be
+      mine.window_size_s /= setup.substeps;
+      mine.substeps = 1;
+    }
+    if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
+    solver_->initialize(mine, output);
+    change(output);
+  }
+  void synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) override {
+    auto input = link_input;
+    if (flaw_ == "pushes") scale(input, -1.0);
+    solver_->synchronise(flaw_ == "stays_implicit" ? Integration::implicit_newmark : integration, input, output);
+    change(output);
+  }
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
+    solver_->advance(window, link_input, output);
+    change(output);
+    if (flaw_ == "turns_wrong" && window > 40) scale(output.value, -1.0);
+  }
+  void accept() override {
+    solver_->accept();
+    advanced_ = true;
+  }
+  [[nodiscard]] ContactStatus contact_status() const override { return solver_->contact_status(); }
+  void record(std::vector<double>& row) override {
+    solver_->record(row);
+    if (flaw_ == "tells_more_energy") row[1] *= 1.01;
+  }
+  void axial_stress(std::vector<double>& row) override { solver_->axial_stress(row); }
+  void load_state(const std::vector<double>& state, FrozenContact contact) override {
+    if (flaw_ != "loads_nothing") solver_->load_state(state, contact);
+    advanced_ = false;
+  }
+  void read_state(std::vector<double>& state, std::vector<double>& scale) override {
+    solver_->read_state(state, scale);
+    if (flaw_ == "stays_loaded" && advanced_) state[0] += 1.0 / scale[0];
+  }
+  std::string save_state() override { return solver_->save_state(); }
+  void restore_state(std::string_view bytes) override { solver_->restore_state(bytes); }
+  void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
+                       LinkOutput& output) override {
+    solver_->advance_substep(window, substep, link_input, output);
+    if (flaw_ == "skips_a_substep" && substep >= 2) scale(output.velocity_m_s, 0.9);
+  }
+  void finish() override { solver_->finish(); }
+
+ private:
+  static void scale(std::vector<double>& values, double factor) {
+    for (double& value : values) value *= factor;
+  }
+  void change(LinkOutput& output) const {
+    if (flaw_ == "wrong_sign") scale(output.value, -1.0);
+    if (flaw_ == "one_pulls") output.value.front() *= -1.0;
+    if (flaw_ == "reversed_rows") output.value = reversed(output.value, components_);
+    if (flaw_ == "rows_by_component") output.value = by_component(output.value, components_);
+  }
+  std::string flaw_;
+  std::size_t components_ = 1;
+  std::unique_ptr<Participant> solver_;
+  bool advanced_ = false;  ///< since a state was loaded
+};
+
+std::unique_ptr<Participant> make(Arguments& arguments) {
+  auto problem = scene::build_problem(scene::load_scene(arguments.scene));
+  const auto wrong = wrong_bodies.find(arguments.name);
+  if (wrong != wrong_bodies.end()) wrong->second(problem);
+  return std::make_unique<Wrong>(std::move(problem), arguments.name);
+}
+
+}  // namespace
+}  // namespace ricochet::participant
+
+int main(int argc, char** argv) {
+  return ricochet::participant::participant_main(argc, argv, ricochet::participant::make);
+}
