@@ -51,6 +51,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   separation_ = SeparationWatch(setup.separation_windows);
   if (setup_.driven_by == participant::Drive::force) {
     // The shared nodes become this participant's own: with the mass of its own elements, held by their supports.
+    states_.clear();
     states_ = solver::initial_states(problem_, *spec_, true);
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
   }

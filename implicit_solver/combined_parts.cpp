@@ -1,36 +1,29 @@
 #include "implicit_solver/combined_parts.hpp"
 
 namespace ricochet::implicit_solver {
-namespace {
-
-fem::SparseMatrix block_diagonal(const std::vector<solver::BodyState>& states,
-                                 const std::vector<Eigen::Index>& offsets) {
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::Index size = 0;
-  for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto& k = states[b].part.stiffness;
-    for (int row = 0; row < k.outerSize(); ++row) {
-      for (fem::SparseMatrix::InnerIterator it(k, row); it; ++it) {
-        entries.emplace_back(static_cast<int>(offsets[b]) + row, static_cast<int>(offsets[b] + it.col()), it.value());
-      }
-    }
-    size += k.rows();
+CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies) : states(bodies) {
+  for (const auto& state : states) {
+    offsets.push_back(dofs_);
+    for (const int dof : state.shared_dofs) shared_dofs.push_back(static_cast<int>(dofs_) + dof);
+    dofs_ += state.part.dofs();
   }
-  fem::SparseMatrix all(size, size);
-  all.setFromTriplets(entries.begin(), entries.end());
-  return all;
 }
 
-}  // namespace
-
-CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies) : states(bodies) {
-  Eigen::Index offset = 0;
-  for (const auto& state : states) {
-    offsets.push_back(offset);
-    for (const int dof : state.shared_dofs) shared_dofs.push_back(static_cast<int>(offset) + dof);
-    offset += state.part.dofs();
+fem::SparseMatrix CombinedParts::stiffness() const {
+  fem::SparseMatrix all(dofs_, dofs_);
+  Eigen::Index entries = 0;
+  for (const auto& state : states) entries += state.part.stiffness.nonZeros();
+  all.reserve(entries);
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    for (int row = 0; row < states[b].part.dofs(); ++row) {
+      const auto combined = offsets[b] + row;
+      all.startVec(combined);
+      for (fem::SparseMatrix::InnerIterator it(states[b].part.stiffness, row); it; ++it)
+        all.insertBack(combined, offsets[b] + it.col()) = it.value();
+    }
   }
-  stiffness = block_diagonal(states, offsets);
+  all.finalize();
+  return all;
 }
 
 void CombinedParts::external_force(double time_s, Eigen::VectorXd& external) const {
@@ -47,8 +40,8 @@ void CombinedParts::constrain_rates(double time_s, double dt, const WindowState&
     for (const auto& c : states[b].constrained) {
       const auto dof = static_cast<int>(offsets[b]) + c.dof;
       double internal = state.external[dof] - state.residual[dof] - state.link[dof];
-      for (fem::SparseMatrix::InnerIterator it(stiffness, dof); it; ++it)
-        internal += it.value() * trial.increment[it.col()];
+      for (fem::SparseMatrix::InnerIterator it(states[b].part.stiffness, c.dof); it; ++it)
+        internal += it.value() * trial.increment[offsets[b] + it.col()];
       trial.velocity[dof] = c.velocity(time_s, dt);
       trial.acceleration[dof] = c.acceleration(time_s, dt);
       trial.end.residual[dof] = states[b].mass[c.dof] * trial.acceleration[dof];

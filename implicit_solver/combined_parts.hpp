@@ -29,7 +29,9 @@ class CombinedParts {
   explicit CombinedParts(std::vector<solver::BodyState>& states);
 
   [[nodiscard]] std::size_t size() const { return states.size(); }
-  [[nodiscard]] Eigen::Index dofs() const { return stiffness.rows(); }
+  [[nodiscard]] Eigen::Index dofs() const { return dofs_; }
+  /// K of all parts, block diagonal, made anew [N/m].
+  [[nodiscard]] fem::SparseMatrix stiffness() const;
   [[nodiscard]] auto segment(Eigen::VectorXd& combined, std::size_t part) const {
     return combined.segment(offsets[part], states[part].part.dofs());
   }
@@ -48,7 +50,9 @@ class CombinedParts {
   std::vector<solver::BodyState>& states;
   std::vector<Eigen::Index> offsets;
   std::vector<int> shared_dofs;  ///< combined numbers, interface order
-  fem::SparseMatrix stiffness;   ///< all parts, block diagonal
+
+ private:
+  Eigen::Index dofs_ = 0;
 };
 
 }  // namespace ricochet::implicit_solver

@@ -119,8 +119,49 @@ void subtract_transposed_product(const double* l, int rows, int columns, const d
 
 }  // namespace
 
-CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active,
-                                 const std::vector<int>& root, std::shared_ptr<Parallel> parallel)
+/// CHOLMOD's L L^T, read as L D L^T column by column. Its supernodes are columns that were made alike with zeros, so
+/// that dense algebra computes them; these zeros are exact.
+class Supernodes {
+ public:
+  explicit Supernodes(const cholmod_factor& factor)
+      : first_(static_cast<const int*>(factor.super)),
+        rows_from_(static_cast<const int*>(factor.pi)),
+        values_from_(static_cast<const int*>(factor.px)),
+        row_(static_cast<const int*>(factor.s)),
+        value_(static_cast<const double*>(factor.x)) {
+    for (int s = 0; s < static_cast<int>(factor.nsuper); ++s)
+      of_column_.resize(static_cast<std::size_t>(first_[s + 1]), s);
+  }
+
+  /// Of L L^T.
+  [[nodiscard]] double diagonal(int column) const { return column_of(column).values[0]; }
+  /// take(row, value) of the column of L, of L D L^T, from the top.
+  template <class Take>
+  void below_diagonal(int column, const Take& take) const {
+    const Column c = column_of(column);
+    for (int k = 1; k < c.height; ++k) take(c.rows[k], c.values[k] / c.values[0]);
+  }
+
+ private:
+  struct Column {
+    const int* rows;
+    const double* values;
+    int height;
+  };
+  [[nodiscard]] Column column_of(int column) const {
+    const int s = of_column_[static_cast<std::size_t>(column)], above = column - first_[s];
+    const int height = rows_from_[s + 1] - rows_from_[s];
+    return {row_ + rows_from_[s] + above, value_ + values_from_[s] + std::ptrdiff_t{above} * height + above,
+            height - above};
+  }
+
+  const int *first_, *rows_from_, *values_from_, *row_;
+  const double* value_;
+  std::vector<int> of_column_;
+};
+
+CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& active, const std::vector<int>& root,
+                                 std::shared_ptr<Parallel> parallel)
     : parallel_(std::move(parallel)) {
   const auto dofs = static_cast<std::size_t>(a.rows());
   std::vector<int> unknown_of(dofs, -1), dof_of_unknown;
@@ -140,27 +181,23 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   common.postorder = 0;  // CHOLMOD's own would move the root
   common.supernodal = CHOLMOD_SIMPLICIAL;
   cholmod.matrix = upper_triangle(a, unknown_of, unknowns, common);
+  a = fem::SparseMatrix();  // of what is needed at the peak of memory it would be a good part
 
   std::vector<int> root_unknowns;
   for (const int dof : root) root_unknowns.push_back(unknown_of[static_cast<std::size_t>(dof)]);
   const EliminationOrder plan = elimination_order(cholmod.matrix, root_unknowns, common);
   std::vector<int> order = plan.order;
+  common.supernodal = CHOLMOD_SUPERNODAL;
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
   if (!cholmod.factor) refuse_cholmod(common, "analyse");
   if (!cholmod_factorize(cholmod.matrix, cholmod.factor, &common)) refuse_cholmod(common, "factorise");
   if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
-  if (!cholmod_change_factor(CHOLMOD_REAL, 0, 0, 1, 1, cholmod.factor, &common))
-    refuse_cholmod(common, "order the factor of");
+  cholmod_free_sparse(&cholmod.matrix, &common);
 
-  const auto* start = static_cast<const int*>(cholmod.factor->p);
-  const auto* rows = static_cast<const int*>(cholmod.factor->i);
-  const auto* values = static_cast<const double*>(cholmod.factor->x);
-  for (int j = 0; j < unknowns; ++j) {  // L D L^T exists for indefinite matrices, too
-    if (!(values[start[j]] > 0.0)) refuse_indefinite();
-  }
-  for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / values[start[j]]);
+  const Supernodes factor(*cholmod.factor);
+  for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / (factor.diagonal(j) * factor.diagonal(j)));
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);
-  collect_blocks(plan.blocks, start, rows, values);
+  collect_blocks(plan.blocks, factor);
   division_ = divide(blocks_, row_, interior_);
   collect_targets();
   const auto taller = [](const Block& x, const Block& y) { return x.rows < y.rows; };
@@ -170,9 +207,8 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
   for (int k = 0; k < roots; ++k) {
-    const int j = interior_ + k;
-    pivots[k] = values[start[j]];
-    for (int p = start[j] + 1; p < start[j + 1]; ++p) lower(rows[p] - interior_, k) = values[p];
+    pivots[k] = factor.diagonal(interior_ + k) * factor.diagonal(interior_ + k);
+    factor.below_diagonal(interior_ + k, [&](int row, double value) { lower(row - interior_, k) = value; });
   }
   const Eigen::MatrixXd half = lower.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(roots, roots));
   root_inverse_ = half.transpose() * pivots.cwiseInverse().asDiagonal() * half;
@@ -180,36 +216,40 @@ CondensedFactor::CondensedFactor(const fem::SparseMatrix& a, const std::vector<b
   root_rhs_.setZero(roots);
 }
 
-void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows,
-                                     const double* values) {
-  for (const ColumnRange& range : ranges) blocks_.push_back({range.first, range.width, 0, 0, 0});
+void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const Supernodes& factor) {
+  std::vector<int> found_by(dof_of_.size(), -1);  // per row: the last block that has it
   std::size_t room = 0;
   for (const ColumnRange& range : ranges) {
-    const int last = range.first + range.width - 1, below = start[last + 1] - start[last] - 1;
-    room += static_cast<std::size_t>(range.width + below) * static_cast<std::size_t>(range.width);
+    Block block{range.first, range.width, 0, static_cast<int>(row_.size()), room};
+    for (int c = range.first; c < block.end(); ++c) {
+      factor.below_diagonal(c, [&](int row, double value) {
+        int& found = found_by[static_cast<std::size_t>(row)];
+        if (row < block.end() || found == range.first || value == 0.0) return;
+        found = range.first;
+        row_.push_back(row);
+      });
+    }
+    block.rows = static_cast<int>(row_.size()) - block.first_row;
+    std::sort(row_.begin() + block.first_row, row_.end());
+    room += static_cast<std::size_t>(block.width + block.rows) * static_cast<std::size_t>(block.width);
+    blocks_.push_back(block);
   }
-  values_.reserve(room);  // grown, it would for a time take twice as much
+  values_.assign(room, 0.0);
   std::vector<int> place(dof_of_.size(), 0);
-  for (Block& block : blocks_) {
-    const int last = block.first + block.width - 1;
-    block.rows = start[last + 1] - start[last] - 1;
-    block.first_row = static_cast<int>(row_.size());
-    block.values = values_.size();
-    row_.insert(row_.end(), rows + start[last] + 1, rows + start[last + 1]);
-    for (int k = 0; k < block.rows; ++k) place[static_cast<std::size_t>(rows[start[last] + 1 + k])] = k;
-    const int height = block.width + block.rows;
-    values_.resize(values_.size() + static_cast<std::size_t>(height) * static_cast<std::size_t>(block.width), 0.0);
+  for (const Block& block : blocks_) {
+    for (int k = 0; k < block.rows; ++k)
+      place[static_cast<std::size_t>(row_[static_cast<std::size_t>(block.first_row + k)])] = k;
     double* triangle = values_.data() + block.values;
     double* rectangle = triangle + static_cast<std::ptrdiff_t>(block.width) * block.width;
     for (int c = 0; c < block.width; ++c) {
-      for (int p = start[block.first + c] + 1; p < start[block.first + c + 1]; ++p) {
-        const int row = rows[p];
-        if (row <= last) {
-          triangle[c * block.width + row - block.first] = values[p];
+      factor.below_diagonal(block.first + c, [&](int row, double value) {
+        if (value == 0.0) return;
+        if (row < block.end()) {
+          triangle[c * block.width + row - block.first] = value;
         } else {
-          rectangle[c * block.rows + place[static_cast<std::size_t>(row)]] = values[p];
+          rectangle[c * block.rows + place[static_cast<std::size_t>(row)]] = value;
         }
-      }
+      });
     }
   }
 }

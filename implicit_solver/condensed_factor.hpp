@@ -11,6 +11,8 @@
 
 namespace ricochet::implicit_solver {
 
+class Supernodes;
+
 /// A symmetric positive definite operator A (here M + dt^2/4 K), factored once as L D L^T by CHOLMOD with the *root*
 /// unknowns ordered last (constrained minimum degree), so that one solve splits into
 ///   forward(b)   eliminate everything but the root: leaves the condensed right-hand side z of S x_root = z
@@ -25,7 +27,7 @@ class CondensedFactor {
   /// `active`: unknowns kept (the others are constrained; their rows and columns are dropped); `root`: dofs of the
   /// root, all active; `parallel`: the threads to compute with (null: the caller alone). Throws SolverError if A is not
   /// positive definite.
-  CondensedFactor(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& root,
+  CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& active, const std::vector<int>& root,
                   std::shared_ptr<Parallel> parallel = nullptr);
 
   /// Loads b (full length, inactive entries ignored) and eliminates; afterwards root_rhs() holds z.
@@ -40,7 +42,7 @@ class CondensedFactor {
   [[nodiscard]] std::size_t factor_entries() const { return values_.size(); }
 
  private:
-  void collect_blocks(const std::vector<ColumnRange>& ranges, const int* start, const int* rows, const double* values);
+  void collect_blocks(const std::vector<ColumnRange>& ranges, const Supernodes& factor);
   void collect_targets();
   template <class Work>
   void for_each(int parts, const Work& work);

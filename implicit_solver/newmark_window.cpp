@@ -49,7 +49,8 @@ void NewmarkWindow::add_interface_stiffness(double scale, fem::SparseMatrix& a) 
 /// A = M + dt/2 C + dt^2/4 (K + S) on the dofs that are free.
 void NewmarkWindow::factorise() {
   const double dt = dt_;
-  fem::SparseMatrix a = (0.25 * dt * dt) * parts_.stiffness;
+  fem::SparseMatrix a = parts_.stiffness();
+  a *= 0.25 * dt * dt;
   std::vector<bool> active(static_cast<std::size_t>(a.rows()));
   Eigen::VectorXd mass(a.rows());
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
@@ -72,7 +73,7 @@ void NewmarkWindow::factorise() {
     shared_roots_.emplace_back(dof, found - root.begin());
     if (found == root.end()) root.push_back(dof);
   }
-  factor_.emplace(a, active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel);
+  factor_.emplace(std::move(a), active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel);
   if (!contact_) return;
   const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
   if (contact_in_root_) {
@@ -171,11 +172,10 @@ void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     for (const auto& c : parts_.states[b].constrained) {
       const double du = c.at(time_s) - parts_.states[b].u[c.dof];
-      const auto row = static_cast<int>(parts_.offsets[b]) + c.dof;
-      trial.increment[row] = du;
+      trial.increment[parts_.offsets[b] + c.dof] = du;
       if (du == 0.0) continue;
-      for (fem::SparseMatrix::InnerIterator it(parts_.stiffness, row); it; ++it)
-        rhs_[it.col()] -= quarter * it.value() * du;
+      for (fem::SparseMatrix::InnerIterator it(parts_.states[b].part.stiffness, c.dof); it; ++it)
+        rhs_[parts_.offsets[b] + it.col()] -= quarter * it.value() * du;
     }
   }
 }

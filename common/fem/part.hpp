@@ -10,7 +10,22 @@
 
 namespace ricochet::fem {
 
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+/// Eigen's, which copies what it is asked to move: K is the largest of what a process has.
+class SparseMatrix : public Eigen::SparseMatrix<double, Eigen::RowMajor, int> {
+ public:
+  using Base = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+  using Base::Base;
+  using Base::operator=;
+  SparseMatrix() = default;
+  ~SparseMatrix() = default;
+  SparseMatrix(const SparseMatrix&) = default;
+  SparseMatrix& operator=(const SparseMatrix&) = default;
+  SparseMatrix(SparseMatrix&& other) noexcept { swap(other); }
+  SparseMatrix& operator=(SparseMatrix&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+};
 
 /// The elements of one body that one participant owns, in local node numbers, assembled.
 /// Parts of one body are always processed body by body, so that a history does not depend on how bodies are spread

@@ -116,12 +116,17 @@ void MasslessNodes::factor(const std::vector<BodyState>& states) {
     auto& statics = *statics_[part];
     const auto size = static_cast<Eigen::Index>(statics.dofs.size());
     std::vector<Eigen::Triplet<double>> entries;
-    for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
-      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it) {
+    statics.rows.resize(size, states[part].part.dofs());
+    for (int i = 0; i < static_cast<int>(size); ++i) {
+      statics.rows.startVec(i);
+      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[static_cast<std::size_t>(i)]);
+           it; ++it) {
+        statics.rows.insertBack(i, it.col()) = it.value();
         const int column = statics.place[static_cast<std::size_t>(it.col())];
-        if (column >= 0) entries.emplace_back(static_cast<int>(i), column, it.value());
+        if (column >= 0) entries.emplace_back(i, column, it.value());
       }
     }
+    statics.rows.finalize();
     Eigen::SparseMatrix<double> k(size, size);
     k.setFromTriplets(entries.begin(), entries.end());
     statics.factor.compute(k);
@@ -179,7 +184,7 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
     auto& statics = *statics_[part];
     for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
       double force = (*external[part])[statics.dofs[i]];
-      for (fem::SparseMatrix::InnerIterator it(states[part].part.stiffness, statics.dofs[i]); it; ++it)
+      for (fem::SparseMatrix::InnerIterator it(statics.rows, static_cast<Eigen::Index>(i)); it; ++it)
         force -= it.value() * (*u[part])[it.col()];
       statics.moved[static_cast<Eigen::Index>(i)] = force;
     }

@@ -78,6 +78,7 @@ class MasslessNodes {
   struct Statics {
     std::vector<int> dofs;
     std::vector<int> place;  ///< per dof of the part: index into `dofs`, or -1
+    fem::SparseMatrix rows;  ///< of K, all columns
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor;  ///< of K_cc
     Eigen::VectorXd moved;
 

@@ -41,8 +41,7 @@ std::vector<BodyState>& FirstRank::begin(const scene::Problem& problem, const sc
       blocks_[rank][b].push_back(block);
       sum_counts_[rank] += BlockSums::numbers;
     }
-    whole[b].part.stiffness.resize(0, 0);
-    whole[b].part.stiffness.data().squeeze();
+    whole[b].part.stiffness = fem::SparseMatrix();
     whole[b].stiffness = {};
   }
   return share_->states();

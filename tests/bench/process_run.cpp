@@ -12,6 +12,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "common/base/error.hpp"
 
@@ -60,25 +61,63 @@ double change(const std::string& path, const std::string& column) {
   return std::stod(cells(last).at(index)) - std::stod(cells(first).at(index));
 }
 
-}  // namespace
-
-Usage run_command(std::vector<std::string> command, const std::string& log) {
-  const auto begin = std::chrono::steady_clock::now();
+pid_t start(std::vector<std::string>& command, const std::string& log) {
   const pid_t child = fork();
   if (child < 0) throw ParticipantError("cannot start another process");
   if (child == 0) become(command, log);
+  return child;
+}
+
+[[noreturn]] void refuse_failed(const std::vector<std::string>& command, const std::string& log) {
+  throw ParticipantError(fmt::format("{} failed:\n{}", fmt::join(command, " "), file_text(log)));
+}
+
+bool succeeded(int status) { return WIFEXITED(status) && WEXITSTATUS(status) == 0; }
+
+/// Of a process and all that it started; 0 once it is gone [bytes].
+double resident_b(const std::string& process) {
+  double pages = 0.0, all = 0.0, below_b = 0.0;
+  std::ifstream("/proc/" + process + "/statm") >> all >> pages;
+  std::ifstream children("/proc/" + process + "/task/" + process + "/children");
+  for (std::string child; children >> child;) below_b += resident_b(child);
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + below_b;
+}
+
+std::vector<std::string> command_of_run(const std::string& scene, const std::string& out) {
+  return {std::string(RICOCHET_BUILD) + "/ricochet", "run", scene, "--out", out};
+}
+
+}  // namespace
+
+double peak_memory_of_run_b(const std::string& scene, const std::string& out) {
+  using namespace std::chrono_literals;
+  auto command = command_of_run(scene, out);
+  const std::string log = out + ".log";
+  const pid_t child = start(command, log);
+  double peak = 0.0;
+  int status = 0;
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &status, WNOHANG)) == 0) {
+    peak = std::max(peak, resident_b(std::to_string(child)));
+    std::this_thread::sleep_for(10ms);
+  }
+  if (ended != child || !succeeded(status)) refuse_failed(command, log);
+  return peak;
+}
+
+Usage run_command(std::vector<std::string> command, const std::string& log) {
+  const auto begin = std::chrono::steady_clock::now();
+  const pid_t child = start(command, log);
   int status = 0;
   rusage used{};
-  if (wait4(child, &status, 0, &used) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw ParticipantError(fmt::format("{} failed:\n{}", fmt::join(command, " "), file_text(log)));
-  }
+  if (wait4(child, &status, 0, &used) != child || !succeeded(status)) refuse_failed(command, log);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   return {wall.count(), seconds(used.ru_utime) + seconds(used.ru_stime), 1024.0 * static_cast<double>(used.ru_maxrss)};
 }
 
 SceneRun run_scene(const std::string& scene, int substeps, const std::string& out) {
   SceneRun run;
-  run.usage = run_command({std::string(RICOCHET_BUILD) + "/ricochet", "run", scene, "--out", out}, out + ".log");
+  run.usage = run_command(command_of_run(scene, out), out + ".log");
   const auto summary = nlohmann::json::parse(file_text(out + "/summary.json"));
   const auto& phases = summary.at("phases");
   run.stepping_s = phases.at("stepping_s").get<double>();

@@ -15,6 +15,10 @@ struct Usage {
 /// Runs a command to its end, its output in the file `log`. Throws ParticipantError with the log if it fails.
 Usage run_command(std::vector<std::string> command, const std::string& log);
 
+/// Largest sum of the resident sets of `ricochet run` and of all processes it starts, looked at every 10 ms [bytes].
+/// (Each shared page counts once a process.) Throws as run_command.
+double peak_memory_of_run_b(const std::string& scene, const std::string& out);
+
 /// What `ricochet run` left and cost.
 struct SceneRun {
   double window_s = 0.0;                  ///< stepping time per window
