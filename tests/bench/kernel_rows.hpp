@@ -19,6 +19,10 @@ class Kernels {
   /// Least time of a kernel on this machine [s]: max(bytes / bandwidth, flops / peak), the bandwidth that of a triad
   /// which touches about as many bytes, from the same cache or memory. Per repeat.
   [[nodiscard]] std::vector<double> bound_s(const std::string& kernel, int refinement) const;
+  /// Of a kernel, per repeat.
+  [[nodiscard]] const std::vector<double>& times_s(const std::string& kernel, int refinement) const {
+    return at(kernel, refinement).time_s;
+  }
   /// Bandwidth of the largest triad and peak flops, for the head of the table.
   [[nodiscard]] std::string machine() const;
 

@@ -14,8 +14,17 @@
 namespace ricochet::bench {
 namespace {
 
-const std::string one_process = "one process", two_explicit = "two explicit";
-constexpr double whole_scene_steps = 763;  // of the 0.5 mm mesh, until 10 us after separation
+const std::string one_process = "one process", two_explicit = "two explicit", whole_run = "whole run, one thread";
+constexpr int whole_scene_steps = 763;  // of the 0.5 mm mesh, until 10 us after separation
+
+std::string with_history(const std::string& protocol) { return protocol + ", history of every window"; }
+
+/// Measured once, on another machine: the engine of OpenRadioss on the reference scene (axisymmetric quadrilaterals,
+/// friction, one thread, without its start), and there K u of the same mesh by the kernel element_by_element.
+struct OpenRadioss {
+  double engine_s, element_by_element_s;
+};
+const std::map<int, OpenRadioss> openradioss = {{1, {0.40, 20.7e-6}}, {2, {2.5, 92.6e-6}}, {4, {27.7, 838e-6}}};
 
 /// Protocols that are timed on the coarsest mesh only, for the table of protocols.
 const std::vector<std::string> others = {"kim", "kim_predicted", "belytschko_mullen", "gravouil_combescure",
@@ -45,6 +54,14 @@ std::map<std::string, SceneChoice> methods(int refinement, bool coarsest, long s
     result[dual(m)].substeps = m;
   }
   result[one_process] = result[two_explicit] = base;
+  for (const char* protocol : {"hughes_liu", "all_explicit"}) {
+    result[with_history(protocol)] = result[protocol];
+    result[with_history(protocol)].every_step = true;
+  }
+  result[whole_run] = result["all_explicit"];
+  result[whole_run].steps = refinement * whole_scene_steps;
+  result[whole_run].participants =
+      "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"steel\", \"carbide\"]\nthreads = 1\n";
   result[two_explicit].participants = two_explicit_participants();
   return result;
 }
@@ -187,6 +204,23 @@ void SceneRuns::add_bounds(int n, const Kernels& kernels, std::vector<Row>& rows
                   {}});
 }
 
+void SceneRuns::add_openradioss(int n, const Kernels& kernels, std::vector<Row>& rows) const {
+  const auto there = openradioss.find(n);
+  if (there == openradioss.end()) return;
+  const auto as_fast_as_here =
+      scaled(kernels.times_s("element_by_element", n), there->second.engine_s / there->second.element_by_element_s);
+  rows.push_back({"OpenRadioss' engine / all_explicit, whole run, one thread each", mesh_name(n),
+                  quotients(as_fast_as_here, each(at(n, whole_run), [](const SceneRun& run) { return run.wall_s; })),
+                  Level{false, 15.0}});
+}
+
+void SceneRuns::add_history(int n, std::vector<Row>& rows) const {
+  for (const char* method : {"hughes_liu", "all_explicit"}) {
+    rows.push_back({fmt::format("{}: history of every window / none", method), mesh_name(n),
+                    quotients(steps_s(at(n, with_history(method))), steps_s(at(n, method))), Level{true, 1.15}});
+  }
+}
+
 void SceneRuns::add_setup(int n, std::vector<Row>& rows) const {
   for (const char* method : {"hughes_liu", "all_implicit", "all_explicit"}) {
     const auto& runs = at(n, method);
@@ -224,7 +258,9 @@ std::vector<Row> SceneRuns::rows(const Kernels* kernels) const {
     if (n == refinements_.front()) add_others(n, rows);
     add_dual(n, rows);
     add_setup(n, rows);
+    add_history(n, rows);
     if (kernels) add_bounds(n, *kernels, rows);
+    if (kernels) add_openradioss(n, *kernels, rows);
     if (n != refinements_.front()) add_growth(n, rows);
   }
   return rows;

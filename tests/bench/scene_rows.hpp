@@ -28,6 +28,8 @@ class SceneRuns {
   void add_others(int n, std::vector<Row>& rows) const;
   void add_dual(int refinement, std::vector<Row>& rows) const;
   void add_bounds(int refinement, const Kernels& kernels, std::vector<Row>& rows) const;
+  void add_openradioss(int refinement, const Kernels& kernels, std::vector<Row>& rows) const;
+  void add_history(int refinement, std::vector<Row>& rows) const;
   void add_setup(int refinement, std::vector<Row>& rows) const;
   void add_growth(int refinement, std::vector<Row>& rows) const;
 
