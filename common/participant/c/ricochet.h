@@ -38,9 +38,7 @@ extern "C" {
 typedef struct ricochet_loop ricochet_loop;
 
 /* Begins a participant. Its name and the address of the coupler are taken from the command line of this process,
- * --name,
- * --connect, --key, --scene, --watch-stdin, as the coupler appends them; there may be no other arguments.
- * `role`: "explicit" or "implicit". `solver`: what messages call this program. `components`: displacement components
+ * --name, --connect, --key, --scene, --watch-stdin, as the coupler appends them; there may be no others. `role`: "explicit" or "implicit". `solver`: what messages call this program. `components`: displacement components
  * per node, 1 to 3. NULL: it failed, end the program with exit code 2. */
 ricochet_loop* ricochet_open(const char* role, const char* solver, int components);
 
