@@ -12,6 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
+#include "tests/bench/busy_rows.hpp"
 #include "tests/bench/calculix.hpp"
 #include "tests/bench/checkpoint_rows.hpp"
 #include "tests/bench/contact_growth_rows.hpp"
@@ -32,7 +33,7 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "set-up",     "striker", "contact", "memory",  "exchange",
+  std::vector<std::string> only = {"scenes", "busy",       "set-up",  "striker", "contact", "memory",  "exchange",
                                    "flood",  "checkpoint", "threads", "ranks",   "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
@@ -70,6 +71,7 @@ class Measurements {
   explicit Measurements(const Options& options) : folder_(std::filesystem::absolute(options.out).string()) {
     if (options.wants("kernels")) kernels_.emplace(folder_, options.refinements, options.repeats);
     if (options.wants("scenes")) scenes_.emplace(folder_, options.refinements, options.steps);
+    if (options.wants("busy")) busy_.emplace(folder_, options.steps);
     if (options.wants("set-up")) set_ups_.emplace(folder_);
     if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("contact")) contacts_.emplace(folder_);
@@ -83,6 +85,7 @@ class Measurements {
   }
   void repeat() {
     if (scenes_) scenes_->repeat();
+    if (busy_) busy_->repeat();
     if (set_ups_) set_ups_->repeat();
     if (striker_) striker_->repeat();
     if (contacts_) contacts_->repeat();
@@ -98,6 +101,7 @@ class Measurements {
     std::vector<Row> rows;
     const auto add = [&rows](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
     if (scenes_) add(scenes_->rows(kernels_ ? &*kernels_ : nullptr));
+    if (busy_) add(busy_->rows());
     if (set_ups_) add(set_ups_->rows());
     if (striker_) add(striker_->rows());
     if (contacts_) add(contacts_->rows());
@@ -126,6 +130,7 @@ class Measurements {
   std::string folder_;
   std::optional<Kernels> kernels_;
   std::optional<SceneRuns> scenes_;
+  std::optional<BusyMachine> busy_;
   std::optional<SetUps> set_ups_;
   std::optional<RoundedStriker> striker_;
   std::optional<ContactGrowth> contacts_;
