@@ -7,8 +7,8 @@
 namespace ricochet::scene {
 namespace {
 
-/// Nodes of a body that explicit participants and the implicit one share: touched by explicit elements and integrated
-/// implicitly. None in the baselines.
+/// Nodes of a body that explicit participants and the implicit one share: touched by explicit elements, or by those of
+/// a foreign body, and integrated implicitly. None in the baselines.
 std::vector<bool> shared_nodes(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   if (problem.scene.coupling.protocol.layout != Layout::hybrid)
@@ -16,8 +16,21 @@ std::vector<bool> shared_nodes(const Problem& problem, int index) {
   std::vector<bool> is_explicit = body.implicit_element;
   is_explicit.flip();
   std::vector<bool> shared = touched_nodes(body, is_explicit);
-  for (std::size_t i = 0; i < shared.size(); ++i) shared[i] = shared[i] && body.implicit_node[i];
+  for (std::size_t i = 0; i < shared.size(); ++i)
+    shared[i] = (shared[i] || body.joined_node[i]) && body.implicit_node[i];
   return shared;
+}
+
+/// Nodes that the implicit participant integrates whether or not it has an element there.
+std::vector<int> implicit_anyway(const Problem& problem, int index) {
+  const std::vector<bool>& joined = problem.bodies[at(index)].joined_node;
+  std::vector<int> nodes = contact_nodes(problem.contacts, index);
+  const std::size_t touching = nodes.size();
+  for (int node = 0; node < static_cast<int>(joined.size()); ++node)
+    if (joined[at(node)]) nodes.push_back(node);
+  std::inplace_merge(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(touching), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
 }
 
 ParticipantPart make_part(const Problem& problem, int index, const std::vector<int>& elements,
@@ -41,7 +54,7 @@ std::vector<ParticipantPart> participant_parts(const Problem& problem, const Par
     std::vector<int> elements, extra_nodes;
     for (std::size_t e = 0; e < owned.size(); ++e)
       if (owned[e]) elements.push_back(static_cast<int>(e));
-    if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contacts, index);
+    if (participant.role == Role::implicit_solver) extra_nodes = implicit_anyway(problem, index);
     ParticipantPart part = make_part(problem, index, elements, extra_nodes);
     if (part.part.nodes() > 0) parts.push_back(std::move(part));
   }

@@ -104,7 +104,7 @@ bool has(const std::vector<bool>& flags, bool value) {
 
 /// An explicit and an implicit participant that have nothing to do are a misunderstanding.
 void require_both_kinds(const Problem& problem) {
-  bool any_explicit = false, any_implicit = false;
+  bool any_explicit = !problem.joints.empty(), any_implicit = false;
   for (const BodyProblem& body : problem.bodies) {
     any_explicit = any_explicit || has(body.implicit_element, false);
     any_implicit = any_implicit || has(body.implicit_node, true);
@@ -180,6 +180,8 @@ void require_owners(const Problem& problem) {
       if (p >= 0) busy[at(p)] = true;
   }
   for (std::size_t p = 0; p < busy.size(); ++p)
+    for (const std::string& body : scene.participants[p].bodies) busy[p] = busy[p] || scene.is_foreign(body);
+  for (std::size_t p = 0; p < busy.size(); ++p)
     if (scene.participants[p].role == Role::explicit_solver && !busy[p])
       throw ConfigError(scene.where("participant." + scene.participants[p].name) +
                         ": found no explicit element in its bodies; allowed: a participant with elements, or a shorter "
@@ -234,13 +236,29 @@ void require_implicit_contact(const Problem& problem) {
     std::vector<bool> is_explicit = body.implicit_element;
     is_explicit.flip();
     const std::vector<bool> touched = touched_nodes(body, is_explicit);
-    for (const int node : contact_nodes(problem.contacts, index))
-      if (touched[at(node)])
+    for (const int node : contact_nodes(problem.contacts, index)) {
+      if (!touched[at(node)] && !body.joined_node[at(node)]) continue;
+      throw ConfigError(fmt::format(
+          "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes",
+          scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
+          massless ? "massless" : scene.coupling.protocol.name,
+          touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node)));
+    }
+  }
+}
+
+/// A dual protocol gives each side its own mass: the implicit one has some only where it has elements.
+void require_implicit_joints(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  for (const Joint& joint : problem.joints) {
+    const BodyProblem& body = problem.bodies[at(joint.body)];
+    const std::vector<bool> implicit = touched_nodes(body, body.implicit_element);
+    for (const int node : joint.nodes)
+      if (!implicit[at(node)] && scene.coupling.protocol.dual)
         throw ConfigError(fmt::format(
-            "{}: found \"{}\" and an explicit element at the contact node at {}; allowed: implicit elements all around "
-            "contact nodes",
-            scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
-            massless ? "massless" : scene.coupling.protocol.name, place(body, node)));
+            "{}: found \"{}\" and no implicit element at {}, where \"{}\" is joined; allowed: an implicit element at "
+            "each joined node (a larger implicit part), or a primal protocol",
+            scene.where("coupling.protocol"), scene.coupling.protocol.name, place(body, node), joint.foreign));
   }
 }
 
@@ -253,12 +271,15 @@ void set_partition(Problem& problem) {
     body.implicit_element = implicit_elements(problem, index);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
+    std::transform(body.joined_node.begin(), body.joined_node.end(), body.implicit_node.begin(),
+                   body.implicit_node.begin(), std::logical_or<>());
     for (const int node : contact_nodes(problem.contacts, index)) body.implicit_node[at(node)] = true;
   }
   if (layout != Layout::hybrid) return;
   require_both_kinds(problem);
   require_owners(problem);
   require_implicit_contact(problem);
+  require_implicit_joints(problem);
 }
 
 }  // namespace ricochet::scene
