@@ -21,18 +21,6 @@ std::vector<bool> shared_nodes(const Problem& problem, int index) {
   return shared;
 }
 
-/// Nodes that the implicit participant integrates whether or not it has an element there.
-std::vector<int> implicit_anyway(const Problem& problem, int index) {
-  const std::vector<bool>& joined = problem.bodies[at(index)].joined_node;
-  std::vector<int> nodes = contact_nodes(problem.contacts, index);
-  const std::size_t touching = nodes.size();
-  for (int node = 0; node < static_cast<int>(joined.size()); ++node)
-    if (joined[at(node)]) nodes.push_back(node);
-  std::inplace_merge(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(touching), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
 ParticipantPart make_part(const Problem& problem, int index, const std::vector<int>& elements,
                           const std::vector<int>& extra_nodes) {
   const BodyProblem& body = problem.bodies[at(index)];
@@ -54,7 +42,7 @@ std::vector<ParticipantPart> participant_parts(const Problem& problem, const Par
     std::vector<int> elements, extra_nodes;
     for (std::size_t e = 0; e < owned.size(); ++e)
       if (owned[e]) elements.push_back(static_cast<int>(e));
-    if (participant.role == Role::implicit_solver) extra_nodes = implicit_anyway(problem, index);
+    if (participant.role == Role::implicit_solver) extra_nodes = contact_nodes(problem.contacts, index);
     ParticipantPart part = make_part(problem, index, elements, extra_nodes);
     if (part.part.nodes() > 0) parts.push_back(std::move(part));
   }

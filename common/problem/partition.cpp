@@ -247,18 +247,12 @@ void require_implicit_contact(const Problem& problem) {
   }
 }
 
-/// A dual protocol gives each side its own mass: the implicit one has some only where it has elements.
-void require_implicit_joints(const Problem& problem) {
-  const Scene& scene = problem.scene;
-  for (const Joint& joint : problem.joints) {
-    const BodyProblem& body = problem.bodies[at(joint.body)];
-    const std::vector<bool> implicit = touched_nodes(body, body.implicit_element);
-    for (const int node : joint.nodes)
-      if (!implicit[at(node)] && scene.coupling.protocol.dual)
-        throw ConfigError(fmt::format(
-            "{}: found \"{}\" and no implicit element at {}, where \"{}\" is joined; allowed: an implicit element at "
-            "each joined node (a larger implicit part), or a primal protocol",
-            scene.where("coupling.protocol"), scene.coupling.protocol.name, place(body, node), joint.foreign));
+/// Joined nodes are integrated by the implicit participant, which has mass of its own there whatever the protocol.
+void add_joined_layer(BodyProblem& body) {
+  for (std::size_t e = 0; e < body.implicit_element.size(); ++e) {
+    const auto& nodes = body.mesh.elements[e];
+    const bool joined = std::any_of(nodes.begin(), nodes.end(), [&](int node) { return body.joined_node[at(node)]; });
+    body.implicit_element[e] = body.implicit_element[e] || joined;
   }
 }
 
@@ -269,17 +263,15 @@ void set_partition(Problem& problem) {
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     BodyProblem& body = problem.bodies[at(index)];
     body.implicit_element = implicit_elements(problem, index);
+    if (layout == Layout::hybrid) add_joined_layer(body);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
-    std::transform(body.joined_node.begin(), body.joined_node.end(), body.implicit_node.begin(),
-                   body.implicit_node.begin(), std::logical_or<>());
     for (const int node : contact_nodes(problem.contacts, index)) body.implicit_node[at(node)] = true;
   }
   if (layout != Layout::hybrid) return;
   require_both_kinds(problem);
   require_owners(problem);
   require_implicit_contact(problem);
-  require_implicit_joints(problem);
 }
 
 }  // namespace ricochet::scene

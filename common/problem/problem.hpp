@@ -51,7 +51,7 @@ struct BodyProblem {
   fem::Section section;
   fem::Material material;
   fem::Mesh mesh;                             ///< the whole body
-  std::vector<bool> implicit_element;         ///< per element
+  std::vector<bool> implicit_element;         ///< per element; those at joined nodes are
   std::vector<bool> implicit_node;            ///< per node: integrated by the implicit participant
   std::vector<bool> joined_node;              ///< per node: a foreign body has it, too
   std::vector<bool> fixed_dof;                ///< supports and the axis r = 0 (u_r); prescribed dofs too
@@ -85,7 +85,7 @@ struct Problem {
 }
 
 /// Builds meshes and partitions. `baseline` protocols: all_implicit makes every element implicit, all_explicit none.
-/// Shared nodes, joined ones among them, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError
+/// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError
 /// (names scene file, key, and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
 /// The same but for the size of windows, which stays 0: a participant hears it from the coupler.
