@@ -239,10 +239,11 @@ void require_implicit_contact(const Problem& problem) {
     for (const int node : contact_nodes(problem.contacts, index)) {
       if (!touched[at(node)] && !body.joined_node[at(node)]) continue;
       throw ConfigError(fmt::format(
-          "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes",
+          "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes{}",
           scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
           massless ? "massless" : scene.coupling.protocol.name,
-          touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node)));
+          touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node),
+          touched[at(node)] ? "" : ", where no foreign body is joined"));
     }
   }
 }

@@ -58,7 +58,7 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   for (const std::string& body : participant.bodies)
     if (scene.is_foreign(body) && !participant.foreign())
       table.refuse("bodies", "\"" + body + "\", which is foreign: no solver of ours has elements of it",
-                   "it with the key executable, the program that computes it");
+                   "\"" + body + "\" with the key executable, the program that computes it");
   participant.start =
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
   table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
