@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """foreign_body.py --scene SCENE --name NAME --connect ENDPOINT: explicit participant whose body the scene does not know.
-What it is made of stands in NAME.toml beside the scene, which it reads nothing of:
+What it is made of stands in NAME.toml beside this program, or beside the link by which it is started; of the scene it
+reads nothing:
   body, model, material, section (area or thickness), start, size and elements per coordinate, velocity, and of the low
   and high side of the last coordinate which is `shared` and which is `held`.
   K: boxes with 2 Gauss points per coordinate, those of solids with twelve strain modes that are condensed; M: row sums
@@ -49,7 +50,7 @@ def element(own, low, size):
 
 class ForeignBody(Participant):
     def __init__(self, scene, name):
-        with open(os.path.join(os.path.dirname(scene), name + ".toml"), "rb") as file:
+        with open(os.path.join(os.path.dirname(__file__), name + ".toml"), "rb") as file:
             self.own = own = tomllib.load(file)
         self.name, counts = name, own["elements"]
         self.d = d = len(counts)
