@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "tests/support/run.hpp"
@@ -125,6 +126,54 @@ INSTANTIATE_TEST_SUITE_P(
                     ForeignCase{&solid_model, "hughes_liu", 1}, ForeignCase{&solid_model, "fixed_point", 1}),
     name_of_foreign);
 
+/// A bar of 0.01 m elements as a Gmsh mesh, whose group "implicit" has those that are `chosen`.
+std::string bar_msh(const std::string& body, double start_m, int elements, const std::vector<int>& chosen) {
+  std::string text = fmt::format(
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n0 1 \"start\"\n0 2 \"end\"\n1 3 \"{0}\"\n1 4 "
+      "\"implicit\"\n$EndPhysicalNames\n$Entities\n2 2 0 0\n1 {1} 0 0 1 1\n2 {2} 0 0 1 2\n1 {1} 0 0 {2} 0 0 1 3 0\n"
+      "2 {1} 0 0 {2} 0 0 2 3 4 0\n$EndEntities\n$Nodes\n1 {3} 1 {3}\n1 1 0 {3}\n",
+      body, start_m, start_m + 0.01 * elements, elements + 1);
+  for (int node = 1; node <= elements + 1; ++node) text += fmt::format("{}\n", node);
+  for (int node = 0; node <= elements; ++node) text += fmt::format("{:.17g} 0 0\n", start_m + 0.01 * node);
+  const auto count = static_cast<int>(chosen.size());
+  text += fmt::format("$EndNodes\n$Elements\n4 {0} 1 {0}\n0 1 15 1\n{1} 1\n0 2 15 1\n{0} {1}\n", elements + 2,
+                      elements + 1);
+  std::string of_entity[2];
+  for (int e = 0; e < elements; ++e) {
+    const bool is_chosen = std::find(chosen.begin(), chosen.end(), e) != chosen.end();
+    of_entity[is_chosen ? 1 : 0] += fmt::format("{} {} {}\n", e + 1, e + 1, e + 2);
+  }
+  return text +
+         fmt::format("1 1 1 {}\n{}1 2 1 {}\n{}$EndElements\n", elements - count, of_entity[0], count, of_entity[1]);
+}
+
+/// Between contact and joint an element is explicit, and ours; the layer at the joint is implicit all the same.
+TEST(ForeignBody, MayBeJoinedToABodyThatIsPartitioned) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, bar_model);
+  (void)folder.write(bar_msh("lower", -0.1, 10, {6, 8, 9}), "whole.msh");
+  (void)folder.write(bar_msh("lower", -0.04, 4, {2, 3}), "near.msh");
+  (void)folder.write(bar_msh("upper", 1e-6, 5, {0, 1}), "upper.msh");
+  const auto meshed = [](const std::string& text, const std::string& lower, const std::string& mesh) {
+    auto changed = replaced(text, "implicit_length_m = { lower = 0.04, upper = 0.02 }",
+                            "implicit_groups = { lower = [\"implicit\"], upper = [\"implicit\"] }");
+    changed = replaced(changed, "mesh = { " + lower + " }", "mesh = { gmsh = \"" + mesh + "\" }");
+    return replaced(changed, "mesh = { start_m = 1e-06, length_m = 0.05, elements = 5 }",
+                    "mesh = { gmsh = \"upper.msh\" }");
+  };
+  for (const auto* protocol : {"hughes_liu", "kim", "prakash_hjelmstad"}) {
+    const auto near = replaced(
+        meshed(joined_scene(bar_model, protocol, 1), "start_m = -0.04, length_m = 0.04, elements = 4", "near.msh"),
+        "bodies = [\"upper\"]", "bodies = [\"lower\", \"upper\"]");
+    auto joined = run_text(near, folder, std::string("joined_") + protocol);
+    auto whole = run_text(
+        meshed(whole_scene(bar_model, protocol, 1), "start_m = -0.1, length_m = 0.1, elements = 10", "whole.msh"),
+        folder, std::string("whole_") + protocol);
+    whole.history.erase("velocity_mean_lower_m_s");
+    expect_same_history(joined, whole, 1e-11);
+  }
+}
+
 /// Half as wide as what it is joined to: a file says at which nodes.
 TEST(ForeignBody, MayBeJoinedAtSomeNodesOfASide) {
   TemporaryFolder folder;
@@ -133,7 +182,13 @@ TEST(ForeignBody, MayBeJoinedAtSomeNodesOfASide) {
   (void)folder.write(
       replaced(replaced(file_text(path.string()), "size = [0.02", "size = [0.01"), "elements = [2", "elements = [1"),
       "theirs.toml");
-  (void)folder.write("0.01, -0.04\n0.0, -0.04\n", "nodes.csv");
+  const auto nodes = (folder.path() / "nodes.csv").string();
+  const auto asked = run_command({ricochet_binary(), "check-participant", "--interface-nodes", nodes, "--",
+                                  (folder.path() / "foreign_body.py").string(), "--name", "theirs"},
+                                 folder.path().string());
+  EXPECT_EQ(asked.code, 0) << asked.out << asked.error;
+  EXPECT_THAT(asked.out, HasSubstr("nodes.csv: 2 interface nodes of \"tail\"\n"));
+  EXPECT_THAT(file_text(nodes), testing::StartsWith("# interface nodes of \"tail\" [m]\n0, -0.04"));
   const auto run = run_text(joined_scene(plane_model, "hughes_liu", 1, "interface_nodes = \"nodes.csv\""), folder);
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
   EXPECT_LT(run.largest("energy_error"), 1e-3);
