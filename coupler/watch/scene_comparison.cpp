@@ -201,7 +201,12 @@ void SceneComparison::check_description() const {
   for (std::size_t row = 0; row < nodes_.size(); ++row) {
     if (nodes_[row].part >= 0) continue;
     const auto& name = description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])];
-    if (problem_.scene.is_foreign(name)) continue;
+    const auto& own = problem_.scene.participant(description_.participant).bodies;
+    if (problem_.scene.is_foreign(name)) {
+      if (std::find(own.begin(), own.end(), name) != own.end()) continue;
+      throw ConfigError(fmt::format("{}: found a foreign body of another participant; allowed: {}", where(row),
+                                    fmt::join(own, ", ")));
+    }
     const auto is = [&](const scene::BodyProblem& body) { return body.name == name; };
     const auto body = std::find_if(problem_.bodies.begin(), problem_.bodies.end(), is);
     if (body == problem_.bodies.end()) throw ConfigError(fmt::format("{}: the scene has no such body", where(row)));

@@ -239,6 +239,52 @@ TEST(ForeignBody, ElsewhereIsRefusedByItsNode) {
   EXPECT_THAT(refusal("body = \"tail\"", "body = \"tale\""), HasSubstr("the scene has no such body"));
 }
 
+TEST(ForeignBody, OfAnotherParticipantIsRefused) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto own = file_text((folder.path() / "theirs.toml").string());
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "theirs.toml");
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "others.toml");
+  const auto scene = joined_scene(plane_model, "hughes_liu", 1) +
+                     "[[body]]\nname = \"side\"\nforeign = true\njoined_to = \"lower\"\nsurface = \"start\"\n"
+                     "[[participant]]\nname = \"others\"\nrole = \"explicit\"\nbodies = [\"side\"]\n"
+                     "executable = \"./foreign_body.py\"\n";
+  const auto run = run_file(folder.write(scene), folder);
+  EXPECT_EQ(run.outcome.code, 2);
+  EXPECT_THAT(run.outcome.error,
+              HasSubstr("participant 'theirs', body 'side', interface node 0 at (0, -0.04) m: found a "
+                        "foreign body of another participant; allowed: tail"));
+}
+
+/// Two foreign bodies that share the nodes of one side: forces and masses of both are summed there.
+TEST(ForeignBody, MayShareItsNodesWithAnother) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto own = file_text((folder.path() / "theirs.toml").string());
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "others.toml");
+  const auto scene = joined_scene(plane_model, "hughes_liu", 1) +
+                     "[[body]]\nname = \"side\"\nforeign = true\njoined_to = \"lower\"\nsurface = \"start\"\n"
+                     "[[participant]]\nname = \"others\"\nrole = \"explicit\"\nbodies = [\"side\"]\n"
+                     "executable = \"./foreign_body.py\"\n";
+  const auto run = run_text(scene, folder);
+  EXPECT_EQ(run.column("velocity_mean_side_m_s"), run.column("velocity_mean_tail_m_s")) << "they are twins";
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+}
+
+TEST(ForeignBody, WritesNoFileOfSeveralBodies) {
+  TemporaryFolder folder;
+  const auto outcome =
+      run_command({ricochet_binary(), "check-participant", "--interface-nodes", (folder.path() / "nodes.csv").string(),
+                   "--", std::string(RICOCHET_BUILD) + "/implicit_solver", "--scene",
+                   RICOCHET_SOURCE "/configs/two_bars.toml", "--name", "implicit"},
+                  folder.path().string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error,
+              HasSubstr("--interface-nodes: found interface nodes of several bodies of 'implicit', allowed: "
+                        "a participant with interface nodes of one body"));
+  EXPECT_FALSE(fs::exists(folder.path() / "nodes.csv"));
+}
+
 TEST(ForeignBody, DeclaresTheStepThatItStands) {
   EXPECT_THAT(refusal("held =", "critical = 4e-7\nheld ="),
               HasSubstr("participant 'theirs' declares the critical time step 4e-07 s, found a step of 5e-07 s; "
