@@ -271,6 +271,20 @@ TEST(ForeignBody, MayShareItsNodesWithAnother) {
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
 }
 
+/// The file of nodes is a part of the scene: who reads that in Python finds the hash that the coupler has.
+TEST(ForeignBody, StandsInASceneThatParticipantsInPythonRead) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, bar_model);
+  (void)folder.write("-0.04\n", "nodes.csv");
+  const auto text = joined_scene(bar_model, "hughes_liu", 1, "interface_nodes = \"nodes.csv\"");
+  const auto ours = run_text(text, folder, "ours");
+  const auto python = run_text(
+      replaced(text, "bodies = [\"upper\"]",
+               "bodies = [\"upper\"]\nexecutable = \"" RICOCHET_SOURCE "/common/participant/python/explicit_bar.py\""),
+      folder, "python");
+  expect_same_history(python, ours, 1e-11);
+}
+
 TEST(ForeignBody, WritesNoFileOfSeveralBodies) {
   TemporaryFolder folder;
   const auto outcome =
