@@ -56,6 +56,9 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     plan.unknowns += count_unknowns(problem, part, implicit);
     assembled.push_back({part.body, &part.part});
   }
+  for (const Joint& joint : problem.joints)
+    if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
+      plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (!implicit)
     plan.critical_time_step_s =
         critical_time_step(problem, participant, assembled, problem.window_size_s / problem.scene.coupling.substeps);
@@ -152,6 +155,11 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  for (const Joint& joint : problem.joints)
+    plan.notes.push_back(fmt::format(
+        "\"{}\" is foreign: joined to \"{}\" at {} node{}; its elements and its critical time step are known to its "
+        "participant alone",
+        joint.foreign, problem.bodies[at(joint.body)].name, joint.nodes.size(), joint.nodes.size() == 1 ? "" : "s"));
   plan.switch_obstacle = switch_obstacle(problem);
   if (!plan.switch_obstacle.empty())
     plan.notes.push_back("the implicit side stays implicit after separation: " + plan.switch_obstacle);

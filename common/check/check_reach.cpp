@@ -31,7 +31,8 @@ bool starts_at_rest(const Body& spec, Model model) {
   return !any(spec.gravity_m_s2) && spec.initial_displacement_start_m == spec.initial_displacement_end_m && !widens;
 }
 
-/// Where something but the contact makes waves from t = 0 on: loads, prescribed motion, supports that stop the body.
+/// Where something but the contact makes waves from t = 0 on: loads, prescribed motion, supports that stop the body,
+/// and what a foreign body, of which nothing is known, may send.
 Interval disturbed(const Body& spec, const BodyProblem& body) {
   Interval interval;
   const auto add_surface = [&](const std::string& surface) {
@@ -44,6 +45,8 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
     for (const int c : support.components)
       if (spec.initial_velocity_m_s[at(c)] != 0.0 || spec.initial_displacement_start_m[at(c)] != 0.0)
         add_surface(support.surface);
+  for (int node = 0; node < static_cast<int>(body.joined_node.size()); ++node)
+    if (body.joined_node[at(node)]) interval.add(axis_of(body, node));
   return interval;
 }
 

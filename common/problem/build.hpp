@@ -28,6 +28,11 @@ void refuse_absorbing_contact(const Problem& problem);
 /// that overlap, and for a pair that is held in the normal direction on every side.
 [[nodiscard]] std::vector<ContactGeometry> build_contacts(const Scene& scene, const std::vector<BodyProblem>& bodies);
 
+/// The nodes that foreign bodies share with the scene's: those of a surface, or those nearest to the positions of a
+/// file, each closer than 1e-6 of the body's extent. Sets joined_node of every body. Throws ConfigError for an unknown
+/// surface, for a position without a node and for two positions of one node.
+[[nodiscard]] std::vector<Joint> build_joints(const Scene& scene, std::vector<BodyProblem>& bodies);
+
 /// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
 void set_partition(Problem& problem);
 

@@ -76,6 +76,7 @@ Problem build_bodies(const Scene& scene) {
   Problem problem;
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
+  problem.joints = build_joints(scene, problem.bodies);
   problem.contacts = build_contacts(scene, problem.bodies);
   refuse_absorbing_contact(problem);
   bound_largest_step(problem);

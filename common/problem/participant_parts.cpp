@@ -7,8 +7,8 @@
 namespace ricochet::scene {
 namespace {
 
-/// Nodes of a body that explicit participants and the implicit one share: touched by explicit elements and integrated
-/// implicitly. None in the baselines.
+/// Nodes of a body that explicit participants and the implicit one share: touched by explicit elements, or by those of
+/// a foreign body, and integrated implicitly. None in the baselines.
 std::vector<bool> shared_nodes(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   if (problem.scene.coupling.protocol.layout != Layout::hybrid)
@@ -16,7 +16,8 @@ std::vector<bool> shared_nodes(const Problem& problem, int index) {
   std::vector<bool> is_explicit = body.implicit_element;
   is_explicit.flip();
   std::vector<bool> shared = touched_nodes(body, is_explicit);
-  for (std::size_t i = 0; i < shared.size(); ++i) shared[i] = shared[i] && body.implicit_node[i];
+  for (std::size_t i = 0; i < shared.size(); ++i)
+    shared[i] = (shared[i] || body.joined_node[i]) && body.implicit_node[i];
   return shared;
 }
 

@@ -104,7 +104,7 @@ bool has(const std::vector<bool>& flags, bool value) {
 
 /// An explicit and an implicit participant that have nothing to do are a misunderstanding.
 void require_both_kinds(const Problem& problem) {
-  bool any_explicit = false, any_implicit = false;
+  bool any_explicit = !problem.joints.empty(), any_implicit = false;
   for (const BodyProblem& body : problem.bodies) {
     any_explicit = any_explicit || has(body.implicit_element, false);
     any_implicit = any_implicit || has(body.implicit_node, true);
@@ -180,6 +180,8 @@ void require_owners(const Problem& problem) {
       if (p >= 0) busy[at(p)] = true;
   }
   for (std::size_t p = 0; p < busy.size(); ++p)
+    for (const std::string& body : scene.participants[p].bodies) busy[p] = busy[p] || scene.is_foreign(body);
+  for (std::size_t p = 0; p < busy.size(); ++p)
     if (scene.participants[p].role == Role::explicit_solver && !busy[p])
       throw ConfigError(scene.where("participant." + scene.participants[p].name) +
                         ": found no explicit element in its bodies; allowed: a participant with elements, or a shorter "
@@ -234,13 +236,24 @@ void require_implicit_contact(const Problem& problem) {
     std::vector<bool> is_explicit = body.implicit_element;
     is_explicit.flip();
     const std::vector<bool> touched = touched_nodes(body, is_explicit);
-    for (const int node : contact_nodes(problem.contacts, index))
-      if (touched[at(node)])
-        throw ConfigError(fmt::format(
-            "{}: found \"{}\" and an explicit element at the contact node at {}; allowed: implicit elements all around "
-            "contact nodes",
-            scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
-            massless ? "massless" : scene.coupling.protocol.name, place(body, node)));
+    for (const int node : contact_nodes(problem.contacts, index)) {
+      if (!touched[at(node)] && !body.joined_node[at(node)]) continue;
+      throw ConfigError(fmt::format(
+          "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes{}",
+          scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
+          massless ? "massless" : scene.coupling.protocol.name,
+          touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node),
+          touched[at(node)] ? "" : ", where no foreign body is joined"));
+    }
+  }
+}
+
+/// Joined nodes are integrated by the implicit participant, which has mass of its own there whatever the protocol.
+void add_joined_layer(BodyProblem& body) {
+  for (std::size_t e = 0; e < body.implicit_element.size(); ++e) {
+    const auto& nodes = body.mesh.elements[e];
+    const bool joined = std::any_of(nodes.begin(), nodes.end(), [&](int node) { return body.joined_node[at(node)]; });
+    body.implicit_element[e] = body.implicit_element[e] || joined;
   }
 }
 
@@ -251,6 +264,7 @@ void set_partition(Problem& problem) {
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     BodyProblem& body = problem.bodies[at(index)];
     body.implicit_element = implicit_elements(problem, index);
+    if (layout == Layout::hybrid) add_joined_layer(body);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
     for (const int node : contact_nodes(problem.contacts, index)) body.implicit_node[at(node)] = true;

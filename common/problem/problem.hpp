@@ -51,8 +51,9 @@ struct BodyProblem {
   fem::Section section;
   fem::Material material;
   fem::Mesh mesh;                             ///< the whole body
-  std::vector<bool> implicit_element;         ///< per element
+  std::vector<bool> implicit_element;         ///< per element; those at joined nodes are
   std::vector<bool> implicit_node;            ///< per node: integrated by the implicit participant
+  std::vector<bool> joined_node;              ///< per node: a foreign body has it, too
   std::vector<bool> fixed_dof;                ///< supports and the axis r = 0 (u_r); prescribed dofs too
   Eigen::VectorXd prescribed_displacement_m;  ///< per dof, amplitude excluded; 0 on supports
   std::vector<int> prescribed_index;          ///< per dof: which Body::prescribed, -1 none
@@ -61,9 +62,17 @@ struct BodyProblem {
   Eigen::VectorXd initial_velocity_m_s;    ///< per dof (0 on fixed dofs)
 };
 
+/// Where a foreign body is joined to one of the scene's.
+struct Joint {
+  std::string foreign;     ///< name of the foreign body
+  int body = -1;           ///< index into Problem::bodies
+  std::vector<int> nodes;  ///< of that body's mesh, ascending
+};
+
 struct Problem {
   Scene scene;
   std::vector<BodyProblem> bodies;        ///< in the scene's order
+  std::vector<Joint> joints;              ///< in the order of the scene's foreign bodies
   std::vector<ContactGeometry> contacts;  ///< in the scene's order, none without pairs
   double window_size_s = 0.0;             ///< Delta t, from step_s or the safety factor
 };
@@ -76,8 +85,8 @@ struct Problem {
 }
 
 /// Builds meshes and partitions. `baseline` protocols: all_implicit makes every element implicit, all_explicit none.
-/// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError (names scene file, key,
-/// and the nodes where surfaces do not match under a law that needs pairs of nodes).
+/// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError
+/// (names scene file, key, and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
 /// The same but for the size of windows, which stays 0: a participant hears it from the coupler.
 [[nodiscard]] Problem build_bodies(const Scene& scene);

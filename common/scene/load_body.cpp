@@ -194,6 +194,8 @@ Body load_body(TableReader& table, Model model, const std::string& folder) {
   Body body;
   body.name = table.name("name");
   table.rename("body." + body.name);
+  for (const char* key : {"joined_to", "surface", "interface_nodes", "mass_kg"})
+    table.only_if(false, key, "foreign = true");
   body.material = load_material(table.table("material", "material"), model);
   body.mesh = load_mesh(table.table("mesh", "mesh"), model, folder);
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");

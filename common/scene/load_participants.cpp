@@ -11,7 +11,8 @@
 namespace ricochet::scene {
 namespace {
 
-std::vector<std::string> body_names(const Scene& scene) {
+/// Of the bodies that the scene meshes.
+std::vector<std::string> meshed_names(const Scene& scene) {
   std::vector<std::string> names;
   for (const Body& body : scene.bodies) names.push_back(body.name);
   return names;
@@ -25,7 +26,8 @@ std::string resolve_executable(const std::string& given, const Scene& scene) {
 
 /// Element groups of a participant's one body, which must come from a Gmsh file: a structured mesh has none.
 std::vector<std::string> load_groups(TableReader& table, const std::vector<std::string>& bodies, const Scene& scene) {
-  const bool from_gmsh = bodies.size() == 1 && std::holds_alternative<GmshMesh>(scene.body(bodies.front()).mesh);
+  const bool from_gmsh = bodies.size() == 1 && !scene.is_foreign(bodies.front()) &&
+                         std::holds_alternative<GmshMesh>(scene.body(bodies.front()).mesh);
   table.only_if(from_gmsh, "groups", "bodies = [one body], read from a Gmsh file");
   return table.texts("groups");
 }
@@ -49,17 +51,26 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   participant.role = table.named<Role>("role");
   const bool is_explicit = participant.role == Role::explicit_solver;
   table.only_if(is_explicit, "bodies", "role = \"explicit\": the implicit participant owns all implicit elements");
-  if (is_explicit) participant.bodies = table.words("bodies", body_names(scene));
+  if (is_explicit) participant.bodies = table.words("bodies", scene.body_names());
   table.only_if(is_explicit, "groups", "role = \"explicit\": the implicit participant owns all implicit elements");
   if (table.has("groups")) participant.groups = load_groups(table, participant.bodies, scene);
   if (table.has("executable")) participant.executable = resolve_executable(table.text("executable"), scene);
+  for (const std::string& body : participant.bodies)
+    if (scene.is_foreign(body) && !participant.foreign())
+      table.refuse("bodies", "\"" + body + "\", which is foreign: no solver of ours has elements of it",
+                   "\"" + body + "\" with the key executable, the program that computes it");
   participant.start =
       table.choice<Start>("start", {{"launch", Start::launch}, {"by_hand", Start::by_hand}}, Start::launch);
   table.only_if(participant.start == Start::launch, "launch", "start = \"launch\"");
   table.only_if(participant.foreign(), "differing_bodies", "executable, a program of your own");
   if (table.has("differing_bodies"))
     participant.differing_bodies =
-        table.words("differing_bodies", is_explicit ? participant.bodies : body_names(scene));
+        table.words("differing_bodies", is_explicit ? participant.bodies : meshed_names(scene));
+  for (const std::string& body : participant.differing_bodies)
+    if (scene.is_foreign(body))
+      table.refuse("differing_bodies", "\"" + body + "\", which is foreign",
+                   "bodies that the scene meshes: of a "
+                   "foreign one there is nothing to differ from");
   if (table.has("launch")) participant.launch = load_launch(table);
   table.only_if(is_explicit && participant.start == Start::launch && participant.executable.empty(), "ranks",
                 "role = \"explicit\", the shipped solver and start = \"launch\"");
@@ -109,12 +120,25 @@ std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables,
   return participants;
 }
 
+void require_foreign_owners(const Scene& scene) {
+  for (const ForeignBody& body : scene.foreign_bodies) {
+    const bool owned = std::any_of(scene.participants.begin(), scene.participants.end(), [&](const auto& participant) {
+      return std::find(participant.bodies.begin(), participant.bodies.end(), body.name) != participant.bodies.end();
+    });
+    if (owned) continue;
+    throw ConfigError(fmt::format(
+        "{}: found no participant that computes the foreign body; allowed: a [[participant]] with role = \"explicit\", "
+        "bodies = [\"{}\"] and executable, its program",
+        scene.where("body." + body.name), body.name));
+  }
+}
+
 std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vector<ParticipantSpec>& given) {
   const Layout layout = scene.coupling.protocol.layout;
   if (layout == Layout::hybrid && !given.empty()) return given;
   ParticipantSpec all_explicit = first_of(given, Role::explicit_solver);
   all_explicit.name = name_of(Role::explicit_solver);
-  all_explicit.bodies = body_names(scene);
+  all_explicit.bodies = meshed_names(scene);
   all_explicit.groups.clear();
   const ParticipantSpec implicit = first_of(given, Role::implicit_solver);
   if (layout == Layout::all_explicit) return {all_explicit};

@@ -20,11 +20,24 @@ Model load_model(TableReader& root) {
 void load_bodies(TableReader& root, Scene& scene) {
   const std::string folder = std::filesystem::path(scene.path).parent_path().string();
   if (!root.has("body")) root.missing("body", "one [[body]] table or more");
+  std::vector<TableReader> foreign;  // read when what they may be joined to is known
+  const auto require_new = [&](const TableReader& table, const std::string& name) {
+    for (const std::string& other : scene.body_names())
+      if (other == name) table.refuse("name", "\"" + name + "\" a second time", "a new name");
+  };
   for (TableReader& table : root.tables("body", "body")) {
+    if (says_foreign(table)) {
+      foreign.push_back(table);
+      continue;
+    }
     Body body = load_body(table, scene.model, folder);
-    for (const Body& other : scene.bodies)
-      if (other.name == body.name) table.refuse("name", "\"" + body.name + "\" a second time", "a new name");
+    require_new(table, body.name);
     scene.bodies.push_back(std::move(body));
+  }
+  for (TableReader& table : foreign) {
+    ForeignBody body = load_foreign_body(table, scene);
+    require_new(table, body.name);
+    scene.foreign_bodies.push_back(std::move(body));
   }
 }
 
@@ -70,9 +83,11 @@ void load_tables(TableReader& root, Scene& scene) {
     scene.coupling = load_coupling(table, !scene.contacts.empty());
   }
   check_contact_keys(root, scene);
+  check_foreign_bodies(root, time, scene);
   check_automatic_partition(root, time, scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
+  require_foreign_owners(scene);
   if (root.has("output")) {
     TableReader table = root.table("output", "output");
     scene.output = load_output(table);
@@ -89,6 +104,8 @@ std::string digest(const std::string& text, const Scene& scene) {
   std::string all = text;
   for (const Body& body : scene.bodies)
     if (const auto* mesh = std::get_if<GmshMesh>(&body.mesh)) all += read_text(mesh->path);
+  for (const ForeignBody& body : scene.foreign_bodies)
+    if (!body.interface_nodes.empty()) all += read_text(body.interface_nodes);
   return sha256_hex(all);
 }
 

@@ -15,6 +15,12 @@ namespace ricochet::scene {
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
 
 [[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder);
+/// The entry says foreign = true.
+[[nodiscard]] bool says_foreign(TableReader& table);
+/// `scene` has its other bodies already.
+[[nodiscard]] ForeignBody load_foreign_body(TableReader& table, const Scene& scene);
+/// What does not go with foreign bodies: a baseline, and a step that is not given. Nothing without one.
+void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& scene);
 [[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene, bool named);
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
@@ -23,6 +29,8 @@ namespace ricochet::scene {
 Checkpointing load_checkpoint(TableReader& table);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);
+/// Throws ConfigError if a foreign body of the scene is nobody's.
+void require_foreign_owners(const Scene& scene);
 
 /// The participants that run the scene's protocol: `given` where they fit, else the shipped solvers.
 [[nodiscard]] std::vector<ParticipantSpec> participants_of(const Scene& scene,

@@ -64,6 +64,18 @@ std::vector<std::string> Scene::contact_names() const {
   return names;
 }
 
+std::vector<std::string> Scene::body_names() const {
+  std::vector<std::string> names;
+  for (const Body& body : bodies) names.push_back(body.name);
+  for (const ForeignBody& body : foreign_bodies) names.push_back(body.name);
+  return names;
+}
+
+bool Scene::is_foreign(const std::string& body) const {
+  return std::any_of(foreign_bodies.begin(), foreign_bodies.end(),
+                     [&](const ForeignBody& foreign) { return foreign.name == body; });
+}
+
 const Body& Scene::body(const std::string& name) const { return find_by_name(bodies, name, "body", path); }
 
 const ParticipantSpec& Scene::participant(const std::string& name) const {

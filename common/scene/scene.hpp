@@ -100,6 +100,17 @@ struct Body {
   std::vector<AbsorbingSurface> absorbing;
 };
 
+/// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not
+/// mesh, material, supports and loads. What it shares with that body are nodes of that body's mesh.
+struct ForeignBody {
+  std::string name;
+  std::string joined_to;                     ///< one of Scene::bodies
+  std::string surface;                       ///< of that one: all its nodes are shared; empty: those of the file
+  std::string interface_nodes;               ///< absolute path of the file; empty: the nodes of the surface
+  std::vector<double> interface_position_m;  ///< of the file: per node one number per component
+  std::optional<double> mass_kg;             ///< of the whole body, to be compared; empty: nothing is
+};
+
 struct SurfaceName {
   std::string body;
   std::string surface;
@@ -223,9 +234,10 @@ struct Checkpointing {
 
 struct Scene {
   std::string path;    ///< absolute path of the scene file
-  std::string sha256;  ///< of its text (and of the mesh files it names), hex
+  std::string sha256;  ///< of its text and of the files with meshes and interface nodes that it names, hex
   Model model = Model::bar;
   std::vector<Body> bodies;
+  std::vector<ForeignBody> foreign_bodies;
   std::vector<Contact> contacts;
   Partition partition;
   Time time;
@@ -245,6 +257,9 @@ struct Scene {
   }
   [[nodiscard]] bool friction() const;                           ///< of any contact
   [[nodiscard]] std::vector<std::string> contact_names() const;  ///< of several; none where there is but one
+  /// Of the bodies that it meshes, and of the foreign ones after them.
+  [[nodiscard]] std::vector<std::string> body_names() const;
+  [[nodiscard]] bool is_foreign(const std::string& body) const;
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown

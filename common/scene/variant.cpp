@@ -92,6 +92,7 @@ void keep_paths(toml::value& root, const fs::path& folder) {
   };
   each("body", [&](toml::value& body) {
     if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), "gmsh", folder);
+    make_absolute(body, "interface_nodes", folder);
   });
   each("participant", [&](toml::value& participant) { make_absolute(participant, "executable", folder); });
 }

@@ -91,6 +91,9 @@ void define_contract(CLI::App& app, Arguments& arguments) {
       ->type_name("SCENE");
   app.add_option("--name", arguments.contract.name, "Which participant of the scene it is")->type_name("NAME");
   app.add_option("--step", arguments.step_s, "Window size [s]; default: half of its critical time step");
+  app.add_option("--interface-nodes", arguments.contract.interface_nodes,
+                 "Write the positions of its interface nodes, as the key interface_nodes of a foreign body reads them")
+      ->type_name("FILE");
   app.add_option("--timeout", arguments.contract.command.timeout_s, "Longest wait for an answer [s]")
       ->capture_default_str();
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
 #include "coupler/contract/contract_response.hpp"
 #include "coupler/contract/contract_run.hpp"
 #include "coupler/contract/contract_scene.hpp"
@@ -281,6 +282,26 @@ void Contract::outlives_no_coupler(bool silent) {
   if (end->signal == 0 && end->exit_status == 0) fail("it ended with exit code 0, as if all were well");
 }
 
+/// What the key interface_nodes of a foreign body reads: a row per node, to the last bit.
+void write_interface_nodes(const ContractCommand& command, const std::string& path) {
+  ContractPeer peer(command);
+  ContractRun run;
+  describe(peer, command.timeout_s, run);
+  const auto& bodies = run.description.interface_body.data;
+  const auto& positions = run.description.interface_position_m;
+  if (bodies.empty() || std::count(bodies.begin(), bodies.end(), bodies.front()) != std::ssize(bodies))
+    throw ConfigError(
+        fmt::format("--interface-nodes: found {} of '{}', allowed: a participant with interface nodes of one body",
+                    bodies.empty() ? "no interface node" : "interface nodes of several bodies", run.hello.participant));
+  const auto& body = run.description.bodies[static_cast<std::size_t>(bodies.front())];
+  std::string text = fmt::format("# interface nodes of \"{}\" [m]\n", body);
+  const auto columns = static_cast<std::size_t>(run.description.components);
+  for (auto row = positions.data.begin(); row != positions.data.end(); row += static_cast<std::ptrdiff_t>(columns))
+    text += fmt::format("{}\n", fmt::join(row, row + static_cast<std::ptrdiff_t>(columns), ", "));
+  write_atomically(path, text);
+  fmt::print("wrote {}: {} interface node{} of \"{}\"\n", path, bodies.size(), bodies.size() == 1 ? "" : "s", body);
+}
+
 }  // namespace
 
 bool check_participant(const ContractRequest& request) {
@@ -293,6 +314,7 @@ bool check_participant(const ContractRequest& request) {
     command.words = beside->command(command.words);
   }
   fmt::print("{}\n", fmt::join(command.words, " "));
+  if (!request.interface_nodes.empty()) write_interface_nodes(command, request.interface_nodes);
   return Contract(command, request.window_size_s, beside ? &*beside : nullptr).check();
 }
 

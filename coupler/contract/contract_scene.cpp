@@ -176,6 +176,13 @@ void ContractScene::require_no_difference() const {
   }
 }
 
+void ContractScene::require_meshed_bodies() const {
+  for (const auto& body : participant_.bodies) {
+    if (problem_.scene.is_foreign(body))
+      throw NotApplicable{fmt::format("\"{}\" is foreign: the scene has no elements of it", body)};
+  }
+}
+
 std::string ContractScene::declares_the_scene(const ContractCommand& command) const {
   ContractPeer peer(command);
   ContractRun run;
@@ -190,6 +197,7 @@ std::string ContractScene::declares_the_scene(const ContractCommand& command) co
 }
 
 std::string ContractScene::answers_as_the_elements(const ContractCommand& command) const {
+  require_meshed_bodies();
   ContractPeer peer(command);
   ContractRun run;
   describe(peer, command.timeout_s, run);
@@ -217,6 +225,7 @@ std::string ContractScene::answers_as_the_elements(const ContractCommand& comman
 std::string ContractScene::computes_what_the_shipped_solver_does(const ContractCommand& command,
                                                                  const ContractDrive& basis) const {
   require_no_difference();
+  require_meshed_bodies();
   auto shipped = participant_;
   shipped.executable.clear();
   shipped.ranks.reset();

@@ -30,6 +30,8 @@ class ContractScene {
  private:
   [[nodiscard]] PeerDescription description_of(const ContractRun& run) const;
   void require_no_difference() const;
+  /// Of a foreign body the scene has no elements, and no solver of ours computes it.
+  void require_meshed_bodies() const;
   const scene::Problem& problem_;
   const scene::ParticipantSpec& participant_;
 };

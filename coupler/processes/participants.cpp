@@ -35,8 +35,9 @@ Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& partic
   return member;
 }
 
-/// Largest message that participants of this scene can have to send [bytes].
+/// Largest message that participants of this scene can have to send [bytes]; how much a foreign body has is not known.
 std::size_t largest_message(const scene::Problem& problem) {
+  if (!problem.joints.empty()) return wire::max_message_bytes;
   // Per node three components of a few arrays, or two numbers each of a state for displacement and velocity; history
   // rows of as many windows as a baseline computes at once.
   constexpr std::size_t least = std::size_t{1} << 22, per_node = 64 * sizeof(double),
@@ -125,6 +126,20 @@ void check_declared_steps(const scene::Problem& problem, const std::vector<PeerD
         description.participant, critical_s, step_s, 0.9 * scene.coupling.substeps * critical_s,
         scene.coupling.protocol.dual ? ", or more coupling.substeps" : ""));
   }
+}
+
+std::vector<PeerDescription> joined(const scene::Problem& problem, std::vector<PeerDescription> descriptions) {
+  for (auto& description : descriptions) {
+    for (const auto& joint : problem.joints) {
+      const auto& bodies = description.bodies;
+      const auto index = static_cast<double>(std::find(bodies.begin(), bodies.end(), joint.foreign) - bodies.begin());
+      auto& of_nodes = description.interface_body.data;
+      if (std::find(of_nodes.begin(), of_nodes.end(), index) == of_nodes.end()) continue;
+      std::replace(of_nodes.begin(), of_nodes.end(), index, static_cast<double>(bodies.size()));
+      description.bodies.push_back(problem.bodies[static_cast<std::size_t>(joint.body)].name);
+    }
+  }
+  return descriptions;
 }
 
 ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,

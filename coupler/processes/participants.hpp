@@ -23,6 +23,10 @@ namespace ricochet::coupler {
 /// launched: find_executable, launch_prefix.
 [[nodiscard]] std::vector<std::string> find_executables(const scene::Scene& scene);
 
+/// The descriptions as the interface takes them: nodes of a foreign body are nodes of the body that it is joined to.
+[[nodiscard]] std::vector<PeerDescription> joined(const scene::Problem& problem,
+                                                  std::vector<PeerDescription> descriptions);
+
 /// Names of the participants, in the scene's order.
 [[nodiscard]] std::vector<std::string> participant_names(const scene::Scene& scene);
 

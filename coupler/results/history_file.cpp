@@ -80,7 +80,7 @@ HistoryShape history_shape(const scene::Problem& problem) {
   HistoryShape shape{.has_contact = !problem.contacts.empty(),
                      .solid = problem.scene.components() == 3,
                      .contacts = problem.scene.contact_names()};
-  for (const auto& body : problem.scene.bodies) shape.bodies.push_back(body.name);
+  shape.bodies = problem.scene.body_names();
   return shape;
 }
 

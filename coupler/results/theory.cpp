@@ -67,7 +67,7 @@ bool flies_freely(const scene::Body& body, const Eigen::Vector3d& normal) {
 }  // namespace
 
 std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
-  if (problem.contacts.size() != 1) return std::nullopt;
+  if (problem.contacts.size() != 1 || !problem.joints.empty()) return std::nullopt;
   const auto& contact = problem.contacts.front();
   if (contact.body_b < 0) return std::nullopt;
   const auto a = static_cast<std::size_t>(contact.body_a);

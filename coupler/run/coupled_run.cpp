@@ -19,12 +19,6 @@
 namespace ricochet::coupler {
 namespace {
 
-std::vector<std::string> body_names(const scene::Scene& scene) {
-  std::vector<std::string> names;
-  for (const auto& body : scene.bodies) names.push_back(body.name);
-  return names;
-}
-
 Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   const auto& scene = problem.scene;
   Summary summary;
@@ -115,11 +109,11 @@ void CoupledRun::setup() {
     stress_sources.push_back({description.participant, description.axial_stress_columns});
   }
   prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, body_names(scene_), conserved_by(problem_), scene_.contact_names());
+  history_ = std::make_unique<History>(sources, scene_.body_names(), conserved_by(problem_), scene_.contact_names());
   if (scene_.output.axial_stress_every > 0) {
-    axial_stress_ = std::make_unique<AxialStress>(stress_sources, body_names(scene_));
+    axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
   }
-  coupling_ = std::make_unique<Coupling>(set_.peers().all(), descriptions, problem_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.window_size_s);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
   try_links();
@@ -231,7 +225,7 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions)
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
-                                         names, body_names(scene_), EnergyWatch::every_of(plan_.windows),
+                                         names, scene_.body_names(), EnergyWatch::every_of(plan_.windows),
                                          loss_limits(problem_, descriptions));
 }
 

@@ -112,6 +112,12 @@ void StabilityStudy::measure(std::size_t column, const scene::Problem& problem,
 
 void StabilityStudy::run_column(std::size_t column) {
   double unit_s = 1.0;
+  if (by_courant() && !problem_.joints.empty()) {
+    throw ConfigError(
+        fmt::format("--sweep: found courant, a share of a critical time step, and the foreign body \"{}\", whose "
+                    "critical time step the scene does not know; allowed: time.step_s=LOW:HIGH:COUNT",
+                    problem_.joints.front().foreign));
+  }
   if (by_courant()) {
     unit_s = critical_window_s(variant(column, {}));
     if (!std::isfinite(unit_s)) {
@@ -149,7 +155,8 @@ void StabilityStudy::print_participants() const {
                step_text(scene::element_bound_time_step(problem_, problem_.scene.participant(p.name))));
   }
   const double critical_s = scene::critical_time_step(scene::plan_participants(problem_));
-  fmt::print("critical time step of the scene {} s\n\n", step_text(critical_s));
+  fmt::print("critical time step of the scene{} {} s\n\n", problem_.joints.empty() ? "" : " without its foreign bodies",
+             step_text(critical_s));
   fmt::print("{:<{}} {:>12} {:>9} {:<9} {:>12} {:>11} {:<9} {}\n", against_.key, label_width(), "step [s]", "Courant",
              "contact", "growth", "resolution", "verdict", "method");
 }

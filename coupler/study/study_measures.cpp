@@ -191,6 +191,7 @@ Observation exact_impact(const scene::Problem& problem) {
   const auto& scene = problem.scene;
   const std::string other = "another model, another number of bodies, or bodies that do not approach each other";
   require(scene.model == scene::Model::bar && scene.bodies.size() == 2, scene, other);
+  require(scene.foreign_bodies.empty(), scene, "a foreign body");
   std::vector<double> masses_kg;  // refused here, where the reason is known, if a body does not fly freely
   for (const auto& body : scene.bodies) masses_kg.push_back(free_mass_kg(scene, body));
   const auto theory = impact_theory(problem);

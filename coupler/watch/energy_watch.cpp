@@ -81,7 +81,7 @@ bool all_tell(const std::vector<PeerDescription>& descriptions, std::initializer
   return true;
 }
 
-/// Nothing but the bodies themselves has momentum.
+/// Nothing but the bodies themselves has momentum; of a foreign one nobody knows what holds and loads it.
 bool is_free(const scene::Scene& scene) {
   const bool alone = std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const scene::Body& body) {
     const bool weightless =
@@ -89,8 +89,9 @@ bool is_free(const scene::Scene& scene) {
     return weightless && body.supports.empty() && body.tractions.empty() && body.prescribed.empty() &&
            body.absorbing.empty();
   });
-  return alone && std::all_of(scene.contacts.begin(), scene.contacts.end(),
-                              [](const scene::Contact& contact) { return contact.second.has_value(); });
+  return alone && scene.foreign_bodies.empty() &&
+         std::all_of(scene.contacts.begin(), scene.contacts.end(),
+                     [](const scene::Contact& contact) { return contact.second.has_value(); });
 }
 
 }  // namespace

@@ -132,11 +132,16 @@ SceneComparison::SceneComparison(const scene::Problem& problem, const PeerDescri
   }
 }
 
-SceneComparison::Node SceneComparison::find(std::size_t row) const {
-  const auto& body = description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])];
+Eigen::Vector3d SceneComparison::place_of(std::size_t row) const {
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   for (std::size_t c = 0; c < components_; ++c)
     x[static_cast<Eigen::Index>(c)] = description_.interface_position_m.data[row * components_ + c];
+  return x;
+}
+
+SceneComparison::Node SceneComparison::find(std::size_t row) const {
+  const auto& body = description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])];
+  const Eigen::Vector3d x = place_of(row);
   double nearest = INFINITY;
   Node found;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -171,8 +176,10 @@ bool SceneComparison::held(std::size_t row, int component) const {
   const auto& part = parts_[at(nodes_[row].part)];
   const int node = part.part.body_node[at(nodes_[row].local)];
   const auto& touching = contact_nodes_[at(nodes_[row].part)];
+  const auto& body = problem_.bodies[at(part.body)];
   if (std::binary_search(touching.begin(), touching.end(), node)) return true;
-  return problem_.bodies[at(part.body)].fixed_dof[at(node) * components_ + at(component)];
+  if (description_.role == Role::implicit_solver && body.joined_node[at(node)]) return true;
+  return body.fixed_dof[at(node) * components_ + at(component)];
 }
 
 std::string SceneComparison::where(std::size_t row) const {
@@ -194,6 +201,12 @@ void SceneComparison::check_description() const {
   for (std::size_t row = 0; row < nodes_.size(); ++row) {
     if (nodes_[row].part >= 0) continue;
     const auto& name = description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])];
+    const auto& own = problem_.scene.participant(description_.participant).bodies;
+    if (problem_.scene.is_foreign(name)) {
+      if (std::find(own.begin(), own.end(), name) != own.end()) continue;
+      throw ConfigError(fmt::format("{}: found a foreign body of another participant; allowed: {}", where(row),
+                                    fmt::join(own, ", ")));
+    }
     const auto is = [&](const scene::BodyProblem& body) { return body.name == name; };
     const auto body = std::find_if(problem_.bodies.begin(), problem_.bodies.end(), is);
     if (body == problem_.bodies.end()) throw ConfigError(fmt::format("{}: the scene has no such body", where(row)));
@@ -201,7 +214,45 @@ void SceneComparison::check_description() const {
     if (differs(index)) continue;
     throw ConfigError(fmt::format("{}: the scene's mesh has no interface node there{}", where(row), advice(index)));
   }
+  const auto& own = problem_.scene.participant(description_.participant).bodies;
+  for (const auto& joint : problem_.joints) {
+    if (std::find(own.begin(), own.end(), joint.foreign) != own.end()) check_joint(joint);
+  }
   check_masses();
+}
+
+std::vector<std::size_t> SceneComparison::rows_of(const std::string& body) const {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < nodes_.size(); ++row) {
+    if (description_.bodies[static_cast<std::size_t>(description_.interface_body.data[row])] == body)
+      rows.push_back(row);
+  }
+  return rows;
+}
+
+void SceneComparison::check_joint(const scene::Joint& joint) const {
+  const auto& body = problem_.bodies[at(joint.body)];
+  const double near_m = same_place * extent(body.mesh);
+  std::vector<bool> found(joint.nodes.size(), false);
+  for (const auto row : rows_of(joint.foreign)) {
+    const auto distance = [&, x = place_of(row)](int node) { return (body.mesh.position[at(node)] - x).norm(); };
+    const auto nearest = std::min_element(joint.nodes.begin(), joint.nodes.end(),
+                                          [&](int a, int b) { return distance(a) < distance(b); });
+    if (distance(*nearest) > near_m)
+      throw ConfigError(fmt::format(
+          "{}: \"{}\" is joined to \"{}\" at no node there; allowed: the joined nodes, the nearest of which is at {}",
+          where(row), joint.foreign, body.name,
+          fem::place_text(problem_.scene.model, body.mesh.position[at(*nearest)])));
+    found[static_cast<std::size_t>(nearest - joint.nodes.begin())] = true;
+  }
+  const auto missing = std::find(found.begin(), found.end(), false) - found.begin();
+  if (missing == std::ssize(found)) return;
+  throw ConfigError(fmt::format(
+      "participant '{}', body '{}': it has no interface node at {}, where \"{}\" is joined to \"{}\" ({} of {} joined "
+      "nodes are missing); allowed: all of them, or interface_nodes of [[body]] \"{}\", a file with those that it has",
+      description_.participant, joint.foreign,
+      fem::place_text(problem_.scene.model, body.mesh.position[at(joint.nodes[static_cast<std::size_t>(missing)])]),
+      joint.foreign, body.name, std::count(found.begin(), found.end(), false), found.size(), joint.foreign));
 }
 
 void SceneComparison::check_masses() const {
@@ -374,7 +425,7 @@ void SceneComparison::check_acceleration(const std::vector<double>& probe, const
 }
 
 void SceneComparison::try_link(Link& link, int substeps) const {
-  if (nodes_.empty()) return;
+  if (parts_.empty() || nodes_.empty()) return;
   const auto drive = link.driven_by_force() ? Drive::force : Drive::displacement;
   const auto integration = link.implicit() ? Integration::implicit_newmark : Integration::explicit_central;
   const auto tried = probe(drive), input = link.input();
@@ -440,7 +491,9 @@ void SceneComparison::check_first_row(const std::vector<double>& row, Drive driv
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const int index = parts_[p].body;
     const auto& body = problem_.bodies[at(index)];
-    if (differs(index)) continue;
+    const bool joined = std::any_of(problem_.joints.begin(), problem_.joints.end(),
+                                    [&](const scene::Joint& joint) { return joint.body == index; });
+    if (differs(index) || (joined && description_.role == Role::implicit_solver)) continue;
     const auto& part = parts_[p].part;
     double mass = 0.0, momentum = 0.0, size = 0.0;
     for (int local = 0; local < part.nodes(); ++local) {
@@ -463,6 +516,27 @@ void SceneComparison::check_first_row(const std::vector<double>& row, Drive driv
         check_body(p, "momentum_n_kg_m_s", row[c], momentum, size, "kg m/s");
     }
   }
+  for (const auto& body : problem_.scene.foreign_bodies) check_whole_mass(body, row, drive);
+}
+
+/// Driven by displacement its row is of the nodes that it integrates: what it has at the others it has declared.
+void SceneComparison::check_whole_mass(const scene::ForeignBody& body, const std::vector<double>& row,
+                                       Drive drive) const {
+  const auto& columns = description_.record_columns;
+  const auto column =
+      static_cast<std::size_t>(std::find(columns.begin(), columns.end(), "mass_kg/" + body.name) - columns.begin());
+  if (!body.mass_kg || column >= std::min(columns.size(), row.size())) return;
+  double mass_kg = row[column];
+  for (const auto i : drive == Drive::displacement ? rows_of(body.name) : std::vector<std::size_t>{})
+    mass_kg += description_.interface_mass_kg.data[i];
+  if (std::abs(mass_kg - *body.mass_kg) <= tolerance * *body.mass_kg) return;
+  throw ConfigError(fmt::format(
+      "participant '{}', body '{}': its mass is {:.6g} kg (mass_kg/{} of its first row of history{}), {} is {:.6g} kg "
+      "({:.4g} times){}",
+      description_.participant, body.name, mass_kg, body.name,
+      drive == Drive::displacement ? " and 'interface_mass_kg'" : "",
+      problem_.scene.where("body." + body.name + ".mass_kg"), *body.mass_kg, mass_kg / *body.mass_kg,
+      as_cause(known_slip(mass_kg / *body.mass_kg))));
 }
 
 }  // namespace ricochet::coupler

@@ -13,9 +13,10 @@ namespace ricochet::coupler {
 /// stiffness, force of another sign, and substeps that are not taken, before the first window.
 ///
 /// Numbers may differ by 1e-3: other quadrature and rounding pass, one percent does not. A body that the scene lists
-/// under `differing_bodies` of any participant is left out. Vectors are in the rows of the participant's interface.
-/// Every refusal is a ConfigError that names participant, body and node, what was found, what was expected and, if it
-/// is cheap to recognise, what went wrong.
+/// under `differing_bodies` of any participant is left out; of a foreign one there is nothing to compare with but the
+/// places where it is joined and, if the scene gives it, its whole mass. Vectors are in the rows of the participant's
+/// interface. Every refusal is a ConfigError that names participant, body and node, what was found, what was expected
+/// and, if it is cheap to recognise, what went wrong.
 class SceneComparison {
  public:
   /// It describes rows that are as many as they should be, of bodies that it has and with the scene's components. Who
@@ -55,6 +56,11 @@ class SceneComparison {
   [[nodiscard]] Response internal_force(const std::vector<double>& probe) const;
   [[nodiscard]] Response velocity(const std::vector<double>& probe, int substeps) const;
   [[nodiscard]] Response acceleration(const std::vector<double>& probe) const;
+  /// Each of its nodes of a foreign body is where that is joined, and each of those it has.
+  void check_joint(const scene::Joint& joint) const;
+  void check_whole_mass(const scene::ForeignBody& body, const std::vector<double>& row, Drive drive) const;
+  [[nodiscard]] std::vector<std::size_t> rows_of(const std::string& body) const;
+  [[nodiscard]] Eigen::Vector3d place_of(std::size_t row) const;
   void check_masses() const;
   void check_masses_of(std::size_t part, const std::vector<std::size_t>& rows) const;
   void check_body(std::size_t part, const std::string& quantity, double found, double expected, double scale,
@@ -62,7 +68,7 @@ class SceneComparison {
   [[nodiscard]] Node find(std::size_t row) const;
   [[nodiscard]] bool left_out(std::size_t row) const;
   [[nodiscard]] bool differs(int body) const;
-  /// By a support, or by the contact.
+  /// By a support, or by the contact; or its mass, summed with that of a foreign body, is not known.
   [[nodiscard]] bool held(std::size_t row, int component) const;
   [[nodiscard]] bool integrates(std::size_t part, int local, Drive drive) const;
   [[nodiscard]] std::string where(std::size_t row) const;

@@ -49,13 +49,34 @@ TEST(ParticipantsPage, ShowsCodeOfTheExamples) {
 }
 
 TEST(ParticipantsPage, ShowsASceneEntryThatRuns) {
-  ASSERT_EQ(blocks("toml").size(), 1U);
+  ASSERT_EQ(blocks("toml").size(), 2U);
   TemporaryFolder folder;
   fs::copy_file(std::string(RICOCHET_BUILD) + "/spring_mass", folder.path() / "spring_mass");
   run_text(config_text("two_bars") + "\n" + blocks("toml")[0] +
                "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
                "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n",
            folder);
+}
+
+/// The far 12 elements of the left of two bars.
+TEST(ParticipantsPage, ShowsAForeignBodyThatRuns) {
+  TemporaryFolder folder;
+  fs::create_symlink(root + "tests/swap/foreign_body.py", folder.path() / "foreign_body.py");
+  (void)folder.write(
+      "body = \"tail\"\nmodel = \"bar\"\nmaterial = { youngs_modulus_pa = 206.8e9, density_kg_m3 = 7844.066 }\n"
+      "section = 6.4516e-4\nstart = [-0.254]\nsize = [0.1524]\nelements = [12]\nvelocity = [5.13588]\n"
+      "shared = \"high\"\n",
+      "far.toml");
+  const auto two_bars = config_text("two_bars");
+  const auto near = replaced(two_bars, "start_m = -0.254, length_m = 0.254, elements = 20",
+                             "start_m = -0.1016, length_m = 0.1016, elements = 8");
+  const auto run = run_text(near + "\n" + blocks("toml").at(1) +
+                                "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"left\", "
+                                "\"right\"]\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n",
+                            folder);
+  EXPECT_NEAR(run.last("velocity_mean_tail_m_s"), -5.13588, 0.5) << "the bars rebound";
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_TRUE(run.summary.at("theory").is_null());
 }
 
 TEST(ParticipantsPage, ListsTheClausesOfTheContract) {

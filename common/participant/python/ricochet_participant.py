@@ -110,19 +110,20 @@ def arguments():
 
 
 def read_scene(path, name):
-    """A scene file as a dict, its entry of the participant, and the SHA-256 of it and of its Gmsh meshes, whose paths
-    are absolute in the dict. The coupler has checked the values already."""
+    """A scene file as a dict, its entry of the participant, and the SHA-256 of it, of its Gmsh meshes and of its files of
+    interface nodes, whose paths are absolute in the dict. The coupler has checked the values already."""
     with open(path, "rb") as file:
         data = file.read()
     scene = tomllib.loads(data.decode())
     entries = [entry for entry in scene.get("participant", []) if entry["name"] == name]
     if not entries:
         raise ConfigError(f"{path}: found no [[participant]] with name = \"{name}\"")
-    for body in scene["body"]:
-        if "gmsh" in body["mesh"]:
-            body["mesh"]["gmsh"] = os.path.join(os.path.dirname(os.path.abspath(path)), body["mesh"]["gmsh"])
-            with open(body["mesh"]["gmsh"], "rb") as file:
-                data += file.read()
+    files = [(body["mesh"], "gmsh") for body in scene["body"] if "gmsh" in body.get("mesh", {})]
+    files += [(body, "interface_nodes") for body in scene["body"] if "interface_nodes" in body]
+    for table, key in files:
+        table[key] = os.path.join(os.path.dirname(os.path.abspath(path)), table[key])
+        with open(table[key], "rb") as file:
+            data += file.read()
     return scene, entries[0], hashlib.sha256(data).hexdigest()
 
 

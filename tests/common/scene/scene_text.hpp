@@ -94,6 +94,47 @@ step_s = 2.226e-6
 end_s = 200e-6
 )";
 
+/// The same with what is behind the middle of the left bar foreign.
+inline const std::string joined_bars = R"(model = "bar"
+[[body]]
+name = "tail"
+foreign = true
+joined_to = "left"
+surface = "start"
+mass_kg = 0.64
+[[body]]
+name = "left"
+material = { youngs_modulus_pa = 206.8e9, density_kg_m3 = 7844.066 }
+area_m2 = 6.4516e-4
+mesh = { start_m = -0.127, length_m = 0.127, elements = 10 }
+initial_velocity_m_s = [5.13588]
+[[body]]
+name = "right"
+material = { youngs_modulus_pa = 206.8e9, density_kg_m3 = 7844.066 }
+area_m2 = 6.4516e-4
+mesh = { start_m = 0.508e-3, length_m = 0.254, elements = 20 }
+initial_velocity_m_s = [-5.13588]
+[contact]
+surfaces = ["left.end", "right.start"]
+[partition]
+implicit_length_m = { left = 0.0635, right = 0.0635 }
+[time]
+step_s = 2.226e-6
+end_s = 200e-6
+[[participant]]
+name = "explicit"
+role = "explicit"
+bodies = ["left", "right"]
+[[participant]]
+name = "far"
+role = "explicit"
+bodies = ["tail"]
+executable = "./far"
+[[participant]]
+name = "implicit"
+role = "implicit"
+)";
+
 /// Two plane-strain plates, 4 x 6 elements, thickness 0.5 m.
 inline const std::string plates = R"(model = "plane_strain"
 [[body]]

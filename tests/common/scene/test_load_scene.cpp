@@ -244,6 +244,58 @@ TEST(LoadScene, ParticipantsFieldByField) {
   EXPECT_THROW((void)scene.participant("contacts"), ConfigError);
 }
 
+TEST(LoadScene, ForeignBodiesFieldByField) {
+  const Scene scene = load_text(joined_bars);
+  ASSERT_EQ(scene.foreign_bodies.size(), 1U);
+  const ForeignBody& tail = scene.foreign_bodies.front();
+  EXPECT_EQ(tail.name, "tail");
+  EXPECT_EQ(tail.joined_to, "left");
+  EXPECT_EQ(tail.surface, "start");
+  EXPECT_TRUE(tail.interface_nodes.empty());
+  EXPECT_EQ(tail.mass_kg, 0.64);
+  EXPECT_EQ(scene.bodies.size(), 2U);
+  EXPECT_THAT(scene.body_names(), ElementsAre("left", "right", "tail")) << "meshed ones first";
+  EXPECT_TRUE(scene.is_foreign("tail"));
+  EXPECT_FALSE(scene.is_foreign("left"));
+  EXPECT_THAT(scene.participant("far").bodies, ElementsAre("tail"));
+  EXPECT_EQ(scene.lines.at("body.tail.joined_to"), 5);
+  EXPECT_FALSE(load_text(replaced(joined_bars, "mass_kg = 0.64\n", "")).foreign_bodies.front().mass_kg.has_value());
+  EXPECT_TRUE(load_text(replaced(bars, "name = \"left\"", "name = \"left\"\nforeign = false")).foreign_bodies.empty());
+}
+
+TEST(LoadScene, InterfaceNodesComeFromAFileBesideTheScene) {
+  const SceneFolder folder;
+  const std::string text = replaced(joined_bars, "surface = \"start\"", "interface_nodes = \"nodes.csv\"");
+  const std::string file = folder.write("# x [m]\n\n -0.127 \r\n", "nodes.csv");
+  const Scene scene = load_scene(folder.write(text));
+  const ForeignBody& tail = scene.foreign_bodies.front();
+  EXPECT_EQ(tail.interface_nodes, file);
+  EXPECT_THAT(tail.interface_position_m, ElementsAre(-0.127));
+  EXPECT_TRUE(tail.surface.empty());
+  folder.write("-0.127", "nodes.csv");
+  EXPECT_NE(load_scene(scene.path).sha256, scene.sha256) << "it is a part of the scene";
+}
+
+TEST(LoadScene, RefusesAFileOfInterfaceNodesByItsLine) {
+  const SceneFolder folder;
+  const std::string scene =
+      folder.write(replaced(joined_bars, "surface = \"start\"", "interface_nodes = \"nodes.csv\""));
+  const auto refused = [&](const std::string& nodes) -> std::string {
+    folder.write(nodes, "nodes.csv");
+    try {
+      (void)load_scene(scene);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  for (const std::string row : {"x", "-0.127, 0", "nan", "1e999", "-0.127,", "0x1"}) {
+    const std::string said = refused("# x [m]\n" + row + "\n");
+    EXPECT_THAT(said, HasSubstr("nodes.csv:2: found \"" + row + "\"; allowed: x [m] of one node, finite")) << row;
+  }
+  EXPECT_THAT(refused("# x [m]\n"), HasSubstr("nodes.csv:1: found no node; allowed: a row for each node with its x"));
+}
+
 TEST(LoadScene, UnderSlurmParticipantsMayBeOnAnyMachine) {
   const std::string coupling = cylinders.substr(0, cylinders.find("[coupling]")) + "[coupling]\nlauncher = \"slurm\"\n";
   const CouplingSettings slurm = load_text(coupling).coupling;

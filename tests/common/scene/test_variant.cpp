@@ -50,6 +50,17 @@ TEST_F(Variant, ChangesNumbersAndWordsAndNothingElse) {
   EXPECT_EQ(after.bodies[0].initial_velocity_m_s, before.bodies[0].initial_velocity_m_s);
 }
 
+TEST_F(Variant, FindsTheInterfaceNodesOfAForeignBody) {
+  const auto nodes = folder_.write("-0.127\n", "nodes.csv");
+  const auto text = replaced(joined_bars, "surface = \"start\"", "interface_nodes = \"nodes.csv\"");
+  fs::create_directory(folder_.path() / "elsewhere");
+  const std::string out = (folder_.path() / "elsewhere/variant.toml").string();
+  write_variant(folder_.write(text, "joined.toml"), {{"body.tail.mass_kg", 0.5}}, out);
+  const Scene after = load_scene(out);
+  EXPECT_EQ(after.foreign_bodies.front().interface_nodes, nodes);
+  EXPECT_EQ(after.foreign_bodies.front().mass_kg, 0.5);
+}
+
 TEST_F(Variant, ChangesOneOfSeveralContactsByItsName) {
   const auto text = replaced(cylinders, "[contact]\n",
                              "[[contact]]\nname = \"other\"\nsurfaces = [\"steel.start\", \"rigid_plane\"]\n"

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "common/scene/loaders.hpp"
+#include "common/scene/toml_file.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+constexpr int most_interface_nodes = 1'000'000;
+
+std::string stripped(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
+}
+
+/// The numbers of a row, separated by commas; none if one of them is not a finite number.
+std::vector<double> numbers_of(const std::string& row) {
+  std::vector<double> numbers;
+  std::istringstream cells(row + ",");
+  for (std::string cell; std::getline(cells, cell, ',');) {
+    cell = stripped(cell);
+    double number = 0.0;
+    const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+    if (error != std::errc() || stop != cell.data() + cell.size() || !std::isfinite(number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+/// A file of positions [m]: a row per node, its components separated by commas; lines that are empty or begin with '#'
+/// mean nothing.
+std::vector<double> read_nodes(const std::string& path, const std::vector<std::string>& components) {
+  std::vector<double> positions;
+  std::istringstream lines(read_text(path));
+  int line = 0;
+  for (std::string text; std::getline(lines, text);) {
+    ++line;
+    const std::string row = stripped(text);
+    if (row.empty() || row.front() == '#') continue;
+    const std::vector<double> numbers = numbers_of(row);
+    const std::string allowed = fmt::format("{} [m] of one node, finite, separated by commas, of at most {} nodes",
+                                            fmt::join(components, ", "), most_interface_nodes);
+    if (numbers.size() != components.size() || positions.size() / components.size() == most_interface_nodes)
+      throw ConfigError(fmt::format("{}:{}: found \"{}\"; allowed: {}", path, line, row.substr(0, 80), allowed));
+    positions.insert(positions.end(), numbers.begin(), numbers.end());
+  }
+  if (positions.empty())
+    throw ConfigError(fmt::format("{}:{}: found no node; allowed: a row for each node with its {} [m]", path, line,
+                                  fmt::join(components, ", ")));
+  return positions;
+}
+
+}  // namespace
+
+bool says_foreign(TableReader& table) { return table.boolean("foreign", false); }
+
+ForeignBody load_foreign_body(TableReader& table, const Scene& scene) {
+  ForeignBody body;
+  body.name = table.name("name");
+  table.rename("body." + body.name);
+  for (const std::string& key : scene_schema().at("body")) {
+    const bool known = key == "name" || key == "foreign" || key == "joined_to" || key == "surface" ||
+                       key == "interface_nodes" || key == "mass_kg";
+    if (!known) table.only_if(false, key, "a body that the scene meshes: of a foreign one its participant knows it");
+  }
+  std::vector<std::string> meshed;
+  for (const Body& other : scene.bodies) meshed.push_back(other.name);
+  if (meshed.empty()) table.refuse("foreign", "true, and no other body", "a [[body]] with a mesh that it is joined to");
+  body.joined_to = table.word("joined_to", meshed);
+  const bool by_file = table.has("interface_nodes");
+  table.only_if(!by_file, "surface", "no interface_nodes, which name the shared nodes, too");
+  if (!by_file && !table.has("surface"))
+    table.missing("surface", "surface, a side of \"" + body.joined_to +
+                                 "\" whose nodes are all shared, or "
+                                 "interface_nodes, a file with the positions of those that are");
+  if (by_file) {
+    const std::string given = table.text("interface_nodes");
+    const auto folder = std::filesystem::path(scene.path).parent_path();
+    body.interface_nodes = (folder / given).lexically_normal().string();
+    if (!std::filesystem::is_regular_file(body.interface_nodes))
+      table.refuse("interface_nodes", "\"" + given + "\", and there is no file " + body.interface_nodes,
+                   "a file with a row for each node, its position in m, relative to the scene file");
+    body.interface_position_m = read_nodes(body.interface_nodes, component_names(scene.model));
+  } else {
+    const std::vector<std::string> surfaces = surface_names(scene.model, scene.body(body.joined_to));
+    body.surface = surfaces.empty() ? table.text("surface") : table.word("surface", surfaces);
+  }
+  if (table.has("mass_kg")) body.mass_kg = table.number("mass_kg", above(0.0));
+  table.finish();
+  return body;
+}
+
+void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& scene) {
+  if (scene.foreign_bodies.empty()) return;
+  const std::string body = "the foreign body \"" + scene.foreign_bodies.front().name + "\"";
+  if (scene.coupling.protocol.layout != Layout::hybrid)
+    root.table("coupling", "coupling")
+        .refuse("protocol", "\"" + scene.coupling.protocol.name + "\" and " + body,
+                "a protocol that couples, for example \"hughes_liu\": a baseline has every element in one participant");
+  if (scene.time.largest_step_s)
+    time.refuse("largest_step_s", "a largest step and " + body, "step_s: only its program knows what a step costs it");
+  if (!scene.time.step_s)
+    time.missing("step_s", "step_s, because of " + body + ": only its program knows its critical time step");
+}
+
+}  // namespace ricochet::scene

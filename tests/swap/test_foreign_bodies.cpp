@@ -1,0 +1,341 @@
+// A body of which the scene knows no mesh and no material, computed by a program that nobody here wrote: the whole run
+// is that of a scene which knows all of it. tests/swap/foreign_body.py is the program; it reads its own file.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "tests/support/run.hpp"
+#include "tests/support/same_history.hpp"
+
+namespace ricochet::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string foreign_program = RICOCHET_SOURCE "/tests/swap/foreign_body.py";
+const std::string foreign_material = "{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }";
+
+/// What a model says of a body 0.02 m across; `size`, `elements`: across, of the foreign program.
+struct ForeignModel {
+  const char* name;
+  int components;
+  const char *section, *section_key, *across, *elements, *size, *counts;
+};
+const ForeignModel bar_model{"bar", 1, "2e-4", "area_m2 = 2e-4\n", "", "", "", ""};
+const ForeignModel plane_model{"plane_strain",      2,     "0.5",    "thickness_m = 0.5\n",
+                               "height_m = 0.02, ", "2, ", "0.02, ", "2, "};
+const ForeignModel round_model{"axisymmetric", 2, "1", "", "radius_m = 0.02, ", "2, ", "0.02, ", "2, "};
+const ForeignModel solid_model{"solid",        3,       "1", "", "height_m = 0.02, width_m = 0.03, ", "2, 2, ",
+                               "0.02, 0.03, ", "2, 2, "};
+
+/// A vector along the last coordinate.
+std::string along(const ForeignModel& model, const std::string& last) {
+  return "[" + std::string(model.components == 1 ? "" : model.components == 2 ? "0.0, " : "0.0, 0.0, ") + last + "]";
+}
+
+std::string fixed_all(const ForeignModel& model) {
+  const std::string name = model.name;
+  return name == "bar"            ? "\"x\""
+         : name == "plane_strain" ? "\"x\", \"y\""
+         : name == "solid"        ? "\"x\", \"y\", \"z\""
+                                  : "\"r\", \"z\"";
+}
+
+std::string meshed_body(const ForeignModel& model, const std::string& name, double start_m, int along_axis,
+                        const std::string& more) {
+  const std::string counts =
+      model.components == 1 ? fmt::format("{}", along_axis) : fmt::format("[{}{}]", model.elements, along_axis);
+  return fmt::format(
+      "[[body]]\nname = \"{}\"\nmaterial = {}\n{}mesh = {{ start_m = {}, length_m = {}, {}elements = {} }}\n{}", name,
+      foreign_material, model.section_key, start_m, 0.01 * along_axis, model.across, counts, more);
+}
+
+/// A body at rest, held at its low end, and one that flies onto it; of the first all but 0.04 m is explicit.
+std::string whole_scene(const ForeignModel& model, const std::string& protocol, int substeps) {
+  const std::string coupling = substeps > 1 ? fmt::format("substeps = {}\n", substeps) : "";
+  return fmt::format("model = \"{}\"\n", model.name) +
+         meshed_body(model, "lower", -0.1, 10,
+                     fmt::format("support = [{{ surface = \"start\", fixed = [{}] }}]\n", fixed_all(model))) +
+         meshed_body(model, "upper", 1e-6, 5, "initial_velocity_m_s = " + along(model, "-5.0") + "\n") +
+         fmt::format(
+             "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[partition]\nimplicit_length_m = {{ lower "
+             "= 0.04, upper = 0.02 }}\n[time]\nstep_s = {}\nend_s = 60e-6\n[coupling]\nprotocol = "
+             "\"{}\"\n{}",
+             5e-7 * substeps, protocol, coupling);
+}
+
+/// The same with everything behind those 0.04 m foreign; `joint`: the keys that say where.
+std::string joined_scene(const ForeignModel& model, const std::string& protocol, int substeps,
+                         const std::string& joint = "surface = \"start\"") {
+  const std::string whole = whole_scene(model, protocol, substeps);
+  return fmt::format("model = \"{}\"\n[[body]]\nname = \"tail\"\nforeign = true\njoined_to = \"lower\"\n{}\n",
+                     model.name, joint) +
+         meshed_body(model, "lower", -0.04, 4, "") + whole.substr(whole.find("[[body]]\nname = \"upper\"")) +
+         "[[participant]]\nname = \"ours\"\nrole = \"explicit\"\nbodies = [\"upper\"]\n"
+         "[[participant]]\nname = \"theirs\"\nrole = \"explicit\"\nbodies = [\"tail\"]\n"
+         "executable = \"./foreign_body.py\"\n"
+         "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+}
+
+/// The program and what it reads; `more` stands at its end.
+void write_foreign_file(const TemporaryFolder& folder, const ForeignModel& model, const std::string& more = "") {
+  const std::string origin = model.components == 1 ? "" : model.components == 2 ? "0.0, " : "0.0, 0.0, ";
+  (void)folder.write(
+      fmt::format("body = \"tail\"\nmodel = \"{}\"\nmaterial = {}\nsection = {}\nstart = [{}-0.1]\nsize = "
+                  "[{}0.06]\nelements = [{}6]\nshared = \"high\"\nheld = \"low\"\n{}",
+                  model.name, foreign_material, model.section, origin, model.size, model.counts, more),
+      "theirs.toml");
+  fs::create_symlink(foreign_program, folder.path() / "foreign_body.py");
+}
+
+struct ForeignCase {
+  const ForeignModel* model;
+  const char* protocol;
+  int substeps;
+};
+
+std::string name_of_foreign(const testing::TestParamInfo<ForeignCase>& test) {
+  return fmt::format("{}_{}_{}", test.param.model->name, test.param.protocol, test.param.substeps);
+}
+
+class ForeignBodies : public testing::TestWithParam<ForeignCase> {};
+
+TEST_P(ForeignBodies, GiveTheHistoryOfTheWholeScene) {
+  const auto& [model, protocol, substeps] = GetParam();
+  TemporaryFolder folder;
+  write_foreign_file(folder, *model);
+  auto joined = run_text(joined_scene(*model, protocol, substeps), folder, "joined");
+  auto whole = run_text(whole_scene(*model, protocol, substeps), folder, "whole");
+  ASSERT_EQ(joined.history.count("velocity_mean_tail_m_s"), 1U);
+  EXPECT_GT(joined.largest("velocity_mean_tail_m_s") - joined.smallest("velocity_mean_tail_m_s"), 0.1)
+      << "the wave went through it";
+  whole.history.erase("velocity_mean_lower_m_s");  // of another part of it
+  expect_same_history(joined, whole, 1e-11);
+  EXPECT_GT(whole.largest("contact_force_n"), 1e3);
+  EXPECT_LT(joined.summary.at("momentum_error_max").get<double>(), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, ForeignBodies,
+    testing::Values(ForeignCase{&bar_model, "hughes_liu", 1}, ForeignCase{&bar_model, "belytschko_mullen", 1},
+                    ForeignCase{&bar_model, "prakash_hjelmstad", 2}, ForeignCase{&plane_model, "hughes_liu", 1},
+                    ForeignCase{&plane_model, "prakash_hjelmstad", 2}, ForeignCase{&round_model, "hughes_liu", 1},
+                    ForeignCase{&solid_model, "hughes_liu", 1}, ForeignCase{&solid_model, "fixed_point", 1}),
+    name_of_foreign);
+
+/// A bar of 0.01 m elements as a Gmsh mesh, whose group "implicit" has those that are `chosen`.
+std::string bar_msh(const std::string& body, double start_m, int elements, const std::vector<int>& chosen) {
+  std::string text = fmt::format(
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n0 1 \"start\"\n0 2 \"end\"\n1 3 \"{0}\"\n1 4 "
+      "\"implicit\"\n$EndPhysicalNames\n$Entities\n2 2 0 0\n1 {1} 0 0 1 1\n2 {2} 0 0 1 2\n1 {1} 0 0 {2} 0 0 1 3 0\n"
+      "2 {1} 0 0 {2} 0 0 2 3 4 0\n$EndEntities\n$Nodes\n1 {3} 1 {3}\n1 1 0 {3}\n",
+      body, start_m, start_m + 0.01 * elements, elements + 1);
+  for (int node = 1; node <= elements + 1; ++node) text += fmt::format("{}\n", node);
+  for (int node = 0; node <= elements; ++node) text += fmt::format("{:.17g} 0 0\n", start_m + 0.01 * node);
+  const auto count = static_cast<int>(chosen.size());
+  text += fmt::format("$EndNodes\n$Elements\n4 {0} 1 {0}\n0 1 15 1\n{1} 1\n0 2 15 1\n{0} {1}\n", elements + 2,
+                      elements + 1);
+  std::string of_entity[2];
+  for (int e = 0; e < elements; ++e) {
+    const bool is_chosen = std::find(chosen.begin(), chosen.end(), e) != chosen.end();
+    of_entity[is_chosen ? 1 : 0] += fmt::format("{} {} {}\n", e + 1, e + 1, e + 2);
+  }
+  return text +
+         fmt::format("1 1 1 {}\n{}1 2 1 {}\n{}$EndElements\n", elements - count, of_entity[0], count, of_entity[1]);
+}
+
+/// Between contact and joint an element is explicit, and ours; the layer at the joint is implicit all the same.
+TEST(ForeignBody, MayBeJoinedToABodyThatIsPartitioned) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, bar_model);
+  (void)folder.write(bar_msh("lower", -0.1, 10, {6, 8, 9}), "whole.msh");
+  (void)folder.write(bar_msh("lower", -0.04, 4, {2, 3}), "near.msh");
+  (void)folder.write(bar_msh("upper", 1e-6, 5, {0, 1}), "upper.msh");
+  const auto meshed = [](const std::string& text, const std::string& lower, const std::string& mesh) {
+    auto changed = replaced(text, "implicit_length_m = { lower = 0.04, upper = 0.02 }",
+                            "implicit_groups = { lower = [\"implicit\"], upper = [\"implicit\"] }");
+    changed = replaced(changed, "mesh = { " + lower + " }", "mesh = { gmsh = \"" + mesh + "\" }");
+    return replaced(changed, "mesh = { start_m = 1e-06, length_m = 0.05, elements = 5 }",
+                    "mesh = { gmsh = \"upper.msh\" }");
+  };
+  for (const auto* protocol : {"hughes_liu", "kim", "prakash_hjelmstad"}) {
+    const auto near = replaced(
+        meshed(joined_scene(bar_model, protocol, 1), "start_m = -0.04, length_m = 0.04, elements = 4", "near.msh"),
+        "bodies = [\"upper\"]", "bodies = [\"lower\", \"upper\"]");
+    auto joined = run_text(near, folder, std::string("joined_") + protocol);
+    auto whole = run_text(
+        meshed(whole_scene(bar_model, protocol, 1), "start_m = -0.1, length_m = 0.1, elements = 10", "whole.msh"),
+        folder, std::string("whole_") + protocol);
+    whole.history.erase("velocity_mean_lower_m_s");
+    expect_same_history(joined, whole, 1e-11);
+  }
+}
+
+/// Half as wide as what it is joined to: a file says at which nodes.
+TEST(ForeignBody, MayBeJoinedAtSomeNodesOfASide) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto path = folder.path() / "theirs.toml";
+  (void)folder.write(
+      replaced(replaced(file_text(path.string()), "size = [0.02", "size = [0.01"), "elements = [2", "elements = [1"),
+      "theirs.toml");
+  const auto nodes = (folder.path() / "nodes.csv").string();
+  const auto asked = run_command({ricochet_binary(), "check-participant", "--interface-nodes", nodes, "--",
+                                  (folder.path() / "foreign_body.py").string(), "--name", "theirs"},
+                                 folder.path().string());
+  EXPECT_EQ(asked.code, 0) << asked.out << asked.error;
+  EXPECT_THAT(asked.out, HasSubstr("nodes.csv: 2 interface nodes of \"tail\"\n"));
+  EXPECT_THAT(file_text(nodes), testing::StartsWith("# interface nodes of \"tail\" [m]\n0, -0.04"));
+  const auto run = run_text(joined_scene(plane_model, "hughes_liu", 1, "interface_nodes = \"nodes.csv\""), folder);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_LT(run.largest("energy_error"), 1e-3);
+  const auto side = run_file(folder.write(joined_scene(plane_model, "hughes_liu", 1), "side.toml"), folder, "side");
+  EXPECT_EQ(side.outcome.code, 2);
+  EXPECT_THAT(
+      side.outcome.error,
+      HasSubstr("participant 'theirs', body 'tail': it has no interface node at (0.02, -0.04) m, where \"tail\" "
+                "is joined to \"lower\" (1 of 3 joined nodes are missing); allowed: all of them, or "
+                "interface_nodes of [[body]] \"tail\", a file with those that it has"));
+}
+
+/// The whole run's mass, of the full circle; a mass per radian is known by its factor.
+TEST(ForeignBody, IsComparedByItsMassIfTheSceneGivesIt) {
+  const double mass_kg = 7800.0 * M_PI * 0.02 * 0.02 * 0.06;
+  for (const auto* protocol : {"hughes_liu", "prakash_hjelmstad"}) {
+    TemporaryFolder folder;
+    write_foreign_file(folder, round_model);
+    const auto text = [&](double kg) {
+      return joined_scene(round_model, protocol, 1, fmt::format("surface = \"start\"\nmass_kg = {}", kg));
+    };
+    run_text(text(mass_kg), folder, "right");
+    const auto wrong = run_file(folder.write(text(2.0 * M_PI * mass_kg), "wrong.toml"), folder, "wrong");
+    EXPECT_EQ(wrong.outcome.code, 2);
+    EXPECT_THAT(wrong.outcome.error,
+                testing::AllOf(HasSubstr("participant 'theirs', body 'tail': its mass is 0.588106 kg"),
+                               HasSubstr("wrong.toml:7: body.tail.mass_kg is 3.69518 kg (0.1592 times); likely cause: "
+                                         "it is per radian")));
+  }
+}
+
+/// What a run says of a program whose file has this in place of that.
+std::string refusal(const std::string& from, const std::string& to, int code = 2) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto text = file_text((folder.path() / "theirs.toml").string());
+  (void)folder.write(replaced(text, from, to), "theirs.toml");
+  const auto run = run_file(folder.write(joined_scene(plane_model, "hughes_liu", 1)), folder);
+  EXPECT_EQ(run.outcome.code, code) << run.outcome.error;
+  return run.outcome.error;
+}
+
+TEST(ForeignBody, ElsewhereIsRefusedByItsNode) {
+  EXPECT_THAT(
+      refusal("start = [0.0, -0.1]", "start = [0.0, -0.101]"),
+      HasSubstr("participant 'theirs', body 'tail', interface node 0 at (0, -0.041) m: \"tail\" is joined to "
+                "\"lower\" at no node there; allowed: the joined nodes, the nearest of which is at (0, -0.04)"));
+  EXPECT_THAT(refusal("body = \"tail\"", "body = \"tale\""), HasSubstr("the scene has no such body"));
+}
+
+TEST(ForeignBody, OfAnotherParticipantIsRefused) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto own = file_text((folder.path() / "theirs.toml").string());
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "theirs.toml");
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "others.toml");
+  const auto scene = joined_scene(plane_model, "hughes_liu", 1) +
+                     "[[body]]\nname = \"side\"\nforeign = true\njoined_to = \"lower\"\nsurface = \"start\"\n"
+                     "[[participant]]\nname = \"others\"\nrole = \"explicit\"\nbodies = [\"side\"]\n"
+                     "executable = \"./foreign_body.py\"\n";
+  const auto run = run_file(folder.write(scene), folder);
+  EXPECT_EQ(run.outcome.code, 2);
+  EXPECT_THAT(run.outcome.error,
+              HasSubstr("participant 'theirs', body 'side', interface node 0 at (0, -0.04) m: found a "
+                        "foreign body of another participant; allowed: tail"));
+}
+
+/// Two foreign bodies that share the nodes of one side: forces and masses of both are summed there.
+TEST(ForeignBody, MayShareItsNodesWithAnother) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto own = file_text((folder.path() / "theirs.toml").string());
+  (void)folder.write(replaced(own, "\"tail\"", "\"side\""), "others.toml");
+  const auto scene = joined_scene(plane_model, "hughes_liu", 1) +
+                     "[[body]]\nname = \"side\"\nforeign = true\njoined_to = \"lower\"\nsurface = \"start\"\n"
+                     "[[participant]]\nname = \"others\"\nrole = \"explicit\"\nbodies = [\"side\"]\n"
+                     "executable = \"./foreign_body.py\"\n";
+  const auto run = run_text(scene, folder);
+  EXPECT_EQ(run.column("velocity_mean_side_m_s"), run.column("velocity_mean_tail_m_s")) << "they are twins";
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+}
+
+/// The file of nodes is a part of the scene: who reads that in Python finds the hash that the coupler has.
+TEST(ForeignBody, StandsInASceneThatParticipantsInPythonRead) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, bar_model);
+  (void)folder.write("-0.04\n", "nodes.csv");
+  const auto text = joined_scene(bar_model, "hughes_liu", 1, "interface_nodes = \"nodes.csv\"");
+  const auto ours = run_text(text, folder, "ours");
+  const auto python = run_text(
+      replaced(text, "bodies = [\"upper\"]",
+               "bodies = [\"upper\"]\nexecutable = \"" RICOCHET_SOURCE "/common/participant/python/explicit_bar.py\""),
+      folder, "python");
+  expect_same_history(python, ours, 1e-11);
+}
+
+TEST(ForeignBody, WritesNoFileOfSeveralBodies) {
+  TemporaryFolder folder;
+  const auto outcome =
+      run_command({ricochet_binary(), "check-participant", "--interface-nodes", (folder.path() / "nodes.csv").string(),
+                   "--", std::string(RICOCHET_BUILD) + "/implicit_solver", "--scene",
+                   RICOCHET_SOURCE "/configs/two_bars.toml", "--name", "implicit"},
+                  folder.path().string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error,
+              HasSubstr("--interface-nodes: found interface nodes of several bodies of 'implicit', allowed: "
+                        "a participant with interface nodes of one body"));
+  EXPECT_FALSE(fs::exists(folder.path() / "nodes.csv"));
+}
+
+TEST(ForeignBody, DeclaresTheStepThatItStands) {
+  EXPECT_THAT(refusal("held =", "critical = 4e-7\nheld ="),
+              HasSubstr("participant 'theirs' declares the critical time step 4e-07 s, found a step of 5e-07 s; "
+                        "allowed: time.step_s = 3.6e-07 or less"));
+}
+
+TEST(ForeignBody, HasNoClauseThatNeedsItsElements) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto scene = folder.write(joined_scene(plane_model, "hughes_liu", 1));
+  const auto outcome = run_command({ricochet_binary(), "check-participant", "--scene", scene, "--name", "theirs"},
+                                   folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("passed   declares the scene's own masses and places"));
+  EXPECT_THAT(outcome.out, HasSubstr("\"tail\" is foreign: the scene has no elements of it"));
+}
+
+TEST(ForeignBody, HasAStabilityByStepsNotByCourantNumbers) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, bar_model);
+  const auto scene = folder.write(joined_scene(bar_model, "hughes_liu", 1));
+  const auto stability = [&](const std::string& sweep) {
+    return run_command(
+        {ricochet_binary(), "stability", scene, "--out", (folder.path() / "out").string(), "--sweep", sweep},
+        folder.path().string());
+  };
+  const auto by_steps = stability("time.step_s=1.5e-6,2.1e-6");  // a bar's c is 5189 m/s: h/c = 1.93e-6 s
+  EXPECT_EQ(by_steps.code, 0) << by_steps.error;
+  EXPECT_THAT(by_steps.out, HasSubstr("critical time step of the scene without its foreign bodies"));
+  EXPECT_THAT(by_steps.out, testing::ContainsRegex("1.5e-06[^\n]*open[^\n]* stable"));
+  EXPECT_THAT(by_steps.out, testing::ContainsRegex("2.1e-06[^\n]*open[^\n]* unstable"));
+  const auto by_courant = stability("courant=0.5,1.0");
+  EXPECT_EQ(by_courant.code, 2);
+  EXPECT_THAT(by_courant.error,
+              HasSubstr("the foreign body \"tail\", whose critical time step the scene does not know; "
+                        "allowed: time.step_s=LOW:HIGH:COUNT"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
