@@ -13,12 +13,6 @@
 namespace ricochet::participant {
 namespace {
 
-/// Why a participant stops.
-struct Reason {
-  ExitCode code;
-  std::string text;
-};
-
 /// Call in a catch block. What a solver throws without a code of its own is a computation that went wrong, unless it is
 /// the machine that refuses memory, files or the like.
 Reason current_reason() {
@@ -35,13 +29,6 @@ Reason current_reason() {
   } catch (...) {
     return {ExitCode::unstable, "the solver threw something that is not a std::exception"};
   }
-}
-
-Reason reason_in(const Session& session) {
-  auto reason = current_reason();
-  const bool placed = reason.text.rfind("window ", 0) == 0;
-  if (session.window() > 0 && !placed) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
-  return reason;
 }
 
 int report(const std::string& name, const Reason& reason) {
@@ -81,6 +68,13 @@ void tell_coupler(Session& session, wire::Channel& channel, const Reason& reason
 }
 
 }  // namespace
+
+Reason reason_in(const Session& session) {
+  auto reason = current_reason();
+  const bool placed = reason.text.rfind("window ", 0) == 0;
+  if (session.window() > 0 && !placed) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+  return reason;
+}
 
 int serve(Participant& participant, const ServeOptions& options) {
   std::string name = "participant";

@@ -113,4 +113,13 @@ class Session {
   double compute_s_ = 0.0, wait_s_ = 0.0;
 };
 
+/// Why a participant stops.
+struct Reason {
+  ExitCode code;
+  std::string text;
+};
+/// Call in a catch block: the reason, with the window that was being computed. What a solver throws without a code of
+/// its own is a computation that went wrong, unless it is the machine that refuses memory, files or the like.
+[[nodiscard]] Reason reason_in(const Session& session);
+
 }  // namespace ricochet::participant

@@ -1,18 +1,25 @@
 // The `ricochet` command; its subcommands stand in command_line.cpp.
 #include <cstdio>
 #include <exception>
+#include <memory>
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "coupler/command/command_line.hpp"
+#include "coupler/processes/inside.hpp"
 #include "coupler/run/compute_scene.hpp"
+#include "implicit_solver/implicit_solver.hpp"
 
 int main(int argc, char** argv) {
-  ricochet::prepare_process();
+  using namespace ricochet;
+  prepare_process();
+  coupler::let_inside([](const scene::Problem& problem, const std::string& name) {
+    return std::make_unique<implicit_solver::ImplicitSolver>(problem, name);
+  });
   try {
-    return ricochet::coupler::run_command_line(argc, argv);
+    return coupler::run_command_line(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", ricochet::command_name, ricochet::printable(ricochet::text_of(error)).c_str());
-    return ricochet::coupler::exit_code_of(error);
+    std::fprintf(stderr, "%s: %s\n", command_name, printable(text_of(error)).c_str());
+    return coupler::exit_code_of(error);
   }
 }

@@ -20,7 +20,8 @@ void Peers::handshake() {
   const auto deadline =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run_.start_wait_s()));
   const auto missing = [this] {
-    return std::find_if(peers_.begin(), peers_.end(), [](const Remote& peer) { return peer.identity.empty(); });
+    return std::find_if(peers_.begin(), peers_.end(),
+                        [](const Remote& peer) { return peer.identity.empty() && !peer.inside; });
   };
   while (missing() != peers_.end()) {
     if (receive_one(deadline, "")) continue;
@@ -86,7 +87,7 @@ std::string Peers::objection_to_hello(const wire::Hello& hello, const Remote& pe
     return fmt::format("participant '{}' says it is '{}': it has the key of the one, not of the other",
                        listener_.sender(), name);
   }
-  if (!peer.identity.empty()) {
+  if (!peer.identity.empty() || peer.inside) {
     return fmt::format("participant '{}' already takes part in this run (process {})", name, peer.process_id);
   }
   if (hello.role != name_of(peer.expected.role)) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/base/parallel.hpp"
 #include "common/wire/codec.hpp"
 #include "coupler/processes/executable.hpp"
 #include "coupler/processes/run_id.hpp"
@@ -33,6 +34,16 @@ Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& partic
     }
   }
   return member;
+}
+
+/// Two hand-overs a window less are worth more than a processor that is not there. Who names a transport wants
+/// processes.
+bool pays_inside(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
+  const auto processes = static_cast<int>(scene.participants.size()) + 1;
+  return make_inside() && scene.coupling.protocol.coupled() && participant.role == Role::implicit_solver &&
+         !participant.foreign() && participant.start == scene::Start::launch &&
+         launch_prefix(scene, participant).empty() && scene.coupling.transport == Transport::automatic &&
+         usable_processors() < processes;
 }
 
 /// Largest message that participants of this scene can have to send [bytes]; how much a foreign body has is not known.
@@ -147,7 +158,11 @@ ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std
   const auto& scene = problem.scene;
   std::vector<Member> members;
   for (std::size_t p = 0; p < executables.size(); ++p) {
-    members.push_back(member_of(scene, scene.participants[p], executables[p], results));
+    const auto& participant = scene.participants[p];
+    members.push_back(member_of(scene, participant, executables[p], results));
+    if (!pays_inside(scene, participant)) continue;
+    members.back().log_path.clear();
+    members.back().inside = [&problem, name = participant.name] { return make_inside()(problem, name); };
   }
   const RunIdentity run{run_id,
                         scene.sha256,

@@ -1,6 +1,7 @@
 #include "coupler/processes/peers.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -35,6 +36,21 @@ Peers::Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedP
   }
 }
 
+void Peers::enter(std::size_t index, std::unique_ptr<participant::Participant> participant) {
+  auto& peer = peers_[index];
+  peer.inside = std::make_unique<Inside>(std::move(participant));
+  peer.process_id = getpid();
+  wire::Message message;
+  message.make<wire::Hello>();
+  peer.lifecycle.step(wire::Side::participant, message, peer.expected.name);
+  auto& welcome = message.make<wire::Welcome>();
+  welcome.participant = peer.expected.name;
+  welcome.timeout_s = run_.timeout_s;
+  post(peer, message);
+  peer.inside->work(*scratch_);
+  peer.busy = false;
+}
+
 Peer Peers::peer(std::size_t index) {
   return {peers_[index].expected.name, [this, index](wire::Message& message) { post(peers_[index], message); },
           [this, index]() -> const wire::Message& { return wait(index); }};
@@ -54,6 +70,10 @@ void Peers::post(Remote& peer, wire::Message& message) {
   peer.asked = wire::name(message.kind);
   peer.window = message.window;
   peer.busy = true;
+  if (peer.inside) {
+    peer.inside->take(message);
+    return;
+  }
   try {
     listener_.send(peer.identity, message);
   } catch (const ProtocolError& error) {
@@ -65,12 +85,24 @@ const wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   const auto begin = Clock::now();
   const auto deadline = begin + seconds(starts(peer) ? run_.start_wait_s() : run_.timeout_s);
+  work_inside();
   while (!peer.has_message) {
     if (!receive_one(deadline, peer.identity)) throw_silent(peer);
   }
   peer.has_message = false;
   note_wait(index, begin);
   return *peer.inbox;
+}
+
+/// Before the coupler waits: all that a participant in this process can do by now.
+void Peers::work_inside() {
+  for (auto& peer : peers_) {
+    if (!peer.inside) continue;
+    launcher_.poll();
+    attend();
+    if (!peer.inside->work(*scratch_)) continue;
+    take_answer(peer);
+  }
 }
 
 bool Peers::starts(const Remote& peer) {
@@ -139,15 +171,20 @@ void Peers::deliver() {
     admit();
     return;
   }
-  peer->lifecycle.step(wire::Side::participant, *scratch_, peer->expected.name);
+  take_answer(*peer);
+}
+
+/// The message in `scratch_` is this peer's.
+void Peers::take_answer(Remote& peer) {
+  peer.lifecycle.step(wire::Side::participant, *scratch_, peer.expected.name);
   if (scratch_->kind != wire::Kind::failure && scratch_->run_id != run_.run_id) {
-    throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'",
-                                    peer->expected.name, scratch_->run_id, run_.run_id));
+    throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'", peer.expected.name,
+                                    scratch_->run_id, run_.run_id));
   }
-  std::swap(peer->inbox, scratch_);
-  peer->last_heard = Clock::now();
-  if (peer->inbox->kind == wire::Kind::failure) throw_failure(*peer);
-  peer->has_message = true;
+  std::swap(peer.inbox, scratch_);
+  peer.last_heard = Clock::now();
+  if (peer.inbox->kind == wire::Kind::failure) throw_failure(peer);
+  peer.has_message = true;
 }
 
 Peers::Remote* Peers::find(const std::string& identity) {
@@ -215,12 +252,13 @@ void Peers::limit(std::size_t index, const wire::Description& description) {
                        most_rows * (description.record_columns.size() + description.axial_stress_columns.size());
   const bool tells_state = description.has(Capability::load_state) || description.has(Capability::save_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
+  if (peers_[index].inside) return;
   listener_.limit(peers_[index].identity, tells_state ? std::max(bytes, run_.largest_message) : bytes);
 }
 
 void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
   for (auto& peer : peers_) {
-    if (peer.identity.empty() || peer.lifecycle.done()) continue;
+    if ((peer.identity.empty() && !peer.inside) || peer.lifecycle.done()) continue;
     wire::Message message;
     auto& failure = message.make<wire::Failure>();
     failure.error_code = code;
@@ -229,6 +267,7 @@ void Peers::announce_failure(int code, const std::string& text, const std::strin
     message.window = peer.window;
     try {
       post(peer, message);
+      if (peer.inside) peer.inside->work(*scratch_);
     } catch (const std::exception&) {
       // It may be the peer that is gone; the run already fails for a better reason.
     }
@@ -271,7 +310,7 @@ std::string Peers::who(const Remote& peer) {
 }
 
 std::string Peers::place(const Remote& peer) const {
-  if (peer.identity.empty()) return "before it said hello";
+  if (peer.identity.empty() && !peer.inside) return "before it said hello";
   if (peer.window <= 0 && peer.lifecycle.done()) return "during start-up";
   if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
   return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);

@@ -11,6 +11,7 @@
 #include "common/wire/lifecycle.hpp"
 #include "common/wire/shared_memory.hpp"
 #include "coupler/interface/peer.hpp"
+#include "coupler/processes/inside.hpp"
 #include "coupler/processes/launcher.hpp"
 #include "coupler/results/trace.hpp"
 
@@ -21,6 +22,7 @@ struct ExpectedPeer {
   std::string name;
   Role role = Role::explicit_solver;
   bool through_another = false;  ///< what is launched here is not its program, but one that starts it
+  bool inside = false;           ///< it is no process
 };
 
 /// What a process said before it ended is in the socket after this time [s].
@@ -40,7 +42,8 @@ struct RunIdentity {
   [[nodiscard]] double start_wait_s() const { return start_timeout_s.value_or(timeout_s); }
 };
 
-/// The participants of a run as remote processes: who is connected, whose turn it is, who is late, who died.
+/// The participants of a run as remote processes, one of them perhaps in this process: who is connected, whose turn it
+/// is, who is late, who died.
 ///
 /// Every wait has a deadline. A launched process that ends before it has said `finished`, a silent peer, an illegal or
 /// malformed message and a failure message end the run with one error that names the participant and the window.
@@ -50,6 +53,8 @@ class Peers {
  public:
   Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run);
 
+  /// Who is expected to be `inside` is there.
+  void enter(std::size_t index, std::unique_ptr<participant::Participant> participant);
   /// Waits until every expected participant has said hello and welcomes it.
   void handshake();
   /// Takes no message from the participant that is larger than what it has described of itself needs.
@@ -62,6 +67,7 @@ class Peers {
 
   [[nodiscard]] std::size_t size() const { return peers_.size(); }
   [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
+  [[nodiscard]] bool inside(std::size_t index) const { return peers_[index].expected.inside; }
   [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
   /// What carries the messages to and from this peer; empty until its hello.
   [[nodiscard]] std::optional<Transport> transport(std::size_t index) const { return peers_[index].transport; }
@@ -78,6 +84,7 @@ class Peers {
  private:
   struct Remote {
     ExpectedPeer expected;
+    std::unique_ptr<Inside> inside;
     std::string identity;  ///< routing identity; empty until its hello
     wire::Lifecycle lifecycle;
     std::unique_ptr<wire::Message> inbox = std::make_unique<wire::Message>();
@@ -96,6 +103,8 @@ class Peers {
 
   void post(Remote& peer, wire::Message& message);
   const wire::Message& wait(std::size_t index);
+  void work_inside();
+  void take_answer(Remote& peer);
   void note_wait(std::size_t index, wire::Clock::time_point begin);
   bool receive_one(wire::Deadline deadline, const std::string& awaited);
   bool receive_into_scratch(wire::Deadline deadline, const std::string& awaited, bool watch_processes);

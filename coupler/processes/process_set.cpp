@@ -22,7 +22,7 @@ std::vector<std::string> names_of(const std::vector<Member>& members) {
 std::vector<ExpectedPeer> expected_peers(const std::vector<Member>& members) {
   std::vector<ExpectedPeer> expected;
   for (const auto& member : members) {
-    expected.push_back({member.name, member.role, !member.by_hand() && !member.key_file.empty()});
+    expected.push_back({member.name, member.role, !member.by_hand() && !member.key_file.empty(), bool(member.inside)});
   }
   return expected;
 }
@@ -71,6 +71,7 @@ std::vector<std::string> ProcessSet::arguments_of(const Member& member) const {
 
 void ProcessSet::launch() {
   for (const auto& member : members_) {
+    if (member.inside) continue;
     if (!member.key_file.empty()) write_key(member);
     if (!member.by_hand()) {
       launcher_.launch({member.name, member.executable, arguments_of(member), member.log_path,
@@ -98,8 +99,20 @@ void ProcessSet::remove_keys() const {
 }
 
 void ProcessSet::meet() {
+  for (std::size_t p = 0; p < members_.size(); ++p) enter(p);
   peers_.handshake();
   remove_keys();
+}
+
+/// While the processes start.
+void ProcessSet::enter(std::size_t member) {
+  if (!members_[member].inside) return;
+  try {
+    peers_.enter(member, members_[member].inside());
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("participant '{}' failed before it said hello: {}", members_[member].name, error.what()));
+  }
 }
 
 std::vector<PeerDescription> ProcessSet::describe() {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +23,9 @@ struct Member {
   /// Where it finds its key if it inherits no file of this process: it is started by hand, or by the program that is
   /// launched, perhaps on another machine.
   std::string key_file{};
-  [[nodiscard]] bool by_hand() const { return log_path.empty(); }
+  /// Makes it in this process; empty: it is a process of its own. See Inside.
+  std::function<std::unique_ptr<participant::Participant>()> inside{};
+  [[nodiscard]] bool by_hand() const { return log_path.empty() && !inside; }
 };
 
 /// The processes of a run, from the first start to the last exit code:
@@ -69,6 +73,7 @@ class ProcessSet {
 
  private:
   [[nodiscard]] std::vector<std::string> arguments_of(const Member& member) const;
+  void enter(std::size_t member);
   void write_key(const Member& member) const;
   void remove_keys() const;
 

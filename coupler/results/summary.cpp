@@ -16,6 +16,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 std::string_view transport_text(const ProcessTimes& process) {
+  if (process.inside) return "inside";
   return process.transport ? name_of(*process.transport) : "";
 }
 

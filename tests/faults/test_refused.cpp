@@ -85,7 +85,7 @@ class StoppedForAMoment : public testing::TestWithParam<const char*> {};
 
 TEST_P(StoppedForAMoment, the_run_goes_on) {
   const TemporaryFolder folder;
-  FaultRun run(folder, bars(all_windows / 2, 10.0));
+  FaultRun run(folder, apart(bars(all_windows / 2, 10.0)));
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   const pid_t process = run.pid_of(GetParam());
   kill(process, SIGSTOP);

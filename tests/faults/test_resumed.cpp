@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(Kills, Resumed,
 TEST(ResumedByItself, ThroughTenKills) {
   const TemporaryFolder folder;
   constexpr int windows = 10 * all_windows;  // so many that ten kills come in between
-  const std::string flight = with_key(bars(windows), "output", "fields_every", std::to_string(all_windows));
+  const std::string flight = with_key(apart(bars(windows)), "output", "fields_every", std::to_string(all_windows));
   const std::string text = with_key(
       with_key(with_key(flight, "checkpoint", "every_windows", "1000"), "checkpoint", "on_failure", "\"resume\""),
       "checkpoint", "attempts", "10");

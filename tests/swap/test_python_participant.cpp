@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/base/parallel.hpp"
 #include "common/wire/lifecycle.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
@@ -54,8 +55,8 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
   for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
   EXPECT_NEAR(largest(python.column("contact_force_n")), 1.45e5, 1e4);  // they did meet; Z v is 1.33e5
   for (const auto& process : python.summary.at("processes")) {          // each its own way in one run
-    const std::string role = process.at("role");
-    EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? "shm" : "");
+    const std::string role = process.at("role"), of_implicit = usable_processors() < 3 ? "inside" : "shm";
+    EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? of_implicit : "");
   }
 }
 
@@ -207,7 +208,7 @@ class PythonOwnLoops : public testing::TestWithParam<const char*> {};
 TEST_P(PythonOwnLoops, GiveTheHistoryOfOurs) {
   TemporaryFolder folder;
   const auto loop = run_text(two_bars(GetParam(), looping_bar(folder)), folder, "loop");
-  expect_same_history(loop, run_text(two_bars(GetParam(), ""), folder, "ours"), 1e-12);
+  expect_same_history(loop, run_text(two_bars(GetParam(), ""), folder, "ours"), 1e-11);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonOwnLoops,

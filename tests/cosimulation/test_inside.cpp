@@ -1,0 +1,80 @@
+#include <sched.h>
+#include <unistd.h>
+
+#include "tests/support/process.hpp"
+#include "tests/support/run.hpp"
+
+// The implicit participant in the coupler's process, where processors are fewer than processes.
+
+namespace ricochet::test {
+namespace {
+
+/// What is started meanwhile has one processor.
+class OneProcessor {
+ public:
+  OneProcessor() {
+    sched_getaffinity(0, sizeof before_, &before_);
+    int first = 0;
+    while (!CPU_ISSET(first, &before_)) ++first;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    sched_setaffinity(0, sizeof one, &one);
+  }
+  ~OneProcessor() { sched_setaffinity(0, sizeof before_, &before_); }
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+
+ private:
+  cpu_set_t before_;
+};
+
+std::string short_impact(const std::string& protocol) {
+  auto text = with_protocol_of_two_steps(config_text("kim_impact"), protocol);
+  text = with_key(text, "time", "end_s", "6e-6");
+  return with_key(text, "output", "fields_every", "20");
+}
+
+const nlohmann::json& process_of(const RunResult& run, const std::string& name) {
+  for (const auto& process : run.summary.at("processes"))
+    if (process.at("name") == name) return process;
+  throw std::runtime_error("no process " + name);
+}
+
+class InsideTheCoupler : public testing::TestWithParam<const char*> {};
+
+TEST_P(InsideTheCoupler, TheImplicitParticipantGivesTheBitsOfAProcess) {
+  const TemporaryFolder folder;
+  const OneProcessor alone;
+  const auto inside = run_text(short_impact(GetParam()), folder, "inside");
+  const auto apart = run_text(with_key(short_impact(GetParam()), "coupling", "transport", "\"shm\""), folder, "apart");
+  EXPECT_EQ(process_of(inside, "implicit").at("transport"), "inside");
+  EXPECT_EQ(process_of(inside, "implicit").at("process_id"), process_of(inside, "coupler").at("process_id"));
+  EXPECT_GT(process_of(inside, "implicit").at("compute_s").get<double>(), 0.0);
+  EXPECT_EQ(process_of(apart, "implicit").at("transport"), "shm");
+  EXPECT_NE(process_of(apart, "implicit").at("process_id"), process_of(apart, "coupler").at("process_id"));
+  ASSERT_GT(inside.largest("contact_force_n"), 1e4);
+  EXPECT_TRUE(file_text(inside.folder + "/history.csv") == file_text(apart.folder + "/history.csv"));
+  for (const char* field : {"/fields/implicit_00000020.vtu", "/fields/explicit_00000020.vtu"})
+    EXPECT_TRUE(file_text(inside.folder + field) == file_text(apart.folder + field)) << field;
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, InsideTheCoupler,
+                         testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "prakash_hjelmstad",
+                                         "gravouil_combescure", "fixed_point"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(InsideTheCoupler, IsNobodyWhoWasGivenAProcess) {
+  const TemporaryFolder folder;
+  const OneProcessor alone;
+  const auto foreign = run_text(short_impact("hughes_liu") +
+                                    "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"steel\", "
+                                    "\"carbide\"]\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"
+                                    "executable = \"" RICOCHET_BUILD "/implicit_solver\"\n",
+                                folder);
+  EXPECT_EQ(process_of(foreign, "implicit").at("transport"), "shm");
+  EXPECT_EQ(process_of(run_text(short_impact("all_implicit"), folder), "implicit").at("transport"), "shm");
+}
+
+}  // namespace
+}  // namespace ricochet::test
