@@ -258,7 +258,11 @@ void Peers::limit(std::size_t index, const wire::Description& description) {
 
 void Peers::announce_failure(int code, const std::string& text, const std::string& culprit) {
   for (auto& peer : peers_) {
-    if ((peer.identity.empty() && !peer.inside) || peer.lifecycle.done()) continue;
+    if (peer.inside) {
+      peer.inside.reset();  // it writes what the report is drawn from
+      continue;
+    }
+    if (peer.identity.empty() || peer.lifecycle.done()) continue;
     wire::Message message;
     auto& failure = message.make<wire::Failure>();
     failure.error_code = code;
@@ -267,7 +271,6 @@ void Peers::announce_failure(int code, const std::string& text, const std::strin
     message.window = peer.window;
     try {
       post(peer, message);
-      if (peer.inside) peer.inside->work(*scratch_);
     } catch (const std::exception&) {
       // It may be the peer that is gone; the run already fails for a better reason.
     }

@@ -3,6 +3,7 @@
 
 #include "tests/support/process.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/scene_file.hpp"
 
 // The implicit participant in the coupler's process, where processors are fewer than processes.
 
@@ -63,6 +64,21 @@ INSTANTIATE_TEST_SUITE_P(Protocols, InsideTheCoupler,
                          testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "prakash_hjelmstad",
                                          "gravouil_combescure", "fixed_point"),
                          [](const auto& test) { return std::string(test.param); });
+
+/// The last windows of a run that was stopped are for its report.
+TEST(InsideTheCoupler, WhoLeavesEarlyLeavesWhatTheReportIsDrawnFrom) {
+  const TemporaryFolder folder;
+  const OneProcessor alone;
+  std::string fast = config_text("two_bars");
+  for (const char* sign : {" = [", " = [-"})
+    fast = replaced(fast, std::string("initial_velocity_m_s") + sign + "5.13588",
+                    std::string("initial_velocity_m_s") + sign + "9000.0");
+  const auto run = run_file(folder.write(with_key(fast, "time", "step_s", "8e-8")), folder);
+  EXPECT_EQ(run.outcome.code, 6) << run.outcome.error;
+  EXPECT_EQ(process_of(run, "implicit").at("transport"), "inside");
+  for (const char* name : {"implicit", "explicit"})
+    EXPECT_NE(file_text(run.folder + "/fields/" + name + ".shapes.json"), "") << name;
+}
 
 TEST(InsideTheCoupler, IsNobodyWhoWasGivenAProcess) {
   const TemporaryFolder folder;
