@@ -17,14 +17,15 @@ function expect(holds, text) {
 async function centre(chart) {
   await chart.scrollIntoViewIfNeeded();
   const box = await chart.locator("canvas").boundingBox();
-  return { x: box.x + box.width / 2, y: box.y + box.height / 2, width: box.width };
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2, width: box.width, height: box.height };
 }
 
 async function tooltipOf(page, chart) {
   const at = await centre(chart);
   const tooltip = page.locator("#vg-tooltip-element.visible");
-  for (let step = 0; step < 40; ++step) {  // the timeline has no bar everywhere
-    await page.mouse.move(at.x + 4 * step - 80, at.y + step % 3);
+  for (let step = 0; step < 80; ++step) {  // the timeline has no bar everywhere, and who waits long has none for a time
+    const beside = step < 40 ? 0 : (step % 3 - 1) * 0.2 * at.height;
+    await page.mouse.move(at.x + 4 * (step % 40) - 80, at.y + beside + step % 3);
     if (await tooltip.count()) return tooltip.innerText();
   }
   return "";
