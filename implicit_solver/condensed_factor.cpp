@@ -12,6 +12,9 @@
 
 #include "common/base/error.hpp"
 
+/// Of OpenMP, with which CHOLMOD may have been compiled.
+extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
+
 namespace ricochet::implicit_solver {
 namespace {
 
@@ -27,6 +30,9 @@ struct Cholmod {
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
   Cholmod() {
+    // In supernodes it would start four threads for every short loop, whatever processors there are and `threads` says:
+    // they then wait for each other half of the time.
+    if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(0);
     cholmod_start(&common);
     common.print = 0;  // errors are ours to report
   }
