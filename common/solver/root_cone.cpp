@@ -133,10 +133,11 @@ void RootProblem::assemble_cone(int pair) {
   const Eigen::MatrixXd& compliance = *compliance_.dense();
   const int unknown[] = {pairs_ + pair, 2 * pairs_ + pair};
   for (int k = 0; k < 2; ++k) {
-    auto row = matrix_.row(unknown[k]);
-    row = rows.of_slip(k, 0) * compliance.row(unknown[0]) + rows.of_slip(k, 1) * compliance.row(unknown[1]);
-    for (int l = 0; l < 2; ++l) row[unknown[l]] += rows.own(k, l);
-    row[pair] += rows.of_normal[k];
+    auto row = matrix_.row(place(unknown[k]));
+    row =
+        rows.of_slip(k, 0) * compliance(unknown[0], involved_) + rows.of_slip(k, 1) * compliance(unknown[1], involved_);
+    for (int l = 0; l < 2; ++l) row[place(unknown[l])] += rows.own(k, l);
+    row[place(pair)] += rows.of_normal[k];
   }
 }
 

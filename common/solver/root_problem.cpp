@@ -29,13 +29,13 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
       cone_(friction_ && compliance.size() == Eigen::Index{3} * pairs_),
       dt_(dt),
       compliance_(std::move(compliance)),
+      place_(static_cast<std::size_t>(compliance_.size()), -1),
       states_(static_cast<std::size_t>(pairs_)),
       rhs_(compliance_.size()),
       motion_(compliance_.size()),
       slip_slope_(Eigen::VectorXd::Zero(pairs_)),
       cone_slope_(Eigen::VectorXd::Zero(pairs_)),
       solution_(open()) {
-  if (compliance_.dense()) matrix_.resize(compliance_.size(), compliance_.size());
   if (!cone_) return;
   cone_rows_.resize(pair_laws_.size());
   for (int i = 0; i < pairs_; ++i) {
@@ -284,7 +284,7 @@ double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::Vecto
 void RootProblem::finish() {
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
-    if (!state.closed) solution_.force[i] = 0.0;  // what the dense solve leaves of its identity row is round-off
+    if (!state.closed) solution_.force[i] = 0.0;  // the forces may be those of states before
     if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
     if (!state.closed && cone_) solution_.force[2 * pairs_ + i] = 0.0;
     const bool stick = state.tangent == Tangent::stick || (friction_of(i) > 0.0 && held(i));

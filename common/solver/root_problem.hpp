@@ -86,6 +86,7 @@ class RootProblem {
                    const Eigen::VectorXd& slip_velocity, const Solution& last);
   void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                     const Eigen::VectorXd& slip_velocity, const Solution& last);
+  void find_involved();
   void assemble();
   void assemble_cone(int pair);
   void times_cone(int pair, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
@@ -130,6 +131,7 @@ class RootProblem {
   [[nodiscard]] double friction_of(int pair) const {
     return pair_laws_[static_cast<std::size_t>(pair)].friction_coefficient;
   }
+  [[nodiscard]] int place(int unknown) const { return place_[static_cast<std::size_t>(unknown)]; }
   [[nodiscard]] double slack(int pair) const;     ///< 1/(alpha w) with penalty, 0 with multiplier [m/N]
   [[nodiscard]] double alone(int unknown) const;  ///< what an unknown moves its own row by [m/N]
 
@@ -141,6 +143,7 @@ class RootProblem {
   bool cone_;      ///< two tangential directions
   double dt_;
   Compliance compliance_;
+  std::vector<int> involved_, place_;  ///< unknowns that `matrix_` has; of every unknown its place there, or -1
   Eigen::MatrixXd matrix_;
   std::vector<PairState> states_, factored_states_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;

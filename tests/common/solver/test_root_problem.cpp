@@ -77,6 +77,24 @@ TEST(RootProblem, FrictionStaysInTheConeAndOpposesTheSlip) {
   }
 }
 
+TEST(RootProblem, PairsThatAreFarApartChangeNoBitOfTheOthersForces) {
+  std::mt19937 random(13);
+  constexpr int n = 9;
+  const std::vector<int> near{1, 4, 8}, unknowns{1, 4, 8, n + 1, n + 4, n + 8};
+  const Eigen::MatrixXd compliance =
+      0.05 * random_compliance(2 * n, random) + 3.0 * Eigen::MatrixXd::Identity(2 * n, 2 * n);
+  Eigen::VectorXd gap_free = Eigen::VectorXd::Constant(n, 100.0);
+  gap_free(near).setConstant(-1.0);
+  const Eigen::VectorXd slip_free = random_vector(n, random), velocity = Eigen::VectorXd::Zero(n);
+  test::UniformRoot all(frictional(0.3), compliance, std::vector<double>(n, 1.0), 1e-3);
+  test::UniformRoot alone(frictional(0.3), Eigen::MatrixXd(compliance(unknowns, unknowns)), {1.0, 1.0, 1.0}, 1e-3);
+  const auto& solution = all.solve(gap_free, slip_free, velocity, all.open());
+  const auto& expected = alone.solve(gap_free(near), slip_free(near), velocity.head(3), alone.open());
+  EXPECT_EQ(Eigen::VectorXd(solution.force(unknowns)), expected.force);
+  EXPECT_GT(expected.force.head(3).minCoeff(), 0.1);
+  EXPECT_EQ(solution.force.cwiseAbs().sum(), expected.force.cwiseAbs().sum());
+}
+
 TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {
   const Eigen::MatrixXd compliance = 2.0 * Eigen::MatrixXd::Identity(2, 2);
   test::UniformRoot root(frictional(0.5), compliance, {1.0}, 1e-3);
