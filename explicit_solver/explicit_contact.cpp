@@ -1,7 +1,9 @@
 #include "explicit_solver/explicit_contact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "common/solver/friction.hpp"
@@ -55,14 +57,80 @@ void ExplicitContact::settle(const std::vector<BodyState>& states, const std::ve
   if (massless_) state_.static_normal_n = massless_->settle(states, external, u);
 }
 
-double ExplicitContact::normal_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
-                                     double acting_time) const {
+/// The rows of a pair, along normal, tangent and binormal.
+std::array<const ContactRow*, 3> rows_of(const Pair& pair) { return {&pair.normal, &pair.tangent, &pair.binormal}; }
+
+Eigen::Vector3d vector_of(const ExplicitContact::Force& force) {
+  return {force.normal, force.tangential[0], force.tangential[1]};
+}
+
+/// Pairs that share nodes, and by how much the forces of one accelerate the rows of the other: the blocks of N M^-1
+/// N^T.
+void ExplicitContact::couple_pairs(const std::vector<BodyState>& states) {
+  struct Use {
+    int part, dof;
+    std::size_t pair;
+    int direction;
+    double coefficient;
+  };
+  std::vector<Use> uses;
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto rows = rows_of(surface_.pairs[i]);
+    for (int k = 0; k < 3; ++k)
+      for (const auto& e : rows[static_cast<std::size_t>(k)]->entries)
+        uses.push_back({e.part, e.dof, i, k, e.coefficient});
+  }
+  const auto by_dof = [](const Use& x, const Use& y) { return std::tie(x.part, x.dof) < std::tie(y.part, y.dof); };
+  std::stable_sort(uses.begin(), uses.end(), by_dof);
+
+  own_.assign(surface_.pairs.size(), Eigen::Matrix3d::Zero());
+  coupled_start_.assign(1, 0);
+  coupled_.clear();
+  std::vector<std::size_t> place(surface_.pairs.size());
+  std::vector<bool> met(surface_.pairs.size(), false);
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const auto rows = rows_of(surface_.pairs[i]);
+    for (int k = 0; k < 3; ++k) {
+      for (const auto& e : rows[static_cast<std::size_t>(k)]->entries) {
+        const double moved = e.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
+        const auto [use, end] = std::equal_range(uses.begin(), uses.end(), Use{e.part, e.dof, 0, 0, 0.0}, by_dof);
+        for (auto other = use; other != end; ++other) {
+          if (!met[other->pair]) {
+            met[other->pair] = true;
+            place[other->pair] = coupled_.size();
+            coupled_.push_back({other->pair, Eigen::Matrix3d::Zero()});
+          }
+          coupled_[place[other->pair]].inverse_mass(other->direction, k) += moved * other->coefficient;
+        }
+      }
+    }
+    for (std::size_t k = coupled_start_.back(); k < coupled_.size(); ++k) {
+      met[coupled_[k].pair] = false;
+      if (coupled_[k].pair == i) own_[i] = coupled_[k].inverse_mass;
+    }
+    coupled_start_.push_back(coupled_.size());
+  }
+}
+
+/// What a window leaves as it is while forces are sought, and the rates without any.
+template <class Rate>
+void ExplicitContact::prepare(const std::vector<BodyState>& states, Rate rate) {
+  still_.resize(surface_.pairs.size());
+  rates_.resize(surface_.pairs.size());
+  for (std::size_t i = 0; i < still_.size(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    rates_[i] = {rate(pair.normal), rate(pair.tangent), rate(pair.binormal)};
+    still_[i].gap = pair.gap(displacement_of(states));
+    still_[i].inverse_n = pair.normal.inverse_mass(states);
+    if (pair.friction_coefficient > 0.0) still_[i].inverse_along = pair.inverse_mass_along(states);
+  }
+}
+
+double ExplicitContact::normal_force(std::size_t i, double rate_n, double acting_time) const {
   if (massless_) return state_.static_normal_n[static_cast<Eigen::Index>(i)];
-  const auto& pair = surface_.pairs[i];
-  const double gap_now = pair.gap(displacement_of(states));
+  const double gap_now = still_[i].gap, inverse = still_[i].inverse_n;
   if (law_->enforcement == scene::Enforcement::penalty)
-    return law_->penalty_pa_m * pair.area_m2 * std::max(0.0, -gap_now);
-  const double inverse = pair.normal.inverse_mass(states);
+    return law_->penalty_pa_m * surface_.pairs[i].area_m2 * std::max(0.0, -gap_now);
   return inverse > 0.0 ? std::max(0.0, -(gap_now + dt_ * rate_n)) / (dt_ * acting_time * inverse) : 0.0;
 }
 
@@ -70,13 +138,13 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
                                                    const Eigen::Vector2d& rate_along, double acting_time) const {
   const auto& pair = surface_.pairs[i];
   if (frozen_ == participant::FrozenContact::open) return {};
-  if (frozen_) return holding_force(pair, states, rate_n, rate_along, acting_time);
+  if (frozen_) return holding_force(i, states, rate_n, rate_along, acting_time);
   Force force;
-  force.normal = normal_force(i, states, rate_n, acting_time);
+  force.normal = normal_force(i, rate_n, acting_time);
   if (force.normal == 0.0) return force;
   force.state = ContactState::slip;
   if (pair.friction_coefficient == 0.0) return force;
-  const Eigen::Matrix2d inverse = acting_time * pair.inverse_mass_along(states);
+  const Eigen::Matrix2d inverse = acting_time * still_[i].inverse_along;
   const Eigen::Vector2d holding = solver::holding_of_pair(inverse, rate_along);
   force.tangential =
       solver::friction_of_pair(*law_, pair.friction_coefficient * force.normal, rate_along, holding, inverse);
@@ -85,11 +153,12 @@ ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vec
 }
 
 /// Frozen sticking: the linear part of `find_force`, normally and (with friction) tangentially.
-ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const std::vector<BodyState>& states,
+ExplicitContact::Force ExplicitContact::holding_force(std::size_t i, const std::vector<BodyState>& states,
                                                       double rate_n, const Eigen::Vector2d& rate_along,
                                                       double acting_time) const {
+  const auto& pair = surface_.pairs[i];
   const bool penalty = law_->enforcement == scene::Enforcement::penalty;
-  const double moved_n = pair.normal.times(displacement_of(states)), inverse_n = pair.normal.inverse_mass(states);
+  const double moved_n = pair.normal.times(displacement_of(states)), inverse_n = still_[i].inverse_n;
   Force force{.normal = 0.0, .state = ContactState::stick};
   if (penalty) {
     force.normal = -law_->penalty_pa_m * pair.area_m2 * moved_n;
@@ -98,7 +167,7 @@ ExplicitContact::Force ExplicitContact::holding_force(const Pair& pair, const st
   }
   if (pair.friction_coefficient == 0.0) return force;
   const Eigen::Vector2d slipped = pair.slip(displacement_of(states)) + dt_ * rate_along;
-  force.tangential = solver::holding_of_pair(dt_ * acting_time * pair.inverse_mass_along(states), slipped);
+  force.tangential = solver::holding_of_pair(dt_ * acting_time * still_[i].inverse_along, slipped);
   return force;
 }
 
@@ -179,29 +248,32 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
   return sum;
 }
 
-/// `rate` of a row with the accelerations so far, over `acting_time` of which a force acts; `push_pair` adds a force of
-/// a pair to them. From no forces; where pairs share nodes until none changes.
-template <class Rate, class Push>
-void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time, Push push_pair) {
+/// From no forces; `rate` of a row with the accelerations so far, to which a force adds over `acting_time`. Pairs that
+/// share nodes are gone through until no force changes.
+template <class Rate>
+void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time) {
   auto& forces = state_.forces;
-  const auto find = [&](std::size_t i) {
-    const auto& pair = surface_.pairs[i];
-    forces[i] = find_force(i, states, rate(pair.normal), {rate(pair.tangent), rate(pair.binormal)}, acting_time);
-    push_pair(pair, forces[i]);
-  };
-  for (std::size_t i = 0; i < forces.size(); ++i) find(i);
-  if (!shared_) return;
+  prepare(states, rate);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = {};
+  if (!shared_) {
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      forces[i] = find_force(i, states, rates_[i][0], rates_[i].tail<2>(), acting_time);
+    return;
+  }
+  if (coupled_start_.empty()) couple_pairs(states);
   double change = 1.0, largest = 1.0;
-  int sweep = 1;
+  int sweep = 0;
   for (; change > solver::settled_share * largest && sweep < solver::most_sweeps; ++sweep) {
     change = largest = 0.0;
     for (std::size_t i = 0; i < forces.size(); ++i) {
-      const Force before = forces[i];
-      push_pair(surface_.pairs[i], {.normal = -before.normal, .tangential = -before.tangential});
-      find(i);
-      change = std::max({change, std::abs(forces[i].normal - before.normal),
-                         (forces[i].tangential - before.tangential).cwiseAbs().maxCoeff()});
+      const Eigen::Vector3d before = vector_of(forces[i]), without = rates_[i] - acting_time * (own_[i] * before);
+      forces[i] = find_force(i, states, without[0], without.tail<2>(), acting_time);
+      const Eigen::Vector3d more = vector_of(forces[i]) - before;
       largest = std::max(largest, std::abs(forces[i].normal));
+      if (more.isZero(0.0)) continue;
+      change = std::max(change, more.cwiseAbs().maxCoeff());
+      for (std::size_t k = coupled_start_[i]; k < coupled_start_[i + 1]; ++k)
+        rates_[coupled_[k].pair] += acting_time * (coupled_[k].inverse_mass * more);
     }
   }
   const double residual = largest > 0.0 ? change / largest : 0.0;
@@ -215,11 +287,12 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, 0.5 * dt_, [&](const Pair& pair, const Force& force) {
-    const double before = staggered_correction(pair, states);
-    push(pair, force, states);
-    state_.work_normal_j -= staggered_correction(pair, states) - before;
-  });
+  find_forces(states, rate, 0.5 * dt_);
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+    const double before = staggered_correction(surface_.pairs[i], states);
+    push(surface_.pairs[i], state_.forces[i], states);
+    state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
+  }
 }
 
 /// Where the rows are written anew, the forces of n - 1 are accounted along those they acted along: half of the window
@@ -229,6 +302,7 @@ bool ExplicitContact::follow(std::vector<BodyState>& states, const std::vector<c
   const std::vector<Pair> old = surface_.pairs;
   if (!sliding_->follow(states, 0.0, surface_.pairs)) return false;
   shared_ = true;
+  coupled_start_.clear();
   for (std::size_t i = 0; i < old.size(); ++i) {
     const Force& force = old_forces_[i];
     account(old[i], {.normal = 0.5 * force.normal, .tangential = 0.5 * force.tangential}, states, u_before);
@@ -247,7 +321,8 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
     return half_velocity + dt_ * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, dt_, [&](const Pair& pair, const Force& force) { push(pair, force, states); });
+  find_forces(states, rate, dt_);
+  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) push(surface_.pairs[i], state_.forces[i], states);
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const Force &old = old_forces_[i], &now = state_.forces[i];
     state_.mean_forces[i] = {.normal = 0.5 * (old.normal + now.normal),
@@ -275,6 +350,7 @@ ExplicitContact::State ExplicitContact::state() const {
 void ExplicitContact::restore(const State& state) {
   state_ = state;
   if (sliding_) sliding_->restore(state.sliding, surface_.pairs);
+  coupled_start_.clear();
   for (const auto* forces : {&state.forces, &state.mean_forces}) surface_.require_one_a_pair(forces->size());
   if (massless_) massless_->restore(*state.massless);
 }

@@ -15,8 +15,8 @@
 ///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
 /// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9,
 /// 14), of solids radially to the circular one. Pairs that share nodes are gone through again until no force changes:
-/// projected Gauss-Seidel on N M^-1 N^T. Neither force lowers the critical time step. With enforcement "penalty", r =
-/// alpha w max(0, -g(u_n)) (Eq. 8-10) does.
+/// projected Gauss-Seidel on N M^-1 N^T, whose blocks are kept while the rows stay. Neither force lowers the critical
+/// time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
 namespace ricochet::explicit_solver {
 
 class ExplicitContact {
@@ -68,16 +68,29 @@ class ExplicitContact {
   void restore(const State& state);
 
  private:
-  /// Force of one pair from its rate without contact acceleration and the time over which acceleration acts on it.
+  /// Of a pair, while the forces of a window are sought.
+  struct Still {
+    double gap = 0.0;
+    double inverse_n = 0.0;  ///< N M^-1 N^T [1/kg]
+    Eigen::Matrix2d inverse_along = Eigen::Matrix2d::Zero();
+  };
+  /// A pair that has a node of another one: its rates from that one's forces along n, t and b [1/kg].
+  struct Coupled {
+    std::size_t pair;
+    Eigen::Matrix3d inverse_mass;
+  };
+  void couple_pairs(const std::vector<solver::BodyState>& states);
+  template <class Rate>
+  void prepare(const std::vector<solver::BodyState>& states, Rate rate);
+  /// Force of one pair from its rate without its own contact acceleration and the time over which that acts on it.
   Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
                    const Eigen::Vector2d& rate_along, double acting_time) const;
-  [[nodiscard]] double normal_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
-                                    double acting_time) const;
-  [[nodiscard]] Force holding_force(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                    double rate_n, const Eigen::Vector2d& rate_along, double acting_time) const;
+  [[nodiscard]] double normal_force(std::size_t pair, double rate_n, double acting_time) const;
+  [[nodiscard]] Force holding_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
+                                    const Eigen::Vector2d& rate_along, double acting_time) const;
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
-  template <class Rate, class Push>
-  void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time, Push push_pair);
+  template <class Rate>
+  void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time);
   /// The work and impulse of a pair's force over a window; returns the work along the normal [J].
   double account(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states,
                  const std::vector<const Eigen::VectorXd*>& u_before);
@@ -94,6 +107,11 @@ class ExplicitContact {
   std::optional<solver::SlidingRows> sliding_;
   State state_;
   std::optional<solver::MasslessNodes> massless_;
+  std::vector<Still> still_;                ///< per pair
+  std::vector<Eigen::Vector3d> rates_;      ///< per pair, along n, t and b
+  std::vector<Eigen::Matrix3d> own_;        ///< per pair, of its own forces [1/kg]
+  std::vector<std::size_t> coupled_start_;  ///< of pair i: coupled_[coupled_start_[i]] ...; empty: to be found
+  std::vector<Coupled> coupled_;
   std::vector<Force> old_forces_;
   std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
   std::vector<double*> velocity_of_part_;

@@ -26,7 +26,8 @@ namespace {
 Eigen::Vector3d principal_stresses_of_solid(const StressVector& stress) {
   Eigen::Matrix3d tensor;
   tensor << stress[0], stress[3], stress[5], stress[3], stress[1], stress[4], stress[5], stress[4], stress[2];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(tensor, Eigen::EigenvaluesOnly);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(tensor, Eigen::EigenvaluesOnly);  // in closed form: it is asked for in every window
   return solver.eigenvalues().reverse();
 }
 

@@ -64,6 +64,14 @@ bool flies_freely(const scene::Body& body, const Eigen::Vector3d& normal) {
          body.initial_displacement_start_m == body.initial_displacement_end_m;
 }
 
+/// The surfaces lie parallel, so that all of them touch at once: of balls and of noses no plane wave comes.
+bool touches_all_at_once(const scene::ContactGeometry& contact, double length_m) {
+  constexpr double of_length = 1e-9;
+  const auto by_gap = [](const auto& x, const auto& y) { return x.gap0_m < y.gap0_m; };
+  const auto [least, most] = std::minmax_element(contact.pairs.begin(), contact.pairs.end(), by_gap);
+  return most->gap0_m - least->gap0_m <= of_length * length_m;
+}
+
 }  // namespace
 
 std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
@@ -76,6 +84,7 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
     if (!flies_freely(problem.scene.bodies[body], contact.normal)) return std::nullopt;
   }
   if (problem.scene.contact_law().nose_radius_m > 0) return std::nullopt;
+  if (!touches_all_at_once(contact, length_along(problem.bodies[a], contact.normal))) return std::nullopt;
   const double closing =
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;

@@ -24,7 +24,7 @@ struct ImpactTheory {
 
 /// Empty without contact, with a rigid plane, if the bodies do not approach each other, if the body whose wave would
 /// end the contact absorbs it, and where a body is no free one at rest in itself: supports or prescribed motion along
-/// the normal, loads, initial deformation, a nose.
+/// the normal, loads, initial deformation, a nose or surfaces that are not parallel.
 [[nodiscard]] std::optional<ImpactTheory> impact_theory(const scene::Problem& problem);
 
 }  // namespace ricochet::coupler

@@ -73,6 +73,7 @@ TEST(ImpactTheory, NoneForABodyThatDoesMoreThanFly) {
   EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].tractions.push_back({"start", {1e6}, {}}); }));
   EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].initial_displacement_end_m = {-1e-5}; }));
   EXPECT_FALSE(theory_of("rounded_striker.toml")) << "a nose";
+  EXPECT_FALSE(theory_of("two_balls.toml")) << "curved surfaces";
 }
 
 TEST(ImpactTheory, NoneWithARigidPlane) { EXPECT_FALSE(theory_of("rod_on_stop.toml")); }
