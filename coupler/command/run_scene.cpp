@@ -12,6 +12,7 @@
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
+#include "coupler/cost/predicted_cost.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"
@@ -152,7 +153,10 @@ void request_checkpoint(const std::string& folder) {
 
 void check_scene(const std::string& scene_path) {
   const auto problem = load_problem(scene_path);
-  fmt::print("{}{}\n", scene::to_text(problem, scene::plan(problem)), memory_text(problem.scene));
+  const auto plan = scene::plan(problem);
+  fmt::print("{}{}\n", scene::to_text(problem, plan), memory_text(problem.scene));
+  std::fflush(stdout);
+  fmt::print("{}", cost_text(problem, plan));
   if (const auto warning = address_warning(problem.scene); !warning.empty()) fmt::print("warning: {}\n", warning);
   if (problem.scene.time.largest_step_s) {
     fmt::print(
