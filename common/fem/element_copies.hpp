@@ -8,7 +8,8 @@
 namespace ricochet::fem {
 
 /// What is computed from an element's matrix_places alone, once for all copies of an element. `Make` is called with the
-/// geometry of the first of them.
+/// geometry of the first of them. Of more than some thousand different elements only the first are kept: such a mesh is
+/// not made of copies, and what is kept of every element would take more than K.
 template <class Value>
 class ElementCopies {
  public:
@@ -20,12 +21,16 @@ class ElementCopies {
     key_.assign(1, static_cast<char>(geometry.kind));
     key_.append(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double));
     const auto found = known_.find(key_);
-    return found != known_.end() ? found->second : known_.emplace(key_, make(geometry)).first->second;
+    if (found != known_.end()) return found->second;
+    if (known_.size() < most_kept) return known_.emplace(key_, make(geometry)).first->second;
+    return other_ = make(geometry);
   }
 
  private:
+  static constexpr std::size_t most_kept = 4096;
   Model model_;
   std::unordered_map<std::string, Value> known_;
+  Value other_{};
   std::string key_;
 };
 
