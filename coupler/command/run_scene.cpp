@@ -154,7 +154,7 @@ void request_checkpoint(const std::string& folder) {
 void check_scene(const std::string& scene_path) {
   const auto problem = load_problem(scene_path);
   const auto plan = scene::plan(problem);
-  fmt::print("{}{}\n", scene::to_text(problem, plan), memory_text(problem.scene));
+  fmt::print("{}", scene::to_text(problem, plan));
   std::fflush(stdout);
   fmt::print("{}", cost_text(problem, plan));
   if (const auto warning = address_warning(problem.scene); !warning.empty()) fmt::print("warning: {}\n", warning);

@@ -16,14 +16,17 @@
 namespace ricochet::coupler {
 namespace {
 
-/// Bytes per node, from the peak resident memory of runs with 2e5 nodes in two dimensions, 2e6 in one and
-/// 1.5e5 in three, where the assembled stiffness takes most. What a factor
-/// of many implicit unknowns takes comes on top: it depends on the mesh in ways that only the factorisation finds out.
+/// Bytes of a process without a scene, and per node, from the peak resident memory of runs with 2e5 nodes in two
+/// dimensions, 1e6 in one and 1.3e5 in three, where the assembled stiffness takes most. What a factor of many implicit
+/// unknowns takes comes on top.
+constexpr double coupler_bytes = 25e6, participant_bytes = 12e6;
 struct PerNode {
-  double mesh;    ///< in every process, the coupler among them
-  double solver;  ///< in the participants together
+  double everywhere;    ///< in every process, the coupler among them
+  double coupler;       ///< there besides, before participants are started
+  double participants;  ///< in all of them together besides
 };
-constexpr PerNode in_one_dimension{160, 100}, in_two_dimensions{1300, 700}, in_three_dimensions{10000, 100};
+constexpr PerNode in_one_dimension{135, 155, 325}, in_two_dimensions{335, 465, 610},
+    in_three_dimensions{650, 2600, 2750};
 constexpr double bytes_per_node_of_gmsh_file = 40;  // of the file, which is text or binary
 
 double nodes_of(const scene::Body& body) {
@@ -39,18 +42,31 @@ std::string size_text(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.0f} MB", std::ceil(1e-6 * bytes)) : fmt::format("{:.1f} GB", 1e-9 * bytes);
 }
 
+double need_bytes(const scene::Scene& scene, double nodes) {
+  const bool here = scene.coupling.launcher == scene::LaunchedBy::coupler;
+  const auto launched =
+      static_cast<double>(std::count_if(scene.participants.begin(), scene.participants.end(),
+                                        [here](const auto& p) { return here && p.start == scene::Start::launch; }));
+  const PerNode& per_node = scene.components() == 1   ? in_one_dimension
+                            : scene.components() == 2 ? in_two_dimensions
+                                                      : in_three_dimensions;
+  return coupler_bytes + launched * participant_bytes +
+         nodes * (per_node.everywhere * (launched + 1.0) + per_node.coupler +
+                  (launched > 0.0 ? per_node.participants : 0.0));
+}
+
 }  // namespace
 
 double memory_need_bytes(const scene::Scene& scene) {
   double nodes = 0.0;
   for (const auto& body : scene.bodies) nodes += nodes_of(body);
-  const bool here = scene.coupling.launcher == scene::LaunchedBy::coupler;
-  const auto launched = std::count_if(scene.participants.begin(), scene.participants.end(),
-                                      [here](const auto& p) { return here && p.start == scene::Start::launch; });
-  const PerNode& per_node = scene.components() == 1   ? in_one_dimension
-                            : scene.components() == 2 ? in_two_dimensions
-                                                      : in_three_dimensions;
-  return nodes * (per_node.mesh * static_cast<double>(launched + 1) + (launched > 0 ? per_node.solver : 0.0));
+  return need_bytes(scene, nodes);
+}
+
+double memory_need_bytes(const scene::Problem& problem) {
+  double nodes = 0.0;
+  for (const auto& body : problem.bodies) nodes += static_cast<double>(body.mesh.position.size());
+  return need_bytes(problem.scene, nodes);
 }
 
 double memory_available_bytes() {
@@ -67,8 +83,8 @@ double memory_available_bytes() {
   return available;
 }
 
-std::string memory_text(const scene::Scene& scene) {
-  return fmt::format("memory: about {} needed, {} available", size_text(memory_need_bytes(scene)),
+std::string memory_text(double need_bytes) {
+  return fmt::format("memory: about {} needed, {} available", size_text(need_bytes),
                      size_text(memory_available_bytes()));
 }
 
@@ -77,8 +93,8 @@ scene::Problem load_problem(const std::string& path) {
   require_proc();
   constexpr unsigned long own_descriptors = 256, per_participant = 8;  // 128 of them for connections of strangers
   require_descriptors(own_descriptors + per_participant * scene.participants.size());
-  if (memory_need_bytes(scene) > memory_available_bytes()) {
-    throw MachineError(fmt::format("{}: {}; fewer elements need less", scene.path, memory_text(scene)));
+  if (const double need = memory_need_bytes(scene); need > memory_available_bytes()) {
+    throw MachineError(fmt::format("{}: {}; fewer elements need less", scene.path, memory_text(need)));
   }
   return scene::build_problem(scene);
 }

@@ -85,7 +85,7 @@ TEST_F(Machine, a_scene_that_needs_more_memory_than_there_is) {
   for (int body = 0; body < 2; ++body) text = replaced(text, "elements = [10, 160]", "elements = [1000, 1000]");
   const auto outcome = run("ulimit -v 1000000; ", text, "", 10.0);
   EXPECT_EQ(outcome.code, 7) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("memory: about 9.2 GB needed, 1.0 GB available"));
+  EXPECT_THAT(outcome.error, HasSubstr("memory: about 4.2 GB needed, 1.0 GB available"));
 }
 
 /// The estimate by the number of nodes lets the scene pass; what it does not know of, the factor of many unknowns, then
@@ -96,7 +96,7 @@ TEST_F(Machine, a_participant_whose_memory_runs_out_is_named) {
   text = with_key(with_protocol(text, "all_implicit"), "time", "end_s", "5.4e-7");
   const auto refused = run("ulimit -v 100000; ", text);
   EXPECT_EQ(refused.code, 7) << refused.error;
-  EXPECT_THAT(refused.error, HasSubstr("memory: about 174 MB needed, 103 MB available"));
+  EXPECT_THAT(refused.error, HasSubstr("memory: about 129 MB needed, 103 MB available"));
   const auto outcome = run("ulimit -v 300000; ", text);
   EXPECT_EQ(outcome.code, 7) << outcome.error;
   EXPECT_THAT(outcome.error, HasSubstr("participant 'implicit' failed during start-up: out of memory"));

@@ -1,0 +1,111 @@
+#include "coupler/cost/node_graph.hpp"
+
+#include <cholmod.h>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+namespace ricochet::coupler {
+
+using fem::at;
+
+NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element) {
+  NodeGraph graph;
+  std::vector<int> place(mesh.position.size(), -1);
+  std::vector<std::size_t> owned;
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    if (!of_element[e]) continue;
+    owned.push_back(e);
+    for (const int node : mesh.elements[e]) place[at(node)] = 0;
+  }
+  for (std::size_t node = 0; node < place.size(); ++node) {
+    if (place[node] < 0) continue;
+    place[node] = graph.nodes();
+    graph.node.push_back(static_cast<int>(node));
+  }
+  // The elements of each node, one list after the other.
+  std::vector<int> first(graph.node.size() + 1, 0);
+  for (const std::size_t e : owned)
+    for (const int node : mesh.elements[e]) ++first[at(place[at(node)]) + 1];
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  std::vector<std::size_t> element(at(first.back()));
+  std::vector<int> next(first.begin(), first.end() - 1);
+  for (const std::size_t e : owned)
+    for (const int node : mesh.elements[e]) element[at(next[at(place[at(node)])]++)] = e;
+
+  std::vector<int> found_by(graph.node.size(), -1);
+  for (int i = 0; i < graph.nodes(); ++i) {
+    const auto begin = graph.neighbour.size();
+    for (int k = first[at(i)]; k < first[at(i + 1)]; ++k) {
+      for (const int node : mesh.elements[element[at(k)]]) {
+        const int j = place[at(node)];
+        if (std::exchange(found_by[at(j)], i) != i) graph.neighbour.push_back(j);
+      }
+    }
+    std::sort(graph.neighbour.begin() + static_cast<std::ptrdiff_t>(begin), graph.neighbour.end());
+    graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+  }
+  return graph;
+}
+
+double factor_entries(const NodeGraph& graph, int components) {
+  if (graph.node.empty()) return 0.0;
+  cholmod_common common;
+  cholmod_start(&common);
+  common.print = 0;
+  common.supernodal = CHOLMOD_SIMPLICIAL;
+  const auto nodes = graph.node.size();
+  // The columns of the upper triangle: of node i its neighbours up to i.
+  cholmod_sparse* pattern =
+      cholmod_allocate_sparse(nodes, nodes, graph.neighbour.size(), 1, 1, 1, CHOLMOD_PATTERN, &common);
+  double entries = 0.0;
+  if (pattern) {
+    auto* start = static_cast<int*>(pattern->p);
+    auto* row = static_cast<int*>(pattern->i);
+    start[0] = 0;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      start[i + 1] = start[i];
+      for (int k = graph.start[i]; k < graph.start[i + 1]; ++k)
+        if (graph.neighbour[at(k)] <= static_cast<int>(i)) row[start[i + 1]++] = graph.neighbour[at(k)];
+    }
+    cholmod_factor* symbolic = cholmod_analyze(pattern, &common);
+    // An entry between two nodes is a block, of a node with itself half a one.
+    const double c = components, n = static_cast<double>(nodes);
+    entries = c * c * (common.lnz - n) + 0.5 * c * (c + 1.0) * n;
+    if (symbolic) cholmod_free_factor(&symbolic, &common);
+    cholmod_free_sparse(&pattern, &common);
+  }
+  const bool analysed = common.status == CHOLMOD_OK;
+  cholmod_finish(&common);
+  if (!analysed) throw std::bad_alloc();
+  return entries;
+}
+
+double reached_share(const NodeGraph& graph, const std::vector<int>& driven, double steps) {
+  std::vector<bool> reached(graph.node.size(), false);
+  std::vector<int> front;
+  for (const int node : driven) {
+    const auto found = std::lower_bound(graph.node.begin(), graph.node.end(), node);
+    if (found == graph.node.end() || *found != node) continue;
+    const int i = static_cast<int>(found - graph.node.begin());
+    if (!reached[at(i)]) front.push_back(i);
+    reached[at(i)] = true;
+  }
+  double sum = 0.0;
+  for (double step = 0.0; step < steps && !front.empty(); step += 1.0) {
+    sum += static_cast<double>(front.size()) * (steps - step);
+    std::vector<int> next;
+    for (const int i : front) {
+      for (int k = graph.start[at(i)]; k < graph.start[at(i + 1)]; ++k) {
+        const int j = graph.neighbour[at(k)];
+        if (!reached[at(j)]) next.push_back(j);
+        reached[at(j)] = true;
+      }
+    }
+    front.swap(next);
+  }
+  return graph.node.empty() ? 0.0 : sum / (steps * static_cast<double>(graph.node.size()));
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "common/problem/problem.hpp"
+
+namespace ricochet::coupler {
+
+/// The nodes of some elements of a body, and which of them share one: what K of these elements has entries for.
+struct NodeGraph {
+  std::vector<int> node;       ///< of the body's mesh, ascending
+  std::vector<int> start{0};   ///< neighbours of node i: neighbour[start[i]] .. neighbour[start[i + 1] - 1]
+  std::vector<int> neighbour;  ///< indices into `node`, i itself among them, ascending
+
+  [[nodiscard]] int nodes() const { return static_cast<int>(node.size()); }
+};
+
+[[nodiscard]] NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element);
+
+/// Entries of the Cholesky factor of a matrix with `components` rows a node, after CHOLMOD's own order. Symbolic: it
+/// takes some microseconds a node and no matrix. Throws std::bad_alloc.
+[[nodiscard]] double factor_entries(const NodeGraph& graph, int components);
+
+/// Mean share of the nodes that a wave has reached in `steps` steps from nodes of the body that are `driven`: one
+/// neighbour further in every step, as the explicit solver's front goes.
+[[nodiscard]] double reached_share(const NodeGraph& graph, const std::vector<int>& driven, double steps);
+
+}  // namespace ricochet::coupler

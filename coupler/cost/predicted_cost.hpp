@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/check/check.hpp"
+#include "common/problem/problem.hpp"
+
+/// What a run would cost on this machine, before it is started.
+namespace ricochet::coupler {
+
+struct MachineSpeed {
+  /// How much longer a small K u takes here than on the machine whose figures `predict_cost` has.
+  double slowness = 1.0;
+  int processors = 2;
+};
+/// Some milliseconds.
+[[nodiscard]] MachineSpeed measure_speed();
+
+struct PredictedCost {
+  struct Process {
+    std::string name;
+    double window_s = 0.0;  ///< mean of what it computes in a window
+  };
+  std::vector<Process> participants;
+  double windows = 0.0;
+  double window_s = 0.0;      ///< mean time from window to window
+  double memory_bytes = 0.0;  ///< of all processes together, see memory_need_bytes, with the factors
+  double all_implicit_s = 0.0, all_explicit_s = 0.0;  ///< stepping of the baselines to the same end
+  double all_explicit_step_s = 0.0;                   ///< the scene's, or what all elements together allow
+
+  [[nodiscard]] double stepping_s() const { return windows * window_s; }
+};
+
+/// Counts of what a window does, from the scene, times what each takes. K u is measured on a sample of the scene's own
+/// elements; the rest are figures of docs/speed.md, section "Predicted", times `speed.slowness`. Of a contact whose end
+/// one-dimensional theory knows (impact_theory) the windows end when the scene's run would, else at time.end_s.
+[[nodiscard]] PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan,
+                                         const MachineSpeed& speed);
+
+/// The lines that `ricochet check` prints; of memory alone where a participant is somebody else's program, whose time
+/// nobody knows.
+[[nodiscard]] std::string cost_text(const scene::Problem& problem, const scene::Plan& plan);
+
+}  // namespace ricochet::coupler

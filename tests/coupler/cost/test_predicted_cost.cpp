@@ -1,0 +1,82 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coupler/cost/predicted_cost.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+scene::Scene scene_of(const std::string& config) {
+  return scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+}
+
+/// On a machine as fast as the one whose figures the prediction has.
+PredictedCost cost_of(const scene::Scene& scene) {
+  const auto problem = scene::build_problem(scene);
+  return predict_cost(problem, scene::plan(problem), {1.0, 2});
+}
+
+TEST(PredictedCost, EndsWithTheContactWhereTheoryKnowsIt) {
+  auto scene = scene_of("kim_impact");
+  EXPECT_EQ(cost_of(scene).windows, 763) << "as many as the run has: 2L/c, then 10 us";
+  scene.time.until_separated_plus_s.reset();
+  EXPECT_EQ(cost_of(scene).windows, 1112) << "of the latest end";
+  EXPECT_EQ(cost_of(scene_of("two_balls")).windows, 1200) << "curved: no theory";
+}
+
+TEST(PredictedCost, GrowsWithTheMesh) {
+  auto scene = scene_of("kim_impact");
+  const PredictedCost coarse = cost_of(scene);
+  for (auto& body : scene.bodies) {
+    auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
+    mesh.elements_along *= 4;
+    mesh.elements_across *= 4;
+  }
+  scene.time.step_s = *scene.time.step_s / 4;
+  const PredictedCost fine = cost_of(scene);
+  EXPECT_NEAR(fine.windows, 4 * coarse.windows, 4);
+  // Sixteen times the unknowns; of the factor more than that.
+  EXPECT_GT(fine.all_explicit_s / coarse.all_explicit_s, 4 * 5);
+  EXPECT_GT(fine.all_implicit_s / coarse.all_implicit_s, 4 * 20);
+  EXPECT_GT(fine.window_s, 5 * coarse.window_s);
+  EXPECT_GT(fine.memory_bytes, 3 * coarse.memory_bytes);
+}
+
+TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
+  auto scene = scene_of("rounded_striker");
+  const PredictedCost cost = cost_of(scene);
+  EXPECT_NEAR(cost.all_explicit_step_s, 0.9 * 1.787e-9, 2e-12) << "of the smallest element";
+  EXPECT_GT(cost.all_explicit_s, 5 * cost.stepping_s()) << "what hybrid is for";
+
+  auto bars = scene_of("two_bars");
+  bars.time.end_s = 20e-6;  // the waves get through a fraction of the bars
+  const double flies = cost_of(bars).all_explicit_s;
+  bars.bodies[0].gravity_m_s2 = bars.bodies[1].gravity_m_s2 = {1.0};
+  EXPECT_GE(cost_of(bars).all_explicit_s, flies) << "gravity moves all of it";
+}
+
+TEST(PredictedCost, IsMeasuredInUnitsOfThisMachine) {
+  const auto problem = scene::build_problem(scene_of("two_bars"));
+  const auto plan = scene::plan(problem);
+  const double here = predict_cost(problem, plan, {1.0, 2}).stepping_s();
+  EXPECT_GT(predict_cost(problem, plan, {10.0, 2}).stepping_s(), 5 * here);
+  EXPECT_GE(predict_cost(problem, plan, {1.0, 1}).stepping_s(), here) << "explicit and implicit side in turns";
+  EXPECT_GT(measure_speed().slowness, 0.0);
+}
+
+TEST(PredictedCost, SaysNothingOfTheTimeOfAProgramThatItDoesNotKnow) {
+  auto scene = scene_of("two_bars");
+  const auto text = [&] {
+    const auto problem = scene::build_problem(scene);
+    return cost_text(problem, scene::plan(problem));
+  };
+  EXPECT_THAT(text(), testing::AllOf(testing::HasSubstr("memory: about"), testing::HasSubstr("predicted: "),
+                                     testing::HasSubstr("all_implicit would take"),
+                                     testing::HasSubstr("all_explicit would take")));
+  scene.participants.front().executable = "/usr/bin/true";
+  EXPECT_THAT(text(),
+              testing::AllOf(testing::HasSubstr("memory: about"), testing::Not(testing::HasSubstr("predicted"))));
+}
+
+}  // namespace
+}  // namespace ricochet::coupler
