@@ -136,6 +136,14 @@ double largest_critical_time_step(const BodyProblem& body, const fem::Part& part
                                                  inertia.fixed_dof, products_of_a_bound));
 }
 
+std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& body) {
+  if (problem.scene.coupling.protocol.layout == Layout::all_implicit)
+    return std::vector<bool>(body.mesh.elements.size(), true);
+  std::vector<bool> is_explicit = body.implicit_element;
+  is_explicit.flip();
+  return is_explicit;
+}
+
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
                                     const ParticipantSpec& participant) {
   if (problem.scene.coupling.protocol.dual) return owned_elements(problem.scene, body, participant);
@@ -151,6 +159,10 @@ double critical_time_step(const Problem& problem, const ParticipantSpec& partici
   for (const AssembledPart& assembled : parts) {
     const BodyProblem& body = problem.bodies[at(assembled.body)];
     const std::vector<bool> limiting = limiting_elements(problem, body, participant);
+    if (!problem.critical_time_steps_s.empty() && limiting == explicit_elements(problem, body)) {
+      smallest = std::min(smallest, problem.critical_time_steps_s[at(assembled.body)]);
+      continue;
+    }
     const bool same = std::count(limiting.begin(), limiting.end(), true) == std::ssize(assembled.part->body_element);
     smallest = std::min(smallest, same ? critical_time_step(body, *assembled.part, dual, step_s)
                                        : critical_time_step(body, limiting, dual, step_s));

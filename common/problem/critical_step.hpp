@@ -27,6 +27,9 @@ namespace ricochet::scene {
 [[nodiscard]] double largest_critical_time_step(const BodyProblem& body, const fem::Part& part,
                                                 const fem::StiffnessProduct& stiffness, bool own_mass);
 
+/// The elements that follow the explicit step; in `all_implicit`, which takes the step of `all_explicit`, all.
+[[nodiscard]] std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& body);
+
 /// The elements whose critical step a participant keeps: with summed masses all of its role in the body, in a dual
 /// protocol its own.
 [[nodiscard]] std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
@@ -37,7 +40,8 @@ struct AssembledPart {
   int body = -1;  ///< index into Problem::bodies
   const fem::Part* part = nullptr;
 };
-/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks for.
+/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks for. What
+/// the problem was built with is not found once more.
 [[nodiscard]] double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
                                         const std::vector<AssembledPart>& parts, double step_s);
 
