@@ -67,12 +67,21 @@ void tell_coupler(Session& session, wire::Channel& channel, const Reason& reason
   }
 }
 
-/// `name` stands in error texts until the participant says its own.
-int serve_as(std::string name, Participant& participant, const ServeOptions& options) {
+}  // namespace
+
+Reason reason_in(const Session& session) {
+  auto reason = current_reason();
+  const bool placed = reason.text.rfind("window ", 0) == 0;
+  if (session.window() > 0 && !placed) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
+  return reason;
+}
+
+int serve(Participant& participant, const ServeOptions& options) {
+  std::string name = "participant";
   try {
-    wire::Channel channel(options.endpoint, key_of(options));
-    Session session(participant);  // meanwhile the ends of the connection exchange keys
+    Session session(participant);
     name = session.name();
+    wire::Channel channel(options.endpoint, key_of(options));
     wire::Message message;
     try {
       converse(session, channel, options, message);
@@ -90,19 +99,6 @@ int serve_as(std::string name, Participant& participant, const ServeOptions& opt
   }
 }
 
-}  // namespace
-
-Reason reason_in(const Session& session) {
-  auto reason = current_reason();
-  const bool placed = reason.text.rfind("window ", 0) == 0;
-  if (session.window() > 0 && !placed) reason.text = fmt::format("window {}: {}", session.window(), reason.text);
-  return reason;
-}
-
-int serve(Participant& participant, const ServeOptions& options) {
-  return serve_as("participant", participant, options);
-}
-
 int participant_main(int argc, const char* const* argv, const MakeParticipant& make) {
   prepare_process();
   std::string name = "participant";
@@ -110,7 +106,7 @@ int participant_main(int argc, const char* const* argv, const MakeParticipant& m
     auto arguments = parse_arguments(argc, argv);
     name = arguments.name;
     const auto participant = make(arguments);
-    return serve_as(name, *participant, arguments.options);
+    return serve(*participant, arguments.options);
   } catch (...) {
     return report(name, current_reason());
   }
