@@ -16,8 +16,12 @@ namespace ricochet::explicit_solver {
 using participant::Capability;
 using participant::LinkOutput;
 
-ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name, Ranks* ranks)
-    : problem_(std::move(problem)), spec_(&problem_.scene.participant(name)), ranks_(ranks) {
+ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name,
+                               std::optional<double> told_critical_step_s, Ranks* ranks)
+    : problem_(std::move(problem)),
+      spec_(&problem_.scene.participant(name)),
+      told_critical_step_s_(told_critical_step_s),
+      ranks_(ranks) {
   if (spec_->role != scene::Role::explicit_solver) {
     throw ConfigError(
         fmt::format("{}: participant '{}' has role \"implicit\"; start implicit_solver for it, or set its role "
@@ -28,7 +32,7 @@ ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name, 
 }
 
 participant::Description ExplicitSolver::describe() {
-  auto description = solver::describe(problem_, *spec_, states_, has_contact());
+  auto description = solver::describe(problem_, *spec_, states_, has_contact(), told_critical_step_s_);
   description.solver = "ricochet explicit_solver";
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();

@@ -24,8 +24,10 @@ namespace ricochet::explicit_solver {
 /// which the method conserves energy exactly.
 class ExplicitSolver final : public participant::Participant {
  public:
-  /// `ranks`: of a participant of several processes, of which this is the first; it must outlive this object.
-  ExplicitSolver(scene::Problem problem, const std::string& name, Ranks* ranks = nullptr);
+  /// `told_critical_step_s`: see solver::describe. `ranks`: of a participant of several processes, of which this is the
+  /// first; it must outlive this object.
+  ExplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {},
+                 Ranks* ranks = nullptr);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -78,6 +80,7 @@ class ExplicitSolver final : public participant::Participant {
 
   scene::Problem problem_;
   const scene::ParticipantSpec* spec_;
+  std::optional<double> told_critical_step_s_;
   Ranks* ranks_;
   std::vector<solver::BodyState> states_;            ///< whole parts
   std::vector<solver::BodyState>* share_ = nullptr;  ///< of ranks, from `initialize` on: what this one steps

@@ -31,14 +31,16 @@ std::vector<solver::BodyState> states_of(const scene::Problem& problem, const sc
 
 }  // namespace
 
-ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name)
+ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name,
+                               std::optional<double> told_critical_step_s)
     : problem_(std::move(problem)),
       spec_(&problem_.scene.participant(name)),
+      told_critical_step_s_(told_critical_step_s),
       states_(states_of(problem_, *spec_)),
       parts_(states_) {}
 
 participant::Description ImplicitSolver::describe() {
-  auto description = solver::describe(problem_, *spec_, states_, !problem_.contacts.empty());
+  auto description = solver::describe(problem_, *spec_, states_, !problem_.contacts.empty(), told_critical_step_s_);
   description.solver = "ricochet implicit_solver";
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();

@@ -23,7 +23,8 @@ namespace ricochet::implicit_solver {
 /// `synchronise` recomputes a_n = M^-1 (f - K u - L) for either.
 class ImplicitSolver final : public participant::Participant {
  public:
-  ImplicitSolver(scene::Problem problem, const std::string& name);
+  /// `told_critical_step_s`: see solver::describe.
+  ImplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {});
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -73,6 +74,7 @@ class ImplicitSolver final : public participant::Participant {
 
   scene::Problem problem_;
   const scene::ParticipantSpec* spec_;
+  std::optional<double> told_critical_step_s_;
   std::vector<solver::BodyState> states_;
   CombinedParts parts_;
   WindowState forces_;  ///< of the last accepted window

@@ -13,12 +13,11 @@ std::string switch_obstacle(const Problem& problem) {
   if (!asked || !scene.coupling.protocol.may_switch) return "";
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> all(body.mesh.elements.size(), true);
-    const double critical = critical_time_step(body, all, false, problem.window_size_s);
-    if (problem.window_size_s > critical)
-      return fmt::format(
-          "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
-          "step of {:.6g} s",
-          body.name, critical, problem.window_size_s);
+    if (is_stable_step(body, all, problem.window_size_s)) continue;
+    return fmt::format(
+        "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
+        "step of {:.6g} s",
+        body.name, critical_time_step(body, all, false, problem.window_size_s), problem.window_size_s);
   }
   return "";
 }

@@ -89,43 +89,80 @@ double last_component(const Tridiagonal& t, double shift) {
   return std::abs(at(size - 1));
 }
 
+/// Lanczos on M^-1/2 K M^-1/2 without reorthogonalisation: lost orthogonality only repeats Ritz values that have
+/// converged already, which leaves the largest one right (Paige 1976), and three vectors are all it stores.
+class Lanczos {
+ public:
+  Lanczos(const StiffnessProduct& product, const Eigen::VectorXd& mass, int components,
+          const std::vector<bool>& fixed_dof)
+      : product_(product), scale_(inverse_root_mass(mass, components, fixed_dof)) {
+    if (none_free()) return;
+    v_ = start_vector(scale_);
+    previous_ = Eigen::VectorXd::Zero(v_.size());
+    w_.resize(v_.size());
+    scaled_.resize(v_.size());
+  }
+
+  [[nodiscard]] bool none_free() const { return scale_.isZero(0.0); }
+  [[nodiscard]] Eigen::Index unknowns() const { return scale_.size(); }
+
+  /// False if nothing is left to look for: the vectors so far are an invariant space.
+  bool step() {
+    if (!t_.diagonal.empty()) {
+      previous_.swap(v_);
+      v_ = w_ / beta_;
+    }
+    scaled_ = scale_.cwiseProduct(v_);
+    product_.multiply(scaled_, w_);
+    w_ = scale_.cwiseProduct(w_) - beta_ * previous_;
+    const double alpha = v_.dot(w_);
+    w_ -= alpha * v_;
+    beta_ = w_.norm();
+    t_.diagonal.push_back(alpha);
+    t_.beside.push_back(beta_);
+    if (!std::isfinite(beta_)) throw SolverError("the largest frequency is not finite: stiffness or mass is not");
+    return beta_ > std::numeric_limits<double>::epsilon() * std::abs(alpha);
+  }
+
+  /// The largest Ritz value, never above the largest eigenvalue but for rounding.
+  [[nodiscard]] Bracket largest() const { return bracket_largest_eigenvalue(t_); }
+  /// Of that value, `above`: within this of it lies an eigenvalue, beta_k |s_k| with s its vector in the Krylov basis.
+  [[nodiscard]] double uncertainty(double above) const { return beta_ * last_component(t_, above); }
+
+ private:
+  const StiffnessProduct& product_;
+  Eigen::VectorXd scale_, v_, previous_, w_, scaled_;
+  Tridiagonal t_;
+  double beta_ = 0.0;
+};
+
 }  // namespace
 
-// Lanczos without reorthogonalisation: lost orthogonality only repeats Ritz values that have converged already, which
-// leaves the largest one right (Paige 1976), and three vectors are all it stores. With theta the largest Ritz value and
-// s its vector in the Krylov basis, an eigenvalue lies within beta_k |s_k| of theta: the stopping test.
 double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorXd& mass, int components,
                              const std::vector<bool>& fixed_dof, double tolerance, double rough) {
   constexpr double cheap_rows = 2e7;
-  const Eigen::VectorXd scale = inverse_root_mass(mass, components, fixed_dof);
-  if (scale.isZero(0.0)) return 0.0;
   const StiffnessProduct product(stiffness, components);  // several times faster than Eigen's
-  const Eigen::Index limit = 10 * scale.size() + 100;
-  Eigen::VectorXd v = start_vector(scale), previous = Eigen::VectorXd::Zero(v.size()), w(v.size()), scaled(v.size());
-  Tridiagonal t;
-  double beta = 0.0;
+  Lanczos lanczos(product, mass, components, fixed_dof);
+  if (lanczos.none_free()) return 0.0;
+  const Eigen::Index limit = 10 * lanczos.unknowns() + 100;
   for (Eigen::Index k = 1, check = 1; k <= limit; ++k) {
-    scaled = scale.cwiseProduct(v);
-    product.multiply(scaled, w);
-    w = scale.cwiseProduct(w) - beta * previous;
-    const double alpha = v.dot(w);
-    w -= alpha * v;
-    beta = w.norm();
-    t.diagonal.push_back(alpha);
-    t.beside.push_back(beta);
-    if (!std::isfinite(beta)) throw SolverError("the largest frequency is not finite: stiffness or mass is not");
-    const bool invariant = beta <= std::numeric_limits<double>::epsilon() * std::abs(alpha);
-    if (k == check || invariant) {
-      const auto [below, above] = bracket_largest_eigenvalue(t);
-      const bool cheap = static_cast<double>(k) * static_cast<double>(v.size()) < cheap_rows;
-      const double enough = cheap ? tolerance : std::max(tolerance, rough);
-      if (invariant || beta * last_component(t, above) <= enough * below) return std::max(below, 0.0);
-      check = k + std::max<Eigen::Index>(5, k / 10);
-    }
-    previous.swap(v);
-    v = w / beta;
+    const bool invariant = !lanczos.step();
+    if (k != check && !invariant) continue;
+    const auto [below, above] = lanczos.largest();
+    const bool cheap = static_cast<double>(k) * static_cast<double>(lanczos.unknowns()) < cheap_rows;
+    const double enough = cheap ? tolerance : std::max(tolerance, rough);
+    if (invariant || lanczos.uncertainty(above) <= enough * below) return std::max(below, 0.0);
+    check = k + std::max<Eigen::Index>(5, k / 10);
   }
   throw SolverError(fmt::format("Lanczos found no largest frequency to {} in {} steps", tolerance, limit));
+}
+
+double frequency_squared_at_least(const StiffnessProduct& stiffness, const Eigen::VectorXd& mass, int components,
+                                  const std::vector<bool>& fixed_dof, int products) {
+  Lanczos lanczos(stiffness, mass, components, fixed_dof);
+  if (lanczos.none_free()) return 0.0;
+  for (int k = 1; k <= products && lanczos.step(); ++k) continue;
+  return std::max(lanczos.largest().below, 0.0);
 }
 
 }  // namespace ricochet::fem

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -188,10 +189,12 @@ struct ServeOptions {
 int serve(Participant& participant, const ServeOptions& options);
 
 /// Command line that every participant is started with: --scene PATH --name NAME --connect ENDPOINT --key FILE
-/// [--watch-stdin].
+/// [--watch-stdin]. Shipped solvers are started with --critical-step SECONDS, too.
 struct Arguments {
   std::string scene;  ///< empty if not given: a participant need not read it
   std::string name;   ///< of the participant in the scene
+  /// Critical time step of its elements as the coupler has found it [s]; 0: it needs none. Empty: it was not told.
+  std::optional<double> critical_time_step_s{};
   ServeOptions options;
 };
 

@@ -120,9 +120,9 @@ void Session::synchronise(const wire::Synchronise& request, wire::Synchronised& 
   if (accepted_window_ > 0) return;
   rows_.clear();  // the coupler may synchronise the start more than once
   stress_rows_.clear();
-  record();
-  if (wants_axial_stress(0)) record_axial_stress();
-  if (setup_.fields_every > 0) write_fields();
+  record_due_ = true;
+  stress_due_ = wants_axial_stress(0);
+  fields_due_ = setup_.fields_every > 0;
 }
 
 void Session::check_advance(const wire::Header& header, const wire::Advance& request) const {

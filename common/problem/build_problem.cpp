@@ -39,25 +39,27 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
 
 /// The scene's step, or safety_factor times the critical step of what is explicit. `all_implicit` takes the step that
 /// `all_explicit` would take, so that the two can be compared.
-double window_size(const Problem& problem) {
+void set_window_size(Problem& problem) {
   constexpr double largest_rough_share = 0.998;  // of a critical step that is known to 5e-4
   const Scene& scene = problem.scene;
-  if (scene.time.step_s) return *scene.time.step_s;
-  const ProtocolTraits& protocol = scene.coupling.protocol;
-  const bool hybrid = protocol.layout == Layout::hybrid;
+  if (scene.time.step_s) {
+    problem.window_size_s = *scene.time.step_s;
+    return;
+  }
+  const bool dual = scene.coupling.protocol.dual;
   double critical = std::numeric_limits<double>::infinity();
   for (const BodyProblem& body : problem.bodies) {
-    std::vector<bool> is_explicit(body.mesh.elements.size(), true);
-    for (std::size_t e = 0; hybrid && e < is_explicit.size(); ++e) is_explicit[e] = !body.implicit_element[e];
-    const double enough_s = critical_time_step(body, is_explicit, protocol.dual, 0.0);
+    const std::vector<bool> is_explicit = explicit_elements(problem, body);
+    const double enough_s = critical_time_step(body, is_explicit, dual, 0.0);
     const bool close = scene.time.safety_factor > largest_rough_share;
-    critical = std::min(critical, close ? critical_time_step(body, is_explicit, protocol.dual, enough_s) : enough_s);
+    problem.critical_time_steps_s.push_back(close ? critical_time_step(body, is_explicit, dual, enough_s) : enough_s);
+    critical = std::min(critical, problem.critical_time_steps_s.back());
   }
   const double window = scene.coupling.substeps * scene.time.safety_factor * critical;
   if (window > scene.time.end_s)
     throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
                                   scene.where("time.end_s"), scene.time.end_s, window));
-  return window;
+  problem.window_size_s = window;
 }
 
 /// A step that is too long for every element would leave none explicit.
@@ -86,7 +88,7 @@ Problem build_bodies(const Scene& scene) {
 
 Problem build_problem(const Scene& scene) {
   Problem problem = build_bodies(scene);
-  problem.window_size_s = window_size(problem);
+  set_window_size(problem);
   return problem;
 }
 

@@ -12,6 +12,7 @@ namespace ricochet::scene {
 namespace {
 
 constexpr double frequency_tolerance = 1e-9, rough_tolerance = 1e-3;
+constexpr int products_of_a_bound = 10;
 
 double step_of(double frequency_squared) {
   return frequency_squared > 0.0 ? 2.0 / std::sqrt(frequency_squared) : std::numeric_limits<double>::infinity();
@@ -23,6 +24,28 @@ fem::Part part_of(const BodyProblem& body, const std::vector<bool>& of_element) 
     if (of_element[e]) elements.push_back(static_cast<int>(e));
   return fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
 }
+
+/// Mass and supports of a part's nodes.
+struct Inertia {
+  Eigen::VectorXd mass;
+  std::vector<bool> fixed_dof;
+};
+
+Inertia inertia_of(const BodyProblem& body, const fem::Part& part, bool own_mass) {
+  const int components = fem::components(body.section.model);
+  const bool all_own = own_mass || part.body_element.size() == body.mesh.elements.size();
+  const Eigen::VectorXd whole_mass = all_own ? Eigen::VectorXd() : body_lumped_mass(body);
+  Inertia inertia{part.lumped_mass, {}};
+  for (int i = 0; i < part.nodes(); ++i) {
+    const int node = part.body_node[at(i)];
+    if (!all_own) inertia.mass[i] = whole_mass[node];
+    for (int c = 0; c < components; ++c) inertia.fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
+  }
+  return inertia;
+}
+
+/// Known to `rough_tolerance`, it says on which side of the critical step this one is.
+bool is_apart(double critical_s, double step_s) { return std::abs(critical_s / step_s - 1.0) > 2.0 * rough_tolerance; }
 
 /// Stiffness, mass and supports of all bodies side by side, and the first node of each.
 struct Whole {
@@ -85,20 +108,40 @@ double critical_time_step(const BodyProblem& body, const std::vector<bool>& of_e
 
 double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass, double step_s) {
   if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
-  const int components = fem::components(body.section.model);
-  const Eigen::VectorXd whole_mass = body_lumped_mass(body);
-  Eigen::VectorXd mass(part.nodes());
-  std::vector<bool> fixed_dof;
-  for (int i = 0; i < part.nodes(); ++i) {
-    const int node = part.body_node[at(i)];
-    mass[i] = own_mass ? part.lumped_mass[i] : whole_mass[node];
-    for (int c = 0; c < components; ++c) fixed_dof.push_back(body.fixed_dof[at(node * components + c)]);
-  }
+  const Inertia inertia = inertia_of(body, part, own_mass);
   const auto critical_to = [&](double rough) {
-    return step_of(fem::max_frequency_squared(part.stiffness, mass, components, fixed_dof, frequency_tolerance, rough));
+    return step_of(fem::max_frequency_squared(part.stiffness, inertia.mass, fem::components(body.section.model),
+                                              inertia.fixed_dof, frequency_tolerance, rough));
   };
   const double critical_s = critical_to(rough_tolerance);
-  return std::abs(critical_s / step_s - 1.0) > 2.0 * rough_tolerance ? critical_s : critical_to(frequency_tolerance);
+  return is_apart(critical_s, step_s) ? critical_s : critical_to(frequency_tolerance);
+}
+
+bool is_stable_step(const BodyProblem& body, const std::vector<bool>& of_element, double step_s) {
+  const fem::Part part = part_of(body, of_element);
+  const Inertia inertia = inertia_of(body, part, false);
+  const auto critical_to = [&](double tolerance) {
+    return step_of(fem::max_frequency_squared(part.stiffness, inertia.mass, fem::components(body.section.model),
+                                              inertia.fixed_dof, tolerance));
+  };
+  const double critical_s = critical_to(rough_tolerance);
+  return step_s <= (is_apart(critical_s, step_s) ? critical_s : critical_to(frequency_tolerance));
+}
+
+double largest_critical_time_step(const BodyProblem& body, const fem::Part& part,
+                                  const fem::StiffnessProduct& stiffness, bool own_mass) {
+  if (part.body_element.empty()) return std::numeric_limits<double>::infinity();
+  const Inertia inertia = inertia_of(body, part, own_mass);
+  return step_of(fem::frequency_squared_at_least(stiffness, inertia.mass, fem::components(body.section.model),
+                                                 inertia.fixed_dof, products_of_a_bound));
+}
+
+std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& body) {
+  if (problem.scene.coupling.protocol.layout == Layout::all_implicit)
+    return std::vector<bool>(body.mesh.elements.size(), true);
+  std::vector<bool> is_explicit = body.implicit_element;
+  is_explicit.flip();
+  return is_explicit;
 }
 
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
@@ -116,6 +159,10 @@ double critical_time_step(const Problem& problem, const ParticipantSpec& partici
   for (const AssembledPart& assembled : parts) {
     const BodyProblem& body = problem.bodies[at(assembled.body)];
     const std::vector<bool> limiting = limiting_elements(problem, body, participant);
+    if (!problem.critical_time_steps_s.empty() && limiting == explicit_elements(problem, body)) {
+      smallest = std::min(smallest, problem.critical_time_steps_s[at(assembled.body)]);
+      continue;
+    }
     const bool same = std::count(limiting.begin(), limiting.end(), true) == std::ssize(assembled.part->body_element);
     smallest = std::min(smallest, same ? critical_time_step(body, *assembled.part, dual, step_s)
                                        : critical_time_step(body, limiting, dual, step_s));

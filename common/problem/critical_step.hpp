@@ -18,6 +18,18 @@ namespace ricochet::scene {
 /// The same for elements that are assembled already.
 [[nodiscard]] double critical_time_step(const BodyProblem& body, const fem::Part& part, bool own_mass, double step_s);
 
+/// Whether a step is at most the critical one of some elements with the masses of the whole body; of bodies of any
+/// size found no more exactly than the answer takes.
+[[nodiscard]] bool is_stable_step(const BodyProblem& body, const std::vector<bool>& of_element, double step_s);
+
+/// What the critical step of a part cannot exceed, and as a rule comes within a few per cent of, by a few products with
+/// its K, `stiffness` [s]: for who is told the critical step. Infinity without elements.
+[[nodiscard]] double largest_critical_time_step(const BodyProblem& body, const fem::Part& part,
+                                                const fem::StiffnessProduct& stiffness, bool own_mass);
+
+/// The elements that follow the explicit step; in `all_implicit`, which takes the step of `all_explicit`, all.
+[[nodiscard]] std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& body);
+
 /// The elements whose critical step a participant keeps: with summed masses all of its role in the body, in a dual
 /// protocol its own.
 [[nodiscard]] std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
@@ -28,7 +40,8 @@ struct AssembledPart {
   int body = -1;  ///< index into Problem::bodies
   const fem::Part* part = nullptr;
 };
-/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks for.
+/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks for. What
+/// the problem was built with is not found once more.
 [[nodiscard]] double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
                                         const std::vector<AssembledPart>& parts, double step_s);
 

@@ -75,6 +75,9 @@ struct Problem {
   std::vector<Joint> joints;              ///< in the order of the scene's foreign bodies
   std::vector<ContactGeometry> contacts;  ///< in the scene's order, none without pairs
   double window_size_s = 0.0;             ///< Delta t, from step_s or the safety factor
+  /// Per body, if Delta t is from the safety factor: the critical step of its explicit elements (explicit_elements)
+  /// that was found for it [s]; else empty.
+  std::vector<double> critical_time_steps_s;
 };
 
 /// The direction that momentum is balanced along, and tangent_of it: the normal of the first contact; without one, the

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
+#include "common/base/error.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/solver/contact_record.hpp"
@@ -13,18 +15,39 @@ namespace {
 
 /// Of the participant's elements, 0 without any. (The switch to all-explicit makes the implicit participant integrate
 /// its elements that way, too.)
-double critical_time_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
-                          const std::vector<BodyState>& states) {
+double found_critical_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                           const std::vector<BodyState>& states) {
   std::vector<scene::AssembledPart> parts;
   for (const auto& state : states) parts.push_back({state.body, &state.part});
   const double step_s = scene::critical_time_step(problem, participant, parts, 0.0);
   return std::isfinite(step_s) ? step_s : 0.0;
 }
 
+/// To find it takes some hundred products with K and has been done by who tells it. A few products show that it is not
+/// that of another mesh or material, and too long: one that is too short does no harm.
+double checked_critical_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
+                             const std::vector<BodyState>& states, double told_s) {
+  constexpr double found_roughly = 1e-3;  // in large bodies, and then from above
+  if (participant.role == scene::Role::implicit_solver) return told_s;
+  const double longest_s = told_s > 0.0 ? told_s : std::numeric_limits<double>::infinity();
+  for (const auto& state : states) {
+    const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
+    const double largest_s =
+        scene::largest_critical_time_step(body, state.part, state.stiffness, problem.scene.coupling.protocol.dual);
+    if (!std::isfinite(largest_s) || longest_s <= (1.0 + found_roughly) * largest_s) continue;
+    throw ConfigError(fmt::format(
+        "participant '{}' was told the critical time step {:.6g} s (--critical-step), its elements of body '{}' have "
+        "at most {:.6g} s; start it by the coupler that runs this scene, or without --critical-step",
+        participant.name, told_s, state.name, largest_s));
+  }
+  return told_s;
+}
+
 }  // namespace
 
 participant::Description describe(const scene::Problem& problem, const scene::ParticipantSpec& participant,
-                                  const std::vector<BodyState>& states, bool contact_owner) {
+                                  const std::vector<BodyState>& states, bool contact_owner,
+                                  std::optional<double> told_critical_step_s) {
   participant::Description d;
   d.name = participant.name;
   d.role = participant.role;
@@ -32,7 +55,9 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();
   d.contact_owner = contact_owner;
-  d.critical_time_step_s = critical_time_step(problem, participant, states);
+  d.critical_time_step_s = told_critical_step_s
+                               ? checked_critical_step(problem, participant, states, *told_critical_step_s)
+                               : found_critical_step(problem, participant, states);
   for (std::size_t b = 0; b < states.size(); ++b) {
     const auto& state = states[b];
     d.bodies.push_back(state.name);

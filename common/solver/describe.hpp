@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 
@@ -7,9 +9,12 @@ namespace ricochet::solver {
 
 /// What every solver of ours says of itself: interface nodes body by body with positions and own lumped masses, scene
 /// hash, and the history columns: `<quantity>/<body>` for each body, and the contact columns if it owns the contact.
+/// The critical step of its elements is the one that it was told [s], 0 if it needs none; one that they cannot have is
+/// refused by ConfigError. Who was not told finds it.
 [[nodiscard]] participant::Description describe(const scene::Problem& problem,
                                                 const scene::ParticipantSpec& participant,
-                                                const std::vector<BodyState>& states, bool contact_owner);
+                                                const std::vector<BodyState>& states, bool contact_owner,
+                                                std::optional<double> told_critical_step_s = {});
 
 /// Distributes the summed interface masses of a Setup over the states' shared nodes (Eq. 28).
 void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states);

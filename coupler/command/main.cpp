@@ -13,8 +13,8 @@
 int main(int argc, char** argv) {
   using namespace ricochet;
   prepare_process();
-  coupler::let_inside([](const scene::Problem& problem, const std::string& name) {
-    return std::make_unique<implicit_solver::ImplicitSolver>(problem, name);
+  coupler::let_inside([](const scene::Problem& problem, const std::string& name, double critical_step_s) {
+    return std::make_unique<implicit_solver::ImplicitSolver>(problem, name, critical_step_s);
   });
   try {
     return coupler::run_command_line(argc, argv);

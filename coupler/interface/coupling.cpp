@@ -18,8 +18,9 @@ Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& 
 }
 
 void Coupling::initialize(const wire::Initialize& request) {
-  initialize_explicit(request, Masses::summed);
-  initialize_implicit(request, Masses::summed);
+  for (auto& link : links_) link.post_initialize(request, masses_of(link, Masses::summed));
+  for (auto& link : links_) link.wait_initialized();
+  if (implicit_) implicit_->rows().scatter(implicit_->output(), displacement_);
   synchronise(Integration::implicit_newmark);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "common/base/error.hpp"
@@ -153,16 +154,23 @@ std::vector<PeerDescription> joined(const scene::Problem& problem, std::vector<P
   return descriptions;
 }
 
-ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,
-                            const ResultsDirectory& results, const std::string& run_id) {
+ProcessSet make_process_set(const scene::Problem& problem, const std::vector<scene::ParticipantPlan>& plans,
+                            const std::vector<std::string>& executables, const ResultsDirectory& results,
+                            const std::string& run_id) {
   const auto& scene = problem.scene;
   std::vector<Member> members;
   for (std::size_t p = 0; p < executables.size(); ++p) {
     const auto& participant = scene.participants[p];
     members.push_back(member_of(scene, participant, executables[p], results));
+    if (participant.foreign() || participant.start == scene::Start::by_hand) continue;
+    // None of an implicit one: whether it can integrate its elements explicitly the plan knows, too.
+    const double critical_s = std::isfinite(plans[p].critical_time_step_s) ? plans[p].critical_time_step_s : 0.0;
+    members.back().arguments.insert(members.back().arguments.end(), {"--critical-step", fmt::format("{}", critical_s)});
     if (!pays_inside(scene, participant)) continue;
     members.back().log_path.clear();
-    members.back().inside = [&problem, name = participant.name] { return make_inside()(problem, name); };
+    members.back().inside = [&problem, name = participant.name, critical_s] {
+      return make_inside()(problem, name, critical_s);
+    };
   }
   const RunIdentity run{run_id,
                         scene.sha256,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/check/check.hpp"
 #include "common/problem/problem.hpp"
 #include "coupler/processes/process_set.hpp"
 #include "coupler/protocols/settings.hpp"
@@ -31,9 +32,12 @@ namespace ricochet::coupler {
 [[nodiscard]] std::vector<std::string> participant_names(const scene::Scene& scene);
 
 /// The processes of a scene, in its order; none is started yet. `executables`: what `find_executables` found. Logs and
-/// keys lie in the results folder.
-[[nodiscard]] ProcessSet make_process_set(const scene::Problem& problem, const std::vector<std::string>& executables,
-                                          const ResultsDirectory& results, const std::string& run_id);
+/// keys lie in the results folder. Shipped solvers that are started here are told the critical step of their elements
+/// that `plans` has.
+[[nodiscard]] ProcessSet make_process_set(const scene::Problem& problem,
+                                          const std::vector<scene::ParticipantPlan>& plans,
+                                          const std::vector<std::string>& executables, const ResultsDirectory& results,
+                                          const std::string& run_id);
 
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
 void require_capability(const PeerDescription& description, Capability needed, const std::string& activity);

@@ -55,7 +55,7 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       tally_(impact_theory(problem), scene_.components() == 3, each_contact(problem)),
       history_file_(results.file("history.csv"), history_shape(problem), from ? from->history_bytes : 0),
       progress_(plan.windows, !problem.contacts.empty()),
-      set_(make_process_set(problem, executables, results, summary_.run_id)),
+      set_(make_process_set(problem, plan.participants, executables, results, summary_.run_id)),
       outside_(problem) {
   reserve_summary();
 }

@@ -50,10 +50,11 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
 }  // namespace
 
 std::vector<ContactStability> measure_stability(const scene::Problem& problem,
+                                                const std::vector<scene::ParticipantPlan>& plans,
                                                 const std::vector<FrozenContact>& frozen_contacts,
                                                 const ResultsDirectory& results) {
   const auto executables = find_executables(problem.scene);
-  auto set = make_process_set(problem, executables, results, make_run_id());
+  auto set = make_process_set(problem, plans, executables, results, make_run_id());
   try {
     return measure(problem, frozen_contacts, set);
   } catch (const std::exception& error) {

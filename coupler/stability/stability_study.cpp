@@ -41,8 +41,8 @@ struct Edge {
 std::string step_text(double step_s) { return std::isfinite(step_s) ? fmt::format("{:.6g}", step_s) : "none"; }
 
 /// The predicted edge of the window: as many steps as it has, each as long as what is explicit stands [s].
-double critical_window_s(const scene::Problem& problem) {
-  return problem.scene.coupling.substeps * scene::critical_time_step(scene::plan_participants(problem));
+double critical_window_s(const scene::Problem& problem, const std::vector<scene::ParticipantPlan>& plans) {
+  return problem.scene.coupling.substeps * scene::critical_time_step(plans);
 }
 
 /// One sweep: which variants of the scene there are, and what came of them.
@@ -103,8 +103,9 @@ scene::Problem StabilityStudy::variant(std::size_t column, std::optional<double>
 
 void StabilityStudy::measure(std::size_t column, const scene::Problem& problem,
                              const std::vector<FrozenContact>& contacts) {
-  const double edge_s = critical_window_s(problem);
-  for (const auto& measured : measure_stability(problem, contacts, results_)) {
+  const auto plans = scene::plan_participants(problem);
+  const double edge_s = critical_window_s(problem, plans);
+  for (const auto& measured : measure_stability(problem, plans, contacts, results_)) {
     points_.push_back({column, problem.window_size_s, edge_s, measured.frozen_contact, measured.radius});
     print(points_.back());
   }
@@ -119,7 +120,8 @@ void StabilityStudy::run_column(std::size_t column) {
                     problem_.joints.front().foreign));
   }
   if (by_courant()) {
-    unit_s = critical_window_s(variant(column, {}));
+    const auto problem = variant(column, {});
+    unit_s = critical_window_s(problem, scene::plan_participants(problem));
     if (!std::isfinite(unit_s)) {
       throw ConfigError(
           fmt::format("--sweep: found courant, but nothing is explicit with {} = {}; allowed: "
@@ -150,11 +152,12 @@ void StabilityStudy::bisect(std::size_t column, FrozenContact contact) {
 
 void StabilityStudy::print_participants() const {
   fmt::print("{:<16} {:<9} {:>18} {:>18}\n", "participant", "role", "by Lanczos [s]", "element bound [s]");
-  for (const auto& p : scene::plan_participants(problem_)) {
+  const auto plans = scene::plan_participants(problem_);
+  for (const auto& p : plans) {
     fmt::print("{:<16} {:<9} {:>18} {:>18}\n", p.name, name_of(p.role), step_text(p.critical_time_step_s),
                step_text(scene::element_bound_time_step(problem_, problem_.scene.participant(p.name))));
   }
-  const double critical_s = scene::critical_time_step(scene::plan_participants(problem_));
+  const double critical_s = scene::critical_time_step(plans);
   fmt::print("critical time step of the scene{} {} s\n\n", problem_.joints.empty() ? "" : " without its foreign bodies",
              step_text(critical_s));
   fmt::print("{:<{}} {:>12} {:>9} {:<9} {:>12} {:>11} {:<9} {}\n", against_.key, label_width(), "step [s]", "Courant",

@@ -38,7 +38,8 @@ int take_part(int argc, char** argv, MpiCommunicator& communicator) {
   const int code = participant::participant_main(argc, argv, [&](participant::Arguments& arguments) {
     auto problem = problem_of(arguments, communicator.count());
     arguments.options.timeout_s = problem.scene.coupling.timeout_s;  // until the coupler states its own
-    return std::make_unique<explicit_solver::ExplicitSolver>(std::move(problem), arguments.name, &ranks);
+    return std::make_unique<explicit_solver::ExplicitSolver>(std::move(problem), arguments.name,
+                                                             arguments.critical_time_step_s, &ranks);
   });
   if (ranks.going_on()) communicator.abort(code);
   std::string nothing;

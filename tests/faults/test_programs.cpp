@@ -1,5 +1,6 @@
 // Programs that are not there, cannot be executed, end at once or never come: exit code 4, the participant and the
 // reason named.
+#include "common/check/check.hpp"
 #include "tests/faults/fault_run.hpp"
 
 namespace ricochet::test {
@@ -74,6 +75,33 @@ TEST(WrapperScripts, leave_no_orphan_when_the_coupler_is_killed) {
   ASSERT_NO_FATAL_FAILURE(run.reach(1000));
   kill(run.coupler().pid(), SIGKILL);
   EXPECT_EQ(run.coupler().wait(5.0), 128 + SIGKILL);
+  expect_recovery(run, folder);
+}
+
+/// A scene whose explicit participant is started by a script of these lines, which prints what it is called with.
+std::string by_script(const TemporaryFolder& folder, const std::string& lines) {
+  const std::string script = folder.write("#!/bin/sh\necho \"$@\"\n" + lines + "\n", "start.sh");
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  return with_participants(bars(few_windows), "explicit", "launch = [\"" + script + "\"]");
+}
+
+// Their wave takes 2.5 us through an element of the bars.
+TEST(ToldCriticalStep, IsTheOneThatTheCouplerHasFound) {
+  const TemporaryFolder folder;
+  FaultRun run(folder, by_script(folder, "exec \"$@\""));
+  ASSERT_EQ(run.coupler().wait(20.0), 0) << run.error_text();
+  const auto log = file_text(run.out() + "/logs/explicit.log");
+  const std::string option = "--critical-step ";
+  ASSERT_THAT(log, HasSubstr(option));
+  const auto plans = scene::plan_participants(scene::build_problem(scene::load_scene(run.scene())));
+  EXPECT_EQ(std::stod(log.substr(log.find(option) + option.size())), plans.front().critical_time_step_s);
+}
+
+TEST(ToldCriticalStep, ThatTheElementsDoNotHaveEndsTheRun) {
+  const TemporaryFolder folder;
+  FaultRun run(folder, by_script(folder, "exec \"$@\" --critical-step 1e-5"));
+  ASSERT_EQ(run.coupler().wait(20.0), 4) << run.error_text();
+  EXPECT_THAT(run.error_text(), HasSubstr("participant 'explicit' was told the critical time step 1e-05 s"));
   expect_recovery(run, folder);
 }
 

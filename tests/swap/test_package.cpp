@@ -111,7 +111,7 @@ void command_line_errors_name_what_is_wrong(const Package& package) {
   };
   EXPECT_THAT(says({"--conect", "x"}),
               testing::HasSubstr("unexpected argument \"--conect\", allowed are --scene, --name, "
-                                 "--connect, --key, --watch-stdin; did you mean \"--connect\"?"));
+                                 "--connect, --key, --critical-step, --watch-stdin; did you mean \"--connect\"?"));
   EXPECT_THAT(says({"--name"}), testing::HasSubstr("--name needs a value"));
   EXPECT_THAT(says({"--name", "a"}), testing::HasSubstr("--connect is missing"));
   EXPECT_THAT(says({"--name", "a", "--connect", "nowhere"}), testing::HasSubstr("cannot connect to 'nowhere'"));

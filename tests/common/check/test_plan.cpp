@@ -41,6 +41,18 @@ double penalty_limit(double alpha_over_k, double sides) {
   return bar_element / bar_speed * std::sqrt(2.0 / (1.0 + std::sqrt(1.0 + std::pow(sides * alpha_over_k, 2))));
 }
 
+TEST(Plan, FindsNoCriticalStepThatTheStepWasFoundFrom) {
+  const std::string text = replaced(bars, "step_s = 2.226e-6", "safety_factor = 0.8");
+  auto problem = build_problem(load_text(text));
+  ASSERT_EQ(problem.critical_time_steps_s.size(), 2U);
+  const double critical_s = critical_time_step(plan_participants(problem));
+  EXPECT_EQ(problem.window_size_s, 0.8 * critical_s);
+  problem.critical_time_steps_s[1] = 0.5 * critical_s;
+  EXPECT_EQ(critical_time_step(plan_participants(problem)), 0.5 * critical_s) << "it was found anew";
+  problem.critical_time_steps_s.clear();
+  EXPECT_EQ(critical_time_step(plan_participants(problem)), critical_s) << "found anew it is another";
+}
+
 TEST(Plan, CountsWhatEachParticipantOwns) {
   const Plan result = plan_of(cylinders);
   ASSERT_EQ(result.participants.size(), 2U);

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
+#include "common/fem/stiffness_product.hpp"
 #include "tests/common/fem/sample_elements.hpp"
 #include "tests/common/fem/test_help.hpp"
 
@@ -40,6 +41,27 @@ TEST(MaxFrequency, AgreesWithADenseSolverFromBelow) {
         EXPECT_GE(found, exact * (1.0 - tolerance)) << sample::name(model);
       }
     }
+  }
+}
+
+/// A few products give a lower bound, which is most of it; enough of them give it all.
+TEST(FrequencyAtLeast, IsALowerBoundThatIsCloseAfterTenProducts) {
+  for (const Model model : sample::every_model) {
+    const Part part = sample::distorted_part(model);
+    const int dofs_per_node = components(part.mesh.model);
+    const StiffnessProduct product(part.stiffness, dofs_per_node);
+    std::vector<bool> fixed(static_cast<std::size_t>(part.dofs()), false);
+    fixed[0] = true;
+    const double exact = dense_max_frequency_squared(part, fixed);
+    const auto after = [&](int products) {
+      return frequency_squared_at_least(product, part.lumped_mass, dofs_per_node, fixed, products);
+    };
+    EXPECT_LE(after(1), exact * (1.0 + 1e-12)) << sample::name(model);
+    EXPECT_LE(after(10), exact * (1.0 + 1e-12)) << sample::name(model);
+    EXPECT_GE(after(10), 0.9 * exact) << sample::name(model);
+    EXPECT_NEAR(after(part.dofs()), exact, 1e-6 * exact) << sample::name(model);
+    const std::vector<bool> none(fixed.size(), true);
+    EXPECT_EQ(frequency_squared_at_least(product, part.lumped_mass, dofs_per_node, none, 10), 0.0);
   }
 }
 

@@ -227,7 +227,8 @@ TEST(Session, RefusesADescriptionThatContradictsItself) {
 TEST(Session, RefusesHistoryRowsOfTheWrongLength) {
   Liar liar([](Description&) {});
   InProcess run(liar, 1);
-  EXPECT_EQ(error_of<ParticipantError>([&] { run.coupler.start(); }),
+  run.coupler.start();
+  EXPECT_EQ(error_of<ParticipantError>([&] { run.session.work_ahead(); }),
             "participant 'spring' recorded 1 numbers, it announced 2 columns");
 }
 

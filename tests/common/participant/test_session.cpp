@@ -165,6 +165,23 @@ TEST(Session, WritesFieldsAtTheStartEverySoManyWindowsAndAtTheEnd) {
   EXPECT_THAT(fields_of_run(0, 10, 10), ElementsAre());
 }
 
+/// The others wait for the answer; and what was recorded of a start that is made once more does not count.
+TEST(Session, RecordsTheStartAfterItsAnswerAndOnce) {
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.fields_every = 4;
+  run.coupler.start();
+  EXPECT_THAT(spring.fields, ElementsAre()) << "before the answer";
+  run.session.work_ahead();
+  EXPECT_THAT(spring.fields, ElementsAre(0));
+  run.coupler.ask(run.coupler.synchronise(0.002));
+  run.session.work_ahead();
+  EXPECT_THAT(spring.fields, ElementsAre(0, 0)) << "the files are written anew";
+  auto window = run.coupler.advance(0.0);
+  window.as<wire::Advance>().records_requested = true;
+  EXPECT_EQ(run.coupler.ask(window).as<wire::Advanced>().records.rows, 2);
+}
+
 TEST(Session, TellsTimesAndSpans) {
   SpringMass spring(0);
   InProcess run(spring, 0);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/fem/stiffness_product.hpp"
 #include "common/problem/critical_step.hpp"
 #include "tests/common/scene/scene_text.hpp"
 
@@ -42,6 +43,37 @@ TEST(CriticalStep, OfASmallBodyIsExact) {
   const std::vector<bool> all(body.mesh.elements.size(), true);
   const double exact_s = 1.0 / 200 / std::sqrt(2e11 / 8000.0);
   EXPECT_NEAR(critical_time_step(body, all, false, 0.5 * exact_s), exact_s, 1e-9 * exact_s);
+}
+
+TEST(CriticalStep, TellsAStableStepFromOneThatIsNotHoweverCloseTheyAre) {
+  for (const int elements : {200, 10000}) {
+    const BodyProblem body = bar_of(elements);
+    const std::vector<bool> all(body.mesh.elements.size(), true);
+    const double exact_s = 1.0 / elements / std::sqrt(2e11 / 8000.0);
+    for (const double ratio : {0.5, 0.9, 0.9985, 0.9999}) EXPECT_TRUE(is_stable_step(body, all, ratio * exact_s));
+    for (const double ratio : {1.0001, 1.0015, 1.1}) EXPECT_FALSE(is_stable_step(body, all, ratio * exact_s)) << ratio;
+  }
+}
+
+/// With the mass of the whole body and with that of its own half, whose last node then has half of it.
+TEST(CriticalStep, HasABoundAboveByAFewProducts) {
+  const BodyProblem body = bar_of(1000);
+  std::vector<bool> half(body.mesh.elements.size(), false);
+  std::vector<int> elements;
+  for (int e = 0; e < 500; ++e) {
+    half[static_cast<std::size_t>(e)] = true;
+    elements.push_back(e);
+  }
+  const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
+  const fem::StiffnessProduct product(part.stiffness, 1);
+  for (const bool own_mass : {false, true}) {
+    const double critical_s = critical_time_step(body, part, own_mass, 1.0);
+    EXPECT_GE(largest_critical_time_step(body, part, product, own_mass), critical_s * (1.0 - 1e-9));
+    EXPECT_LE(largest_critical_time_step(body, part, product, own_mass), 1.1 * critical_s);
+  }
+  const fem::Part nothing = fem::extract_part(body.mesh, body.name, body.section, body.material, {}, {0});
+  EXPECT_TRUE(
+      std::isinf(largest_critical_time_step(body, nothing, fem::StiffnessProduct(nothing.stiffness, 1), false)));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "common/base/error.hpp"
 #include "common/solver/contact_record.hpp"
 #include "common/solver/describe.hpp"
 #include "tests/support/rods.hpp"
@@ -76,6 +77,47 @@ TEST(Describe, OfSeveralContactsHasColumnsOfEachByName) {
 TEST(Describe, TellsTheCriticalStepOfItsElements) {
   const test::SceneStates scene(test::rod(1));
   EXPECT_NEAR(described(scene, false).critical_time_step_s, 2.0 / 4.0, 1e-6);
+}
+
+double declared(const test::SceneStates& scene, double told_s) {
+  return describe(scene.problem, scene.participant, scene.states, false, told_s).critical_time_step_s;
+}
+
+TEST(Describe, DeclaresTheCriticalStepThatItWasTold) {
+  const test::SceneStates scene(test::rod(1));
+  EXPECT_EQ(declared(scene, 0.5), 0.5);
+  EXPECT_EQ(declared(scene, 0.3), 0.3) << "it was not found anew";
+}
+
+// Two masses of 1 kg on a spring of 8 N/m stand no more than 0.5 s.
+TEST(Describe, RefusesACriticalStepThatItsElementsDoNotHave) {
+  const test::SceneStates scene(test::rod(1));
+  for (const double told_s : {0.51, 1e3, 0.0}) {
+    try {
+      ADD_FAILURE() << declared(scene, told_s);
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("participant 'explicit' was told the critical time step"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("its elements of body 'rod' have at most 0.5 s"));
+    }
+  }
+}
+
+/// Several participants of one body keep one critical step, that of all elements that are explicit.
+TEST(Describe, TakesTheCriticalStepOfElementsOfWhichSomeAreAnotherParticipants) {
+  const std::string rods = test::two_rods("hughes_liu") +
+                           "[[participant]]\nname = \"left\"\nrole = \"explicit\"\nbodies = [\"left\"]\n"
+                           "[[participant]]\nname = \"right\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
+                           "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  const test::SceneStates scene(rods, "left");
+  const double critical_s = described(scene, false).critical_time_step_s;
+  EXPECT_EQ(declared(scene, critical_s), critical_s);
+  EXPECT_THROW(static_cast<void>(declared(scene, 1.2 * critical_s)), ConfigError);
+}
+
+TEST(Describe, OfAnImplicitParticipantNeedsNoCriticalStep) {
+  const test::SceneStates scene(test::two_rods("hughes_liu"), "implicit");
+  EXPECT_GT(described(scene, false).critical_time_step_s, 0.0);
+  EXPECT_EQ(declared(scene, 0.0), 0.0);
 }
 
 TEST(InterfaceMass, IsTakenNodeByNodeInTheOrderOfTheInterface) {

@@ -24,7 +24,7 @@ protocol = "all_implicit"
 
 template <class Thrown>
 struct Failing : participant::Participant {
-  Failing(scene::Problem, const std::string&) { throw Thrown("broken"); }
+  Failing(scene::Problem, const std::string&, std::optional<double>) { throw Thrown("broken"); }
   participant::Description describe() override { return {}; }
   void initialize(const participant::Setup&, participant::LinkOutput&) override {}
   void synchronise(participant::Integration, const std::vector<double>&, participant::LinkOutput&) override {}

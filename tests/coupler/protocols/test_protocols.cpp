@@ -186,6 +186,30 @@ TEST(Exchange, ResynchronisationFindsDrift) {
   EXPECT_GT(coupling->largest_drift(), 1e-6);
 }
 
+/// What one prepares takes none of the others' time.
+TEST(Exchange, EverybodyIsInitialisedAtTheSameTime) {
+  Pair pair;
+  std::vector<std::string> order;
+  const auto noted = [&order](Peer peer) {
+    const auto post = peer.post;
+    const auto wait = peer.wait;
+    peer.post = [&order, post, name = peer.name](wire::Message& message) {
+      if (message.kind == wire::Kind::initialize) order.push_back("asked " + name);
+      post(message);
+    };
+    peer.wait = [&order, wait, name = peer.name]() -> const wire::Message& {
+      const auto& answer = wait();
+      if (answer.kind == wire::Kind::initialized) order.push_back("heard " + name);
+      return answer;
+    };
+    return peer;
+  };
+  Coupling coupling({noted(pair.explicit_side.peer()), noted(pair.implicit_side.peer())},
+                    {pair.explicit_side.description(), pair.implicit_side.description()}, 0.1);
+  coupling.initialize({});
+  EXPECT_THAT(order, testing::ElementsAre("asked explicit", "asked implicit", "heard explicit", "heard implicit"));
+}
+
 /// Implicit middle, explicit on either side: as one or as two explicit participants.
 TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   const Chain middle = Chain::of(right_springs, right_masses, 4.0);

@@ -103,7 +103,7 @@ class Ranked : public testing::TestWithParam<std::tuple<RankedScene, int>> {
     problem_ = scene::build_problem(scene::load_scene(folder.write(c.text)));
     ranks_.emplace(problem_, "explicit", count);
     whole_.emplace(problem_, "explicit");
-    ranked_.emplace(problem_, "explicit", &ranks_->first);
+    ranked_.emplace(problem_, "explicit", std::nullopt, &ranks_->first);
     setup_.window_size_s = problem_.window_size_s;
     setup_.substeps = c.substeps;
     setup_.driven_by = c.drive;
@@ -200,7 +200,7 @@ TEST(Ranks, OfferNoStateToLoad) {
   const test::TemporaryFolder folder;
   const auto problem = scene::build_problem(scene::load_scene(folder.write(config_of("two_bars"))));
   test::RanksInThreads ranks(problem, "explicit", 2);
-  ExplicitSolver solver(problem, "explicit", &ranks.first);
+  ExplicitSolver solver(problem, "explicit", {}, &ranks.first);
   EXPECT_THAT(solver.describe().capabilities, testing::Not(testing::Contains(Capability::load_state)));
 }
 
