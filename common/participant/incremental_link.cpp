@@ -35,8 +35,8 @@ void IncrementalLink::send(const std::vector<double>& output, bool with_absolute
 }
 
 void IncrementalLink::accept() {
-  accepted_input_ = input_;
-  accepted_output_ = output_;
+  accepted_input_.swap(input_);
+  accepted_output_.swap(output_);
 }
 
 }  // namespace ricochet::participant

@@ -28,7 +28,7 @@ class IncrementalLink {
   [[nodiscard]] const std::vector<double>& input() const { return input_; }
   /// d (and y if `with_absolute`) into arrays of a message.
   void send(const std::vector<double>& output, bool with_absolute, wire::Array& increment, wire::Array& absolute);
-  /// X = x, Y = y'.
+  /// X = x, Y = y'. Until the next `receive` or `set_input`, `input` then is some older one.
   void accept();
   /// Largest max|X + d - x| / max|x| of all resynchronisations; the plain difference where x = 0.
   [[nodiscard]] double largest_drift() const { return largest_drift_; }

@@ -73,6 +73,7 @@ struct Channel::Impl {
   zmq::socket_t socket, monitor;
   std::vector<zmq::pollitem_t> items;
   zmq::message_t frame;
+  Pieces pieces;
   msgpack::sbuffer buffer;
   std::unique_ptr<SharedMemory> offered, shared;
   bool heard = false;  ///< anything so far
@@ -102,10 +103,11 @@ void Channel::offer_shared_memory(Hello& hello) {
 }
 
 void Channel::send(const Message& message) {
-  encode(message, impl_->buffer);
   if (impl_->shared) {
-    impl_->shared->sender().send({impl_->buffer.data(), impl_->buffer.size()});
+    encode(message, impl_->pieces);
+    impl_->shared->sender().send(impl_->pieces.in_order());
   } else {
+    encode(message, impl_->buffer);
     send_frame(impl_->socket, impl_->buffer.data(), impl_->buffer.size(), zmq::send_flags::none);
   }
 }

@@ -47,7 +47,7 @@ class Channel {
   /// Adds to `hello` the offer of shared memory, if this system has any; the coupler's `welcome` says whether it is
   /// used.
   void offer_shared_memory(Hello& hello);
-  /// Throws SolverError if a number of the message is not finite (`encode`).
+  /// `message`: of finite numbers only (`require_finite`).
   void send(const Message& message);
   /// Waits for one message. Throws ParticipantError "the coupler has not answered within ... s" at the deadline, and
   /// CouplerGone as soon as the connection breaks, or stdin closes if `watch_stdin`. ProtocolError from decoding.
@@ -90,7 +90,8 @@ class Listener {
   /// messages come. ProtocolError from decoding: `identity` then is the sender's.
   bool receive(std::string& identity, Message& message, Deadline deadline, const std::vector<int>& file_descriptors,
                const std::function<bool(std::size_t)>& ready);
-  /// To a peer that is gone it does nothing: its silence is noticed by who waits for its answer.
+  /// To a peer that is gone it does nothing: its silence is noticed by who waits for its answer. Throws SolverError if
+  /// a number of the message is not finite.
   void send(const std::string& identity, const Message& message);
 
  private:

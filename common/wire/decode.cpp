@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -85,6 +87,11 @@ void read(const Object& object, std::int64_t& value) {
   value = static_cast<std::int64_t>(object.via.u64);
 }
 
+template <class Value>
+void refuse_not_finite(const Value& value) {
+  if (const auto found = not_finite(value)) throw WrongValue{"is not finite: " + *found};
+}
+
 /// Encoders (msgpack-c among them) write a whole number as an integer.
 void read(const Object& object, double& value) {
   if (object.type == msgpack::type::POSITIVE_INTEGER) {
@@ -95,6 +102,7 @@ void read(const Object& object, double& value) {
     require_type(object, msgpack::type::FLOAT64, "a number");
     value = object.via.f64;
   }
+  refuse_not_finite(value);
 }
 
 void read(const Object& object, std::string& value) {
@@ -143,7 +151,16 @@ void read(const Object& object, Array& array) {
     throw WrongValue{fmt::format("has the shape {} x {} but {} bytes of data", rows, columns, bytes)};
   }
   array.resize(rows, columns);
-  if (bytes > 0) std::memcpy(array.data.data(), data->via.bin.ptr, bytes);
+  FiniteCheck check;  // in the loop that copies: large arrays come by once
+  const char* from = data->via.bin.ptr;
+  for (double& number : array.data) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, from, sizeof bits);
+    from += sizeof bits;
+    check.add(bits);
+    number = std::bit_cast<double>(bits);
+  }
+  if (!check.all_finite()) refuse_not_finite(array);
 }
 
 void read(const Object& object, Bytes& bytes) {
@@ -152,12 +169,7 @@ void read(const Object& object, Bytes& bytes) {
 }
 
 void read_field(const Object& object, const Field& field, Message& message) {
-  std::visit(
-      [&](auto* value) {
-        read(object, *value);
-        if (const auto found = not_finite(*value)) throw WrongValue{"is not finite: " + *found};
-      },
-      field.in(message));
+  std::visit([&](auto* value) { read(object, *value); }, field.in(message));
 }
 
 /// Fields of the header and of one kind as one list.

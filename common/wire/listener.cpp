@@ -94,6 +94,7 @@ struct Listener::Impl {
   std::vector<zmq::pollitem_t> items;
   std::size_t own_items = 0;  ///< those of sockets, before those of files
   zmq::message_t identity, frame;
+  Pieces pieces;
   msgpack::sbuffer buffer;
   std::vector<SharedLink> links;
   std::map<std::string, Sender> senders;
@@ -247,11 +248,13 @@ Listener::Impl::Look Listener::Impl::look(Deadline until, const std::function<bo
 }
 
 void Listener::send(const std::string& identity, const Message& message) {
-  encode(message, impl_->buffer);
+  require_finite(message);
   if (const auto* link = impl_->link_to(identity)) {
-    link->memory->sender().send({impl_->buffer.data(), impl_->buffer.size()});
+    encode(message, impl_->pieces);
+    link->memory->sender().send(impl_->pieces.in_order());
     return;
   }
+  encode(message, impl_->buffer);
   send_frame(impl_->socket, identity.data(), identity.size(), zmq::send_flags::sndmore);
   send_frame(impl_->socket, impl_->buffer.data(), impl_->buffer.size(), zmq::send_flags::none);
 }

@@ -19,6 +19,9 @@ namespace {
 constexpr std::chrono::microseconds longest_spin{300};
 constexpr int looks_between_yields = 20;
 
+/// Bytes of a large message after which each end tells the other how far it is, so that both copy at the same time.
+constexpr std::size_t at_once = 1U << 15;
+
 constexpr std::uint32_t mask = RingMemory::capacity - 1;
 static_assert((RingMemory::capacity & mask) == 0, "counters modulo 2^32 need a power of two");
 
@@ -34,27 +37,37 @@ std::string_view bytes_of(const RingHeader& header) { return {reinterpret_cast<c
 
 // ---- sender
 
-void RingSender::send(std::string_view message) {
+void RingSender::send(const std::vector<std::string_view>& pieces) {
   RingHeader header;
   header.sequence = sequence_++;
-  header.length = message.size();
-  if (!flush()) {
-    rest_.append(bytes_of(header)).append(message);
-    return;
-  }
-  const auto head = put(bytes_of(header));
-  const auto body = head == sizeof header ? put(message) : 0;
+  for (const auto piece : pieces) header.length += piece.size();
+  flush();
+  add(bytes_of(header));
+  for (const auto piece : pieces) add(piece);
   publish();
-  rest_.assign(bytes_of(header).substr(head)).append(message.substr(body));
-  rest_begin_ = 0;
 }
 
 bool RingSender::flush() {
   if (!has_rest()) return true;
-  const auto count = put(std::string_view(rest_).substr(rest_begin_));
-  if (count > 0) publish();
-  rest_begin_ += count;
+  rest_begin_ += put(std::string_view(rest_).substr(rest_begin_));
+  publish();
   return !has_rest();
+}
+
+/// Puts what there is room for; what there is none for waits behind what waits already.
+void RingSender::add(std::string_view bytes) {
+  if (has_rest()) {
+    rest_.append(bytes);
+    return;
+  }
+  while (!bytes.empty()) {
+    const auto count = put(bytes.substr(0, at_once));
+    bytes.remove_prefix(count);
+    if (count == 0) break;
+    if (written_ - published_ >= at_once) publish();
+  }
+  rest_.assign(bytes);
+  rest_begin_ = 0;
 }
 
 /// Copies as much as there is room for; how much that was.
@@ -76,6 +89,8 @@ std::size_t RingSender::put(std::string_view bytes) {
 /// Lets the receiver see what was put. In sequential order with `RingReceiver::wait`: either it sees the bytes, or this
 /// sees that it sleeps.
 void RingSender::publish() {
+  if (published_ == written_) return;
+  published_ = written_;
   memory_.processor.store(static_cast<std::uint32_t>(sched_getcpu()), std::memory_order_relaxed);
   memory_.written.store(written_, std::memory_order_seq_cst);
   if (memory_.asleep.load(std::memory_order_seq_cst) != 0) {
@@ -88,11 +103,8 @@ void RingSender::publish() {
 RingReceiver::RingReceiver(RingMemory& memory) : memory_(memory), limit_(max_message_bytes) {}
 
 bool RingReceiver::receive(std::string_view sender) {
-  const bool complete = header_bytes_ == sizeof header_ && message_.size() == header_.length;
-  if (complete) {  // it was handed over
-    message_.clear();
-    header_bytes_ = 0;
-  }
+  const bool complete = header_bytes_ == sizeof header_ && message_bytes_ == header_.length;
+  if (complete) header_bytes_ = message_bytes_ = 0;  // it was handed over
   std::size_t there = memory_.written.load(std::memory_order_acquire) - read_;
   if (there > RingMemory::capacity) {
     throw ProtocolError(
@@ -104,14 +116,16 @@ bool RingReceiver::receive(std::string_view sender) {
     header_bytes_ += count;
     if (header_bytes_ == sizeof header_) check_header(sender);
   }
-  if (header_bytes_ == sizeof header_ && there > 0) {
-    const std::size_t before = message_.size();
-    const std::size_t count = std::min<std::size_t>(there, header_.length - before);
-    message_.resize(before + count);
-    take(message_.data() + before, count, there);
-  }
   memory_.read.store(read_, std::memory_order_release);
-  if (header_bytes_ < sizeof header_ || message_.size() < header_.length) return false;
+  while (header_bytes_ == sizeof header_ && there > 0 && message_bytes_ < header_.length) {
+    const std::size_t count = std::min<std::size_t>({there, header_.length - message_bytes_, at_once});
+    if (message_.size() < message_bytes_ + count) message_.resize(message_bytes_ + count);
+    take(message_.data() + message_bytes_, count, there);
+    message_bytes_ += count;
+    there -= count;
+    memory_.read.store(read_, std::memory_order_release);
+  }
+  if (header_bytes_ < sizeof header_ || message_bytes_ < header_.length) return false;
   ++sequence_;
   return true;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/wire/channel.hpp"
 
@@ -34,18 +35,21 @@ struct RingHeader {
 class RingSender {
  public:
   explicit RingSender(RingMemory& memory) : memory_(memory) {}
-  /// Throws ProtocolError if the receiver has put nonsense into the shared memory.
-  void send(std::string_view message);
+  /// A message in pieces, one behind the other. Throws ProtocolError if the receiver has put nonsense into the shared
+  /// memory.
+  void send(const std::vector<std::string_view>& pieces);
   /// Puts more of the rest; true if there is none left.
   bool flush();
   [[nodiscard]] bool has_rest() const { return rest_begin_ < rest_.size(); }
 
  private:
+  void add(std::string_view bytes);
   std::size_t put(std::string_view bytes);
   void publish();
 
   RingMemory& memory_;
   std::uint32_t written_ = 0;  // the shared counters are trusted by nobody who can count himself
+  std::uint32_t published_ = 0;
   std::uint64_t sequence_ = 0;
   std::string rest_;
   std::size_t rest_begin_ = 0;
@@ -60,7 +64,7 @@ class RingReceiver {
   /// Largest message that is taken [bytes].
   void limit(std::size_t bytes) { limit_ = bytes; }
   /// After `receive` was true, until it is called again.
-  [[nodiscard]] std::string_view message() const { return message_; }
+  [[nodiscard]] std::string_view message() const { return {message_.data(), message_bytes_}; }
   /// Waits until there are bytes, or until `until`: spins first if that promises to be short, then sleeps.
   void wait(Deadline until);
 
@@ -79,9 +83,10 @@ class RingReceiver {
   std::uint64_t sequence_ = 0;
   std::size_t limit_;
   RingHeader header_;
-  std::size_t header_bytes_ = 0;  ///< of the header, taken so far
-  std::string message_;
-  unsigned sleeps_due_ = 0;  ///< waits that go to sleep at once, because spinning was in vain
+  std::size_t header_bytes_ = 0;   ///< of the header, taken so far
+  std::string message_;            ///< as large as the largest so far: bytes that are overwritten need no zeros first
+  std::size_t message_bytes_ = 0;  ///< of the message, taken so far
+  unsigned sleeps_due_ = 0;        ///< waits that go to sleep at once, because spinning was in vain
   unsigned next_sleeps_ = least_sleeps;
 };
 

@@ -60,6 +60,7 @@ std::vector<wire::Finished> Coupling::finish() {
 }
 
 const std::vector<double>& Coupling::rows_of(const Link& link, const std::vector<double>& shared) {
+  if (link.rows().all_in_order(static_cast<std::size_t>(map_.nodes()))) return shared;
   link.rows().gather(shared, own_);
   return own_;
 }
@@ -167,11 +168,11 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
   }
   for (const auto& link : links_) {
     state.insert(state.end(), link.input().begin(), link.input().end());
-    for (const int node : link.rows().shared) {
+    for (const int node : link.rows().shared()) {
       const double root = std::sqrt(map_.mass_kg()[static_cast<std::size_t>(node)]);
       const double of_input =
           link.driven_by_force() ? window_size_s_ / root : root / window_size_s_;  // force, displacement
-      scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components), of_input);
+      scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components()), of_input);
     }
   }
 }

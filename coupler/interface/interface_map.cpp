@@ -148,37 +148,53 @@ void check_owners(const std::vector<std::size_t>& group, const std::vector<Node>
 
 }  // namespace
 
+InterfaceRows::InterfaceRows(std::vector<int> shared, int components)
+    : shared_(std::move(shared)), components_(components) {
+  const auto numbers = static_cast<std::size_t>(components_);
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    if (i == 0 || shared_[i] != shared_[i - 1] + 1) {
+      blocks_.push_back({i * numbers, static_cast<std::size_t>(shared_[i]) * numbers, 0});
+    }
+    blocks_.back().count += numbers;
+  }
+}
+
 std::vector<std::size_t> InterfaceRows::dofs() const {
   std::vector<std::size_t> result;
-  for (const int node : shared) {
-    for (int c = 0; c < components; ++c) result.push_back(static_cast<std::size_t>(node * components + c));
+  for (const int node : shared_) {
+    for (int c = 0; c < components_; ++c) result.push_back(static_cast<std::size_t>(node * components_ + c));
   }
   return result;
 }
 
 std::vector<double> InterfaceRows::per_node(const std::vector<double>& shared_values) const {
   std::vector<double> own;
-  for (const int node : shared) own.push_back(shared_values[static_cast<std::size_t>(node)]);
+  for (const int node : shared_) own.push_back(shared_values[static_cast<std::size_t>(node)]);
   return own;
 }
 
-void InterfaceRows::gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const {
-  own_values.resize(shared.size() * components);
-  for (std::size_t i = 0; i < shared.size(); ++i) {
-    for (int c = 0; c < components; ++c) own_values[i * components + c] = shared_values[shared[i] * components + c];
+/// each(own number, shared number). Participants that take their nodes from the same mesh mostly have them in the same
+/// order: then the loops are long, and the compiler makes vectors of them.
+template <class Own, class Shared, class Each>
+void InterfaceRows::each_number(Own* own_values, Shared* shared_values, Each each) const {
+  for (const auto& block : blocks_) {
+    Own* own = own_values + block.own;
+    Shared* shared = shared_values + block.shared;
+    for (std::size_t i = 0; i < block.count; ++i) each(own[i], shared[i]);
   }
+}
+
+void InterfaceRows::gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const {
+  own_values.resize(shared_.size() * static_cast<std::size_t>(components_));
+  each_number(own_values.data(), shared_values.data(), [](double& own, const double& shared) { own = shared; });
 }
 
 void InterfaceRows::scatter(const std::vector<double>& own_values, std::vector<double>& shared_values) const {
-  for (std::size_t i = 0; i < shared.size(); ++i) {
-    for (int c = 0; c < components; ++c) shared_values[shared[i] * components + c] = own_values[i * components + c];
-  }
+  each_number(own_values.data(), shared_values.data(), [](const double& own, double& shared) { shared = own; });
 }
 
 void InterfaceRows::add(const std::vector<double>& own_values, std::vector<double>& shared_values) const {
-  for (std::size_t i = 0; i < shared.size(); ++i) {
-    for (int c = 0; c < components; ++c) shared_values[shared[i] * components + c] += own_values[i * components + c];
-  }
+  each_number(own_values.data(), shared_values.data(), [](const double& own, double& shared) { shared += own; });
 }
 
 void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const {
@@ -186,7 +202,7 @@ void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shar
   shared_matrix(to, to) += own;
 }
 
-InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) : rows_(descriptions.size()) {
+InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) {
   std::vector<Node> nodes;  // the implicit participant's first, then the scene's order
   for (const bool implicit : {true, false}) {
     for (std::size_t p = 0; p < descriptions.size(); ++p) {
@@ -195,14 +211,14 @@ InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) : r
       nodes.insert(nodes.end(), own.begin(), own.end());
     }
   }
+  std::vector<std::vector<int>> shared(descriptions.size());  // of each participant, per own node
   for (std::size_t p = 0; p < descriptions.size(); ++p) {
     require(
         descriptions[p].components == descriptions[0].components,
         fmt::format("participant '{}' has {} components per node, participant '{}' has {}", descriptions[p].participant,
                     descriptions[p].components, descriptions[0].participant, descriptions[0].components));
     components_ = static_cast<int>(descriptions[p].components);
-    rows_[p].components = components_;
-    rows_[p].shared.resize(descriptions[p].interface_position_m.rows);
+    shared[p].resize(static_cast<std::size_t>(descriptions[p].interface_position_m.rows));
   }
   Matcher matcher(relative_tolerance * extent(nodes));
   std::vector<std::vector<std::size_t>> groups;
@@ -214,9 +230,10 @@ InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) : r
                      [&](std::size_t a, std::size_t b) { return nodes[a].participant < nodes[b].participant; });
     for (const std::size_t i : groups[g]) {
       mass_kg_[g] += nodes[i].mass_kg;
-      rows_[nodes[i].participant].shared[nodes[i].row] = static_cast<int>(g);
+      shared[nodes[i].participant][nodes[i].row] = static_cast<int>(g);
     }
   }
+  for (auto& own : shared) rows_.emplace_back(std::move(own), components_);
 }
 
 }  // namespace ricochet::coupler

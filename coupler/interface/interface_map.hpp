@@ -9,9 +9,14 @@
 namespace ricochet::coupler {
 
 /// One participant's rows in the shared numbering.
-struct InterfaceRows {
-  std::vector<int> shared;  ///< per own interface node: its shared node
-  int components = 1;
+class InterfaceRows {
+ public:
+  /// `shared`: per own interface node its shared node.
+  explicit InterfaceRows(std::vector<int> shared = {}, int components = 1);
+  [[nodiscard]] const std::vector<int>& shared() const { return shared_; }
+  [[nodiscard]] int components() const { return components_; }
+  /// Whether the own nodes are all `nodes` shared ones in their order.
+  [[nodiscard]] bool all_in_order(std::size_t nodes) const { return shared_.size() == nodes && blocks_.size() <= 1; }
 
   /// Per own degree of freedom the shared one.
   [[nodiscard]] std::vector<std::size_t> dofs() const;
@@ -25,6 +30,18 @@ struct InterfaceRows {
   void add(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
   /// shared[rows[i], rows[j]] += own[i, j].
   void add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const;
+
+ private:
+  /// Numbers that lie one behind the other on both sides: `count` from the own `own` and the shared `shared` on.
+  struct Block {
+    std::size_t own, shared, count;
+  };
+  template <class Own, class Shared, class Each>
+  void each_number(Own* own_values, Shared* shared_values, Each each) const;
+
+  std::vector<int> shared_;
+  int components_;
+  std::vector<Block> blocks_;
 };
 
 /// Which nodes of the participants are one node of the structure, and its mass (Eq. 28: the sum of the lumped masses of

@@ -35,13 +35,13 @@ Link::Link(Peer peer, const PeerDescription& description, const InterfaceRows& r
       rows_(rows),
       records_("records", "history row", description.record_columns.size()),
       axial_stress_("axial_stress", "axial stress row", description.axial_stress_columns.size()) {
-  const std::size_t size = rows_.shared.size() * static_cast<std::size_t>(rows_.components);
+  const std::size_t size = rows_.shared().size() * static_cast<std::size_t>(rows_.components());
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
 
 template <class Body>
-const Body& Link::wait() {
-  const auto& answer = peer_.wait();
+Body& Link::wait() {
+  auto& answer = peer_.wait();
   if (answer.kind != Body::kind) {
     throw ProtocolError(fmt::format("participant '{}' answered '{}' in window {}, expected '{}'", name(),
                                     wire::name(answer.kind), request_.window, wire::name(Body::kind)));
@@ -53,7 +53,7 @@ const Body& Link::wait() {
 std::vector<double> Link::own_mass_kg() const {
   std::vector<double> masses;
   for (const double mass : description_.interface_mass_kg.data) {
-    masses.insert(masses.end(), static_cast<std::size_t>(rows_.components), mass);
+    masses.insert(masses.end(), static_cast<std::size_t>(rows_.components()), mass);
   }
   return masses;
 }
@@ -78,12 +78,12 @@ void Link::post_synchronise(Integration integration, const std::vector<double>& 
   received_input_ = input;
   auto& request = request_.make<wire::Synchronise>();
   request.integration = name_of(integration);
-  set(request.link_absolute, received_input_, rows_.components);
+  set(request.link_absolute, received_input_, rows_.components());
   peer_.post(request_);
 }
 
 void Link::wait_synchronised() {
-  const auto& answer = wait<wire::Synchronised>();
+  auto& answer = wait<wire::Synchronised>();
   take_absolute(answer.absolute);
   take_rates(answer);
 }
@@ -127,11 +127,11 @@ void Link::wait_state_restored() { wait<wire::StateRestored>(); }
 
 void Link::archive(Archive& a) {
   const auto size = output_.size();
-  a(received_input_, output_accepted_, velocity_, acceleration_, contact_, departures_, outline_, largest_drift_,
-    window_, records_, axial_stress_);
-  if (received_input_.size() != size || output_accepted_.size() != size) a.refuse("another interface");
+  a(received_input_, output_, velocity_, acceleration_, contact_, departures_, outline_, largest_drift_, window_,
+    records_, axial_stress_);
+  if (received_input_.size() != size || output_.size() != size) a.refuse("another interface");
   trial_input_ = received_input_;
-  output_ = output_accepted_;
+  output_is_accepted_ = true;
 }
 
 void Link::post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance) {
@@ -146,24 +146,24 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
   request.accept_at_once = acceptance == Acceptance::at_once;
   request.absolute_requested = step.absolute;
   request.records_requested = step.records;
-  set(request.link_increment, input, rows_.components);
-  trial_input_ = input;
+  request.link_increment.resize(static_cast<int>(rows_.shared().size()), rows_.components());
   for (std::size_t i = 0; i < input.size(); ++i) {
-    double& increment = request.link_increment.data[i];
-    increment -= received_input_[i];
-    if (!step.absolute) trial_input_[i] = received_input_[i] + increment;
+    const double increment = input[i] - received_input_[i];
+    request.link_increment.data[i] = increment;
+    trial_input_[i] = step.absolute ? input[i] : received_input_[i] + increment;
   }
   if (step.absolute) {
-    set(request.link_absolute, input, rows_.components);
+    set(request.link_absolute, input, rows_.components());
   } else {
-    clear(request.link_absolute, rows_.components);
+    clear(request.link_absolute, rows_.components());
   }
   peer_.post(request_);
 }
 
 void Link::wait_advanced() {
-  const auto& answer = wait<wire::Advanced>();
+  auto& answer = wait<wire::Advanced>();
   require_rows(answer.increment, "increment");  // driven by displacement: Delta P
+  if (std::exchange(output_is_accepted_, false)) output_accepted_.swap(output_);
   for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
   if (answer.absolute.rows > 0) {
     require_rows(answer.absolute, "absolute");
@@ -186,7 +186,7 @@ void Link::wait_accepted() { take_acceptance(wait<wire::Accepted>()); }
 
 void Link::take_acceptance(const wire::AcceptedWindow& answer) {
   received_input_.swap(trial_input_);
-  output_accepted_ = output_;
+  output_is_accepted_ = true;
   if (ends_window_) window_ = answered_window(answer.finished_early);
   contact_ = static_cast<const wire::ContactReport&>(answer);
   take_outline(answer.outline);
@@ -217,15 +217,15 @@ const wire::Finished& Link::wait_finished() {
 void Link::take_absolute(const wire::Array& absolute) {
   require_rows(absolute, "absolute");
   output_ = absolute.data;
-  output_accepted_ = output_;
+  output_is_accepted_ = true;
 }
 
-void Link::take_rates(const wire::Rates& answer) {
+void Link::take_rates(wire::Rates& answer) {
   if (!driven_by_force_ || answer.velocity_m_s.rows == 0) return;
   require_rows(answer.velocity_m_s, "velocity_m_s");
   require_rows(answer.acceleration_m_s2, "acceleration_m_s2");
-  velocity_.assign(answer.velocity_m_s.data.begin(), answer.velocity_m_s.data.end());
-  acceleration_.assign(answer.acceleration_m_s2.data.begin(), answer.acceleration_m_s2.data.end());
+  velocity_.swap(answer.velocity_m_s.data);
+  acceleration_.swap(answer.acceleration_m_s2.data);
 }
 
 void Link::require_body(double body, const char* field) const {
@@ -253,7 +253,7 @@ void Link::take_departures(const wire::Array& departures) {
 }
 
 void Link::take_outline(const wire::Array& outline) {
-  require_columns(outline, 2 + rows_.components, "outline");
+  require_columns(outline, 2 + rows_.components(), "outline");
   for (int row = 0; row < outline.rows; ++row) {
     require_body(outline.data[static_cast<std::size_t>(row * outline.columns)], "outline");
   }
@@ -268,10 +268,10 @@ void Link::take_records_of(const wire::Records& answer) {
 }
 
 void Link::require_rows(const wire::Array& array, const char* field) const {
-  if (array.rows == static_cast<int>(rows_.shared.size()) && array.columns == rows_.components) return;
+  if (array.rows == static_cast<int>(rows_.shared().size()) && array.columns == rows_.components()) return;
   throw ProtocolError(
       fmt::format("participant '{}' answered window {} with {} x {} numbers in '{}', its interface has {} x {}", name(),
-                  request_.window, array.rows, array.columns, field, rows_.shared.size(), rows_.components));
+                  request_.window, array.rows, array.columns, field, rows_.shared().size(), rows_.components()));
 }
 
 }  // namespace ricochet::coupler

@@ -93,10 +93,10 @@ class Link {
 
  private:
   template <class Body>
-  const Body& wait();
+  Body& wait();
   void take_acceptance(const wire::AcceptedWindow& answer);
   void take_absolute(const wire::Array& absolute);
-  void take_rates(const wire::Rates& answer);
+  void take_rates(wire::Rates& answer);
   void take_records_of(const wire::Records& answer);
   void take_departures(const wire::Array& departures);
   void take_outline(const wire::Array& outline);
@@ -111,6 +111,7 @@ class Link {
   std::int64_t answer_window_ = 0, last_requested_ = 0;  ///< of the last answer; that was asked for
   InterfaceRows rows_;
   std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_;
+  bool output_is_accepted_ = true;  ///< and what `output_accepted_` holds is older
   Acceptance acceptance_ = Acceptance::at_once;
   bool driven_by_force_ = false, ends_window_ = true, records_requested_ = false;
   wire::ContactReport contact_;

@@ -19,8 +19,9 @@ struct Peer {
   std::string name;
   /// Sends; stamps the header fields version, run_id and sequence.
   std::function<void(wire::Message&)> post;
-  /// The answer to the last `post`, valid until the next `wait`. Throws if the peer fails, dies or is silent too long.
-  std::function<const wire::Message&()> wait;
+  /// The answer to the last `post`, valid until the next `wait`; its arrays may be taken away instead of copied. Throws
+  /// if the peer fails, dies or is silent too long.
+  std::function<wire::Message&()> wait;
 };
 
 }  // namespace ricochet::coupler

@@ -53,7 +53,7 @@ void Peers::enter(std::size_t index, std::unique_ptr<participant::Participant> p
 
 Peer Peers::peer(std::size_t index) {
   return {peers_[index].expected.name, [this, index](wire::Message& message) { post(peers_[index], message); },
-          [this, index]() -> const wire::Message& { return wait(index); }};
+          [this, index]() -> wire::Message& { return wait(index); }};
 }
 
 std::vector<Peer> Peers::all() {
@@ -81,7 +81,7 @@ void Peers::post(Remote& peer, wire::Message& message) {
   }
 }
 
-const wire::Message& Peers::wait(std::size_t index) {
+wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   if (!peer.inside) work_inside();  // which is no waiting
   const auto begin = Clock::now();

@@ -102,7 +102,7 @@ class Peers {
   };
 
   void post(Remote& peer, wire::Message& message);
-  const wire::Message& wait(std::size_t index);
+  wire::Message& wait(std::size_t index);
   void work_inside();
   void take_answer(Remote& peer);
   void note_wait(std::size_t index, wire::Clock::time_point begin);

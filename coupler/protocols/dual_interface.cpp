@@ -67,7 +67,7 @@ void DualInterface::measure(Side& side, const Step& probe, double step_s) {
       throw ConfigError(
           fmt::format("participant '{}' has no mass at interface node {}: a dual protocol needs own elements "
                       "on either side",
-                      link.name(), i / static_cast<std::size_t>(link.rows().components)));
+                      link.name(), i / static_cast<std::size_t>(link.rows().components())));
     }
     probes[i] /= step_s;  // about 1 m/s each
   }

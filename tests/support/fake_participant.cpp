@@ -46,7 +46,7 @@ class Line {
     message.as<wire::Hello>().shared_memory_key = memory_->key();
   }
   void say_bytes(std::string_view bytes, zmq::send_flags flags = zmq::send_flags::none) {
-    if (shared_) memory_->sender().send(bytes);
+    if (shared_) memory_->sender().send({bytes});
     if (!shared_) socket_.send(zmq::const_buffer(bytes.data(), bytes.size()), flags);
   }
   void say(const Message& message) { say_bytes(encoded(message)); }
@@ -89,13 +89,9 @@ class Line {
 
 constexpr int bad_window = 40;
 
-/// `encode` refuses what is not finite: a number is exchanged in the bytes.
 void say_nan(Line& line, Message message) {
-  const double mark = 1.2345e300, nan = std::numeric_limits<double>::quiet_NaN();
-  message.as<wire::Advanced>().increment.data[0] = mark;
-  std::string bytes = Line::encoded(message);
-  std::memcpy(bytes.data() + bytes.find({reinterpret_cast<const char*>(&mark), sizeof mark}), &nan, sizeof nan);
-  line.say_bytes(bytes);
+  message.as<wire::Advanced>().increment.data[0] = std::numeric_limits<double>::quiet_NaN();
+  line.say(message);
 }
 
 void say_short(Line& line, Message message) {

@@ -48,7 +48,7 @@ class LocalParticipant {
   }
   [[nodiscard]] coupler::Peer peer() {
     return {spec_.name, [this](wire::Message& request) { ask(request); },
-            [this]() -> const wire::Message& { return answer_; }};
+            [this]() -> wire::Message& { return answer_; }};
   }
 
  private:

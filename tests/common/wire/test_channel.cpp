@@ -263,11 +263,11 @@ TEST(Channel, RefusesAddressesThatAreNone) {
   }
 }
 
-TEST(Channel, DoesNotSendNumbersThatAreNotFinite) {
-  Channel channel(private_endpoint());
+TEST(Listener, DoesNotSendNumbersThatAreNotFinite) {
+  Listener listener(private_endpoint());
   Message message = sample(Kind::welcome);
   message.as<Welcome>().timeout_s = HUGE_VAL;
-  EXPECT_THROW(channel.send(message), SolverError);
+  EXPECT_THROW(listener.send("a peer", message), SolverError);
 }
 
 TEST(DeadlineIn, KeepsToWhatAClockCanHold) {

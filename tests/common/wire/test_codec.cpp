@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -43,15 +44,25 @@ TEST_P(EveryKind, DoesNotTravelWithANumberThatIsNotFinite) {
       } else {
         continue;
       }
-      try {
-        (void)encoded(message);
-        FAIL() << field.name;
-      } catch (const SolverError& error) {
+      const auto expect_named = [&](const Error& error) {
         EXPECT_THAT(error.what(), HasSubstr("'" + std::string(field.name) + "'"));
         EXPECT_THAT(error.what(), HasSubstr(std::isnan(value) ? "nan" : "inf"));
         if (std::holds_alternative<Array*>(place)) {
           EXPECT_THAT(error.what(), HasSubstr("at row 2, column 1"));
         }
+      };
+      try {
+        require_finite(message);
+        FAIL() << field.name;
+      } catch (const SolverError& error) {
+        expect_named(error);
+      }
+      try {
+        Message received;
+        decode(encoded(message), "x", received);
+        FAIL() << field.name;
+      } catch (const ProtocolError& error) {
+        expect_named(error);
       }
     }
   }
@@ -103,6 +114,47 @@ TEST(Decode, TakesWholeNumbersThatTravelAsIntegers) {
     EXPECT_EQ(others != bytes, value != 0.5);
     decode(others, "x", received);
     EXPECT_EQ(received.as<Welcome>().timeout_s, value);
+  }
+}
+
+TEST_P(EveryKind, IsTheSameBytesInPieces) {
+  Message message = sample(GetParam());
+  for (const auto& field : fields_of(GetParam())) {
+    const auto place = field.in(message);
+    if (auto* const* array = std::get_if<Array*>(&place)) (*array)->resize(500, 3);
+    if (auto* const* text = std::get_if<std::string*>(&place)) (*text)->assign(5000, 'x');
+  }
+  Pieces pieces;
+  for (const auto& sent : {message, sample(GetParam())}) {
+    encode(sent, pieces);
+    std::string joined;
+    for (const auto piece : pieces.in_order()) joined.append(piece);
+    EXPECT_EQ(joined, encoded(sent));
+  }
+}
+
+TEST(Encode, LeavesLargeArraysWhereTheyAre) {
+  Message message;
+  auto& increment = message.make<Advance>().link_increment;
+  increment.resize(500, 3);
+  Pieces pieces;
+  encode(message, pieces);
+  const std::string_view numbers{reinterpret_cast<const char*>(increment.data.data()), 500 * 3 * sizeof(double)};
+  const auto is_the_array = [&](std::string_view piece) {
+    return piece.data() == numbers.data() && piece.size() == numbers.size();
+  };
+  EXPECT_EQ(std::count_if(pieces.in_order().begin(), pieces.in_order().end(), is_the_array), 1);
+}
+
+/// On either side of what an exponent can hold.
+TEST(Finite, IsWhatTheStandardLibrarySays) {
+  using Limits = std::numeric_limits<double>;
+  for (const double x : {0.0, 1.0, Limits::max(), Limits::denorm_min(), Limits::infinity(), Limits::quiet_NaN(),
+                         Limits::signaling_NaN()}) {
+    for (const double value : {x, std::copysign(x, -1.0)}) {
+      const Array array{1, 3, {1.0, value, -1.0}};
+      EXPECT_EQ(not_finite(array).has_value(), !std::isfinite(value)) << value;
+    }
   }
 }
 

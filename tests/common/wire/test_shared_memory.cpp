@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -52,8 +53,8 @@ TEST_F(Ring, KeepsOrderAndBytesWhileItWrapsAround) {
   std::size_t bytes = 0;
   for (unsigned n = 0; bytes < 5 * std::size_t{RingMemory::capacity}; ++n) {
     const std::string first = text_of(1 + n * 37 % 9001, n), second = text_of(1 + n * 101 % 777, n + 1);
-    sender_.send(first);
-    sender_.send(second);
+    sender_.send({first});
+    sender_.send({second});
     ASSERT_TRUE(receive());
     ASSERT_EQ(receiver_.message(), first);
     ASSERT_TRUE(receive());
@@ -65,8 +66,8 @@ TEST_F(Ring, KeepsOrderAndBytesWhileItWrapsAround) {
 
 TEST_F(Ring, PassesInPiecesWhatIsLargerThanItself) {
   const std::string large = text_of(3 * RingMemory::capacity + 12345, 1), next = text_of(99, 2);
-  sender_.send(large);
-  sender_.send(next);  // stands behind the rest
+  sender_.send({large});
+  sender_.send({next});  // stands behind the rest
   int pieces = 0;
   while (!receive()) {
     ++pieces;
@@ -79,10 +80,44 @@ TEST_F(Ring, PassesInPiecesWhatIsLargerThanItself) {
   EXPECT_FALSE(sender_.has_rest());
 }
 
+TEST_F(Ring, JoinsPiecesOfAMessage) {
+  const std::string head = text_of(100, 1), large = text_of(200'000, 2), rest = text_of(RingMemory::capacity, 3);
+  sender_.send({head, large, head});
+  ASSERT_TRUE(receive());
+  EXPECT_TRUE(receiver_.message() == head + large + head);
+  sender_.send({head, rest, large});
+  while (!receive()) sender_.flush();
+  EXPECT_TRUE(receiver_.message() == head + rest + large);
+  sender_.send({head});
+  ASSERT_TRUE(receive());
+  EXPECT_EQ(receiver_.message(), head);
+}
+
+/// The receiver need not wait until the sender has copied the whole of a large message. Who runs when is chance: one of
+/// many messages shows it.
+TEST_F(Ring, ShowsTheBeginningOfALargeMessageBeforeItsEnd) {
+  const std::string large = text_of(RingMemory::capacity / 2, 1);
+  std::atomic<bool> seen = false;
+  auto receiver = std::async(std::launch::async, [&] {
+    const auto deadline = Clock::now() + std::chrono::seconds(20);
+    while (!seen && Clock::now() < deadline) {
+      const std::uint32_t before = memory_->read, written = memory_->written;
+      if (written - before > 0 && written - before < large.size()) seen = true;
+      receive();
+    }
+    seen = true;
+    return Clock::now() < deadline;
+  });
+  while (!seen) {
+    if (memory_->read == memory_->written) sender_.send({large});
+  }
+  EXPECT_TRUE(receiver.get());
+}
+
 TEST_F(Ring, TakesAHeaderThatComesInPieces) {
   const std::string fill = text_of(RingMemory::capacity - sizeof(RingHeader) - 5, 1), next = text_of(10, 2);
-  sender_.send(fill);
-  sender_.send(next);  // five bytes of its header fit
+  sender_.send({fill});
+  sender_.send({next});  // five bytes of its header fit
   EXPECT_TRUE(sender_.has_rest());
   ASSERT_TRUE(receive());
   EXPECT_TRUE(receiver_.message() == fill);
@@ -113,9 +148,9 @@ TEST_F(Ring, DoesNotTrustCountersThatCannotBe) {
   EXPECT_THAT(error_of<ProtocolError>([&] { receive(); }), HasSubstr("262145 bytes in a ring of 262144"));
   memory_->written = 0;
   memory_->read = 1;  // more than was ever written
-  EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send("x"); }), HasSubstr("the receiver corrupted the shared"));
+  EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send({"x"}); }), HasSubstr("the receiver corrupted the shared"));
   memory_->read = 0U - (RingMemory::capacity + 1);  // one byte more is unread than the ring holds
-  EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send("x"); }),
+  EXPECT_THAT(error_of<ProtocolError>([&] { sender_.send({"x"}); }),
               HasSubstr("262145 bytes unread in a ring of 262144"));
 }
 
@@ -123,7 +158,7 @@ TEST_F(Ring, CountsBeyond32Bits) {
   const std::string text = text_of(200'000, 3);
   const std::uint64_t rounds = (std::uint64_t{1} << 32) / text.size() + 10;
   for (std::uint64_t n = 0; n < rounds; ++n) {
-    sender_.send(text);
+    sender_.send({text});
     ASSERT_TRUE(receive()) << n;
   }
   EXPECT_TRUE(receiver_.message() == text);
@@ -142,12 +177,12 @@ TEST_F(Ring, NoMessageIsSleptThrough) {
     for (int n = 0; n < messages; ++n) {
       take(receiver_);
       std::this_thread::sleep_for(std::chrono::microseconds(n % 200));
-      back.send(receiver_.message());
+      back.send({receiver_.message()});
     }
   });
   for (int n = 0; n < messages; ++n) {
     const std::string text = std::to_string(n);
-    sender_.send(text);
+    sender_.send({text});
     take(echo);
     ASSERT_EQ(echo.message(), text);
   }
@@ -168,7 +203,7 @@ TEST_F(Ring, KeepsOrderAndBytesOfMillions) {
     std::string text;
     for (std::uint64_t n = 0; n < messages; ++n) {
       write(n, text);
-      sender_.send(text);
+      sender_.send({text});
       while (!sender_.flush()) sched_yield();
     }
   });
@@ -194,7 +229,7 @@ double processor_seconds() {
 
 /// Spinning is for answers that come at once: who waits for slow ones again and again leaves the processor to others.
 TEST_F(Ring, WhoWaitsInVainSleeps) {
-  sender_.send("a");
+  sender_.send({"a"});
   ASSERT_TRUE(receive());
   memory_->processor = ~0U;  // on another processor than this one, wherever it runs
   const auto begin = Clock::now();
@@ -232,8 +267,8 @@ TEST(SharedMemory, WhatOneEndSendsTheOtherReceives) {
   const auto participant = SharedMemory::make();
   ASSERT_TRUE(participant);
   const auto coupler = SharedMemory::open(participant->path(), participant->key());
-  participant->sender().send("up");
-  coupler->sender().send("down");
+  participant->sender().send({"up"});
+  coupler->sender().send({"down"});
   ASSERT_TRUE(coupler->receiver().receive("the peer"));
   ASSERT_TRUE(participant->receiver().receive("the coupler"));
   EXPECT_EQ(coupler->receiver().message(), "up");
@@ -245,7 +280,7 @@ TEST(SharedMemory, OutlivesTheOtherEndAndLeavesNothing) {
   const std::string path = participant->path();
   const auto key = participant->key();
   const auto coupler = SharedMemory::open(path, key);
-  participant->sender().send("last words");
+  participant->sender().send({"last words"});
   participant.reset();
   ASSERT_TRUE(coupler->receiver().receive("the peer"));
   EXPECT_EQ(coupler->receiver().message(), "last words");
@@ -435,7 +470,7 @@ TEST_F(OverSharedMemory, StrangersAndFilesAreHeardHoweverFastMessagesCome) {
 TEST_F(OverSharedMemory, WrongBytesOfAPeerAreAProtocolErrorOfThatPeer) {
   auto memory = SharedMemory::make();
   listener_->share("another", SharedMemory::open(memory->path(), memory->key()));
-  memory->sender().send("nonsense");
+  memory->sender().send({"nonsense"});
   std::string identity = identity_;
   Message message;
   EXPECT_THAT(error_of<ProtocolError>([&] { receive(identity, message); }), HasSubstr("the peer sent"));

@@ -51,9 +51,9 @@ TEST(InterfaceMap, MatchesByBodyAndPositionInAnyOrderAndSumsMasses) {
   const InterfaceMap map({a, implicit, b});
   EXPECT_EQ(map.nodes(), 3);
   EXPECT_EQ(map.components(), 2);
-  EXPECT_THAT(map.rows(1).shared, ElementsAre(0, 1, 2));
-  EXPECT_THAT(map.rows(0).shared, ElementsAre(1, 0));
-  EXPECT_THAT(map.rows(2).shared, ElementsAre(2));
+  EXPECT_THAT(map.rows(1).shared(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(map.rows(0).shared(), ElementsAre(1, 0));
+  EXPECT_THAT(map.rows(2).shared(), ElementsAre(2));
   EXPECT_THAT(map.mass_kg(), ElementsAre(1.25, 2.5, 4.125));
 }
 
@@ -66,6 +66,24 @@ TEST(InterfaceMap, GatherScatterAdd) {
   EXPECT_THAT(shared, ElementsAre(2, 4, 3, 4, 10, 12));
   rows.scatter(own, shared);
   EXPECT_THAT(shared, ElementsAre(1, 2, 3, 4, 5, 6));
+}
+
+TEST(InterfaceMap, GatherScatterAddInBlocks) {
+  const InterfaceRows rows{{1, 2, 0, 4}, 2};
+  std::vector<double> own, shared = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  rows.gather(shared, own);
+  EXPECT_THAT(own, ElementsAre(3, 4, 5, 6, 1, 2, 9, 10));
+  rows.add(own, shared);
+  EXPECT_THAT(shared, ElementsAre(2, 4, 6, 8, 10, 12, 7, 8, 18, 20));
+  rows.scatter(own, shared);
+  EXPECT_THAT(shared, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+}
+
+TEST(InterfaceMap, KnowsRowsThatAreTheSharedOnes) {
+  EXPECT_TRUE(InterfaceRows({0, 1, 2}, 2).all_in_order(3));
+  EXPECT_TRUE(InterfaceRows().all_in_order(0));
+  EXPECT_FALSE(InterfaceRows({0, 1, 2}, 2).all_in_order(4));
+  EXPECT_FALSE(InterfaceRows({0, 2, 1}, 2).all_in_order(3));
 }
 
 TEST(InterfaceMap, NodeWithoutPartnerIsNamedByPosition) {

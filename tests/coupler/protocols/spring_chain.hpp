@@ -72,8 +72,7 @@ class FakeParticipant {
   }
 
   [[nodiscard]] Peer peer() {
-    return {name_, [this](wire::Message& message) { handle(message); },
-            [this]() -> const wire::Message& { return answer_; }};
+    return {name_, [this](wire::Message& message) { handle(message); }, [this]() -> wire::Message& { return answer_; }};
   }
 
   /// Momentum of the nodes that this participant integrates.

@@ -275,7 +275,7 @@ TEST(Link, WrongNumberOfRowsIsAProtocolError) {
   auto coupling = pair.coupling(0.1);
   wire::Message wrong;
   wrong.make<wire::Advanced>().increment = {2, 1, {0.0, 0.0}};
-  Peer peer{"explicit", [](wire::Message&) {}, [&wrong]() -> const wire::Message& { return wrong; }};
+  Peer peer{"explicit", [](wire::Message&) {}, [&wrong]() -> wire::Message& { return wrong; }};
   Link link(peer, pair.explicit_side.description(), InterfaceRows{{0}, 1});
   link.post_advance(Step{}, {0.0}, Acceptance::at_once);
   EXPECT_THROW(link.wait_advanced(), ProtocolError);
