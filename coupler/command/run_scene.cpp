@@ -12,7 +12,7 @@
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
-#include "coupler/cost/predicted_cost.hpp"
+#include "coupler/command/cost_text.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"

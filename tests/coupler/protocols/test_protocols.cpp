@@ -197,8 +197,8 @@ TEST(Exchange, EverybodyIsInitialisedAtTheSameTime) {
       if (message.kind == wire::Kind::initialize) order.push_back("asked " + name);
       post(message);
     };
-    peer.wait = [&order, wait, name = peer.name]() -> const wire::Message& {
-      const auto& answer = wait();
+    peer.wait = [&order, wait, name = peer.name]() -> wire::Message& {
+      auto& answer = wait();
       if (answer.kind == wire::Kind::initialized) order.push_back("heard " + name);
       return answer;
     };

@@ -4,7 +4,7 @@
 
 #include "common/problem/problem.hpp"
 
-namespace ricochet::coupler {
+namespace ricochet::cost {
 
 /// The nodes of some elements of a body, and which of them share one: what K of these elements has entries for.
 struct NodeGraph {
@@ -25,4 +25,4 @@ struct NodeGraph {
 /// neighbour further in every step, as the explicit solver's front goes.
 [[nodiscard]] double reached_share(const NodeGraph& graph, const std::vector<int>& driven, double steps);
 
-}  // namespace ricochet::coupler
+}  // namespace ricochet::cost

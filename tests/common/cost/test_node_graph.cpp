@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "coupler/cost/node_graph.hpp"
+#include "common/cost/node_graph.hpp"
 
-namespace ricochet::coupler {
+namespace ricochet::cost {
 namespace {
 
 fem::Mesh bar_of(int elements) {
@@ -39,4 +39,4 @@ TEST(NodeGraph, AWaveReachesOneMoreNodeInEveryStep) {
 }
 
 }  // namespace
-}  // namespace ricochet::coupler
+}  // namespace ricochet::cost

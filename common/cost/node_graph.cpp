@@ -1,4 +1,4 @@
-#include "coupler/cost/node_graph.hpp"
+#include "common/cost/node_graph.hpp"
 
 #include <cholmod.h>
 
@@ -6,7 +6,7 @@
 #include <new>
 #include <utility>
 
-namespace ricochet::coupler {
+namespace ricochet::cost {
 
 using fem::at;
 
@@ -108,4 +108,4 @@ double reached_share(const NodeGraph& graph, const std::vector<int>& driven, dou
   return graph.node.empty() ? 0.0 : sum / (steps * static_cast<double>(graph.node.size()));
 }
 
-}  // namespace ricochet::coupler
+}  // namespace ricochet::cost

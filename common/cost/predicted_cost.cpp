@@ -1,6 +1,4 @@
-#include "coupler/cost/predicted_cost.hpp"
-
-#include <fmt/format.h>
+#include "common/cost/predicted_cost.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,15 +6,12 @@
 #include <limits>
 
 #include "common/base/parallel.hpp"
-#include "common/check/check_reach.hpp"
+#include "common/cost/node_graph.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/scene/protocols.hpp"
-#include "coupler/cost/node_graph.hpp"
-#include "coupler/processes/machine_check.hpp"
-#include "coupler/results/theory.hpp"
 
-namespace ricochet::coupler {
+namespace ricochet::cost {
 namespace {
 
 using fem::at;
@@ -185,15 +180,6 @@ std::vector<Share> whole_bodies(const scene::Problem& problem) {
   return shares;
 }
 
-/// When the scene's run would end [s].
-double end_s(const scene::Problem& problem) {
-  const auto& time = problem.scene.time;
-  const auto theory = impact_theory(problem);
-  if (!time.until_separated_plus_s || !theory) return time.end_s;
-  return std::min(time.end_s,
-                  scene::first_contact_s(problem) + theory->contact_duration_s + *time.until_separated_plus_s);
-}
-
 }  // namespace
 
 MachineSpeed measure_speed() {
@@ -208,14 +194,14 @@ MachineSpeed measure_speed() {
   return {time_product(patch).time_s / reference_product_s, usable_processors()};
 }
 
-PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, const MachineSpeed& speed) {
+PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
+                           const MachineSpeed& speed) {
   const auto& scene = problem.scene;
-  const double end = end_s(problem), slowness = speed.slowness;
+  const double slowness = speed.slowness;
   const double coupler_s = slowness * window_of_coupler_s / scene.output.history_every;
   const Predictor predictor(problem, slowness);
   PredictedCost cost;
-  cost.windows = std::ceil(end / problem.window_size_s - 1e-9);
-  cost.memory_bytes = memory_need_bytes(problem);
+  cost.windows = std::ceil(end_s / problem.window_size_s - 1e-9);
 
   double together_s = 0.0, longest_s = 0.0, shared = 0.0;
   for (std::size_t p = 0; p < scene.participants.size(); ++p) {
@@ -225,7 +211,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
     double window_s = 0.0;
     if (spec.role == Role::implicit_solver) {
       const double entries = entries_of(shares);
-      cost.memory_bytes += bytes_of_entry * entries;
+      cost.factor_bytes += bytes_of_entry * entries;
       window_s = predictor.implicit_window_s(shares, entries, interface);
     } else {
       const double substeps = scene.coupling.substeps;
@@ -250,31 +236,9 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
         std::min(critical_s, scene::critical_time_step(*share.body, share.owned, false, problem.window_size_s));
   cost.all_explicit_step_s =
       std::min(problem.window_size_s / scene.coupling.substeps, scene.time.safety_factor * critical_s);
-  const double steps = std::ceil(end / cost.all_explicit_step_s);
+  const double steps = std::ceil(end_s / cost.all_explicit_step_s);
   cost.all_explicit_s = steps * (coupler_s + predictor.explicit_window_s(whole, steps, 1.0));
   return cost;
 }
 
-std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
-  const auto known = [](const auto& spec) { return !spec.foreign(); };
-  const auto& participants = problem.scene.participants;
-  if (!std::all_of(participants.begin(), participants.end(), known))
-    return memory_text(memory_need_bytes(problem)) + "\n";
-  const PredictedCost cost = predict_cost(problem, plan, measure_speed());
-  std::string text = memory_text(cost.memory_bytes) + "\n";
-  text += fmt::format("predicted: {:.2g} s for {:.0f} steps of {:.3g} us", cost.stepping_s(), cost.windows,
-                      1e6 * cost.window_s);
-  for (std::size_t p = 0; p < cost.participants.size(); ++p)
-    text += fmt::format("{}\"{}\" {:.3g} us", p == 0 ? "; computing " : ", ", cost.participants[p].name,
-                        1e6 * cost.participants[p].window_s);
-  const auto& protocol = problem.scene.coupling.protocol;
-  if (protocol.layout != scene::Layout::all_implicit)
-    text += fmt::format("\n  all_implicit would take {:.2g} s, {:.2g} times as long", cost.all_implicit_s,
-                        cost.all_implicit_s / cost.stepping_s());
-  if (protocol.layout != scene::Layout::all_explicit)
-    text += fmt::format("\n  all_explicit would take {:.2g} s, {:.2g} times as long, in steps of {:.3g} s",
-                        cost.all_explicit_s, cost.all_explicit_s / cost.stepping_s(), cost.all_explicit_step_s);
-  return text + "\n";
-}
-
-}  // namespace ricochet::coupler
+}  // namespace ricochet::cost

@@ -7,7 +7,7 @@
 #include "common/problem/problem.hpp"
 
 /// What a run would cost on this machine, before it is started.
-namespace ricochet::coupler {
+namespace ricochet::cost {
 
 struct MachineSpeed {
   /// How much longer a small K u takes here than on the machine whose figures `predict_cost` has.
@@ -24,8 +24,8 @@ struct PredictedCost {
   };
   std::vector<Process> participants;
   double windows = 0.0;
-  double window_s = 0.0;      ///< mean time from window to window
-  double memory_bytes = 0.0;  ///< of all processes together, see memory_need_bytes, with the factors
+  double window_s = 0.0;                              ///< mean time from window to window
+  double factor_bytes = 0.0;                          ///< of the implicit participant, at its start
   double all_implicit_s = 0.0, all_explicit_s = 0.0;  ///< stepping of the baselines to the same end
   double all_explicit_step_s = 0.0;                   ///< the scene's, or what all elements together allow
 
@@ -33,13 +33,8 @@ struct PredictedCost {
 };
 
 /// Counts of what a window does, from the scene, times what each takes. K u is measured on a sample of the scene's own
-/// elements; the rest are figures of docs/speed.md, section "Predicted", times `speed.slowness`. Of a contact whose end
-/// one-dimensional theory knows (impact_theory) the windows end when the scene's run would, else at time.end_s.
-[[nodiscard]] PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan,
+/// elements; the rest are figures of the machine of docs/speed.md times `speed.slowness`. `end_s`: of the run [s].
+[[nodiscard]] PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
                                          const MachineSpeed& speed);
 
-/// The lines that `ricochet check` prints; of memory alone where a participant is somebody else's program, whose time
-/// nobody knows.
-[[nodiscard]] std::string cost_text(const scene::Problem& problem, const scene::Plan& plan);
-
-}  // namespace ricochet::coupler
+}  // namespace ricochet::cost

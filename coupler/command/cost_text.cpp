@@ -1,0 +1,44 @@
+#include "coupler/command/cost_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/check/check_reach.hpp"
+#include "common/cost/predicted_cost.hpp"
+#include "coupler/processes/machine_check.hpp"
+#include "coupler/results/theory.hpp"
+
+namespace ricochet::coupler {
+
+double expected_end_s(const scene::Problem& problem) {
+  const auto& time = problem.scene.time;
+  const auto theory = impact_theory(problem);
+  if (!time.until_separated_plus_s || !theory) return time.end_s;
+  return std::min(time.end_s,
+                  scene::first_contact_s(problem) + theory->contact_duration_s + *time.until_separated_plus_s);
+}
+
+std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
+  const auto known = [](const auto& participant) { return !participant.foreign(); };
+  const auto& participants = problem.scene.participants;
+  const double nodes_bytes = memory_need_bytes(problem);
+  if (!std::all_of(participants.begin(), participants.end(), known)) return memory_text(nodes_bytes) + "\n";
+  const auto cost = cost::predict_cost(problem, plan, expected_end_s(problem), cost::measure_speed());
+  std::string text = memory_text(nodes_bytes + cost.factor_bytes) + "\n";
+  text += fmt::format("predicted: {:.2g} s for {:.0f} steps of {:.3g} us", cost.stepping_s(), cost.windows,
+                      1e6 * cost.window_s);
+  for (std::size_t p = 0; p < cost.participants.size(); ++p)
+    text += fmt::format("{}\"{}\" {:.3g} us", p == 0 ? "; computing " : ", ", cost.participants[p].name,
+                        1e6 * cost.participants[p].window_s);
+  const auto layout = problem.scene.coupling.protocol.layout;
+  if (layout != scene::Layout::all_implicit)
+    text += fmt::format("\n  all_implicit would take {:.2g} s, {:.2g} times as long", cost.all_implicit_s,
+                        cost.all_implicit_s / cost.stepping_s());
+  if (layout != scene::Layout::all_explicit)
+    text += fmt::format("\n  all_explicit would take {:.2g} s, {:.2g} times as long, in steps of {:.3g} s",
+                        cost.all_explicit_s, cost.all_explicit_s / cost.stepping_s(), cost.all_explicit_step_s);
+  return text + "\n";
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "common/check/check.hpp"
+#include "common/problem/problem.hpp"
+
+namespace ricochet::coupler {
+
+/// When a run of the scene would end [s]: if it goes on until the bodies are apart, and one-dimensional theory knows
+/// when that is (impact_theory), then, else at time.end_s.
+[[nodiscard]] double expected_end_s(const scene::Problem& problem);
+
+/// Memory and predicted time, as `ricochet check` prints them; memory alone where a participant is somebody else's
+/// program, whose time nobody knows.
+[[nodiscard]] std::string cost_text(const scene::Problem& problem, const scene::Plan& plan);
+
+}  // namespace ricochet::coupler

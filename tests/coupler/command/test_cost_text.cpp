@@ -1,0 +1,38 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coupler/command/cost_text.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+scene::Scene scene_of(const std::string& config) {
+  return scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+}
+
+double end_of(const scene::Scene& scene) { return expected_end_s(scene::build_problem(scene)); }
+
+TEST(CostText, EndsWithTheContactWhereTheoryKnowsIt) {
+  auto scene = scene_of("kim_impact");
+  EXPECT_NEAR(end_of(scene), 41.2e-6, 0.1e-6) << "2L/c, then 10 us";
+  scene.time.until_separated_plus_s.reset();
+  EXPECT_EQ(end_of(scene), 60e-6) << "the latest end";
+  EXPECT_EQ(end_of(scene_of("two_balls")), 60e-6) << "curved: no theory";
+}
+
+TEST(CostText, SaysNothingOfTheTimeOfAProgramThatItDoesNotKnow) {
+  auto scene = scene_of("two_bars");
+  const auto text = [&] {
+    const auto problem = scene::build_problem(scene);
+    return cost_text(problem, scene::plan(problem));
+  };
+  EXPECT_THAT(text(), testing::AllOf(testing::HasSubstr("memory: about"), testing::HasSubstr("predicted: "),
+                                     testing::HasSubstr("all_implicit would take"),
+                                     testing::HasSubstr("all_explicit would take")));
+  scene.participants.front().executable = "/usr/bin/true";
+  EXPECT_THAT(text(),
+              testing::AllOf(testing::HasSubstr("memory: about"), testing::Not(testing::HasSubstr("predicted"))));
+}
+
+}  // namespace
+}  // namespace ricochet::coupler
