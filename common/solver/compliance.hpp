@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <functional>
 #include <utility>
 
@@ -8,28 +9,41 @@ namespace ricochet::solver {
 
 /// D of the contact problem [m/N], symmetric positive definite: contact forces x move their own gaps and slips by D x.
 /// A small one is a dense matrix, which can be factored. Of a large one, D = G A^-1 G^T with A the sparse operator of a
-/// whole body, nothing but the product is had, at the price of a solve with A; a dense one would cost the cube of the
-/// number of contact pairs.
+/// whole body, a dense one would cost the cube of the number of contact pairs. Where forces move little but what is
+/// near, it is a sparse matrix; else nothing but the product is had, at the price of a solve with A.
 class Compliance {
  public:
+  using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   /// y = D x.
   using Product = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
   Compliance(Eigen::MatrixXd dense) : dense_(std::move(dense)), alone_(dense_.diagonal()) {}  // NOLINT: a matrix is one
+  Compliance(Sparse sparse) : sparse_(std::move(sparse)), alone_(sparse_.diagonal()) {}       // NOLINT: a matrix is one
   /// `bound`: diagonal, B - D positive semidefinite, as G M^-1 G^T is where A >= M; 0 where an unknown moves nothing.
   Compliance(Product product, Eigen::VectorXd bound) : product_(std::move(product)), alone_(std::move(bound)) {}
 
   [[nodiscard]] Eigen::Index size() const { return alone_.size(); }
-  /// What an unknown moves its own row by; of a large one a bound.
+  /// What an unknown moves its own row by; where only the product is had, a bound.
   [[nodiscard]] double alone(Eigen::Index unknown) const { return alone_[unknown]; }
-  /// Null if only the product is had.
-  [[nodiscard]] const Eigen::MatrixXd* dense() const { return product_ ? nullptr : &dense_; }
+  /// Null if it is not dense, and if it is not sparse.
+  [[nodiscard]] const Eigen::MatrixXd* dense() const { return has_rows() && !sparse() ? &dense_ : nullptr; }
+  [[nodiscard]] const Sparse* sparse() const { return sparse_.size() > 0 ? &sparse_ : nullptr; }
+  /// Whether a row costs less than all of them: not where only the product is had.
+  [[nodiscard]] bool has_rows() const { return !product_; }
+  [[nodiscard]] double row_times(Eigen::Index row, const Eigen::VectorXd& x) const {
+    return sparse() ? sparse_.row(row).dot(x) : dense_.row(row).dot(x);
+  }
+  [[nodiscard]] double entry(Eigen::Index row, Eigen::Index column) const {
+    return sparse() ? sparse_.coeff(row, column) : dense_(row, column);
+  }
   /// y = D x; they are not the same vector, and of one size.
   void times(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
-    if (product_ && x.isZero(0.0)) {  // nothing touches
+    if (x.isZero(0.0)) {  // nothing touches
       y.setZero();
     } else if (product_) {
       product_(x, y);
+    } else if (sparse()) {
+      y.noalias() = sparse_ * x;
     } else {
       y.noalias() = dense_ * x;
     }
@@ -37,6 +51,7 @@ class Compliance {
 
  private:
   Eigen::MatrixXd dense_;
+  Sparse sparse_;
   Product product_;
   Eigen::VectorXd alone_;
 };

@@ -15,8 +15,8 @@ int RootProblem::sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& s
                        const Eigen::VectorXd& slip_velocity, const Solution& last) {
   int sweeps = 0;
   for (double change = 1.0, largest = 0.0; sweeps < max_sweeps && change > 1e-13 * largest; ++sweeps) {
-    change = compliance_.dense() ? gauss_seidel_sweep(gap_free, slip_free, slip_velocity, last)
-                                 : jacobi_sweep(gap_free, slip_free, slip_velocity, last);
+    change = compliance_.has_rows() ? gauss_seidel_sweep(gap_free, slip_free, slip_velocity, last)
+                                    : jacobi_sweep(gap_free, slip_free, slip_velocity, last);
     largest = solution_.force.cwiseAbs().maxCoeff();
   }
   states_of_forces();
@@ -26,23 +26,22 @@ int RootProblem::sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& s
 /// One pair after the other; returns the largest change.
 double RootProblem::gauss_seidel_sweep(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                        const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  const Eigen::MatrixXd& compliance = *compliance_.dense();
   auto& x = solution_.force;
   double change = 0.0;
   for (int i = 0; i < pairs_; ++i) {
     const double normal_before = x[i];
-    const double gap = gap_free[i] + compliance.row(i).dot(x) + slack(i) * x[i];
+    const double gap = gap_free[i] + compliance_.row_times(i, x) + slack(i) * x[i];
     x[i] = std::max(0.0, x[i] - gap / alone(i));
     change = std::max(change, std::abs(x[i] - normal_before));
     if (held(i)) continue;
     if (cone_) {
-      for (const int unknown : {pairs_ + i, 2 * pairs_ + i}) motion_[unknown] = compliance.row(unknown).dot(x);
+      for (const int unknown : {pairs_ + i, 2 * pairs_ + i}) motion_[unknown] = compliance_.row_times(unknown, x);
       change = std::max(change, set_along(i, cone_alone(i, slip_free, slip_velocity, last)));
       continue;
     }
     const int t = pairs_ + i;
     const double before = x[t];
-    x[t] = tangential_alone(i, slip_free[i] + compliance.row(t).dot(x), slip_velocity[i], last.force[t]);
+    x[t] = tangential_alone(i, slip_free[i] + compliance_.row_times(t, x), slip_velocity[i], last.force[t]);
     change = std::max(change, std::abs(x[t] - before));
   }
   return change;

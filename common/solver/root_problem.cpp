@@ -42,7 +42,7 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
     const int t = pairs_ + i, b = 2 * pairs_ + i;
     auto& block = block_.emplace_back(Eigen::Matrix2d::Zero());
     block.diagonal() << compliance_.alone(t), compliance_.alone(b);
-    if (compliance_.dense()) block(0, 1) = block(1, 0) = (*compliance_.dense())(t, b);
+    if (compliance_.has_rows()) block(0, 1) = block(1, 0) = compliance_.entry(t, b);
   }
 }
 
@@ -81,7 +81,7 @@ bool RootProblem::held(int pair) const {
 
 void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  if (friction_ && regularised_ && !cone_ && !compliance_.dense()) compliance_.times(solution_.force, motion_);
+  if (friction_ && regularised_ && !cone_ && !compliance_.has_rows()) compliance_.times(solution_.force, motion_);
   if (cone_) find_cone_rows(slip_free, slip_velocity, last);
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
@@ -109,7 +109,7 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
 }
 
 double RootProblem::moved(int unknown) const {
-  return compliance_.dense() ? compliance_.dense()->row(unknown).dot(solution_.force) : motion_[unknown];
+  return compliance_.has_rows() ? compliance_.row_times(unknown, solution_.force) : motion_[unknown];
 }
 
 bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
@@ -154,19 +154,25 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   solution_.iterations = 0;
   find_states(gap_free, slip_free, slip_velocity, last);
   // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
-  if (!solution_.force.allFinite()) solution_.force = last.force;
+  if (!solution_.force.allFinite()) {
+    solution_.force = last.force;
+    compliance_.times(solution_.force, motion_);
+  }
   solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   if (solution_.residual > converged_residual) {
     solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
+    compliance_.times(solution_.force, motion_);
     solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
   }
-  if (solution_.residual > converged_residual && (cone_ || !regularised_) && compliance_.dense()) {
+  if (solution_.residual > converged_residual && compliance_.has_rows() &&
+      (cone_ || (!regularised_ && compliance_.dense()))) {
     const Eigen::VectorXd swept = solution_.force;
     const double of_sweeps = solution_.residual;
     if (cone_) {
       find_states(gap_free, slip_free, slip_velocity, last);
     } else {
       solution_.iterations += lemke(gap_free, slip_free, last);
+      compliance_.times(solution_.force, motion_);
     }
     solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
     if (!(solution_.residual <= of_sweeps)) {
@@ -263,7 +269,6 @@ void RootProblem::states_of_forces() {
 double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                              const Eigen::VectorXd& slip_velocity, const Solution& last) {
   const auto& x = solution_.force;
-  compliance_.times(x, motion_);
   double largest = 0.0;
   for (int i = 0; i < pairs_; ++i) {
     const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];

@@ -24,11 +24,12 @@ namespace ricochet::solver {
 /// lambda, tau = -eta slip, eta >= 0; regularised: tau = -mu lambda tanh(xi |v_t|) v_t/|v_t|.
 ///
 /// States are found by the criteria (17)-(24), starting from those of the last window. With a dense D the matrix of a
-/// set of states is kept factored while the states do not change; with one that only multiplies, BiCGSTAB (van der
-/// Vorst 1992) solves, starting from the forces of the last window. Where states cycle (1 to 16 % of frictional
-/// problems drawn at random), projected Gauss-Seidel goes on (Jacobi without rows of D), which treats both friction
-/// laws; where that does not converge, Lemke's method on the linear complementarity problem that Coulomb friction is in
-/// two dimensions (Lemke 1965; Klarbring 1986), for a dense D. What is left undone stands in Solution::residual.
+/// set of states is kept factored while the states do not change; with one that is sparse or only multiplies, BiCGSTAB
+/// (van der Vorst 1992) solves, starting from the forces of the last window. Where states cycle (1 to 16 % of
+/// frictional problems drawn at random), projected Gauss-Seidel goes on (Jacobi without rows of D), which treats both
+/// friction laws; where that does not converge, Lemke's method on the linear complementarity problem that Coulomb
+/// friction is in two dimensions (Lemke 1965; Klarbring 1986), for a dense D. What is left undone stands in
+/// Solution::residual.
 /// Of solids the criteria are those of tau = P(tau - rho slip), P the projection to the cone's disc: inside it the pair
 /// sticks. The rows of a slipping pair turn with its slip, so that the iteration is a semismooth Newton method (Alart,
 /// Curnier 1991), and the last resort is another start of it from what the sweeps have reached (root_cone.cpp).
@@ -82,6 +83,7 @@ class RootProblem {
     Eigen::Vector2d of_normal, rhs;
   };
   void start_from(const Solution& last);
+  /// Leaves D x of the forces in `motion_`.
   void find_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                    const Eigen::VectorXd& slip_velocity, const Solution& last);
   void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
@@ -107,6 +109,7 @@ class RootProblem {
   /// Number of pivots; leaves the forces alone if it finds none.
   int lemke(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free, const Solution& last);
   void states_of_forces();
+  /// Of the present forces, `motion_` = D x.
   [[nodiscard]] double residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                 const Eigen::VectorXd& slip_velocity, const Solution& last);
   /// Tangential force of a pair if its normal force and all other forces were right. `slip`: with the present forces.

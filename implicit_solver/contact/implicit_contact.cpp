@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -21,10 +22,10 @@ using solver::RowEntry;
 using solver::Side;
 
 namespace {
-/// Rows written by a mortar have many degrees of freedom each: too many for the root, while the compliance of the rows
-/// themselves is small. Its columns, a solve each, are worth it after a tenth as many windows, since a window without
-/// them takes some ten products.
-constexpr Eigen::Index most_columns = 800;
+/// Solves that set-up may take, so that no window needs any for the contact problem: worth it after a tenth as many
+/// windows, since a window without them takes some ten. Rows written by a mortar have many degrees of freedom each, too
+/// many for the root, while the compliance of the rows themselves may be small enough for a solve each.
+constexpr int most_solves = 800;
 }  // namespace
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
@@ -138,23 +139,41 @@ void ImplicitContact::set_massless_velocity(const Eigen::VectorXd& increment, Ei
 }
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
+  const Eigen::MatrixXd rows = gather();
+  const Eigen::MatrixXd dense = (kappa() * 0.25 * dt * dt) * (rows * root_inverse * rows.transpose());
+  if (sliding_) root_inverse_ = root_inverse;
+  start(dense, dt);
+}
+
+/// G: the rows of all pairs, over the root dofs.
+solver::Compliance::Sparse ImplicitContact::gather() const {
   const auto n = static_cast<Eigen::Index>(surface_.pairs.size());
-  Eigen::MatrixXd gather = Eigen::MatrixXd::Zero(directions() * n, static_cast<Eigen::Index>(root_dofs_.size()));  // G
+  std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index d = 0; d < directions(); ++d) {
       const auto& row = row_of(surface_.pairs[static_cast<std::size_t>(i)], static_cast<Direction>(d));
       for (const auto& e : row.entries) {
         const int column = root_of_dof_[static_cast<std::size_t>(combined(e))];
-        if (column >= 0) gather(d * n + i, column) = e.coefficient;
+        if (column >= 0) entries.emplace_back(static_cast<int>(d * n + i), column, e.coefficient);
       }
     }
   }
-  const Eigen::MatrixXd dense = (kappa() * 0.25 * dt * dt) * (gather * root_inverse * gather.transpose());
-  if (sliding_) root_inverse_ = root_inverse;
-  start(dense, dt);
+  solver::Compliance::Sparse rows(directions() * n, static_cast<Eigen::Index>(root_dofs_.size()));
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
 }
 
 void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
+  dt_ = dt;
+  const auto size = static_cast<int>(directions()) * static_cast<int>(surface_.pairs.size());
+  const bool columns = !sliding_ && size <= most_solves;
+  auto inverse = near_inverse(root_nodes(states), columns ? size : most_solves, solve);
+  if (inverse) {
+    near_inverse_ = std::move(*inverse);
+    start(compliance_of_rows(), dt);
+    if (!sliding_) near_inverse_ = {};
+    return;
+  }
   const double scale = kappa() * 0.25 * dt * dt;
   product_ = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
                  const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
@@ -163,13 +182,28 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
     solve(forces, motion);
     motion_of_pairs(motion, y);
   };
-  dt_ = dt;
-  const auto size = directions() * static_cast<Eigen::Index>(surface_.pairs.size());
-  if (!sliding_ && size <= most_columns) {
+  if (columns) {
     start(columns_of_products(size), dt);
   } else {
     start({product_, bound_of_couplings(states)}, dt);
   }
+}
+
+/// The nodes of the root dofs.
+std::vector<NearNode> ImplicitContact::root_nodes(const std::vector<BodyState>& states) const {
+  std::map<std::pair<int, int>, NearNode> nodes;
+  for (std::size_t i = 0; i < root_dofs_.size(); ++i) {
+    int part = static_cast<int>(offsets_.size()) - 1;
+    while (root_dofs_[i] < offsets_[static_cast<std::size_t>(part)]) --part;
+    const int node = (root_dofs_[i] - offsets_[static_cast<std::size_t>(part)]) / surface_.components;
+    const auto& positions = states[static_cast<std::size_t>(part)].part.mesh.position;
+    NearNode& found =
+        nodes.try_emplace({part, node}, NearNode{positions[static_cast<std::size_t>(node)], part, {}}).first->second;
+    found.dofs.push_back(static_cast<int>(i));
+  }
+  std::vector<NearNode> listed;
+  for (auto& [key, node] : nodes) listed.push_back(std::move(node));
+  return listed;
 }
 
 Eigen::MatrixXd ImplicitContact::columns_of_products(Eigen::Index size) const {

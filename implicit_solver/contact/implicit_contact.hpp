@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "common/solver/massless_nodes.hpp"
 #include "common/solver/root_problem.hpp"
 #include "common/solver/sliding_rows.hpp"
+#include "implicit_solver/contact/near_inverse.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -43,8 +43,7 @@ class ImplicitContact {
   [[nodiscard]] const std::vector<int>& root_dofs() const { return root_dofs_; }
   /// Sets up the root problem from S^-1 on the root dofs.
   void prepare(const Eigen::MatrixXd& root_inverse, double dt);
-  /// The same where that would be too large: S^-1 of forces on the root dofs is found when it is asked for.
-  using SolveFor = std::function<void(const Eigen::VectorXd& forces, Eigen::VectorXd& motion)>;
+  /// The same where S^-1 would be too large for a dense matrix. `solve`: S^-1 of forces on the root dofs.
   void prepare(const std::vector<solver::BodyState>& states, SolveFor solve, double dt);
 
   /// kappa of the class comment.
@@ -178,7 +177,9 @@ class ImplicitContact {
   /// The compliance of few rows whose many degrees of freedom are not in the root.
   [[nodiscard]] Eigen::MatrixXd columns_of_products(Eigen::Index size) const;
   [[nodiscard]] Eigen::VectorXd bound_of_couplings(const std::vector<solver::BodyState>& states) const;
-  [[nodiscard]] Eigen::MatrixXd compliance_of_rows() const;
+  [[nodiscard]] std::vector<NearNode> root_nodes(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] solver::Compliance::Sparse gather() const;
+  [[nodiscard]] solver::Compliance compliance_of_rows() const;
   void follow(const std::vector<solver::BodyState>& states);
   void take_new_pairs(const std::vector<solver::BodyState>& states);
   [[nodiscard]] solver::PairForce trial_memory(std::size_t pair) const;
@@ -222,7 +223,8 @@ class ImplicitContact {
   /// them.
   std::vector<solver::Pair> old_pairs_;
   std::vector<solver::PairForce> old_remembered_;
-  Eigen::MatrixXd root_inverse_;                                           ///< kept where bodies slide
+  Eigen::MatrixXd root_inverse_;  ///< this or the next, kept where bodies slide
+  solver::Compliance::Sparse near_inverse_;
   std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> product_;  ///< by the compliance, where it is not dense
   /// Per pair, along normal, tangent and binormal, for A and B: sum of the squared coefficients of the degrees of
   /// freedom that no support holds; 1 for a node that is free.

@@ -45,7 +45,13 @@ void ImplicitContact::take_new_pairs(const std::vector<BodyState>& states) {
 }
 
 /// kappa dt^2/4 G S^-1 G^T, with the few entries that a row has.
-Eigen::MatrixXd ImplicitContact::compliance_of_rows() const {
+solver::Compliance ImplicitContact::compliance_of_rows() const {
+  if (near_inverse_.size() > 0) {
+    const solver::Compliance::Sparse rows = gather();
+    solver::Compliance::Sparse compliance = rows * near_inverse_ * solver::Compliance::Sparse(rows.transpose());
+    compliance *= kappa() * 0.25 * dt_ * dt_;
+    return compliance;
+  }
   struct Entry {
     Eigen::Index root;
     double coefficient;

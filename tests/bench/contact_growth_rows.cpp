@@ -10,19 +10,23 @@ namespace ricochet::bench {
 namespace {
 
 constexpr int least = 401, factor = 4;
+constexpr int pairs_of_window[] = {1001, 10001};
+/// Wide enough that the cylinders do not touch in twenty windows [m].
+constexpr double apart_m = 1e-4;
 
 /// `pairs` - 1 elements across, 20 of 50 um along each body, of which 6 are implicit.
-std::string cylinders(int pairs) {
+std::string cylinders(int pairs, double gap_m) {
   constexpr const char* text = R"(model = "axisymmetric"
 [[body]]
 name = "steel"
 material = {{ youngs_modulus_pa = 207e9, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }}
-mesh = {{ start_m = -0.001, length_m = 0.001, radius_m = {0}, elements = [{1}, 20] }}
-initial_velocity_m_s = [0.0, 30.0]
+mesh = {{ start_m = {2}, length_m = 0.001, radius_m = {0}, elements = [{1}, 20] }}
+initial_velocity_m_s = [0.0, 15.0]
 [[body]]
 name = "carbide"
 material = {{ youngs_modulus_pa = 626.8e9, poisson_ratio = 0.207, density_kg_m3 = 14900.0 }}
 mesh = {{ length_m = 0.001, radius_m = {0}, elements = [{1}, 20] }}
+initial_velocity_m_s = [0.0, -15.0]
 [contact]
 surfaces = ["steel.end", "carbide.start"]
 friction_coefficient = 0.3
@@ -32,17 +36,19 @@ implicit_length_m = {{ steel = 0.0003, carbide = 0.0003 }}
 step_s = 4e-9
 end_s = 80e-9
 )";
-  return fmt::format(fmt::runtime(text), 5e-5 * (pairs - 1), pairs - 1);
+  return fmt::format(fmt::runtime(text), 5e-5 * (pairs - 1), pairs - 1, -1e-3 - gap_m);
+}
+
+SceneRun run_cylinders(const std::string& folder, int pairs, double gap_m) {
+  const std::string scene = fmt::format("{}/cylinders_{}.toml", folder, pairs);
+  write_atomically(scene, cylinders(pairs, gap_m));
+  return run_scene(scene, 1, folder + "/run");
 }
 
 }  // namespace
 
 void ContactGrowth::repeat() {
-  for (const int pairs : {least, factor * least}) {
-    const std::string scene = fmt::format("{}/cylinders_{}.toml", folder_, pairs);
-    write_atomically(scene, cylinders(pairs));
-    runs_[pairs].push_back(run_scene(scene, 1, folder_ + "/run"));
-  }
+  for (const int pairs : {least, factor * least}) runs_[pairs].push_back(run_cylinders(folder_, pairs, 0.0));
 }
 
 std::vector<Row> ContactGrowth::rows() const {
@@ -56,6 +62,21 @@ std::vector<Row> ContactGrowth::rows() const {
     exponents.push_back(std::log(ratio) / std::log(factor));
   return {{fmt::format("set-up and 20 windows, power of the contact pairs from {} on", least),
            fmt::format("{} pairs", factor * least), exponents, Level{true, 1.5}}};
+}
+
+void ContactWindows::repeat() {
+  for (const int pairs : pairs_of_window) {
+    const double with_contact_s = run_cylinders(folder_, pairs, 0.0).window_s;
+    ratios_[pairs].push_back(with_contact_s / run_cylinders(folder_, pairs, apart_m).window_s);
+  }
+}
+
+std::vector<Row> ContactWindows::rows() const {
+  std::vector<Row> rows;
+  for (const int pairs : pairs_of_window)
+    rows.push_back(
+        {"window with contact / without", fmt::format("{} pairs", pairs), ratios_.at(pairs), Level{true, 2.0}});
+  return rows;
 }
 
 }  // namespace ricochet::bench

@@ -22,4 +22,16 @@ class ContactGrowth {
   std::map<int, std::vector<SceneRun>> runs_;  ///< by pairs
 };
 
+/// What a window takes while all pairs of such cylinders touch, over what it takes before they do.
+class ContactWindows {
+ public:
+  explicit ContactWindows(std::string folder) : folder_(std::move(folder)) {}
+  void repeat();
+  [[nodiscard]] std::vector<Row> rows() const;
+
+ private:
+  std::string folder_;
+  std::map<int, std::vector<double>> ratios_;  ///< by pairs
+};
+
 }  // namespace ricochet::bench

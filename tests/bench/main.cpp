@@ -33,8 +33,9 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes", "busy",       "set-up",  "striker", "contact", "memory",  "exchange",
-                                   "flood",  "checkpoint", "threads", "ranks",   "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes",          "busy",   "set-up",   "striker", "contact",
+                                   "contact-windows", "memory", "exchange", "flood",   "checkpoint",
+                                   "threads",         "ranks",  "kernels",  "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -75,6 +76,7 @@ class Measurements {
     if (options.wants("set-up")) set_ups_.emplace(folder_);
     if (options.wants("striker")) striker_.emplace(folder_);
     if (options.wants("contact")) contacts_.emplace(folder_);
+    if (options.wants("contact-windows")) contact_windows_.emplace(folder_);
     if (options.wants("memory")) memory_.emplace(folder_);
     if (options.wants("exchange")) exchanges_.emplace(folder_);
     if (options.wants("flood")) floods_.emplace(folder_, options.steps);
@@ -89,6 +91,7 @@ class Measurements {
     if (set_ups_) set_ups_->repeat();
     if (striker_) striker_->repeat();
     if (contacts_) contacts_->repeat();
+    if (contact_windows_) contact_windows_->repeat();
     if (memory_) memory_->repeat();
     if (exchanges_) exchanges_->repeat();
     if (floods_) floods_->repeat();
@@ -105,6 +108,7 @@ class Measurements {
     if (set_ups_) add(set_ups_->rows());
     if (striker_) add(striker_->rows());
     if (contacts_) add(contacts_->rows());
+    if (contact_windows_) add(contact_windows_->rows());
     if (memory_) add(memory_->rows());
     if (exchanges_) add(exchanges_->rows());
     if (floods_) add(floods_->rows());
@@ -134,6 +138,7 @@ class Measurements {
   std::optional<SetUps> set_ups_;
   std::optional<RoundedStriker> striker_;
   std::optional<ContactGrowth> contacts_;
+  std::optional<ContactWindows> contact_windows_;
   std::optional<Memory> memory_;
   std::optional<Exchanges> exchanges_;
   std::optional<Floods> floods_;

@@ -42,7 +42,7 @@ test::Outcome bench(std::vector<std::string> arguments, const test::TemporaryFol
   return test::run_command(arguments, folder.path().string(), 300.0);
 }
 
-/// All but `memory` and `set-up`, which have one size and take a minute.
+/// All but `memory`, `set-up` and `contact-windows`, which have one size and take a minute.
 TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
   const test::TemporaryFolder folder;
   const auto outcome = bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",

@@ -54,6 +54,47 @@ TEST(ImplicitCone, HoldsOrSlipsByTheImpulseOfEachPairAlone) {
   }
 }
 
+/// Forces move nodes near them, too: half as far an edge away.
+TEST(ImplicitCone, HasTheForcesOfADenseInverseWithoutASolveAWindow) {
+  for (const bool shared : {false, true}) {
+    auto blocks = meeting_blocks("friction_coefficient = 0.3\n");
+    if (shared) blocks.share_nodes();
+    BlockTrial dense(blocks), near(blocks);
+    const auto& root = dense.contact->root_dofs();
+    const auto size = static_cast<Eigen::Index>(root.size());
+    const int second = blocks.states[0].part.dofs();
+    const double edge_m = std::sqrt(blocks.surface.pairs[4].area_m2);
+    const auto position = [&](int dof) {
+      const auto& part = blocks.states[dof < second ? 0 : 1].part;
+      return part.mesh.position[static_cast<std::size_t>((dof % second) / 3)];
+    };
+    const auto entry = [&](Eigen::Index i, Eigen::Index j) {
+      const int a = root[static_cast<std::size_t>(i)], b = root[static_cast<std::size_t>(j)];
+      if ((a < second) != (b < second) || a % 3 != b % 3) return 0.0;
+      const double edges_apart = (position(a) - position(b)).norm() / edge_m;
+      return std::pow(0.5, edges_apart) / std::sqrt(dense.mass[a] * dense.mass[b]);
+    };
+    const Eigen::MatrixXd inverse = Eigen::MatrixXd::NullaryExpr(size, size, entry);
+    int solves = 0;
+    dense.contact->prepare(inverse, BlockTrial::dt);
+    near.contact->prepare(
+        blocks.states,
+        [&](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
+          ++solves;
+          motion = inverse * forces;
+        },
+        BlockTrial::dt);
+    const int at_start = solves;
+    EXPECT_GT(at_start, 0);
+    dense.contact->solve(blocks.states, dense.increment);
+    near.contact->solve(blocks.states, near.increment);
+    const auto& expected = dense.contact->root_force();
+    EXPECT_GT(expected.norm(), 0.0);
+    EXPECT_LT((near.contact->root_force() - expected).norm(), 1e-10 * expected.norm()) << shared;
+    EXPECT_EQ(solves, at_start);
+  }
+}
+
 TEST(ImplicitCone, HoldsForPairsThatShareNodes) {
   for (const double mu : {0.1, 0.2, 0.6}) {
     auto blocks = meeting_blocks("friction_coefficient = " + std::to_string(mu) + "\n");

@@ -167,7 +167,7 @@ TEST(RootCone, PenaltySpringsRememberBothDirections) {
   EXPECT_NEAR(slipping.force.tail<2>().norm(), 0.4 * slipping.force[0], 1e-14);
 }
 
-TEST(RootCone, ByProductsAloneSolvesWhatADenseComplianceSolves) {
+TEST(RootCone, ByProductsOrSparseSolvesWhatADenseComplianceSolves) {
   std::mt19937 random(12);
   for (const bool penalty : {false, true}) {
     for (const bool regularised : {false, true}) {
@@ -182,19 +182,24 @@ TEST(RootCone, ByProductsAloneSolvesWhatADenseComplianceSolves) {
         const Eigen::MatrixXd& dense = shape.compliance;
         const auto times = [&dense](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y.noalias() = dense * x; };
         test::UniformRoot root(law, dense, shape.areas(), 1.0),
-            by_products(law, Compliance(times, dense.cwiseAbs().rowwise().sum()), shape.areas(), 1.0);
+            by_products(law, Compliance(times, dense.cwiseAbs().rowwise().sum()), shape.areas(), 1.0),
+            sparse(law, Compliance::Sparse(dense.sparseView()), shape.areas(), 1.0);
         auto last = root.open();
         for (int window = 0; window < 3; ++window) {
           const ConeProblem p(n, 0.0, 1.0, random);
           const auto expected = root.solve(p.gap_free, p.slip_free, p.slip_velocity, last);
-          const auto& found = by_products.solve(p.gap_free, p.slip_free, p.slip_velocity, last);
-          EXPECT_LT((found.force - expected.force).norm(), 1e-9 * (1.0 + expected.force.norm())) << trial;
-          EXPECT_EQ(found.states, expected.states) << trial;
-          EXPECT_LT(found.residual, 1e-10);
+          for (auto* other : {&by_products, &sparse}) {
+            const auto& found = other->solve(p.gap_free, p.slip_free, p.slip_velocity, last);
+            EXPECT_LT((found.force - expected.force).norm(), 1e-9 * (1.0 + expected.force.norm())) << trial;
+            EXPECT_EQ(found.states, expected.states) << trial;
+            EXPECT_LT(found.residual, 1e-10);
+          }
           last = expected;
         }
         const Eigen::VectorXd held = root.hold(shape.gap_free, shape.slip_free).force;
-        EXPECT_LT((by_products.hold(shape.gap_free, shape.slip_free).force - held).norm(), 1e-9 * (1.0 + held.norm()));
+        for (auto* other : {&by_products, &sparse}) {
+          EXPECT_LT((other->hold(shape.gap_free, shape.slip_free).force - held).norm(), 1e-9 * (1.0 + held.norm()));
+        }
       }
     }
   }

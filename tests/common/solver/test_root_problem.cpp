@@ -302,6 +302,74 @@ TEST(RootProblem, ByProductsAloneSolvesWhatADenseComplianceSolves) {
   }
 }
 
+/// A compliance of pairs in a row, of which those far from each other hardly move each other.
+Eigen::MatrixXd near_compliance(int pairs) {
+  Eigen::MatrixXd d(2 * pairs, 2 * pairs);
+  for (int i = 0; i < pairs; ++i) {
+    for (int j = 0; j < pairs; ++j) {
+      const double falls = std::pow(0.06, std::abs(i - j)), across = i == j ? 0.0 : i < j ? 0.2 : -0.2;
+      d(i, j) = falls;
+      d(pairs + i, pairs + j) = 1.3 * falls;
+      d(i, pairs + j) = across * falls;
+      d(pairs + j, i) = across * falls;
+    }
+  }
+  return d;
+}
+
+/// The same matrix, once kept dense and factored, once sparse and solved by its products.
+TEST(RootProblem, SparseComplianceGivesTheForcesOfTheDenseOne) {
+  std::mt19937 random(5);
+  const int n = 60;
+  Eigen::MatrixXd dense = near_compliance(n);
+  dense.row(n).setZero();  // a pair on the axis has no force along it
+  dense.col(n).setZero();
+  for (const bool penalty : {false, true}) {
+    for (const bool regularised : {false, true}) {
+      auto law = frictional(0.3);
+      if (penalty) law.enforcement = scene::Enforcement::penalty;
+      law.penalty_pa_m = 2.0;
+      if (regularised) law.friction_law = scene::FrictionLaw::regularised;
+      law.friction_regularisation_s_m = 0.5;
+      const std::vector<double> area(static_cast<std::size_t>(n), 1.0);
+      test::UniformRoot root(law, dense, area, 1.0), sparse(law, Compliance::Sparse(dense.sparseView()), area, 1.0);
+      auto last = root.open();
+      for (int window = 0; window < 10; ++window) {
+        const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random),
+                              rate = random_vector(n, random);
+        const auto expected = root.solve(gap, slip, rate, last);
+        const auto& found = sparse.solve(gap, slip, rate, last);
+        EXPECT_LT((found.force - expected.force).norm(), (regularised ? 1e-10 : 1e-12) * expected.force.norm());
+        EXPECT_EQ(found.states, expected.states);
+        EXPECT_EQ(found.force[n], 0.0);
+        last = expected;
+      }
+      const Eigen::VectorXd gap = random_vector(n, random), slip = random_vector(n, random);
+      const Eigen::VectorXd held = root.hold(gap, slip).force;
+      EXPECT_LT((sparse.hold(gap, slip).force - held).norm(), 1e-12 * held.norm());
+    }
+  }
+}
+
+/// Its rows are had, so that one pair after the other is gone through.
+TEST(RootProblem, SparseComplianceSweepsWhereStatesCycle) {
+  std::mt19937 random(3);
+  int cycled = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 2 + trial % 8;
+    const Eigen::MatrixXd dense = 1e-9 * random_compliance(2 * n, random);
+    test::UniformRoot root(frictional(0.3), Compliance::Sparse(dense.sparseView()),
+                           std::vector<double>(static_cast<std::size_t>(n), 1.0), 1e-3);
+    const Eigen::VectorXd gap_free = 1e-6 * random_vector(n, random), slip_free = 1e-6 * random_vector(n, random);
+    if (gap_free.minCoeff() > 0.0) continue;
+    const auto& solution = root.solve(gap_free, slip_free, Eigen::VectorXd::Zero(n), root.open());
+    if (solution.iterations <= 30) continue;
+    ++cycled;
+    EXPECT_LT(solution.residual, 1e-10) << trial;
+  }
+  EXPECT_GT(cycled, 0) << "else this test shows nothing";
+}
+
 /// What is left where states cycle; without rows of the compliance there is no Lemke.
 TEST(RootProblem, ByProductsAloneSweepsWhereStatesCycle) {
   std::mt19937 random(3);
