@@ -16,32 +16,39 @@ namespace {
 
 using fem::at;
 
-/// Of the machine on which docs/speed.md was measured [s].
-constexpr double reference_product_s = 6.0e-6;  // K u of the patch below
-constexpr double step_s = 2.5e-6;               // of an explicit participant, apart from its unknowns
-constexpr double step_of_unknown_s = 1.3e-9;    // of an explicit step, apart from K u
-constexpr double solve_of_unknown_s = 3.8e-9;   // of an implicit window, apart from the factor
-constexpr double entry_in_cache_s = 0.68e-9;    // of the factor, in a solve
-constexpr double entry_in_memory_s = 1.7e-9;
-constexpr double cache_entries = 2.5e6, memory_entries = 6.5e6;  // of factors that are in the cache, and out of it
-constexpr double explicit_row_of_unknown_s = 1.2e-9, implicit_row_of_unknown_s = 2.2e-9;  // of a row of history.csv
-constexpr double window_of_coupler_s = 3.0e-6;                                            // with a row of history.csv
-constexpr double exchange_s = 12.0e-6, exchange_of_value_s = 10e-9;                       // of a hybrid, both ways
-constexpr double field_of_element_s = 0.85e-6;                                            // of a VTU file
+/// Of the machine on which docs/speed.md was measured [s]: `./ricochet bench` and runs of the shipped scenes.
+constexpr double reference_product_s = 6.0e-6;  // K u of the patch of measure_speed
+// Of participants, a window or (explicit) a step:
+constexpr double explicit_s = 1.2e-6, implicit_s = 2.0e-6;
+constexpr double explicit_unknown_s = 1.3e-9;  // apart from K u
+constexpr double implicit_unknown_s = 8e-9;    // apart from the factor
+// Of entries of the factor in a solve, where all of it is in the processor's cache and where none of it is:
+constexpr double cached_entry_s = 0.53e-9, entry_s = 1.7e-9, cached_entries = 2.5e6, uncached_entries = 6.5e6;
 constexpr double root_entry_s = 0.35e-9;  // of the dense inverse of the root, in a solve
-constexpr double overlap =
-    0.5;  // share of the shorter of explicit and implicit window that is computed beside the longer
+// Of a contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.
+constexpr double implicit_pair_s = 0.3e-6, explicit_pair_s = 0.12e-6, explicit_pair_entry_s = 13e-9;
+// Of output:
+constexpr double explicit_row_unknown_s = 1.2e-9, implicit_row_unknown_s = 2.2e-9;  // of a row of history.csv
+constexpr double field_element_s = 0.85e-6;                                         // of a file of fields
+// Of the coupler, a window, and of what is exchanged with a value of the interface:
+constexpr double coupler_s = 3.0e-6, exchange_s = 4.0e-6, exchange_value_s = 6e-9;
+/// Share of the shorter of explicit and implicit window that is computed beside the longer.
+constexpr double overlap = 0.7;
 constexpr double bytes_of_entry = 17.0;  // of the factor: CHOLMOD's and ours are there at once
 
 constexpr int sample_elements = 8000;
 
+/// Of as many tries as some milliseconds allow, five at least.
 template <class Work>
-double least_time_s(int repeats, const Work& work) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < repeats; ++i) {
+double least_time_s(const Work& work) {
+  constexpr double enough_s = 3e-3;
+  double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+  for (int tries = 0; tries < 5 || sum < enough_s; ++tries) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    least = std::min(least, time_s);
+    sum += time_s;
   }
   return least;
 }
@@ -51,10 +58,9 @@ struct Product {
   double time_s = 0.0, rows = 0.0;
 };
 Product time_product(const fem::Part& part) {
-  constexpr int repeats = 5;
   const fem::StiffnessProduct product(part.stiffness, fem::components(part.mesh.model));
   Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(part.dofs(), 0.0, 1.0), force = Eigen::VectorXd::Zero(part.dofs());
-  return {least_time_s(repeats, [&] { product.multiply(u, force); }), static_cast<double>(part.dofs())};
+  return {least_time_s([&] { product.multiply(u, force); }), static_cast<double>(part.dofs())};
 }
 
 /// The elements of a body that a participant owns, or all of them.
@@ -86,8 +92,8 @@ double product_s(const Share& share) {
 }
 
 double solve_of_entries_s(double entries) {
-  const double in_memory = std::clamp((entries - cache_entries) / (memory_entries - cache_entries), 0.0, 1.0);
-  return entries * ((1.0 - in_memory) * entry_in_cache_s + in_memory * entry_in_memory_s);
+  const double in_memory = std::clamp((entries - cached_entries) / (uncached_entries - cached_entries), 0.0, 1.0);
+  return entries * ((1.0 - in_memory) * cached_entry_s + in_memory * entry_s);
 }
 
 /// What moves a body from the start on: contact, interface, loads, prescribed motion.
@@ -119,38 +125,51 @@ class Predictor {
  public:
   Predictor(const scene::Problem& problem, double slowness) : problem_(problem), slowness_(slowness) {}
 
-  /// `steps` of a run, of which a window has `steps_of_window` [s].
-  [[nodiscard]] double explicit_window_s(const std::vector<Share>& shares, double steps, double steps_of_window) const {
-    double of_step = slowness_ * step_s, of_window = 0.0;
+  /// `steps` of a run, of which a window has `steps_of_window`; with the contact or without [s].
+  [[nodiscard]] double explicit_window_s(const std::vector<Share>& shares, double steps, double steps_of_window,
+                                         bool contact) const {
+    double of_step = slowness_ * explicit_s, of_window = 0.0;
     for (const Share& share : shares) {
       const int index = static_cast<int>(share.body - problem_.bodies.data());
       const double reached = moves_everywhere(problem_.scene.bodies[at(index)])
                                  ? 1.0
                                  : reached_share(share.graph, driven_nodes(problem_, index), steps);
-      of_step += reached * product_s(share) + slowness_ * step_of_unknown_s * share.unknowns();
-      of_window += output_s(share, explicit_row_of_unknown_s);
+      of_step += reached * product_s(share) + slowness_ * explicit_unknown_s * share.unknowns();
+      of_window += output_s(share, explicit_row_unknown_s);
     }
+    if (contact) of_step += slowness_ * explicit_contact_s();
     return steps_of_window * of_step + of_window;
   }
 
   /// `interface`: unknowns shared with others.
   [[nodiscard]] double implicit_window_s(const std::vector<Share>& shares, double entries, double interface) const {
-    double of_window = slowness_ * step_s, roots = interface;
+    double of_window = slowness_ * implicit_s, roots = interface;
     for (const Share& share : shares)
-      of_window += slowness_ * solve_of_unknown_s * share.unknowns() + output_s(share, implicit_row_of_unknown_s);
+      of_window += slowness_ * implicit_unknown_s * share.unknowns() + output_s(share, implicit_row_unknown_s);
     for (int body = 0; body < static_cast<int>(problem_.bodies.size()); ++body)
       roots += static_cast<double>(scene::contact_nodes(problem_.contacts, body).size()) * problem_.scene.components();
     const double solve_s = solve_of_entries_s(entries);
+    for (const auto& contact : problem_.contacts)
+      of_window += slowness_ * implicit_pair_s * static_cast<double>(contact.pairs.size());
     // A root whose dense inverse costs more is none (NewmarkWindow).
     return of_window + slowness_ * (solve_s + std::min(solve_s, root_entry_s * roots * roots));
   }
 
  private:
+  [[nodiscard]] double explicit_contact_s() const {
+    const double block = problem_.scene.components() * problem_.scene.components();
+    double time_s = 0.0;
+    for (const auto& contact : problem_.contacts)
+      for (const auto& pair : contact.pairs)
+        time_s += explicit_pair_s + explicit_pair_entry_s * block * static_cast<double>(1 + pair.b.size());
+    return time_s;
+  }
+
   /// Rows of history and files of fields, spread over the windows [s].
-  [[nodiscard]] double output_s(const Share& share, double row_of_unknown_s) const {
+  [[nodiscard]] double output_s(const Share& share, double row_unknown_s) const {
     const auto& output = problem_.scene.output;
-    double time_s = row_of_unknown_s * share.unknowns() / output.history_every;
-    if (output.fields_every > 0) time_s += field_of_element_s * share.elements() / output.fields_every;
+    double time_s = row_unknown_s * share.unknowns() / output.history_every;
+    if (output.fields_every > 0) time_s += field_element_s * share.elements() / output.fields_every;
     return slowness_ * time_s;
   }
 
@@ -198,7 +217,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
                            const MachineSpeed& speed) {
   const auto& scene = problem.scene;
   const double slowness = speed.slowness;
-  const double coupler_s = slowness * window_of_coupler_s / scene.output.history_every;
+  const double of_coupler_s = slowness * coupler_s / scene.output.history_every;
   const Predictor predictor(problem, slowness);
   PredictedCost cost;
   cost.windows = std::ceil(end_s / problem.window_size_s - 1e-9);
@@ -215,21 +234,22 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       window_s = predictor.implicit_window_s(shares, entries, interface);
     } else {
       const double substeps = scene.coupling.substeps;
-      window_s = predictor.explicit_window_s(shares, substeps * cost.windows, substeps);
+      window_s =
+          predictor.explicit_window_s(shares, substeps * cost.windows, substeps, !scene.coupling.protocol.coupled());
     }
     cost.participants.push_back({spec.name, window_s});
     together_s += window_s;
     longest_s = std::max(longest_s, window_s);
     shared += interface;
   }
-  cost.window_s = coupler_s + together_s;
+  cost.window_s = of_coupler_s + together_s;
   if (scene.coupling.protocol.coupled()) {
     const double at_once = speed.processors > 1 ? overlap * (together_s - longest_s) : 0.0;
-    cost.window_s += slowness * (exchange_s + exchange_of_value_s * shared) - at_once;
+    cost.window_s += slowness * (exchange_s + exchange_value_s * shared) - at_once;
   }
 
   const auto whole = whole_bodies(problem);
-  cost.all_implicit_s = cost.windows * (coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
+  cost.all_implicit_s = cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
   double critical_s = std::numeric_limits<double>::infinity();
   for (const auto& share : whole)
     critical_s =
@@ -237,7 +257,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   cost.all_explicit_step_s =
       std::min(problem.window_size_s / scene.coupling.substeps, scene.time.safety_factor * critical_s);
   const double steps = std::ceil(end_s / cost.all_explicit_step_s);
-  cost.all_explicit_s = steps * (coupler_s + predictor.explicit_window_s(whole, steps, 1.0));
+  cost.all_explicit_s = steps * (of_coupler_s + predictor.explicit_window_s(whole, steps, 1.0, true));
   return cost;
 }
 
