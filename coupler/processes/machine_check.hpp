@@ -9,8 +9,8 @@
 namespace ricochet::coupler {
 
 /// Main memory that a run of the scene takes, all processes of this machine together [bytes], without the factors of
-/// implicit participants; an estimate by the number of nodes, which of a Gmsh mesh that is not read yet follows from the
-/// size of its file.
+/// implicit participants; an estimate by the number of nodes, which of a Gmsh mesh that is not read yet follows from
+/// the size of its file.
 [[nodiscard]] double memory_need_bytes(const scene::Scene& scene);
 [[nodiscard]] double memory_need_bytes(const scene::Problem& problem);
 /// What there is [bytes]: free or easily freed memory, or the limit of this process if that is less.

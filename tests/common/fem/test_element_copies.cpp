@@ -1,6 +1,6 @@
-#include "common/fem/element_copies.hpp"
-
 #include <gtest/gtest.h>
+
+#include "common/fem/element_copies.hpp"
 
 namespace ricochet::fem {
 namespace {
