@@ -130,14 +130,14 @@ void RootProblem::cone_right_hand_side() {
 
 void RootProblem::assemble_cone(int pair) {
   const auto& rows = cone_rows_[static_cast<std::size_t>(pair)];
-  const Eigen::MatrixXd& compliance = *compliance_.dense();
   const int unknown[] = {pairs_ + pair, 2 * pairs_ + pair};
   for (int k = 0; k < 2; ++k) {
-    auto row = matrix_.row(place(unknown[k]));
-    row =
-        rows.of_slip(k, 0) * compliance(unknown[0], involved_) + rows.of_slip(k, 1) * compliance(unknown[1], involved_);
-    for (int l = 0; l < 2; ++l) row[place(unknown[l])] += rows.own(k, l);
-    row[place(pair)] += rows.of_normal[k];
+    const int row = place(unknown[k]);
+    for (int l = 0; l < 2; ++l) {
+      add_compliance(row, rows.of_slip(k, l), unknown[l]);
+      matrix_(row, place(unknown[l])) += rows.own(k, l);
+    }
+    matrix_(row, place(pair)) += rows.of_normal[k];
   }
 }
 

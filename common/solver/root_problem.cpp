@@ -36,6 +36,7 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::
       slip_slope_(Eigen::VectorXd::Zero(pairs_)),
       cone_slope_(Eigen::VectorXd::Zero(pairs_)),
       solution_(open()) {
+  involved_.reserve(place_.size());
   if (!cone_) return;
   cone_rows_.resize(pair_laws_.size());
   for (int i = 0; i < pairs_; ++i) {

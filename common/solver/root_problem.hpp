@@ -89,6 +89,7 @@ class RootProblem {
   void solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                     const Eigen::VectorXd& slip_velocity, const Solution& last);
   void find_involved();
+  void add_compliance(int row, double factor, int unknown);
   void assemble();
   void assemble_cone(int pair);
   void times_cone(int pair, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
@@ -148,6 +149,7 @@ class RootProblem {
   Compliance compliance_;
   std::vector<int> involved_, place_;  ///< unknowns that `matrix_` has; of every unknown its place there, or -1
   Eigen::MatrixXd matrix_;
+  Eigen::VectorXd involved_rhs_, involved_force_;
   std::vector<PairState> states_, factored_states_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::VectorXd rhs_, motion_, before_;

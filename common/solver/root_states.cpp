@@ -74,18 +74,30 @@ void RootProblem::find_involved() {
   }
 }
 
+/// matrix_(row, .) += factor D(unknown, .) of the involved unknowns.
+void RootProblem::add_compliance(int row, double factor, int unknown) {
+  const Eigen::MatrixXd& compliance = *compliance_.dense();
+  for (std::size_t column = 0; column < involved_.size(); ++column)
+    matrix_(row, static_cast<Eigen::Index>(column)) += factor * compliance(unknown, involved_[column]);
+}
+
 /// Rows of the present states, of the involved unknowns: a ball that touches with thirty of two hundred pairs has a
-/// matrix of thirty. Rows of compliances [m/N] are divided by what their unknown moves alone, so that they and the rows
+/// matrix of thirty. It is filled up with identity rows to a multiple of thirty-two, so that few changes of state ask
+/// for memory. Rows of compliances [m/N] are divided by what their unknown moves alone, so that they and the rows
 /// of forces [N] are of one size.
 void RootProblem::assemble() {
-  const Eigen::MatrixXd& compliance = *compliance_.dense();
+  constexpr int multiple = 32;
   find_involved();
-  matrix_.setZero(std::ssize(involved_), std::ssize(involved_));
+  const int involved = static_cast<int>(involved_.size());
+  const int size = (involved + multiple - 1) / multiple * multiple;
+  matrix_.setZero(size, size);
+  involved_rhs_.setZero(size);
+  for (int row = involved; row < size; ++row) matrix_(row, row) = 1.0;
   for (int i = 0; i < pairs_; ++i) {
     const auto& state = states_[static_cast<std::size_t>(i)];
     if (!state.closed) continue;
     const int normal = place(i);
-    matrix_.row(normal) = compliance(i, involved_);
+    add_compliance(normal, 1.0, i);
     matrix_(normal, normal) += slack(i);
     matrix_.row(normal) /= alone(i);
     if (state.tangent == Tangent::none) continue;
@@ -95,20 +107,18 @@ void RootProblem::assemble() {
     }
     const int t = pairs_ + i, row = place(t);
     const double mu = friction_of(i);
-    matrix_(row, row) = 1.0;
+    matrix_(row, row) = state.tangent == Tangent::stick ? slack(i) : 1.0;
     switch (state.tangent) {
       case Tangent::none:
       case Tangent::slip: break;
       case Tangent::stick:
-        matrix_.row(row) = compliance(t, involved_);
-        matrix_(row, row) += slack(i);
+        add_compliance(row, 1.0, t);
         matrix_.row(row) /= alone(t);
         break;
       case Tangent::slip_plus: matrix_(row, normal) = -mu; break;
       case Tangent::slip_minus: matrix_(row, normal) = mu; break;
       case Tangent::regularised:
-        matrix_.row(row) = slip_slope_[i] * compliance(t, involved_);
-        matrix_(row, row) += 1.0;
+        add_compliance(row, slip_slope_[i], t);
         matrix_(row, normal) += cone_slope_[i];
         break;
     }
@@ -147,9 +157,11 @@ void RootProblem::solve_states() {
       factor_.compute(matrix_);
       factored_states_ = states_;
     }
-    const Eigen::VectorXd force = factor_.solve(Eigen::VectorXd(rhs_(involved_)));
+    for (std::size_t k = 0; k < involved_.size(); ++k) involved_rhs_[static_cast<Eigen::Index>(k)] = rhs_[involved_[k]];
+    involved_force_ = factor_.solve(involved_rhs_);
     solution_.force.setZero();
-    solution_.force(involved_) = force;
+    for (std::size_t k = 0; k < involved_.size(); ++k)
+      solution_.force[involved_[k]] = involved_force_[static_cast<Eigen::Index>(k)];
     return;
   }
   // Forces that a state has not are zero from the start on, and stay it: neither the right-hand side nor a product has
