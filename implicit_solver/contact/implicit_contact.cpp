@@ -169,7 +169,7 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
   const bool columns = !sliding_ && size <= most_solves;
   auto inverse = near_inverse(root_nodes(states), columns ? size : most_solves, solve);
   if (inverse) {
-    near_inverse_ = std::move(*inverse);
+    near_inverse_.swap(*inverse);
     start(compliance_of_rows(), dt);
     if (!sliding_) near_inverse_ = {};
     return;
