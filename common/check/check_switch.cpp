@@ -7,10 +7,14 @@
 
 namespace ricochet::scene {
 
+bool is_to_switch(const Problem& problem) {
+  const auto& coupling = problem.scene.coupling;
+  return !problem.scene.contacts.empty() && coupling.after_separation == AfterSeparation::switch_to_explicit &&
+         coupling.protocol.may_switch;
+}
+
 std::string switch_obstacle(const Problem& problem) {
-  const Scene& scene = problem.scene;
-  const bool asked = !scene.contacts.empty() && scene.coupling.after_separation == AfterSeparation::switch_to_explicit;
-  if (!asked || !scene.coupling.protocol.may_switch) return "";
+  if (!is_to_switch(problem)) return "";
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> all(body.mesh.elements.size(), true);
     if (is_stable_step(body, all, problem.window_size_s)) continue;

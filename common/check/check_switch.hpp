@@ -4,8 +4,11 @@
 
 #include "common/problem/problem.hpp"
 
-/// Internal to common/check.
+/// Internal to common/check, but for is_to_switch.
 namespace ricochet::scene {
+
+/// Whether the implicit participant is to integrate explicitly after separation, if it can.
+[[nodiscard]] bool is_to_switch(const Problem& problem);
 
 /// Why the implicit participant cannot integrate explicitly after separation though the scene leaves that to it; empty:
 /// it can, or the scene or its protocol never asks it to. From then on explicit and implicit elements are one mesh that

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/base/parallel.hpp"
+#include "common/check/check_switch.hpp"
 #include "common/cost/node_graph.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/critical_step.hpp"
@@ -199,6 +200,18 @@ std::vector<Share> whole_bodies(const scene::Problem& problem) {
   return shares;
 }
 
+/// The scene's step, or what all elements together allow. That they bear the scene's is known where the implicit side
+/// is to switch to it and can.
+double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& plan, const std::vector<Share>& whole) {
+  const double own_s = problem.window_size_s / problem.scene.coupling.substeps;
+  if (scene::is_to_switch(problem) && plan.switch_obstacle.empty()) return own_s;
+  double critical_s = std::numeric_limits<double>::infinity();
+  for (const auto& share : whole)
+    critical_s =
+        std::min(critical_s, scene::critical_time_step(*share.body, share.owned, false, problem.window_size_s));
+  return std::min(own_s, problem.scene.time.safety_factor * critical_s);
+}
+
 }  // namespace
 
 MachineSpeed measure_speed() {
@@ -250,12 +263,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
 
   const auto whole = whole_bodies(problem);
   cost.all_implicit_s = cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
-  double critical_s = std::numeric_limits<double>::infinity();
-  for (const auto& share : whole)
-    critical_s =
-        std::min(critical_s, scene::critical_time_step(*share.body, share.owned, false, problem.window_size_s));
-  cost.all_explicit_step_s =
-      std::min(problem.window_size_s / scene.coupling.substeps, scene.time.safety_factor * critical_s);
+  cost.all_explicit_step_s = all_explicit_step_s(problem, plan, whole);
   const double steps = std::ceil(end_s / cost.all_explicit_step_s);
   cost.all_explicit_s = steps * (of_coupler_s + predictor.explicit_window_s(whole, steps, 1.0, true));
   return cost;
