@@ -349,8 +349,10 @@ ExplicitContact::State ExplicitContact::state() const {
 
 void ExplicitContact::restore(const State& state) {
   state_ = state;
-  if (sliding_) sliding_->restore(state.sliding, surface_.pairs);
-  coupled_start_.clear();
+  if (sliding_) {
+    sliding_->restore(state.sliding, surface_.pairs);
+    coupled_start_.clear();
+  }
   for (const auto* forces : {&state.forces, &state.mean_forces}) surface_.require_one_a_pair(forces->size());
   if (massless_) massless_->restore(*state.massless);
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <new>
-#include <utility>
 
 namespace ricochet::cost {
 
@@ -13,10 +12,10 @@ using fem::at;
 NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element) {
   NodeGraph graph;
   std::vector<int> place(mesh.position.size(), -1);
-  std::vector<std::size_t> owned;
+  std::vector<fem::Element> elements;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     if (!of_element[e]) continue;
-    owned.push_back(e);
+    elements.push_back(mesh.elements[e]);
     for (const int node : mesh.elements[e]) place[at(node)] = 0;
   }
   for (std::size_t node = 0; node < place.size(); ++node) {
@@ -24,28 +23,10 @@ NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element)
     place[node] = graph.nodes();
     graph.node.push_back(static_cast<int>(node));
   }
-  // The elements of each node, one list after the other.
-  std::vector<int> first(graph.node.size() + 1, 0);
-  for (const std::size_t e : owned)
-    for (const int node : mesh.elements[e]) ++first[at(place[at(node)]) + 1];
-  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-  std::vector<std::size_t> element(at(first.back()));
-  std::vector<int> next(first.begin(), first.end() - 1);
-  for (const std::size_t e : owned)
-    for (const int node : mesh.elements[e]) element[at(next[at(place[at(node)])]++)] = e;
-
-  std::vector<int> found_by(graph.node.size(), -1);
-  for (int i = 0; i < graph.nodes(); ++i) {
-    const auto begin = graph.neighbour.size();
-    for (int k = first[at(i)]; k < first[at(i + 1)]; ++k) {
-      for (const int node : mesh.elements[element[at(k)]]) {
-        const int j = place[at(node)];
-        if (std::exchange(found_by[at(j)], i) != i) graph.neighbour.push_back(j);
-      }
-    }
-    std::sort(graph.neighbour.begin() + static_cast<std::ptrdiff_t>(begin), graph.neighbour.end());
-    graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+  for (auto& element : elements) {
+    for (int& node : element) node = place[at(node)];
   }
+  graph.neighbours = fem::neighbours_of(elements, graph.nodes());
   return graph;
 }
 
@@ -58,7 +39,7 @@ double factor_entries(const NodeGraph& graph, int components) {
   const auto nodes = graph.node.size();
   // The columns of the upper triangle: of node i its neighbours up to i.
   cholmod_sparse* pattern =
-      cholmod_allocate_sparse(nodes, nodes, graph.neighbour.size(), 1, 1, 1, CHOLMOD_PATTERN, &common);
+      cholmod_allocate_sparse(nodes, nodes, graph.neighbours.node.size(), 1, 1, 1, CHOLMOD_PATTERN, &common);
   double entries = 0.0;
   if (pattern) {
     auto* start = static_cast<int*>(pattern->p);
@@ -66,8 +47,8 @@ double factor_entries(const NodeGraph& graph, int components) {
     start[0] = 0;
     for (std::size_t i = 0; i < nodes; ++i) {
       start[i + 1] = start[i];
-      for (int k = graph.start[i]; k < graph.start[i + 1]; ++k)
-        if (graph.neighbour[at(k)] <= static_cast<int>(i)) row[start[i + 1]++] = graph.neighbour[at(k)];
+      for (int k = graph.neighbours.start[i]; k < graph.neighbours.start[i + 1]; ++k)
+        if (graph.neighbours.node[at(k)] <= static_cast<int>(i)) row[start[i + 1]++] = graph.neighbours.node[at(k)];
     }
     cholmod_factor* symbolic = cholmod_analyze(pattern, &common);
     // An entry between two nodes is a block, of a node with itself half a one.
@@ -97,8 +78,8 @@ double reached_share(const NodeGraph& graph, const std::vector<int>& driven, dou
     sum += static_cast<double>(front.size()) * (steps - step);
     std::vector<int> next;
     for (const int i : front) {
-      for (int k = graph.start[at(i)]; k < graph.start[at(i + 1)]; ++k) {
-        const int j = graph.neighbour[at(k)];
+      for (int k = graph.neighbours.start[at(i)]; k < graph.neighbours.start[at(i + 1)]; ++k) {
+        const int j = graph.neighbours.node[at(k)];
         if (!reached[at(j)]) next.push_back(j);
         reached[at(j)] = true;
       }

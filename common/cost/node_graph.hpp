@@ -2,15 +2,15 @@
 
 #include <vector>
 
-#include "common/problem/problem.hpp"
+#include "common/fem/mesh.hpp"
+#include "common/fem/neighbours.hpp"
 
 namespace ricochet::cost {
 
 /// The nodes of some elements of a body, and which of them share one: what K of these elements has entries for.
 struct NodeGraph {
   std::vector<int> node;       ///< of the body's mesh, ascending
-  std::vector<int> start{0};   ///< neighbours of node i: neighbour[start[i]] .. neighbour[start[i + 1] - 1]
-  std::vector<int> neighbour;  ///< indices into `node`, i itself among them, ascending
+  fem::Neighbours neighbours;  ///< by index into `node`
 
   [[nodiscard]] int nodes() const { return static_cast<int>(node.size()); }
 };

@@ -54,14 +54,12 @@ double least_time_s(const Work& work) {
   return least;
 }
 
-/// K u of some elements of a mesh [s], and of how many rows.
-struct Product {
-  double time_s = 0.0, rows = 0.0;
-};
-Product time_product(const fem::Part& part) {
+/// K u of a part [s].
+double time_product(const fem::Part& part) {
   const fem::StiffnessProduct product(part.stiffness, fem::components(part.mesh.model));
-  Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(part.dofs(), 0.0, 1.0), force = Eigen::VectorXd::Zero(part.dofs());
-  return {least_time_s([&] { product.multiply(u, force); }), static_cast<double>(part.dofs())};
+  const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(part.dofs(), 0.0, 1.0);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(part.dofs());
+  return least_time_s([&] { product.multiply(u, force); });
 }
 
 /// The elements of a body that a participant owns, or all of them.
@@ -88,8 +86,8 @@ double product_s(const Share& share) {
     if (share.owned[e]) sample.push_back(static_cast<int>(e));
   if (sample.empty()) return 0.0;
   const auto& body = *share.body;
-  const Product product = time_product(fem::extract_part(body.mesh, body.name, body.section, body.material, sample));
-  return product.time_s * share.unknowns() / product.rows;
+  const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, sample);
+  return time_product(part) * share.unknowns() / part.dofs();
 }
 
 double solve_of_entries_s(double entries) {
@@ -223,7 +221,7 @@ MachineSpeed measure_speed() {
   fem::Section section;
   section.model = fem::Model::plane_strain;
   const fem::Part patch = fem::extract_part(mesh, "patch", section, {2e11, 0.3, 7800.0}, elements);
-  return {time_product(patch).time_s / reference_product_s, usable_processors()};
+  return {time_product(patch) / reference_product_s, usable_processors()};
 }
 
 PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
@@ -261,11 +259,20 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
     cost.window_s += slowness * (exchange_s + exchange_value_s * shared) - at_once;
   }
 
+  const auto layout = scene.coupling.protocol.layout;
   const auto whole = whole_bodies(problem);
-  cost.all_implicit_s = cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
-  cost.all_explicit_step_s = all_explicit_step_s(problem, plan, whole);
-  const double steps = std::ceil(end_s / cost.all_explicit_step_s);
-  cost.all_explicit_s = steps * (of_coupler_s + predictor.explicit_window_s(whole, steps, 1.0, true));
+  cost.all_implicit_s =
+      layout == scene::Layout::all_implicit
+          ? cost.stepping_s()
+          : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
+  if (layout == scene::Layout::all_explicit) {
+    cost.all_explicit_step_s = problem.window_size_s;
+    cost.all_explicit_s = cost.stepping_s();
+  } else {
+    cost.all_explicit_step_s = all_explicit_step_s(problem, plan, whole);
+    const double steps = std::ceil(end_s / cost.all_explicit_step_s);
+    cost.all_explicit_s = steps * (of_coupler_s + predictor.explicit_window_s(whole, steps, 1.0, true));
+  }
   return cost;
 }
 

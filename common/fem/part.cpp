@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/fem/element_copies.hpp"
+#include "common/fem/neighbours.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -80,40 +81,6 @@ void take_groups_and_surfaces(const Mesh& whole, Part& part) {
     std::erase_if(surface, [&](const Face& face) { return !own.contains(from_smallest(face)); });
 }
 
-/// Per node its neighbours' numbers, itself included, ascending: those of node i are node[start[i]] ... node[start[i +
-/// 1] - 1].
-struct Neighbours {
-  std::vector<int> start{0}, node;
-};
-
-Neighbours neighbours_of(const Mesh& mesh) {
-  const std::size_t nodes = mesh.position.size();
-  std::vector<int> start(nodes + 1, 0);  // of each node's elements
-  for (const auto& element : mesh.elements) {
-    for (const int node : element) ++start[at(node) + 1];
-  }
-  for (std::size_t i = 0; i < nodes; ++i) start[i + 1] += start[i];
-  std::vector<int> of_node(at(start.back())), next(start.begin(), start.end() - 1);
-  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    for (const int node : mesh.elements[at(e)]) of_node[at(next[at(node)]++)] = e;
-  }
-  Neighbours neighbours;
-  std::vector<int> found_by(nodes, -1);
-  for (int i = 0; i < static_cast<int>(nodes); ++i) {
-    const auto first = neighbours.node.size();
-    for (int k = start[at(i)]; k < start[at(i) + 1]; ++k) {
-      for (const int node : mesh.elements[at(of_node[at(k)])]) {
-        if (found_by[at(node)] == i) continue;
-        found_by[at(node)] = i;
-        neighbours.node.push_back(node);
-      }
-    }
-    std::sort(neighbours.node.begin() + static_cast<std::ptrdiff_t>(first), neighbours.node.end());
-    neighbours.start.push_back(static_cast<int>(neighbours.node.size()));
-  }
-  return neighbours;
-}
-
 /// A matrix of zeros with a block of entries for every two neighbours.
 SparseMatrix zeros(const Neighbours& neighbours, int nodes, int dofs_per_node) {
   SparseMatrix matrix(nodes * dofs_per_node, nodes * dofs_per_node);
@@ -140,7 +107,7 @@ void assemble(Part& part) {
   const auto make = [&part](const ElementGeometry& geometry) {
     return element_stiffness(part.section, part.material, geometry);
   };
-  const Neighbours neighbours = neighbours_of(part.mesh);
+  const Neighbours neighbours = neighbours_of(part.mesh.elements, part.nodes());
   part.lumped_mass = Eigen::VectorXd::Zero(part.nodes());
   part.stiffness = zeros(neighbours, part.nodes(), dofs_per_node);
   ElementCopies<ElementMatrix> copies(part.section.model);

@@ -31,7 +31,11 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   for (std::size_t p = 0; p < cost.participants.size(); ++p)
     text += fmt::format("{}\"{}\" {:.3g} us", p == 0 ? "; computing " : ", ", cost.participants[p].name,
                         1e6 * cost.participants[p].window_s);
-  const auto layout = problem.scene.coupling.protocol.layout;
+  const auto& scene = problem.scene;
+  if (scene.time.until_separated_plus_s && expected_end_s(problem) == scene.time.end_s)
+    text += "; fewer steps if the bodies part before time.end_s";
+  if (scene.coupling.protocol.iterated) text += "; with one iteration a step";
+  const auto layout = scene.coupling.protocol.layout;
   if (layout != scene::Layout::all_implicit)
     text += fmt::format("\n  all_implicit would take {:.2g} s, {:.2g} times as long", cost.all_implicit_s,
                         cost.all_implicit_s / cost.stepping_s());

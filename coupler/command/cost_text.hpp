@@ -11,8 +11,8 @@ namespace ricochet::coupler {
 /// when that is (impact_theory), then, else at time.end_s.
 [[nodiscard]] double expected_end_s(const scene::Problem& problem);
 
-/// Memory and predicted time, as `ricochet check` prints them; memory alone where a participant is somebody else's
-/// program, whose time nobody knows.
+/// Memory and predicted time, as `ricochet check` prints them, with what the prediction does not know; memory alone
+/// where a participant is somebody else's program, whose time nobody knows.
 [[nodiscard]] std::string cost_text(const scene::Problem& problem, const scene::Plan& plan);
 
 }  // namespace ricochet::coupler

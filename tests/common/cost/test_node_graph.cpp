@@ -17,10 +17,10 @@ TEST(NodeGraph, HasTheNodesOfTheElementsAndTheirNeighbours) {
   const fem::Mesh mesh = fem::quadrilateral_mesh(fem::Model::plane_strain, {0.0, 1.0, 2.0}, {0.0, 1.0});
   const NodeGraph one = node_graph(mesh, {false, true});
   EXPECT_EQ(one.node, (std::vector<int>{1, 2, 4, 5}));
-  EXPECT_EQ(one.neighbour.size(), 16U) << "four nodes, each with all of them";
+  EXPECT_EQ(one.neighbours.node.size(), 16U) << "four nodes, each with all of them";
   const NodeGraph both = whole(mesh);
   EXPECT_EQ(both.nodes(), 6);
-  EXPECT_EQ(both.neighbour.size(), 4U * 4U + 2U * 6U) << "four corners, and two nodes that are in both elements";
+  EXPECT_EQ(both.neighbours.node.size(), 4U * 4U + 2U * 6U) << "four corners, and two nodes that are in both elements";
 }
 
 TEST(NodeGraph, FactorHasTheEntriesOfADenseElementAndOfATridiagonalBar) {

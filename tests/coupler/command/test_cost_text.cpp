@@ -20,6 +20,20 @@ TEST(CostText, EndsWithTheContactWhereTheoryKnowsIt) {
   EXPECT_EQ(end_of(scene_of("two_balls")), 60e-6) << "curved: no theory";
 }
 
+TEST(CostText, SaysWhatThePredictionDoesNotKnow) {
+  const auto text_of = [](const scene::Scene& scene) {
+    const auto problem = scene::build_problem(scene);
+    return cost_text(problem, scene::plan(problem));
+  };
+  const char* const earlier = "fewer steps if the bodies part before time.end_s";
+  EXPECT_THAT(text_of(scene_of("two_balls")), testing::HasSubstr(earlier));
+  auto flat = scene_of("kim_impact");
+  EXPECT_THAT(text_of(flat),
+              testing::Not(testing::AnyOf(testing::HasSubstr(earlier), testing::HasSubstr("iteration"))));
+  flat.coupling.protocol = scene::protocol_traits("fixed_point");
+  EXPECT_THAT(text_of(flat), testing::HasSubstr("with one iteration a step"));
+}
+
 TEST(CostText, SaysNothingOfTheTimeOfAProgramThatItDoesNotKnow) {
   auto scene = scene_of("two_bars");
   const auto text = [&] {
