@@ -147,7 +147,8 @@ void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states,
   const std::int64_t before = slipped_ ? last_window_ : last_look_;
   if (now) look_at_elements(window, states);
   if (now && surface_) look_at_pairs(window, of_surface);
-  if (slipped_) look_at_slipped(before, window, of_surface);
+  // A damaged checkpoint may say so of a part without a surface.
+  if (slipped_ && surface_) look_at_slipped(before, window, of_surface);
   if (now) last_look_ = window;
   last_window_ = window;
 }
