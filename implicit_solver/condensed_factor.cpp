@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "implicit_solver/panels.hpp"
 
 /// Of OpenMP, with which CHOLMOD may have been compiled.
 extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
@@ -89,38 +90,6 @@ cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int
     values[at] = value;
   });
   return matrix;
-}
-
-/// y -= L x, L some rows of a column-major matrix with `stride` of them; four columns at a time, so that y is loaded
-/// and stored a quarter as often.
-void subtract_product(const double* l, int stride, int rows, int columns, const double* x, double* __restrict y) {
-  int c = 0;
-  for (; c + 4 <= columns; c += 4) {
-    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
-    const double *l1 = l0 + stride, *l2 = l1 + stride, *l3 = l2 + stride;
-    const double x0 = x[c], x1 = x[c + 1], x2 = x[c + 2], x3 = x[c + 3];
-    for (int i = 0; i < rows; ++i) y[i] -= (l0[i] * x0 + l1[i] * x1) + (l2[i] * x2 + l3[i] * x3);
-  }
-  for (; c < columns; ++c) {
-    const double* l0 = l + static_cast<std::ptrdiff_t>(c) * stride;
-    for (int i = 0; i < rows; ++i) y[i] -= l0[i] * x[c];
-  }
-}
-
-/// x -= L^T y. Four sums side by side per column: a fixed order that vectorises.
-void subtract_transposed_product(const double* l, int rows, int columns, const double* y, double* __restrict x) {
-  constexpr int lanes = 8;
-  for (int c = 0; c < columns; ++c) {
-    const double* column = l + static_cast<std::ptrdiff_t>(c) * rows;
-    double sums[lanes] = {};
-    int i = 0;
-    for (; i + lanes <= rows; i += lanes) {
-      for (int k = 0; k < lanes; ++k) sums[k] += column[i + k] * y[i + k];
-    }
-    double sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-    for (; i < rows; ++i) sum += column[i] * y[i];
-    x[c] -= sum;
-  }
 }
 
 }  // namespace
@@ -206,9 +175,15 @@ CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& a
   collect_blocks(plan.blocks, factor);
   division_ = divide(blocks_, row_, interior_);
   collect_targets();
-  const auto taller = [](const Block& x, const Block& y) { return x.rows < y.rows; };
-  const auto tallest = std::max_element(blocks_.begin(), blocks_.end(), taller);
-  gathered_.setZero(tallest == blocks_.end() ? 0 : tallest->rows, parallel_ ? parallel_->threads() : 1);
+  int widest = 0, tallest = 0;
+  for (const Block& block : blocks_) {
+    widest = std::max(widest, block.width);
+    tallest = std::max(tallest, padded(block.width + block.rows));
+  }
+  const int threads = parallel_ ? parallel_->threads() : 1;
+  of_rows_.setZero(tallest, threads);
+  sums_.setZero(4 * widest, threads);
+  own_.setZero(widest);
 
   Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
   Eigen::VectorXd pivots(roots);
@@ -237,26 +212,31 @@ void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, con
     }
     block.rows = static_cast<int>(row_.size()) - block.first_row;
     std::sort(row_.begin() + block.first_row, row_.end());
-    room += static_cast<std::size_t>(block.width + block.rows) * static_cast<std::size_t>(block.width);
+    room += panel_values(block.width + block.rows, block.width);
     blocks_.push_back(block);
   }
-  values_.assign(room, 0.0);
+  values_.resize(room);
   std::vector<int> place(dof_of_.size(), 0);
+  Eigen::MatrixXd own, below, both;
   for (const Block& block : blocks_) {
     for (int k = 0; k < block.rows; ++k)
       place[static_cast<std::size_t>(row_[static_cast<std::size_t>(block.first_row + k)])] = k;
-    double* triangle = values_.data() + block.values;
-    double* rectangle = triangle + static_cast<std::ptrdiff_t>(block.width) * block.width;
+    own.setIdentity(block.width, block.width);
+    below.setZero(block.rows, block.width);
     for (int c = 0; c < block.width; ++c) {
       factor.below_diagonal(block.first + c, [&](int row, double value) {
         if (value == 0.0) return;
         if (row < block.end()) {
-          triangle[c * block.width + row - block.first] = value;
+          own(row - block.first, c) = value;
         } else {
-          rectangle[c * block.rows + place[static_cast<std::size_t>(row)]] = value;
+          below(place[static_cast<std::size_t>(row)], c) = value;
         }
       });
     }
+    both.setIdentity(block.width + block.rows, block.width);
+    own.triangularView<Eigen::UnitLower>().solveInPlace(both.topRows(block.width));
+    both.bottomRows(block.rows).noalias() = below * -both.topRows(block.width);
+    store_in_panels(both, values_.data() + block.values);
   }
 }
 
@@ -295,30 +275,19 @@ int CondensedFactor::parts_of(const Block& block) const {
   return std::clamp(static_cast<int>(block.entries() / least_entries_of_part), 1, most);
 }
 
-const double* CondensedFactor::rectangle_of(const Block& block) const {
-  return values_.data() + block.values + static_cast<std::ptrdiff_t>(block.width) * block.width;
-}
-
 void CondensedFactor::load(const Eigen::VectorXd& b, int first, int end) {
   for (int j = first; j < end; ++j) work_[j] = b[dof_of_[static_cast<std::size_t>(j)]];
 }
 
-/// Unknowns of a block from each other.
-void CondensedFactor::solve_own(const Block& block) {
-  const double* triangle = values_.data() + block.values;
-  double* own = work_.data() + block.first;
-  for (int c = 0; c + 1 < block.width; ++c) {
-    for (int r = c + 1; r < block.width; ++r) own[r] -= triangle[c * block.width + r] * own[c];
-  }
-}
-
-/// What the unknowns of a block subtract from those of its rows first ... end - 1.
-void CondensedFactor::subtract_below(const Block& block, int first, int end, double* y) {
+/// Eliminates the unknowns `own` of a block, which are in work_, too, as far as panels first ... end - 1 go.
+void CondensedFactor::eliminate(const Block& block, int first, int end, const double* own, double* of_rows) {
+  const int rows = block.width + block.rows;
+  times_panels(values_.data() + block.values, rows, block.width, first, end, own, of_rows);
   double* x = work_.data();
-  const int* target = target_.data() + block.first_row + first;
-  for (int k = 0; k < end - first; ++k) y[k] = x[target[k]];
-  subtract_product(rectangle_of(block) + first, block.rows, end - first, block.width, x + block.first, y);
-  for (int k = 0; k < end - first; ++k) x[target[k]] = y[k];
+  const int begin = first * panel_rows, stop = std::min(rows, end * panel_rows);
+  for (int k = begin; k < std::min(stop, block.width); ++k) x[block.first + k] = of_rows[k];
+  const int* target = target_.data() + block.first_row - block.width;
+  for (int k = std::max(begin, block.width); k < stop; ++k) x[target[k]] += of_rows[k];
 }
 
 /// Adds what subtrees have collected for unknowns above them, and empties it.
@@ -342,8 +311,7 @@ void CondensedFactor::forward(const Eigen::VectorXd& b) {
     load(b, subtree.first_unknown, subtree.end_unknown);
     for (int k = subtree.first_block; k < subtree.end_block; ++k) {
       const Block& block = blocks_[static_cast<std::size_t>(k)];
-      solve_own(block);
-      subtract_below(block, 0, block.rows, gathered_.col(thread).data());
+      eliminate(block, 0, panels_of(block.width + block.rows), work_.data() + block.first, of_rows_.col(thread).data());
     }
   });
   for (const int k : division_.top) {
@@ -353,44 +321,30 @@ void CondensedFactor::forward(const Eigen::VectorXd& b) {
   if (!division_.top.empty()) add_from_subtrees();
   for (const int k : division_.top) {
     const Block& block = blocks_[static_cast<std::size_t>(k)];
-    solve_own(block);
-    const int parts = parts_of(block);
+    own_.head(block.width) = work_.segment(block.first, block.width);
+    const int panels = panels_of(block.width + block.rows), parts = std::min(parts_of(block), panels);
     for_each(parts, [&](int part, int thread) noexcept {
-      subtract_below(block, share(block.rows, part, parts), share(block.rows, part + 1, parts),
-                     gathered_.col(thread).data());
+      eliminate(block, share(panels, part, parts), share(panels, part + 1, parts), own_.data(),
+                of_rows_.col(thread).data());
     });
   }
   root_rhs_ = work_.segment(interior_, unknowns - interior_);
 }
 
-/// What `forward` left, which may be used again, times D^-1.
-void CondensedFactor::scale(int first, int end) {
-  for (int j = first; j < end; ++j) solution_[j] = work_[j] * inverse_diagonal_[static_cast<std::size_t>(j)];
-}
-
-void CondensedFactor::gather_below(const Block& block, double* y) const {
+/// What `recover` multiplies: what `forward` left of a block's unknowns, which may be used again, times D^-1, and what
+/// is known of its rows.
+void CondensedFactor::gather(const Block& block, double* y) const {
+  for (int k = 0; k < block.width; ++k)
+    y[k] = work_[block.first + k] * inverse_diagonal_[static_cast<std::size_t>(block.first + k)];
   const int* row = row_.data() + block.first_row;
-  for (int k = 0; k < block.rows; ++k) y[k] = solution_[row[k]];
+  for (int k = 0; k < block.rows; ++k) y[block.width + k] = solution_[row[k]];
+  std::fill(y + block.width + block.rows, y + padded(block.width + block.rows), 0.0);
 }
 
-void CondensedFactor::solve_own_transposed(const Block& block) {
-  const double* triangle = values_.data() + block.values;
-  double* own = solution_.data() + block.first;
-  for (int c = block.width - 2; c >= 0; --c) {
-    for (int r = c + 1; r < block.width; ++r) own[c] -= triangle[c * block.width + r] * own[r];
-  }
-}
-
-void CondensedFactor::recover_top(const Block& block) {
-  double* y = gathered_.col(0).data();
-  gather_below(block, y);
-  const int parts = parts_of(block);
-  for_each(parts, [&](int part, int) noexcept {
-    const int first = share(block.width, part, parts), end = share(block.width, part + 1, parts);
-    subtract_transposed_product(rectangle_of(block) + static_cast<std::ptrdiff_t>(first) * block.rows, block.rows,
-                                end - first, y, solution_.data() + block.first + first);
-  });
-  solve_own_transposed(block);
+/// Unknowns first ... end - 1 of a block.
+void CondensedFactor::recover(const Block& block, int first, int end, const double* y, int thread) {
+  times_transposed_panels(values_.data() + block.values, block.width + block.rows, block.width, first, end, y,
+                          solution_.data() + block.first, sums_.col(thread).data());
 }
 
 void CondensedFactor::store(int first, int end, Eigen::VectorXd& x) const {
@@ -403,19 +357,21 @@ void CondensedFactor::backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x
   store(interior_, unknowns, x);
   for (auto top = division_.top.rbegin(); top != division_.top.rend(); ++top) {
     const Block& block = blocks_[static_cast<std::size_t>(*top)];
-    scale(block.first, block.end());
-    recover_top(block);
+    double* y = of_rows_.col(0).data();
+    gather(block, y);
+    const int parts = parts_of(block);
+    for_each(parts, [&](int part, int thread) noexcept {
+      recover(block, share(block.width, part, parts), share(block.width, part + 1, parts), y, thread);
+    });
     store(block.first, block.end(), x);
   }
   for_each(static_cast<int>(division_.subtrees.size()), [&](int part, int thread) noexcept {
     const Subtrees::Subtree& subtree = division_.subtrees[static_cast<std::size_t>(part)];
-    double* y = gathered_.col(thread).data();
-    scale(subtree.first_unknown, subtree.end_unknown);
+    double* y = of_rows_.col(thread).data();
     for (int k = subtree.end_block - 1; k >= subtree.first_block; --k) {
       const Block& block = blocks_[static_cast<std::size_t>(k)];
-      gather_below(block, y);
-      subtract_transposed_product(rectangle_of(block), block.rows, block.width, y, solution_.data() + block.first);
-      solve_own_transposed(block);
+      gather(block, y);
+      recover(block, 0, block.width, y, thread);
     }
     store(subtree.first_unknown, subtree.end_unknown, x);
   });

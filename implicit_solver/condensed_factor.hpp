@@ -47,15 +47,11 @@ class CondensedFactor {
   template <class Work>
   void for_each(int parts, const Work& work);
   [[nodiscard]] int parts_of(const Block& block) const;
-  [[nodiscard]] const double* rectangle_of(const Block& block) const;
   void load(const Eigen::VectorXd& b, int first, int end);
-  void solve_own(const Block& block);
-  void subtract_below(const Block& block, int first, int end, double* gathered);
+  void eliminate(const Block& block, int first, int end, const double* own, double* of_rows);
   void add_from_subtrees();
-  void scale(int first, int end);
-  void gather_below(const Block& block, double* gathered) const;
-  void solve_own_transposed(const Block& block);
-  void recover_top(const Block& block);
+  void gather(const Block& block, double* y) const;
+  void recover(const Block& block, int first, int end, const double* y, int thread);
   void store(int first, int end, Eigen::VectorXd& x) const;
 
   std::shared_ptr<Parallel> parallel_;
@@ -67,9 +63,13 @@ class CondensedFactor {
   /// added to those is collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
   /// subtree's last block, which has all of them.
   std::vector<int> target_;
-  std::vector<double> values_, inverse_diagonal_;
+  /// Of a block with the columns (T over R) of L, T the unit lower triangle of its own rows: (T^-1 over -R T^-1), in
+  /// panels. So that a block is one product in `forward`, and one by the transpose in `backward`.
+  std::vector<double> values_;
+  std::vector<double> inverse_diagonal_;
   Subtrees division_;
-  Eigen::MatrixXd gathered_;  ///< per thread: what a block's rows hold
+  Eigen::MatrixXd of_rows_, sums_;  ///< per thread: a value a row of a block; four a column
+  Eigen::VectorXd own_;             ///< unknowns of a block that threads share
   Eigen::VectorXd work_, solution_, root_rhs_;
   Eigen::MatrixXd root_inverse_;
 };

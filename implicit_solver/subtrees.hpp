@@ -5,15 +5,14 @@
 
 namespace ricochet::implicit_solver {
 
-/// Neighbouring columns of L whose structures are the same but for themselves, dense: a strictly lower triangle (width
-/// x width, column-major), then a rectangle (rows x width, column-major).
+/// Neighbouring columns of L whose structures are the same but for themselves, dense.
 struct Block {
   int first, width;     ///< columns first .. first + width - 1
   int rows, first_row;  ///< rows below, row[first_row ...], ascending
   std::size_t values;   ///< index of the first value
 
   [[nodiscard]] int end() const { return first + width; }
-  [[nodiscard]] double entries() const { return 0.5 * width * (width - 1) + static_cast<double>(rows) * width; }
+  [[nodiscard]] double entries() const { return static_cast<double>(width + rows) * width; }
 };
 
 /// What of L may be eliminated side by side. Its blocks form a tree, a block below the one that holds its first row,

@@ -96,6 +96,22 @@ TEST(CondensedFactor, ForcesOnTheRootNeedNoSecondElimination) {
   EXPECT_LT((x - y).cwiseAbs().maxCoeff(), 1e-13);
 }
 
+/// Blocks are stored as the inverse of their triangle: that must not cost digits where the operator is hardly definite.
+TEST(CondensedFactor, LeavesTheResidualOfRoundOffOfAnIllConditionedOperator) {
+  const int nodes = 60 * 40;
+  constexpr double pi = 3.14159265358979323846;
+  const double least_eigenvalue = 4.0 - 2.0 * std::cos(pi / 61.0) - 2.0 * std::cos(pi / 41.0);  // without a shift
+  const fem::SparseMatrix a = grid_operator(60, 40, -least_eigenvalue * (1.0 - 1e-9));          // condition 1e12
+  const std::vector<int> root = {5, 50, 2399};
+  const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(nodes, [](Eigen::Index i) { return std::sin(1.7 * i); });
+  CondensedFactor factor(a, std::vector<bool>(static_cast<std::size_t>(nodes), true), root);
+  factor.forward(b);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(nodes);
+  factor.backward(factor.root_inverse() * factor.root_rhs(), x);
+  const double size = 8.0 * x.cwiseAbs().maxCoeff() + b.cwiseAbs().maxCoeff();  // of what is summed
+  EXPECT_LT((a * x - b).cwiseAbs().maxCoeff(), 1e-14 * size);
+}
+
 /// Solves A x = b by some threads; b is rough.
 Eigen::VectorXd solve_by(int threads, const fem::SparseMatrix& a, const std::vector<int>& root) {
   std::vector<bool> active(static_cast<std::size_t>(a.rows()), true);
