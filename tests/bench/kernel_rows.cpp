@@ -77,6 +77,10 @@ std::vector<Row> Kernels::rows() const {
     };
     against("K u: element by element / explicit kernel", "element_by_element", "stiffness_product", Level{false, 2.0});
     against("K u: Eigen's sparse product / explicit kernel", "sparse_product", "stiffness_product", {});
+    against("K u, unstructured: element by element / explicit kernel", "unstructured_element_by_element",
+            "unstructured_product", Level{false, 3.0});
+    against("K u, unstructured: Eigen's sparse product / explicit kernel", "unstructured_sparse_product",
+            "unstructured_product", {});
     against("K u of solids: element by element / explicit kernel", "solid_element_by_element", "solid_product",
             Level{false, 2.0});
     against("K u of solids: Eigen's sparse product / explicit kernel", "solid_sparse_product", "solid_product", {});

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <random>
 #include <thread>
 #include <type_traits>
 
@@ -55,28 +56,84 @@ scene::Problem reference_problem(int refinement) {
   return problem;
 }
 
+Body body_of(fem::Part part) {
+  Body body;
+  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+    body.element_stiffness.emplace_back(
+        fem::element_stiffness(part.section, part.material, fem::element_geometry(part.mesh, e)));
+  }
+  body.product = fem::StiffnessProduct(part.stiffness, 2);
+  body.u.setRandom(part.dofs());
+  body.force.setZero(part.dofs());
+  body.part = std::move(part);
+  return body;
+}
+
 std::vector<Body> make_bodies(int refinement) {
   const auto problem = reference_problem(refinement);
   std::vector<Body> bodies;
-  for (auto& owned : scene::participant_parts(problem, problem.scene.participants.front())) {
-    Body body;
-    body.part = std::move(owned.part);
-    const auto& part = body.part;
-    for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-      body.element_stiffness.emplace_back(
-          fem::element_stiffness(part.section, part.material, fem::element_geometry(part.mesh, e)));
-    }
-    body.product = fem::StiffnessProduct(part.stiffness, 2);
-    body.u.setRandom(part.dofs());
-    body.force.setZero(part.dofs());
-    bodies.push_back(std::move(body));
-  }
+  for (auto& owned : scene::participant_parts(problem, problem.scene.participants.front()))
+    bodies.push_back(body_of(std::move(owned.part)));
   return bodies;
 }
 
-std::vector<Body>& bodies_of(int refinement) {
+/// The bodies of the reference scene.
+std::vector<Body>& reference(int refinement) {
   static std::map<int, std::vector<Body>> made;
   if (!made.count(refinement)) made[refinement] = make_bodies(refinement);
+  return made[refinement];
+}
+
+/// A rectangle of triangles, whose nodes lie beside a grid and whose diagonals run either way, each triangle split into
+/// three quadrilaterals, as meshers do it: no two elements are alike. Nodes of the triangles come first.
+fem::Mesh split_triangles(double width_m, double length_m, int across, int along) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> beside(-0.15, 0.15);
+  fem::Mesh mesh;
+  mesh.model = fem::Model::axisymmetric;
+  for (int j = 0; j <= along; ++j) {
+    for (int i = 0; i <= across; ++i) {
+      const double x = i == 0 || i == across ? i : i + beside(random),
+                   y = j == 0 || j == along ? j : j + beside(random);
+      mesh.position.emplace_back(x * width_m / across, y * length_m / along, 0.0);
+    }
+  }
+  std::map<std::array<int, 2>, int> middles;
+  const auto middle_of = [&](int a, int b) {
+    const auto [at, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)}, mesh.position.size());
+    if (is_new) mesh.position.emplace_back(0.5 * (mesh.position[fem::at(a)] + mesh.position[fem::at(b)]));
+    return at->second;
+  };
+  const auto split = [&](const std::array<int, 3>& corner) {
+    const auto [a, b, c] = corner;
+    const std::array<int, 3> middle{middle_of(a, b), middle_of(b, c), middle_of(c, a)};
+    const auto centre = static_cast<int>(mesh.position.size());
+    mesh.position.emplace_back((mesh.position[fem::at(a)] + mesh.position[fem::at(b)] + mesh.position[fem::at(c)]) /
+                               3.0);
+    mesh.elements.push_back({fem::ElementKind::quadrilateral, {a, middle[0], centre, middle[2]}});
+    mesh.elements.push_back({fem::ElementKind::quadrilateral, {b, middle[1], centre, middle[0]}});
+    mesh.elements.push_back({fem::ElementKind::quadrilateral, {c, middle[2], centre, middle[1]}});
+  };
+  for (int j = 0; j < along; ++j) {
+    for (int i = 0; i < across; ++i) {
+      const int a = j * (across + 1) + i, b = a + 1, c = b + across + 1, d = a + across + 1;
+      const bool rising = random() % 2 == 0;
+      split(rising ? std::array{a, b, c} : std::array{a, b, d});
+      split(rising ? std::array{a, c, d} : std::array{b, c, d});
+    }
+  }
+  return mesh;
+}
+
+/// One body about as large as both of the reference scene, with as many quadrilaterals, but for a twentieth.
+std::vector<Body>& unstructured(int refinement) {
+  static std::map<int, std::vector<Body>> made;
+  if (made.count(refinement)) return made[refinement];
+  const auto mesh = split_triangles(0.005, 0.16, 4 * refinement, 128 * refinement);
+  std::vector<int> elements(mesh.elements.size());
+  std::iota(elements.begin(), elements.end(), 0);
+  made[refinement].push_back(
+      body_of(fem::extract_part(mesh, "split", {fem::Model::axisymmetric, 1.0}, {210e9, 0.3, 7850.0}, elements)));
   return made[refinement];
 }
 
@@ -146,6 +203,7 @@ Solver& factor_of(int refinement) {
   return *solver;
 }
 
+template <std::vector<Body>& (*bodies_of)(int)>
 void stiffness_product(benchmark::State& state) {
   auto& bodies = bodies_of(static_cast<int>(state.range(0)));
   double nonzeros = 0.0, dofs = 0.0;
@@ -201,9 +259,10 @@ void multiply_by_two(benchmark::State& state, Bodies& bodies) {
 }
 
 void stiffness_product_by_two(benchmark::State& state) {
-  multiply_by_two(state, bodies_of(static_cast<int>(state.range(0))));
+  multiply_by_two(state, reference(static_cast<int>(state.range(0))));
 }
 
+template <std::vector<Body>& (*bodies_of)(int)>
 void sparse_product(benchmark::State& state) {
   auto& bodies = bodies_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -213,6 +272,7 @@ void sparse_product(benchmark::State& state) {
 }
 
 /// The reference of the explicit kernel: stored 8x8 matrices, gather, multiply, scatter.
+template <std::vector<Body>& (*bodies_of)(int)>
 void element_by_element(benchmark::State& state) {
   auto& bodies = bodies_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
@@ -383,10 +443,13 @@ void meshes(benchmark::internal::Benchmark* kernel) {
   for (const int refinement : {1, 2, 4}) kernel->Arg(refinement);
 }
 
-BENCHMARK(stiffness_product)->Apply(meshes);
+BENCHMARK_TEMPLATE(stiffness_product, reference)->Name("stiffness_product")->Apply(meshes);
+BENCHMARK_TEMPLATE(stiffness_product, unstructured)->Name("unstructured_product")->Apply(meshes);
 BENCHMARK(stiffness_product_by_two)->Apply(meshes)->UseRealTime();
-BENCHMARK(sparse_product)->Apply(meshes);
-BENCHMARK(element_by_element)->Apply(meshes);
+BENCHMARK_TEMPLATE(sparse_product, reference)->Name("sparse_product")->Apply(meshes);
+BENCHMARK_TEMPLATE(sparse_product, unstructured)->Name("unstructured_sparse_product")->Apply(meshes);
+BENCHMARK_TEMPLATE(element_by_element, reference)->Name("element_by_element")->Apply(meshes);
+BENCHMARK_TEMPLATE(element_by_element, unstructured)->Name("unstructured_element_by_element")->Apply(meshes);
 BENCHMARK(solid_product)->Apply(meshes);
 BENCHMARK(solid_product_by_two)->Apply(meshes)->UseRealTime();
 BENCHMARK(solid_sparse_product)->Apply(meshes);
