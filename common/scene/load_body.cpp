@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/scene/loaders.hpp"
+#include "common/scene/toml_file.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -35,7 +36,7 @@ GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
     table.only_if(false, key, "a structured mesh; this one is read from a Gmsh file");
   const std::string given = table.text("gmsh");
   const std::filesystem::path path = (std::filesystem::path(folder) / given).lexically_normal();
-  if (!std::filesystem::is_regular_file(path))
+  if (!is_file(path.string()))
     table.refuse("gmsh", "\"" + given + "\", and there is no file " + path.string(),
                  "a Gmsh MSH 4.1 file, relative to the scene file");
   return {path.string()};

@@ -83,7 +83,7 @@ ForeignBody load_foreign_body(TableReader& table, const Scene& scene) {
     const std::string given = table.text("interface_nodes");
     const auto folder = std::filesystem::path(scene.path).parent_path();
     body.interface_nodes = (folder / given).lexically_normal().string();
-    if (!std::filesystem::is_regular_file(body.interface_nodes))
+    if (!is_file(body.interface_nodes))
       table.refuse("interface_nodes", "\"" + given + "\", and there is no file " + body.interface_nodes,
                    "a file with a row for each node, its position in m, relative to the scene file");
     body.interface_position_m = read_nodes(body.interface_nodes, component_names(scene.model));

@@ -112,7 +112,7 @@ std::string digest(const std::string& text, const Scene& scene) {
 }  // namespace
 
 Scene load_scene(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) throw ConfigError(path + ": no such scene file");
+  if (!is_file(path)) throw ConfigError(path + ": no such scene file");
   Scene scene;
   scene.path = std::filesystem::absolute(path).lexically_normal().string();
   const std::string text = read_text(path);

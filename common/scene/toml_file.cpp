@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 
 #include "common/base/error.hpp"
 #include "common/scene/check_text.hpp"
@@ -16,6 +18,11 @@ std::string read_text(const std::string& path) {
   text << file.rdbuf();
   if (!file) throw ConfigError(path + ": cannot be read");
   return text.str();
+}
+
+bool is_file(const std::string& path) {
+  std::error_code no_status;
+  return std::filesystem::is_regular_file(path, no_status);
 }
 
 toml::value parse_toml(const std::string& path, const std::string& text) {

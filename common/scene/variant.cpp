@@ -100,7 +100,7 @@ void keep_paths(toml::value& root, const fs::path& folder) {
 }  // namespace
 
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {
-  if (!fs::is_regular_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
+  if (!is_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
   toml::value root = parse_toml(scene_path, read_text(scene_path));
   for (const auto& change : overrides) set(root, change);
   keep_paths(root, fs::absolute(scene_path).parent_path());

@@ -120,7 +120,9 @@ void write_slurm_script(const std::string& scene_path, const std::string& out, c
     fmt::print("{}", script);
     return;
   }
-  if (fs::exists(out)) throw ConfigError(fmt::format("{} exists already; give another name or remove it first", out));
+  std::error_code no_status;  // of a name that no file can have: writing it says so
+  if (fs::exists(out, no_status))
+    throw ConfigError(fmt::format("{} exists already; give another name or remove it first", out));
   write_atomically(out, script, 0755);
   fmt::print("wrote {}: sbatch {}\n", out, out);
 }

@@ -59,7 +59,8 @@ axial_stress_every = 5         # windows per row of axial_stress.csv, the x-t di
 std::string write_starter_scene(const std::string& name) {
   std::filesystem::path path = name;
   if (path.extension() != ".toml") path += ".toml";
-  if (std::filesystem::exists(path)) {
+  std::error_code no_status;  // of a name that no file can have: writing it says so
+  if (std::filesystem::exists(path, no_status)) {
     throw ConfigError(fmt::format("{} exists already; give another name or remove it first", path.string()));
   }
   write_atomically(path.string(), fmt::format(fmt::runtime(text), path.string(), path.stem().string()));

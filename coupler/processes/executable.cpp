@@ -66,13 +66,15 @@ std::string find_executable(const scene::Scene& scene, const scene::ParticipantS
   fs::path path = own ? shipped_path(participant) : fs::path(scene.path).parent_path() / participant.executable;
   path = fs::absolute(path).lexically_normal();
   if (executable(path)) return path.string();
+  std::error_code no_status;  // of a name that no file can have
   const std::string advice =
       own && participant.ranks
           ? "ranks need OpenMPI and METIS: install libopenmpi-dev, openmpi-bin and libmetis-dev and build again"
       : own ? "build it (cmake --build), or name another program with `executable` in the scene"
             : "correct `executable` in the scene, paths count from the folder of the scene file";
   throw ParticipantError(fmt::format("participant '{}': the program {} {}; {}", participant.name, path.string(),
-                                     fs::exists(path) ? "may not be executed (chmod +x?)" : "does not exist", advice));
+                                     fs::exists(path, no_status) ? "may not be executed (chmod +x?)" : "does not exist",
+                                     advice));
 }
 
 std::vector<std::string> launch_prefix(const scene::Scene& scene, const scene::ParticipantSpec& participant) {

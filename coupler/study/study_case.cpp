@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "common/base/sha256.hpp"
+#include "common/scene/toml_file.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/parts/history_table.hpp"
@@ -75,7 +76,7 @@ std::string StudyCase::key() const { return fs::path(folder_).filename().string(
 /// Takes a repeat that is there; false if there is none that counts.
 bool StudyCase::read_repeat(int repeat) {
   const std::string path = repeat_folder(repeat) + "/summary.json";
-  if (!fs::is_regular_file(path)) return false;
+  if (!scene::is_file(path)) return false;
   const auto summary = report::read_summary(path);
   const auto status = find_named<RunStatus>(summary.value("status", ""));
   if (status == RunStatus::unstable || status == RunStatus::left_model) {

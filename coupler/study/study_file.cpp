@@ -198,7 +198,7 @@ toml::value parse(const std::string& path, const std::string& text) {
 }  // namespace
 
 StudyFile load_study(const std::string& path) {
-  if (!fs::is_regular_file(path)) throw ConfigError(path + ": no such study file");
+  if (!scene::is_file(path)) throw ConfigError(path + ": no such study file");
   StudyFile study;
   study.path = fs::absolute(path).lexically_normal().string();
   study.text = scene::read_text(study.path);
@@ -206,8 +206,7 @@ StudyFile load_study(const std::string& path) {
   std::map<std::string, int> lines;
   TableReader root(file, "study", "", {study.path, lines, &study_schema()});
   study.scene = (fs::path(study.path).parent_path() / root.text("scene")).lexically_normal().string();
-  if (!fs::is_regular_file(study.scene))
-    root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
+  if (!scene::is_file(study.scene)) root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
   load_methods(root, study);
   study.variations = load_variations(root);
   const MeasuredScene measured = measured_scene(study.scene);

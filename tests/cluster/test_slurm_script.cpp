@@ -71,6 +71,8 @@ TEST_F(SlurmScript, ReplacesNoFileAndTakesNoTimeThatSlurmDoesNotKnow) {
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.error, HasSubstr("job.sh exists already"));
   EXPECT_EQ(file_text(taken), "mine");
+  const auto unnamed = write("slurm", {"--out", folder_.path().string() + "/" + std::string(300, 'n')});
+  EXPECT_THAT(unnamed.error, HasSubstr("cannot write "));
   const auto wrong = write("slurm", {"--time", "an hour"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.error, HasSubstr("--time: found \"an hour\", allowed: MINUTES"));

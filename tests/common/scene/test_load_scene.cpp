@@ -81,6 +81,11 @@ fields_every = 50
 axial_stress_every = 5
 )";
 
+// Whether there is such a file cannot even be asked; that is no fault of the program.
+TEST(LoadScene, ANameThatNoFileCanHaveIsNoSceneFile) {
+  EXPECT_THROW((void)load_scene(std::string(300, 'n')), ConfigError);
+}
+
 TEST(LoadScene, BodyFieldByField) {
   const Scene scene = load_text(full);
   ASSERT_EQ(scene.bodies.size(), 2U);

@@ -129,6 +129,23 @@ TEST(ModelWatch, SeesSolidsSlipAndLeaveThePartnerEitherWay) {
   }
 }
 
+// A checkpoint that is damaged, or another participant's.
+TEST(ModelWatch, WithoutASurfaceGoesOnFromAStateThatSpeaksOfSlip) {
+  Plates plates;
+  plates.move(1, [](const Eigen::Vector2d&) { return Eigen::Vector2d(0.04, 0.0); });
+  const ContactSurface surface(plates.problem, plates.states);
+  ModelWatch watch(plates.problem, plates.states, &surface), without(plates.problem, plates.states, nullptr);
+  watch.look(ModelWatch::every, plates.states);
+  ASSERT_NE(find(watch.departures(), Kind::slip), nullptr);
+  Archive out;
+  out(watch);
+  const std::string bytes = out.take();
+  Archive in(bytes, "state");
+  in(without);
+  without.look(ModelWatch::every + 1, plates.states);
+  EXPECT_EQ(without.departures().size(), watch.departures().size()) << "as they were read";
+}
+
 TEST(ModelWatch, SmallMotionIsWithinTheModel) {
   Plates plates;
   plates.move(0, [](const Eigen::Vector2d& x) { return Eigen::Vector2d(3.0 + 0.019 * x[0], 7.0 - 0.019 * x[1]); });

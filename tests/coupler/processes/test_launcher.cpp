@@ -177,6 +177,8 @@ TEST_F(ExecutableTest, RelativeToTheSceneOrInPath) {
 TEST_F(ExecutableTest, MissingProgramsAreNamedWithAdvice) {
   participant_.executable = "bin/none";
   EXPECT_THAT(refusal(), AllOf(HasSubstr(folder_ + "/bin/none does not exist"), HasSubstr("folder of the scene file")));
+  participant_.executable = "bin/" + std::string(300, 'n');  // no file can be named so
+  EXPECT_THAT(refusal(), HasSubstr("nnn does not exist"));
   participant_.executable = "no-such-program-anywhere";
   EXPECT_THAT(refusal(), HasSubstr("in no folder of PATH"));
 }

@@ -401,6 +401,7 @@ TEST_F(ResultsTest, StarterSceneIsAcceptedByCheckAndNeverOverwrites) {
   EXPECT_EQ(path, folder_ + "/impact.toml");
   EXPECT_EQ(command_line_error({"check", path.c_str()}), "");
   EXPECT_THROW(write_starter_scene(path), ConfigError);
+  EXPECT_THROW(write_starter_scene(folder_ + "/" + std::string(300, 'n')), Error) << "no file can be named so";
 }
 
 TEST(CsvCell, IsReadAsItWasWritten) {

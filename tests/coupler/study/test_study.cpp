@@ -202,6 +202,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{"syntax", "methods = [", "methods = ", 0, {"not a TOML file"}},
         Wrong{"unknown_key", "quantities", "quantitys", 3, {"quantitys", "did you mean \"quantities\"?"}},
+        Wrong{"name_too_long", "/two_bars.toml", "/" + std::string(300, 'n'), 1, {"scene: found no file", "nnn"}},
         Wrong{"no_scene", "/two_bars.toml", "/three_bars.toml", 1, {"scene: found no file", "three_bars.toml"}},
         Wrong{"unknown_method", "\"kim\"", "\"kin\"", 2, {"methods: found \"kin\"", "did you mean \"kim\"?"}},
         Wrong{"method_twice", "\"all_implicit\"", "\"kim\"", 2, {"\"kim\" twice"}},
