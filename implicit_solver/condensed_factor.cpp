@@ -217,26 +217,26 @@ void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, con
   }
   values_.resize(room);
   std::vector<int> place(dof_of_.size(), 0);
-  Eigen::MatrixXd own, below, both;
+  Eigen::MatrixXd own, columns;
   for (const Block& block : blocks_) {
     for (int k = 0; k < block.rows; ++k)
-      place[static_cast<std::size_t>(row_[static_cast<std::size_t>(block.first_row + k)])] = k;
-    own.setIdentity(block.width, block.width);
-    below.setZero(block.rows, block.width);
+      place[static_cast<std::size_t>(row_[static_cast<std::size_t>(block.first_row + k)])] = block.width + k;
+    columns.setIdentity(block.width + block.rows, block.width);
     for (int c = 0; c < block.width; ++c) {
       factor.below_diagonal(block.first + c, [&](int row, double value) {
         if (value == 0.0) return;
-        if (row < block.end()) {
-          own(row - block.first, c) = value;
-        } else {
-          below(place[static_cast<std::size_t>(row)], c) = value;
-        }
+        columns(row < block.end() ? row - block.first : place[static_cast<std::size_t>(row)], c) = value;
       });
     }
-    both.setIdentity(block.width + block.rows, block.width);
-    own.triangularView<Eigen::UnitLower>().solveInPlace(both.topRows(block.width));
-    both.bottomRows(block.rows).noalias() = below * -both.topRows(block.width);
-    store_in_panels(both, values_.data() + block.values);
+    own = columns.topRows(block.width);
+    const auto triangle = own.triangularView<Eigen::UnitLower>();
+    auto below = columns.bottomRows(block.rows);
+    triangle.solveInPlace<Eigen::OnTheRight>(below);
+    below *= -1.0;
+    auto above = columns.topRows(block.width);
+    above.setIdentity();
+    triangle.solveInPlace(above);
+    store_in_panels(columns, values_.data() + block.values);
   }
 }
 
