@@ -64,7 +64,7 @@ class CondensedFactor {
   /// subtree's last block, which has all of them.
   std::vector<int> target_;
   /// Of a block with the columns (T over R) of L, T the unit lower triangle of its own rows: (T^-1 over -R T^-1), in
-  /// panels. So that a block is one product in `forward`, and one by the transpose in `backward`.
+  /// panels, so that a block is one product in `forward`, and one by the transpose in `backward`.
   std::vector<double> values_;
   std::vector<double> inverse_diagonal_;
   Subtrees division_;

@@ -116,7 +116,7 @@ Scene load_scene(const std::string& path) {
   Scene scene;
   scene.path = std::filesystem::absolute(path).lexically_normal().string();
   const std::string text = read_text(path);
-  const toml::value file = parse_toml(scene.path, text);
+  const Toml file = parse_toml(scene.path, text);
   if (file.as_table().empty())
     throw ConfigError(scene.path + ":1: the scene file is empty; allowed: model, [[body]], [time] and more");
   TableReader root(file, "scene", "", {scene.path, scene.lines});

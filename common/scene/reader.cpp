@@ -19,7 +19,7 @@ constexpr double largest_number = 1e100;
 
 }  // namespace
 
-std::string value_text(const toml::value& value) {
+std::string value_text(const Toml& value) {
   switch (value.type()) {
     case toml::value_t::table: return "a table";
     case toml::value_t::array: return fmt::format("an array of {}", value.as_array().size());
@@ -57,11 +57,11 @@ std::string one_of(const std::vector<std::string>& allowed) {
   return text;
 }
 
-TableReader::TableReader(const toml::value& value, std::string kind, std::string path, Context context)
+TableReader::TableReader(const Toml& value, std::string kind, std::string path, Context context)
     : value_(&value), kind_(std::move(kind)), path_(std::move(path)), context_(std::move(context)) {
   if (!value.is_table()) fail(value, path_, value_text(value), "a table");
   const std::vector<std::string>& known = context_.schema->at(kind_);
-  std::map<std::pair<std::size_t, std::string>, const toml::value*> unknown;  // the first in the file is reported
+  std::map<std::pair<std::size_t, std::string>, const Toml*> unknown;  // the first in the file is reported
   for (const auto& [key, entry] : value.as_table())
     if (std::find(known.begin(), known.end(), key) == known.end()) unknown[{entry.location().line(), key}] = &entry;
   if (!unknown.empty()) {
@@ -86,24 +86,24 @@ bool TableReader::has(const std::string& key) const { return value_->contains(ke
 
 bool TableReader::is_array(const std::string& key) const { return has(key) && value_->at(key).is_array(); }
 
-const toml::value* TableReader::take(const std::string& key) {
+const Toml* TableReader::take(const std::string& key) {
   const std::vector<std::string>& known = context_.schema->at(kind_);
   if (std::find(known.begin(), known.end(), key) == known.end())
     throw std::logic_error("schema of " + kind_ + " lacks " + key);
   taken_.insert(key);
   if (!has(key)) return nullptr;
-  const toml::value& value = value_->at(key);
+  const Toml& value = value_->at(key);
   context_.lines[full(key)] = static_cast<int>(value.location().line());
   return &value;
 }
 
-const toml::value& TableReader::need(const std::string& key, const std::string& allowed) {
-  const toml::value* value = take(key);
+const Toml& TableReader::need(const std::string& key, const std::string& allowed) {
+  const Toml* value = take(key);
   if (value == nullptr) missing(key, allowed);
   return *value;
 }
 
-void TableReader::fail(const toml::value& at, const std::string& key, const std::string& found,
+void TableReader::fail(const Toml& at, const std::string& key, const std::string& found,
                        const std::string& allowed) const {
   const std::string title = fmt::format("{}:{}: {}{}found {}; allowed: {}", context_.file, at.location().line(), key,
                                         key.empty() ? "" : ": ", found, allowed);
@@ -119,7 +119,7 @@ void TableReader::missing(const std::string& key, const std::string& allowed) co
   fail(*value_, full(key), "nothing: the key is missing", allowed);
 }
 
-double TableReader::to_number(const toml::value& value, const std::string& key, const Range& range) const {
+double TableReader::to_number(const Toml& value, const std::string& key, const Range& range) const {
   if (!value.is_floating() && !value.is_integer()) fail(value, full(key), value_text(value), range.text());
   const double x = value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
   const bool finite = std::isfinite(x) && std::abs(x) < largest_number;
@@ -128,7 +128,7 @@ double TableReader::to_number(const toml::value& value, const std::string& key, 
   return x;
 }
 
-int TableReader::to_integer(const toml::value& value, const std::string& key, int low, int high) const {
+int TableReader::to_integer(const Toml& value, const std::string& key, int low, int high) const {
   const std::string allowed = fmt::format("an integer from {} to {}", low, high);
   if (!value.is_integer()) fail(value, full(key), value_text(value), allowed);
   const auto x = value.as_integer();
@@ -136,14 +136,14 @@ int TableReader::to_integer(const toml::value& value, const std::string& key, in
   return static_cast<int>(x);
 }
 
-const std::string& TableReader::to_text(const toml::value& value, const std::string& key) const {
+const std::string& TableReader::to_text(const Toml& value, const std::string& key) const {
   if (!value.is_string() || value.as_string().str.empty())
     fail(value, full(key), value_text(value), "a text in quotes, not empty");
   return value.as_string().str;
 }
 
-const std::vector<toml::value>& TableReader::to_array(const toml::value& value, const std::string& key,
-                                                      const std::string& of, std::size_t size) const {
+const std::vector<Toml>& TableReader::to_array(const Toml& value, const std::string& key, const std::string& of,
+                                               std::size_t size) const {
   const std::string allowed = size > 0 ? fmt::format("an array of {} {}", size, of) : "a non-empty array of " + of;
   const bool fits = value.is_array() && (size > 0 ? value.as_array().size() == size : !value.as_array().empty());
   if (!fits) fail(value, full(key), value_text(value), allowed);
@@ -155,7 +155,7 @@ double TableReader::number(const std::string& key, const Range& range) {
 }
 
 double TableReader::number(const std::string& key, const Range& range, double otherwise) {
-  const toml::value* value = take(key);
+  const Toml* value = take(key);
   return value != nullptr ? to_number(*value, key, range) : otherwise;
 }
 
@@ -164,12 +164,12 @@ int TableReader::integer(const std::string& key, int low, int high) {
 }
 
 int TableReader::integer(const std::string& key, int low, int high, int otherwise) {
-  const toml::value* value = take(key);
+  const Toml* value = take(key);
   return value != nullptr ? to_integer(*value, key, low, high) : otherwise;
 }
 
 bool TableReader::boolean(const std::string& key, bool otherwise) {
-  const toml::value* value = take(key);
+  const Toml* value = take(key);
   if (value == nullptr) return otherwise;
   if (!value->is_boolean()) fail(*value, full(key), value_text(*value), "true or false");
   return value->as_boolean();
@@ -178,7 +178,7 @@ bool TableReader::boolean(const std::string& key, bool otherwise) {
 std::string TableReader::text(const std::string& key) { return to_text(need(key, "a text in quotes"), key); }
 
 std::string TableReader::text(const std::string& key, const std::string& otherwise) {
-  const toml::value* value = take(key);
+  const Toml* value = take(key);
   return value != nullptr ? to_text(*value, key) : otherwise;
 }
 
@@ -198,25 +198,25 @@ std::string TableReader::word(const std::string& key, const std::vector<std::str
 }
 
 std::vector<double> TableReader::numbers(const std::string& key, const Range& range, std::size_t size) {
-  const toml::value& value = need(key, "an array of numbers");
+  const Toml& value = need(key, "an array of numbers");
   std::vector<double> result;
-  for (const toml::value& entry : to_array(value, key, "numbers", size))
+  for (const Toml& entry : to_array(value, key, "numbers", size))
     result.push_back(to_number(entry, fmt::format("{}[{}]", key, result.size()), range));
   return result;
 }
 
 std::vector<int> TableReader::integers(const std::string& key, int low, int high, std::size_t size) {
-  const toml::value& value = need(key, fmt::format("an array of {} integers", size));
+  const Toml& value = need(key, fmt::format("an array of {} integers", size));
   std::vector<int> result;
-  for (const toml::value& entry : to_array(value, key, "integers", size))
+  for (const Toml& entry : to_array(value, key, "integers", size))
     result.push_back(to_integer(entry, fmt::format("{}[{}]", key, result.size()), low, high));
   return result;
 }
 
 std::vector<std::string> TableReader::texts(const std::string& key) {
-  const toml::value& value = need(key, "an array of texts");
+  const Toml& value = need(key, "an array of texts");
   std::vector<std::string> result;
-  for (const toml::value& entry : to_array(value, key, "texts", 0))
+  for (const Toml& entry : to_array(value, key, "texts", 0))
     result.push_back(to_text(entry, fmt::format("{}[{}]", key, result.size())));
   return result;
 }
@@ -237,9 +237,9 @@ TableReader TableReader::table(const std::string& key, const std::string& kind) 
 
 std::vector<TableReader> TableReader::tables(const std::string& key, const std::string& kind) {
   std::vector<TableReader> result;
-  const toml::value* value = take(key);
+  const Toml* value = take(key);
   if (value == nullptr) return result;
-  for (const toml::value& entry : to_array(*value, key, "tables", 0))
+  for (const Toml& entry : to_array(*value, key, "tables", 0))
     result.emplace_back(entry, kind, fmt::format("{}[{}]", full(key), result.size()), context_);
   return result;
 }
@@ -251,8 +251,8 @@ std::vector<TableReader> TableReader::table_or_tables(const std::string& key, co
   return one;
 }
 
-const toml::value& TableReader::body_table(const std::string& key, const std::vector<std::string>& allowed) {
-  const toml::value& value = need(key, "a table of bodies");
+const Toml& TableReader::body_table(const std::string& key, const std::vector<std::string>& allowed) {
+  const Toml& value = need(key, "a table of bodies");
   if (!value.is_table() || value.as_table().empty()) fail(value, full(key), value_text(value), "a table of bodies");
   for (const auto& [body, entry] : value.as_table()) {
     context_.lines[full(key) + "." + body] = static_cast<int>(entry.location().line());
@@ -274,7 +274,7 @@ std::map<std::string, std::vector<std::string>> TableReader::texts_by_name(const
                                                                            const std::vector<std::string>& allowed) {
   std::map<std::string, std::vector<std::string>> result;
   for (const auto& [body, entry] : body_table(key, allowed).as_table())
-    for (const toml::value& text : to_array(entry, key + "." + body, "texts", 0))
+    for (const Toml& text : to_array(entry, key + "." + body, "texts", 0))
       result[body].push_back(to_text(text, key + "." + body));
   return result;
 }

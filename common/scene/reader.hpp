@@ -3,13 +3,13 @@
 #include <map>
 #include <set>
 #include <string>
-#include <toml.hpp>
 #include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/vocabulary.hpp"
 #include "common/scene/schema.hpp"
+#include "common/scene/toml_file.hpp"
 
 namespace ricochet::scene {
 
@@ -38,7 +38,7 @@ class TableReader {
   };
 
   /// `path` is the key of the table itself ("body.steel.mesh"), empty for the whole file.
-  TableReader(const toml::value& value, std::string kind, std::string path, Context context);
+  TableReader(const Toml& value, std::string kind, std::string path, Context context);
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
@@ -82,7 +82,7 @@ class TableReader {
                                                                               const std::vector<std::string>& allowed);
 
   /// The value of a key as it stands, for tables whose keys are not known beforehand; null if it is not there.
-  [[nodiscard]] const toml::value* open(const std::string& key) { return take(key); }
+  [[nodiscard]] const Toml* open(const std::string& key) { return take(key); }
 
   /// Refuses `key`, if it is there, unless `condition`: "allowed: only with `needs`".
   void only_if(bool condition, const std::string& key, const std::string& needs);
@@ -93,23 +93,23 @@ class TableReader {
   /// ConfigError about a key that is there.
   [[noreturn]] void refuse(const std::string& key, const std::string& found, const std::string& allowed) const;
   /// The same for a value below one that was opened: `key` is its whole name.
-  [[noreturn]] void fail(const toml::value& at, const std::string& key, const std::string& found,
+  [[noreturn]] void fail(const Toml& at, const std::string& key, const std::string& found,
                          const std::string& allowed) const;
   /// ConfigError about a key that is not there, or the table as a whole.
   [[noreturn]] void missing(const std::string& key, const std::string& allowed) const;
 
  private:
-  const toml::value* take(const std::string& key);
-  const toml::value& need(const std::string& key, const std::string& allowed);
+  const Toml* take(const std::string& key);
+  const Toml& need(const std::string& key, const std::string& allowed);
   [[nodiscard]] std::string full(const std::string& key) const;
-  [[nodiscard]] double to_number(const toml::value& value, const std::string& key, const Range& range) const;
-  [[nodiscard]] int to_integer(const toml::value& value, const std::string& key, int low, int high) const;
-  [[nodiscard]] const std::string& to_text(const toml::value& value, const std::string& key) const;
-  [[nodiscard]] const std::vector<toml::value>& to_array(const toml::value& value, const std::string& key,
-                                                         const std::string& of, std::size_t size) const;
-  [[nodiscard]] const toml::value& body_table(const std::string& key, const std::vector<std::string>& allowed);
+  [[nodiscard]] double to_number(const Toml& value, const std::string& key, const Range& range) const;
+  [[nodiscard]] int to_integer(const Toml& value, const std::string& key, int low, int high) const;
+  [[nodiscard]] const std::string& to_text(const Toml& value, const std::string& key) const;
+  [[nodiscard]] const std::vector<Toml>& to_array(const Toml& value, const std::string& key, const std::string& of,
+                                                  std::size_t size) const;
+  [[nodiscard]] const Toml& body_table(const std::string& key, const std::vector<std::string>& allowed);
 
-  const toml::value* value_;
+  const Toml* value_;
   std::string kind_, path_;
   Context context_;
   std::set<std::string> taken_;
@@ -127,7 +127,7 @@ T TableReader::choice(const std::string& key, const std::vector<std::pair<std::s
 }
 
 /// How errors show a value: "an array of 2", "\"text\"", "1.5".
-[[nodiscard]] std::string value_text(const toml::value& value);
+[[nodiscard]] std::string value_text(const Toml& value);
 
 /// `"a", "b" or "c"`.
 [[nodiscard]] std::string one_of(const std::vector<std::string>& allowed);

@@ -1,9 +1,26 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <toml.hpp>
+#include <unordered_map>
+#include <vector>
 
 namespace ricochet::scene {
+
+/// The parser takes the last element of an array where a key goes on behind its name, `t = []` and then `t.x = 1`, and
+/// does not ask whether there is one (toml11 3.7).
+template <class Element>
+class TomlArray : public std::vector<Element> {
+ public:
+  using std::vector<Element>::vector;
+  [[nodiscard]] Element& back() {
+    if (this->empty())
+      throw std::out_of_range("found a key of an array without elements, as t.x after t = []; allowed: of a table");
+    return std::vector<Element>::back();
+  }
+};
+using Toml = toml::basic_value<toml::discard_comments, std::unordered_map, TomlArray>;
 
 /// The bytes of a file. Throws ConfigError if it cannot be read.
 [[nodiscard]] std::string read_text(const std::string& path);
@@ -12,6 +29,6 @@ namespace ricochet::scene {
 
 /// The text of a scene or study file as TOML 1.0; `path` is for messages. Throws ConfigError naming file and line, also
 /// for what `check_text` refuses. The only place that instantiates the parser: it takes the compiler ten seconds.
-[[nodiscard]] toml::value parse_toml(const std::string& path, const std::string& text);
+[[nodiscard]] Toml parse_toml(const std::string& path, const std::string& text);
 
 }  // namespace ricochet::scene

@@ -24,7 +24,7 @@ std::vector<std::string> split(const std::string& key) {
 }
 
 /// The table of that `name` in an array of tables (bodies, contacts, participants).
-toml::value& named(toml::value& tables, const std::string& name, const Override& change) {
+Toml& named(Toml& tables, const std::string& name, const Override& change) {
   std::vector<std::string> names;
   for (auto& table : tables.as_array()) {
     if (!table.is_table() || !table.contains("name") || !table.at("name").is_string()) continue;
@@ -36,21 +36,21 @@ toml::value& named(toml::value& tables, const std::string& name, const Override&
                                 did_you_mean(name, names)));
 }
 
-toml::value to_toml(double number) {
+Toml to_toml(double number) {
   // Keys that count want integers, and those that measure take them, too.
   if (number == std::round(number) && std::abs(number) < 1e15) return static_cast<std::int64_t>(number);
   return number;
 }
 
-toml::value to_toml(const decltype(Override::value)& value) {
+Toml to_toml(const decltype(Override::value)& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* number = std::get_if<double>(&value)) return to_toml(*number);
-  toml::array list;
+  Toml::array_type list;
   for (const double number : std::get<std::vector<double>>(value)) list.push_back(to_toml(number));
   return list;
 }
 
-void set(toml::value& root, const Override& change) {
+void set(Toml& root, const Override& change) {
   const auto words = split(change.key);
   if (words.size() < 2) {
     throw ConfigError(
@@ -58,13 +58,13 @@ void set(toml::value& root, const Override& change) {
                     "time.step_s or body.NAME.material.youngs_modulus_pa",
                     change.key));
   }
-  toml::value* at = &root;
+  Toml* at = &root;
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
     if (at->is_array()) {
       at = &named(*at, words[i], change);
       continue;
     }
-    if (at->is_table() && !at->contains(words[i])) at->as_table()[words[i]] = toml::table{};
+    if (at->is_table() && !at->contains(words[i])) at->as_table()[words[i]] = Toml::table_type{};
     if (at->is_table()) at = &at->as_table()[words[i]];
   }
   if (!at->is_table()) {
@@ -78,30 +78,30 @@ void set(toml::value& root, const Override& change) {
 }
 
 /// Paths that count from the folder of the scene file.
-void make_absolute(toml::value& table, const char* key, const fs::path& folder) {
+void make_absolute(Toml& table, const char* key, const fs::path& folder) {
   if (!table.is_table() || !table.contains(key) || !table.at(key).is_string()) return;
   const std::string path = table.at(key).as_string().str;
   const bool program_on_path = std::string(key) == "executable" && path.find('/') == std::string::npos;
   if (!program_on_path) table.as_table()[key] = fs::absolute(folder / path).lexically_normal().string();
 }
 
-void keep_paths(toml::value& root, const fs::path& folder) {
+void keep_paths(Toml& root, const fs::path& folder) {
   const auto each = [&root](const char* name, const auto& act) {
     if (!root.contains(name) || !root.at(name).is_array()) return;
     for (auto& table : root.at(name).as_array()) act(table);
   };
-  each("body", [&](toml::value& body) {
+  each("body", [&](Toml& body) {
     if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), "gmsh", folder);
     make_absolute(body, "interface_nodes", folder);
   });
-  each("participant", [&](toml::value& participant) { make_absolute(participant, "executable", folder); });
+  each("participant", [&](Toml& participant) { make_absolute(participant, "executable", folder); });
 }
 
 }  // namespace
 
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {
   if (!is_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");
-  toml::value root = parse_toml(scene_path, read_text(scene_path));
+  Toml root = parse_toml(scene_path, read_text(scene_path));
   for (const auto& change : overrides) set(root, change);
   keep_paths(root, fs::absolute(scene_path).parent_path());
   write_atomically(out_path, toml::format(root, 120, 17));

@@ -13,6 +13,9 @@ namespace {
 
 using wire::Clock;
 
+/// In which a process that was killed is known to have ended.
+constexpr std::chrono::milliseconds until_seen{300};
+
 }  // namespace
 
 void Peers::handshake() {
@@ -53,10 +56,16 @@ void Peers::admit() {
   }
   auto& peer = peers_[static_cast<std::size_t>(found - names.begin())];
   std::string objection = objection_to_hello(hello, peer);
-  auto memory = objection.empty() ? open_shared_memory(hello, objection) : nullptr;
+  const bool may_take_part = objection.empty();
+  auto memory = may_take_part ? open_shared_memory(hello, objection) : nullptr;
   if (!objection.empty()) {
     const bool launched_here =
         peer.identity.empty() && launcher_.launched(*found) && listener_.sender() == peer.expected.name;
+    // Its memory goes with it, where it was killed since it said hello.
+    if (may_take_part && launched_here && launcher_.wait_for(*found, until_seen)) {
+      peer.process_id = hello.process_id;
+      check_end(peer);
+    }
     refuse(objection, config);
     if (peer.identity.empty()) peer.refusal = objection;
     if (launched_here) throw ConfigError(objection);  // no second one will come

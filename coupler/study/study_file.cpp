@@ -34,7 +34,7 @@ const scene::Schema& study_schema() {
   return tables;
 }
 
-Variation load_variation(const TableReader& reader, const toml::value& table, const std::string& at) {
+Variation load_variation(const TableReader& reader, const scene::Toml& table, const std::string& at) {
   Variation variation;
   for (const auto& leaf : leaves_of(reader, table, at)) {
     const std::string full = at + "." + leaf.key;
@@ -59,7 +59,7 @@ Variation load_variation(const TableReader& reader, const toml::value& table, co
 
 std::vector<Variation> load_variations(TableReader& root) {
   std::vector<Variation> variations;
-  const toml::value* value = root.open("vary");
+  const scene::Toml* value = root.open("vary");
   if (value == nullptr) return variations;
   if (!value->is_array()) root.refuse("vary", scene::value_text(*value), "[[vary]] tables");
   std::set<std::string> seen;
@@ -119,14 +119,14 @@ ReferenceSpec load_reference(TableReader reader, const StudyFile& study) {
   return reference;
 }
 
-std::string text_at(const toml::value& table, const char* key) {
+std::string text_at(const scene::Toml& table, const char* key) {
   if (!table.is_table() || !table.contains(key) || !table.at(key).is_string()) return "";
   return table.at(key).as_string();
 }
 
 /// What a study can measure of its scene, which may still lack what the study gives it.
 MeasuredScene measured_scene(const std::string& path) {
-  const toml::value file = scene::parse_toml(path, scene::read_text(path));
+  const scene::Toml file = scene::parse_toml(path, scene::read_text(path));
   MeasuredScene scene{.solid = text_at(file, "model") == "solid"};
   if (!file.contains("contact") || !file.at("contact").is_array() || file.at("contact").size() < 2) return scene;
   for (const auto& contact : file.at("contact").as_array()) scene.contacts.push_back(text_at(contact, "name"));
@@ -187,8 +187,8 @@ std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& s
   return all;
 }
 
-toml::value parse(const std::string& path, const std::string& text) {
-  toml::value file = scene::parse_toml(path, text);
+scene::Toml parse(const std::string& path, const std::string& text) {
+  scene::Toml file = scene::parse_toml(path, text);
   if (file.as_table().empty()) {
     throw ConfigError(path + ":1: the study file is empty; allowed: scene, methods, reference and more");
   }
@@ -202,7 +202,7 @@ StudyFile load_study(const std::string& path) {
   StudyFile study;
   study.path = fs::absolute(path).lexically_normal().string();
   study.text = scene::read_text(study.path);
-  const toml::value file = parse(study.path, study.text);
+  const scene::Toml file = parse(study.path, study.text);
   std::map<std::string, int> lines;
   TableReader root(file, "study", "", {study.path, lines, &study_schema()});
   study.scene = (fs::path(study.path).parent_path() / root.text("scene")).lexically_normal().string();

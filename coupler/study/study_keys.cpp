@@ -15,7 +15,7 @@ using scene::Override;
 using scene::TableReader;
 
 /// Nested tables are dotted keys: { time.step_s = 1 } and { "time.step_s" = 1 } are the same. In the file's order.
-void collect(const toml::value& table, const std::string& path, std::vector<Leaf>& leaves) {
+void collect(const scene::Toml& table, const std::string& path, std::vector<Leaf>& leaves) {
   for (const auto& [key, value] : table.as_table()) {
     const std::string full = path.empty() ? key : path + "." + key;
     if (value.is_table()) {
@@ -55,14 +55,14 @@ void check_scene_key(const TableReader& reader, const std::string& at, const Lea
               "one of its keys: " + scene::one_of(schema.at(kind)));
 }
 
-bool is_number(const toml::value& value) { return value.is_floating() || value.is_integer(); }
-double number_of(const toml::value& value) {
+bool is_number(const scene::Toml& value) { return value.is_floating() || value.is_integer(); }
+double number_of(const scene::Toml& value) {
   return value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
 }
 
 }  // namespace
 
-std::vector<Leaf> leaves_of(const TableReader& reader, const toml::value& table, const std::string& at) {
+std::vector<Leaf> leaves_of(const TableReader& reader, const scene::Toml& table, const std::string& at) {
   if (!table.is_table()) reader.fail(table, at, scene::value_text(table), "a table of keys of the scene");
   std::vector<Leaf> leaves;
   collect(table, "", leaves);
@@ -74,7 +74,7 @@ std::vector<Leaf> leaves_of(const TableReader& reader, const toml::value& table,
 }
 
 Override override_of(const TableReader& reader, const std::string& at, const std::string& key,
-                     const toml::value& value) {
+                     const scene::Toml& value) {
   if (is_number(value)) return {key, number_of(value)};
   if (value.is_string()) return {key, value.as_string().str};
   const bool list = value.is_array() && !value.as_array().empty() &&
@@ -87,7 +87,7 @@ Override override_of(const TableReader& reader, const std::string& at, const std
 
 std::vector<Override> load_changes(TableReader& reader, const std::string& key) {
   std::vector<Override> changes;
-  const toml::value* table = reader.open(key);
+  const scene::Toml* table = reader.open(key);
   if (table == nullptr) return changes;
   const std::string at = reader.path() + "." + key;
   for (const auto& leaf : leaves_of(reader, *table, at)) {

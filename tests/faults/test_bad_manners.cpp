@@ -50,6 +50,7 @@ const std::vector<Habit> habits = {
      wrong,
      {"found \"shm\"", "it is that of another process", "\"auto\" allows"},
      "shm"},
+    {"dies_after_hello", 4, failed, {"was killed by signal 9 (SIGKILL)"}},
     {"says_transposed", 5, broken, {"window 40", "1 x 2 numbers in 'increment'", "its interface has 2 x 1"}},
     {"says_far_window", 5, broken, {"answered 'window' = 4611686018427387904", "windows 40 to 40"}},
     {"says_far_row", 5, broken, {"in 'records' the history row of window 1e+300"}},

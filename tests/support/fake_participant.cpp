@@ -4,6 +4,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <functional>
@@ -13,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <zmq.hpp>
 
@@ -141,6 +144,15 @@ void offer_nothing(Line& line, Message message) {
 void offer_what_is_another_process(Line& line, Message message) {
   ++message.as<wire::Hello>().shared_memory_key;
   line.say(message);
+}
+
+/// The memory of a process that was killed cannot be opened any more; here it never could.
+void die_after_hello(Line& line, Message message) {
+  auto& hello = message.as<wire::Hello>();
+  hello.shared_memory_path = "/proc/" + std::to_string(getpid()) + "/fd/100000";
+  line.say(message);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // so that the message gets away
+  std::raise(SIGKILL);
 }
 
 void lose_one(Line& line, Message message) {
@@ -286,6 +298,7 @@ const std::map<std::string, Habit> habits = {
     {"claims_bytes_never_written", {Kind::advanced, claim_what_is_not_there}},
     {"offers_no_memory", {Kind::hello, offer_nothing}},
     {"offers_memory_of_another", {Kind::hello, offer_what_is_another_process}},
+    {"dies_after_hello", {Kind::hello, die_after_hello}},
     {"diverges", {Kind::advanced, diverge}},
     {"finds_the_disk_full", {Kind::advanced, find_disk_full}},
     {"exits_silently", {Kind::advanced, exit_silently}},

@@ -2,6 +2,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/sha256.hpp"
+#include "common/scene/toml_file.hpp"
 #include "tests/common/scene/scene_text.hpp"
 
 namespace ricochet::scene {
@@ -82,6 +83,18 @@ axial_stress_every = 5
 )";
 
 // Whether there is such a file cannot even be asked; that is no fault of the program.
+// The parser would look at the last element of none.
+TEST(LoadScene, AKeyOfAnArrayWithoutElementsIsRefused) {
+  for (const std::string keys : {"t = []\nt.x = 1\n", "[t]\nu = []\n[t.u.v]\nx = 1\n"}) {
+    try {
+      (void)parse_toml("scene.toml", keys);
+      ADD_FAILURE() << keys;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("a key of an array without elements"));
+    }
+  }
+}
+
 TEST(LoadScene, ANameThatNoFileCanHaveIsNoSceneFile) {
   EXPECT_THROW((void)load_scene(std::string(300, 'n')), ConfigError);
 }
