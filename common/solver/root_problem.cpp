@@ -242,7 +242,8 @@ const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, con
 
 double RootProblem::tangential_alone(int pair, double slip, double slip_velocity, double last) const {
   const int t = pairs_ + pair;
-  const double force = solution_.force[t], limit = friction_of(pair) * solution_.force[pair];
+  // A pair that is about to open may pull by what round-off leaves.
+  const double force = solution_.force[t], limit = friction_of(pair) * std::max(0.0, solution_.force[pair]);
   if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
   const double rate = 2.0 / dt_ * compliance_.alone(t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
   return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
