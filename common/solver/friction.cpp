@@ -79,6 +79,7 @@ Eigen::Vector2d regularised_on_cone(const Eigen::Matrix2d& w, const Eigen::Vecto
 }  // namespace
 
 double friction_of_pair(const scene::Contact& law, double limit, double free_rate, double holding) {
+  if (limit < 0.0) return 0.0;  // a pair that pulls, which only a damaged state has
   if (law.friction_law == scene::FrictionLaw::return_mapping) return std::clamp(holding, -limit, limit);
   if (free_rate == 0.0 || holding == 0.0) return 0.0;
   // Taken at `free_rate` itself, the law would count what one window of it stops. Newton's method for v + d tanh(xi v)
@@ -96,6 +97,7 @@ double friction_of_pair(const scene::Contact& law, double limit, double free_rat
 
 Eigen::Vector2d friction_of_pair(const scene::Contact& law, double limit, const Eigen::Vector2d& free_rate,
                                  const Eigen::Vector2d& holding, const Eigen::Matrix2d& inverse) {
+  if (limit < 0.0) return Eigen::Vector2d::Zero();
   if (inverse(0, 0) <= 0.0 || inverse(1, 1) <= 0.0) {  // one direction, as in two dimensions
     const int free = inverse(1, 1) > 0.0 ? 1 : 0;
     Eigen::Vector2d t(0.0, 0.0);

@@ -29,6 +29,9 @@ TEST(FrictionOfPair, SlipsOnTheConeInEitherDirection) {
   EXPECT_EQ(friction_of_pair(coulomb(), 3.0, -1.0, 5.0), 3.0);
   EXPECT_EQ(friction_of_pair(coulomb(), 3.0, 1.0, -5.0), -3.0);
   EXPECT_EQ(friction_of_pair(coulomb(), 0.0, 1.0, -5.0), 0.0) << "an open pair";
+  EXPECT_EQ(friction_of_pair(coulomb(), -3.0, 1.0, -5.0), 0.0) << "one that pulls";
+  const Eigen::Vector2d along(0.6, -0.8);
+  EXPECT_EQ(friction_of_pair(coulomb(), -3.0, along, -5.0 * along, Eigen::Matrix2d::Identity()).norm(), 0.0);
 }
 
 // t = -limit tanh(xi v) with the velocity that t itself leaves, v = free_rate (1 - t / holding).
