@@ -286,8 +286,8 @@ void CondensedFactor::eliminate(const Block& block, int first, int end, const do
   double* x = work_.data();
   const int begin = first * panel_rows, stop = std::min(rows, end * panel_rows);
   for (int k = begin; k < std::min(stop, block.width); ++k) x[block.first + k] = of_rows[k];
-  const int* target = target_.data() + block.first_row - block.width;
-  for (int k = std::max(begin, block.width); k < stop; ++k) x[target[k]] += of_rows[k];
+  const int* target = target_.data() + block.first_row;
+  for (int k = std::max(begin, block.width); k < stop; ++k) x[target[k - block.width]] += of_rows[k];
 }
 
 /// Adds what subtrees have collected for unknowns above them, and empties it.
