@@ -85,8 +85,15 @@ class Counter {
     if ((c == ']' || c == '}') && depth_ > 0) --depth_;
     if (c == '.') ++dots_;
     if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') dots_ = 0;
+    if (c == 'b' && last_ == '0') {
+      binary_digits_ = 0;
+    } else {
+      binary_digits_ = binary_digits_ >= 0 && (c == '0' || c == '1' || c == '_') ? binary_digits_ + 1 : -1;
+    }
+    last_ = c;
     if (depth_ > deepest_nesting) refuse("brackets nested", depth_, deepest_nesting);
     if (dots_ >= most_key_parts) refuse("parts of a key", dots_ + 1, most_key_parts);
+    if (binary_digits_ > most_binary_digits) refuse("digits of a binary number", binary_digits_, most_binary_digits);
   }
   [[noreturn]] void refuse(const char* what, int found, int allowed) const {
     throw ConfigError(
@@ -95,6 +102,8 @@ class Counter {
 
   const std::string& path_;
   int line_ = 1, depth_ = 0, dots_ = 0;
+  int binary_digits_ = -1;  // since 0b; -1: behind no such
+  char last_ = '\n';
 };
 
 }  // namespace
