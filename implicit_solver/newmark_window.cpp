@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/fem/newmark.hpp"
+#include "common/solver/compliance.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -208,8 +209,8 @@ void NewmarkWindow::solve_increment(WindowTrial& trial) {
       trial.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
     contact_->solve(parts_.states, trial.increment);
     const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
-    const auto size = static_cast<Eigen::Index>(root.size());
-    root_increment_.noalias() += scale * (factor_->root_inverse().leftCols(size) * contact_->root_force());
+    root_force_ = scale * contact_->root_force();
+    solver::add_product(factor_->root_inverse(), root_force_, root_increment_);
   }
   factor_->backward(root_increment_, trial.increment);
 }

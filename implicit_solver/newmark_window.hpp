@@ -70,7 +70,7 @@ class NewmarkWindow {
   std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
   bool link_in_root_ = true, contact_in_root_ = true;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
-  Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, shared_x_, shared_force_;
+  Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, root_force_, shared_x_, shared_force_;
   Eigen::VectorXd contact_force_, contact_increment_;  ///< of a contact outside the root, all dofs
   std::vector<std::vector<double>> dashpot_load_;      ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::VectorXd bracket_, jump_, mean_velocity_;     ///< work of the contact forces, see ImplicitContact::account

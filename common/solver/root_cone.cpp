@@ -95,10 +95,10 @@ RootProblem::ConeRows RootProblem::regularised_rows(int pair, const Eigen::Vecto
   return {Eigen::Matrix2d::Identity(), of_slip, mu * value, of_slip * (slipped - 0.5 * dt_ * (velocity - about))};
 }
 
-/// Rows of the present states at the present forces. A pair that slipped and now could hold is made to stick.
+/// Rows of the present states at the present forces, with `motion_` = D x where rows turn. A pair that slipped and now
+/// could hold is made to stick.
 void RootProblem::find_cone_rows(const Eigen::VectorXd& slip_free, const Eigen::VectorXd& slip_velocity,
                                  const Solution& last) {
-  if (turns()) compliance_.times(solution_.force, motion_);
   for (int i = 0; i < pairs_; ++i) {
     auto& tangent = states_[static_cast<std::size_t>(i)].tangent;
     auto& rows = cone_rows_[static_cast<std::size_t>(i)];

@@ -82,7 +82,6 @@ bool RootProblem::held(int pair) const {
 
 void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  if (friction_ && regularised_ && !cone_ && !compliance_.has_rows()) compliance_.times(solution_.force, motion_);
   if (cone_) find_cone_rows(slip_free, slip_velocity, last);
   rhs_.setZero();
   for (int i = 0; i < pairs_; ++i) {
@@ -96,7 +95,7 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
     // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and
     // Newton's method cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
     const double xi = law_.friction_regularisation_s_m, mu = friction_of(i);
-    const double slipped = moved(t);
+    const double slipped = motion_[t];
     const double velocity = 2.0 * (slip_free[i] + slipped) / dt_ - slip_velocity[i];
     const double without = velocity - 2.0 / dt_ * compliance_.alone(t) * solution_.force[t];
     const double about = velocity * without < 0.0 ? 0.0 : velocity;
@@ -107,10 +106,6 @@ void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::Vec
   }
   if (cone_) cone_right_hand_side();
   solve_states();
-}
-
-double RootProblem::moved(int unknown) const {
-  return compliance_.has_rows() ? compliance_.row_times(unknown, solution_.force) : motion_[unknown];
 }
 
 bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
@@ -153,6 +148,7 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   start_from(last);
   solution_.force = last.force;
   solution_.iterations = 0;
+  if (turns()) compliance_.times(solution_.force, motion_);
   find_states(gap_free, slip_free, slip_velocity, last);
   // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
   if (!solution_.force.allFinite()) {
@@ -186,7 +182,8 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   return solution_;
 }
 
-/// From the present states and forces, until neither changes; for a stated number of times.
+/// From the present states and forces, until neither changes; for a stated number of times. Where rows turn, `motion_`
+/// is D x of the forces from the start on.
 void RootProblem::find_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                               const Eigen::VectorXd& slip_velocity, const Solution& last) {
   bool settled = false;

@@ -95,8 +95,6 @@ class RootProblem {
   void times_cone(int pair, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
   void solve_states();
   void times_matrix(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
-  /// What the present forces move an unknown's row by [m].
-  [[nodiscard]] double moved(int unknown) const;
   [[nodiscard]] bool update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                    const Solution& last);
   void stick_all();

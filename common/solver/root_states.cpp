@@ -78,7 +78,7 @@ void RootProblem::find_involved() {
 void RootProblem::add_compliance(int row, double factor, int unknown) {
   const Eigen::MatrixXd& compliance = *compliance_.dense();
   for (std::size_t column = 0; column < involved_.size(); ++column)
-    matrix_(row, static_cast<Eigen::Index>(column)) += factor * compliance(unknown, involved_[column]);
+    matrix_(row, static_cast<Eigen::Index>(column)) += factor * compliance(involved_[column], unknown);  // symmetric
 }
 
 /// Rows of the present states, of the involved unknowns: a ball that touches with thirty of two hundred pairs has a

@@ -30,6 +30,18 @@ scene::Contact frictional(double mu) {
 
 const Eigen::VectorXd none;
 
+TEST(Compliance, PassesOverWhatHasNoForce) {
+  const Eigen::MatrixXd half = Eigen::MatrixXd::Random(11, 11), dense = half * half.transpose();
+  const Compliance compliance(dense);
+  for (int forces = 0; forces <= 11; ++forces) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(11), y(11);
+    for (int k = 0; k < forces; ++k) x[(5 * k + 3) % 11] = 1.0 + k;
+    compliance.times(x, y);
+    EXPECT_LT((y - dense * x).norm(), 1e-13 * (1.0 + y.norm())) << forces;
+    for (int row = 0; row < 11; ++row) EXPECT_NEAR(compliance.row_times(row, x), y[row], 1e-13 * (1.0 + y.norm()));
+  }
+}
+
 TEST(RootProblem, SolvesTheComplementarityProblemOfRandomCompliances) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 200; ++trial) {
