@@ -82,7 +82,6 @@ fields_every = 50
 axial_stress_every = 5
 )";
 
-// Whether there is such a file cannot even be asked; that is no fault of the program.
 // The parser would look at the last element of none.
 TEST(LoadScene, AKeyOfAnArrayWithoutElementsIsRefused) {
   for (const std::string keys : {"t = []\nt.x = 1\n", "[t]\nu = []\n[t.u.v]\nx = 1\n"}) {
@@ -95,6 +94,7 @@ TEST(LoadScene, AKeyOfAnArrayWithoutElementsIsRefused) {
   }
 }
 
+// Whether there is such a file cannot even be asked; that is no fault of the program.
 TEST(LoadScene, ANameThatNoFileCanHaveIsNoSceneFile) {
   EXPECT_THROW((void)load_scene(std::string(300, 'n')), ConfigError);
 }
