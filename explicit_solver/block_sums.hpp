@@ -5,6 +5,7 @@
 
 #include "common/solver/blocks.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/internal_force.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -31,7 +32,7 @@ struct BlockSums {
 [[nodiscard]] BlockSums part_sums(const solver::BodyState& state, const Eigen::VectorXd& internal);
 
 /// Momentum, kinetic energy in the staggered metric 1/2 (v^T M v - dt^2/4 a^T M a) and strain energy of a part, from
-/// the sums over all its blocks, into its totals.
-void set_totals(const BlockSums& sums, double dt, solver::BodyState& state);
+/// the sums over all its blocks, into its totals. `elements`: of the part, or of a share of it.
+void set_totals(const BlockSums& sums, double dt, const solver::InternalForce& elements, solver::BodyState& state);
 
 }  // namespace ricochet::explicit_solver

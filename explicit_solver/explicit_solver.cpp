@@ -17,11 +17,12 @@ using participant::Capability;
 using participant::LinkOutput;
 
 ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name,
-                               std::optional<double> told_critical_step_s, Ranks* ranks)
+                               std::optional<double> told_critical_step_s, Ranks* ranks, MakeForce make_force)
     : problem_(std::move(problem)),
       spec_(&problem_.scene.participant(name)),
       told_critical_step_s_(told_critical_step_s),
-      ranks_(ranks) {
+      ranks_(ranks),
+      make_force_(std::move(make_force)) {
   if (spec_->role != scene::Role::explicit_solver) {
     throw ConfigError(
         fmt::format("{}: participant '{}' has role \"implicit\"; start implicit_solver for it, or set its role "
@@ -60,7 +61,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
   }
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
-  stepping_.emplace(stepped(), setup_, make_contact());
+  stepping_.emplace(stepped(), setup_, make_contact(), make_force_);
   stepping_->answer(output);
   model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
@@ -138,7 +139,7 @@ void ExplicitSolver::take_totals() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (!ranks_ || gathered_ == window_) solver::require_finite(state, state.u, window_);
-    if (!ranks_) set_totals(part_sums(state, stepping_->internal(b)), dt, state);
+    if (!ranks_) set_totals(part_sums(state, stepping_->internal(b)), dt, stepping_->force(b), state);
   }
 }
 

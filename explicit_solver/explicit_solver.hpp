@@ -22,12 +22,12 @@ namespace ricochet::explicit_solver {
 ///
 /// Kinetic energy is reported in the staggered metric 1/2 v_{n-1/2}^T M v_{n+1/2} = 1/2 (v^T M v - dt^2/4 a^T M a), in
 /// which the method conserves energy exactly.
-class ExplicitSolver final : public participant::Participant {
+class ExplicitSolver : public participant::Participant {
  public:
   /// `told_critical_step_s`: see solver::describe. `ranks`: of a participant of several processes, of which this is the
-  /// first; it must outlive this object.
+  /// first; it must outlive this object. `make_force`: what the elements of a part answer.
   ExplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {},
-                 Ranks* ranks = nullptr);
+                 Ranks* ranks = nullptr, MakeForce make_force = linear_force);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -60,6 +60,7 @@ class ExplicitSolver final : public participant::Participant {
     void archive(Archive& a) { a(window, stepping, separation); }
   };
   [[nodiscard]] State state() const;
+  [[nodiscard]] const Stepping& stepping() const { return *stepping_; }  ///< from `initialize` on
   void restore(const State& state);
 
  private:
@@ -82,6 +83,7 @@ class ExplicitSolver final : public participant::Participant {
   const scene::ParticipantSpec* spec_;
   std::optional<double> told_critical_step_s_;
   Ranks* ranks_;
+  MakeForce make_force_;
   std::vector<solver::BodyState> states_;            ///< whole parts
   std::vector<solver::BodyState>* share_ = nullptr;  ///< of ranks, from `initialize` on: what this one steps
   std::int64_t gathered_ = -1;                       ///< of ranks: the window whose motion states_ has

@@ -13,10 +13,11 @@ Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const
 
 }  // namespace
 
-ForceDriven::ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup)
+ForceDriven::ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup,
+                         const MakeForce& make_force)
     : states_(states), window_size_s_(setup.window_size_s), substeps_(setup.substeps) {
   for (const auto& state : states_) {
-    parts_.emplace_back(state, substeps_, window_size_s_ / substeps_);
+    parts_.emplace_back(state, substeps_, window_size_s_ / substeps_, make_force);
   }
 }
 
@@ -79,9 +80,8 @@ void ForceDriven::restore(const State& state) {
 }
 
 void ForceDriven::freeze(participant::FrozenContact) {
-  State state = this->state();
-  for (auto& part : state.parts) part.front.reach_all();  // the motion may be any
-  restore(state);
+  restore(state());
+  for (auto& part : parts_) part.elements().reach_all();  // the motion may be any
 }
 
 }  // namespace ricochet::explicit_solver

@@ -16,7 +16,7 @@ namespace ricochet::explicit_solver {
 class ForceDriven {
  public:
   /// At t = 0. `states` must outlive this object unmoved.
-  ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup);
+  ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup, const MakeForce& make_force);
 
   /// Motion of the shared nodes, of the trial or of the accepted window.
   void answer(participant::LinkOutput& output) const;
@@ -40,7 +40,8 @@ class ForceDriven {
   /// From here on the problem is homogeneous: what was booked of loads and reactions is gone.
   void freeze(participant::FrozenContact contact);
 
-  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return parts_[part].state().internal; }
+  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return parts_[part].internal(); }
+  [[nodiscard]] solver::InternalForce& force(std::size_t part) const { return parts_[part].elements(); }
   [[nodiscard]] ExplicitContact* contact() { return nullptr; }  ///< the implicit side's
 
  private:

@@ -7,10 +7,9 @@
 namespace ricochet::explicit_solver {
 
 MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact,
-                           double window_size_s)
+                           double window_size_s, const MakeForce& make_force)
     : states_(states), dt_(window_size_s), contact_(std::move(contact)) {
   state_.parts.resize(states_.size());
-  shared_.resize(states_.size());
   trials_.resize(states_.size());
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
@@ -21,7 +20,6 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
     state.external.at(0.0, forces.external);
     trials_[b].u = state.u;
     trials_[b].forces = forces;
-    set_shared_columns(b);
   }
   for (auto& trial : trials_) {
     u_before_.push_back(&trial.u);
@@ -29,7 +27,7 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
     trial_external_.push_back(&trial.forces.external);
   }
   if (contact_) settle_at_start();
-  for (std::size_t b = 0; b < states_.size(); ++b) state_.fronts.emplace_back(states_[b], driven_nodes(b));
+  for (std::size_t b = 0; b < states_.size(); ++b) forces_.push_back(make_force(states_[b], driven_nodes(b)));
 }
 
 /// Massless contact nodes begin in balance with the others.
@@ -57,29 +55,6 @@ std::vector<int> MotionDriven::driven_nodes(std::size_t b) const {
   return nodes;
 }
 
-void MotionDriven::set_shared_columns(std::size_t b) {
-  const auto& state = states_[b];
-  auto& shared = shared_[b];
-  std::vector<int> column(static_cast<std::size_t>(state.part.dofs()), -1);
-  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i)
-    column[static_cast<std::size_t>(state.shared_dofs[i])] = static_cast<int>(i);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int row = 0; row < state.part.dofs(); ++row) {
-    const auto before = entries.size();
-    for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, row); it; ++it) {
-      const int place = column[static_cast<std::size_t>(it.col())];
-      if (place >= 0) entries.emplace_back(static_cast<int>(shared.near_rows.size()), place, it.value());
-    }
-    if (entries.size() > before) shared.near_rows.push_back(row);
-  }
-  const auto rows = static_cast<Eigen::Index>(shared.near_rows.size()),
-             columns = static_cast<Eigen::Index>(state.shared_dofs.size());
-  shared.columns.resize(rows, columns);
-  shared.columns.setFromTriplets(entries.begin(), entries.end());
-  trials_[b].near_internal.setZero(rows);
-  trials_[b].shared_moved.setZero(columns);
-}
-
 void MotionDriven::answer(participant::LinkOutput& output) const {
   output.value.clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -96,7 +71,7 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
     auto& trial = trials_[b];
     trial.u = state.u;
     for (const int dof : state.shared_dofs) state.u[dof] = link_input[next++];
-    state_.fronts[b].multiply(state, state.u, trial.forces.internal);
+    forces_[b]->evaluate(state.u, trial.forces.internal);
     state.external.at(time_s, trial.forces.external);
     account_interface(b);
   }
@@ -116,8 +91,7 @@ void MotionDriven::work_ahead(std::int64_t window) {
   if (!predicted_) predict(static_cast<double>(window) * dt_);
 }
 
-/// Everything of a window that does not need the link: u of the own nodes, K u with the shared ones where they
-/// were, f.
+/// Everything of a window that does not need the link: u of the own nodes, what of P needs no shared node, f.
 void MotionDriven::predict(double time_s) {
   if (contact_ && !state_.contact_started) contact_->start(states_);
   state_.contact_started = true;
@@ -129,34 +103,15 @@ void MotionDriven::predict(double time_s) {
     if (!state.external.zero()) state.external.at(time_s, trial.forces.external);
   }
   if (contact_) contact_->settle(states_, trial_external_, trial_u_);
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    auto& trial = trials_[b];
-    state_.fronts[b].multiply(states_[b], trial.u, trial.forces.internal);
-    const auto& near = shared_[b].near_rows;
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      trial.near_internal[static_cast<Eigen::Index>(i)] = trial.forces.internal[near[i]];
-    }
-  }
+  for (std::size_t b = 0; b < states_.size(); ++b) forces_[b]->before_link(trials_[b].u, trials_[b].forces.internal);
   predicted_ = true;
 }
 
-/// u_Gamma of the link, and what it changes of K u.
+/// u_Gamma of the link, and what it changes of P.
 void MotionDriven::move_shared(std::size_t b, const std::vector<double>& link_input, std::size_t& next) {
-  const auto& state = states_[b];
-  const auto& shared = shared_[b];
   auto& trial = trials_[b];
-  for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
-    const int dof = state.shared_dofs[i];
-    trial.u[dof] = link_input[next++];
-    trial.shared_moved[static_cast<Eigen::Index>(i)] = trial.u[dof] - state.u[dof];
-  }
-  for (std::size_t i = 0; i < shared.near_rows.size(); ++i) {
-    const auto row = static_cast<int>(i);
-    double sum = trial.near_internal[row];
-    for (fem::SparseMatrix::InnerIterator it(shared.columns, row); it; ++it)
-      sum += it.value() * trial.shared_moved[it.col()];
-    trial.forces.internal[shared.near_rows[i]] = sum;
-  }
+  for (const int dof : states_[b].shared_dofs) trial.u[dof] = link_input[next++];
+  forces_[b]->after_link(trial.u, trial.forces.internal);
 }
 
 bool MotionDriven::accept(std::int64_t window) {
@@ -199,19 +154,19 @@ void MotionDriven::set_shared_velocity(std::size_t b) {
 /// v += dt/2 a, where there is an acceleration.
 void MotionDriven::half_a_step(std::size_t b) {
   auto& state = states_[b];
-  for (const auto& [first, last] : state_.fronts[b].rows()) {
+  for (const auto& [first, last] : forces_[b]->rows()) {
     const auto count = last - first;
     state.v.segment(first, count) += (0.5 * dt_) * state.a.segment(first, count);
   }
 }
 
-/// a = M^-1 (f - K u) of the trial's forces, the given motion at constrained dofs; the reactions there join f.
+/// a = M^-1 (f - P) of the trial's forces, the given motion at constrained dofs; the reactions there join f.
 void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     const Eigen::VectorXd& internal = trials_[b].forces.internal;
     Eigen::VectorXd& external = trials_[b].forces.external;
-    state_.fronts[b].grow(internal);
+    forces_[b]->follow(internal);
     if (velocity == Velocity::now) {
       for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
     } else {
@@ -219,7 +174,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
       solver::add_dashpot_forces(
           state, dt_, [&](int dof) { return state.v[dof]; }, others, external);
     }
-    for (const auto& [first, last] : state_.fronts[b].rows()) {
+    for (const auto& [first, last] : forces_[b]->rows()) {
       const auto count = last - first;
       state.a.segment(first, count) =
           state.inverse_mass.segment(first, count)
@@ -253,6 +208,7 @@ void MotionDriven::account_interface(std::size_t b) {
 
 MotionDriven::State MotionDriven::state() const {
   State state = state_;
+  for (const auto& force : forces_) state.elements.push_back(kept_by(*force));
   if (contact_) state.contact = contact_->state();
   return state;
 }
@@ -260,8 +216,12 @@ MotionDriven::State MotionDriven::state() const {
 void MotionDriven::restore(const State& state) {
   state_ = state;
   if (contact_) contact_->restore(*state.contact);
-  // Rows beyond the front are never written: they must hold what they held then.
-  for (std::size_t b = 0; b < states_.size(); ++b) trials_[b].forces = state_.parts[b];
+  state_.elements.clear();
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    put_back(state.elements[b], *forces_[b]);
+    trials_[b].forces =
+        state_.parts[b];  // rows that are not computed are never written: they must hold what they held then
+  }
   predicted_ = answered_with_trial_ = false;
 }
 
@@ -269,9 +229,9 @@ void MotionDriven::freeze(participant::FrozenContact contact) {
   if (contact_) contact_->freeze(contact);
   State state = this->state();
   for (auto& forces : state.parts) forces.external.setZero();
-  for (auto& front : state.fronts) front.reach_all();  // the motion may be any
-  state.contact_started = false;                       // a_n contains the contact force that closes the gap at n + 1
+  state.contact_started = false;  // a_n contains the contact force that closes the gap at n + 1
   restore(state);
+  for (auto& force : forces_) force->reach_all();  // the motion may be any
 }
 
 }  // namespace ricochet::explicit_solver

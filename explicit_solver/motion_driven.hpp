@@ -2,26 +2,29 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "explicit_solver/explicit_contact.hpp"
-#include "explicit_solver/wave_front.hpp"
+#include "explicit_solver/linear_force.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// Central difference (common/solver/central_difference.hpp) on parts whose shared nodes move as the link says; the
-/// answer is P = K u - f there. Without shared nodes, as the only participant, it also enforces the contact.
+/// answer is P(u) - f there. Without shared nodes, as the only participant, it also enforces the contact.
 ///
-/// Everything of a window that does not need the link is done before it: `predict` forms K u with the shared nodes
-/// where they were; their new displacement then changes the rows next to them. A trial changes no State: it may be
-/// repeated with another link input, or given up.
+/// Everything of a window that does not need the link is done before it: `predict` has the elements answer to what
+/// their own nodes did, with the shared ones where they were (InternalForce::before_link). A trial changes no State: it
+/// may be repeated with another link input, or given up.
 class MotionDriven {
  public:
   /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved.
-  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s);
+  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s,
+               const MakeForce& make_force);
 
   /// P at the shared nodes, of the trial or of the accepted window; what is sent is its change, Delta P (Eq. 6).
   void answer(participant::LinkOutput& output) const;
@@ -35,16 +38,16 @@ class MotionDriven {
   /// With the motion of the bodies all that the next window is computed from.
   struct State {
     struct Forces {
-      Eigen::VectorXd internal, external;  ///< K u; f, reactions included, at the end of the window [N]
+      Eigen::VectorXd internal, external;  ///< P(u); f, reactions included, at the end of the window [N]
 
       void archive(Archive& a) { a(internal, external); }
     };
     std::vector<Forces> parts;
-    std::vector<WaveFront> fronts;  ///< per part
+    std::vector<std::string> elements;  ///< per part: what its InternalForce keeps
     std::optional<ExplicitContact::State> contact;
     bool contact_started = false;  ///< the contact has made the accelerations of the first window
 
-    void archive(Archive& a) { a(parts, fronts, contact, contact_started); }
+    void archive(Archive& a) { a(parts, elements, contact, contact_started); }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
@@ -52,24 +55,18 @@ class MotionDriven {
   void freeze(participant::FrozenContact contact);
 
   [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const { return state_.parts[part].internal; }
+  [[nodiscard]] solver::InternalForce& force(std::size_t part) const { return *forces_[part]; }
   [[nodiscard]] ExplicitContact* contact() { return contact_ ? &*contact_ : nullptr; }
 
  private:
   /// Per part: the window being tried.
   struct Trial {
-    Eigen::VectorXd u;                            ///< after `accept` the accepted displacement before
-    State::Forces forces;                         ///< after `accept` the accepted ones before
-    Eigen::VectorXd near_internal, shared_moved;  ///< K u in the near rows before the link; by how much it has moved
-  };
-  /// Per part: rows of K next to the shared nodes.
-  struct Shared {
-    std::vector<int> near_rows;
-    fem::SparseMatrix columns;  ///< K: near rows x shared dofs
+    Eigen::VectorXd u;     ///< after `accept` the accepted displacement before
+    State::Forces forces;  ///< after `accept` the accepted ones before
   };
   /// What `state.v` is when accelerations are sought.
   enum class Velocity { now, half_a_step_before };
   void settle_at_start();
-  void set_shared_columns(std::size_t part);
   [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
   void predict(double time_s);
   void move_shared(std::size_t part, const std::vector<double>& link_input, std::size_t& next);
@@ -84,7 +81,7 @@ class MotionDriven {
   double dt_;  ///< of a window [s]
   State state_;
   std::optional<ExplicitContact> contact_;
-  std::vector<Shared> shared_;
+  std::vector<std::unique_ptr<solver::InternalForce>> forces_;  ///< per part
   std::vector<Trial> trials_;
   std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_
   std::vector<Eigen::VectorXd*> trial_u_;

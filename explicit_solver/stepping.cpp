@@ -8,16 +8,17 @@ namespace {
 using Drive = std::variant<MotionDriven, ForceDriven>;
 
 Drive drive_of(std::vector<solver::BodyState>& states, const participant::Setup& setup,
-               std::optional<ExplicitContact> contact) {
-  if (setup.driven_by == participant::Drive::force) return Drive(std::in_place_type<ForceDriven>, states, setup);
-  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.window_size_s);
+               std::optional<ExplicitContact> contact, const MakeForce& make_force) {
+  if (setup.driven_by == participant::Drive::force)
+    return Drive(std::in_place_type<ForceDriven>, states, setup, make_force);
+  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.window_size_s, make_force);
 }
 
 }  // namespace
 
 Stepping::Stepping(std::vector<solver::BodyState>& states, const participant::Setup& setup,
-                   std::optional<ExplicitContact> contact)
-    : states_(states), drive_(drive_of(states, setup, std::move(contact))) {
+                   std::optional<ExplicitContact> contact, const MakeForce& make_force)
+    : states_(states), drive_(drive_of(states, setup, std::move(contact), make_force)) {
   // A window needs the product with K only; K itself is a third of what a solver holds.
   for (auto& state : states_) state.part.stiffness = fem::SparseMatrix();
 }
@@ -66,6 +67,10 @@ void Stepping::restore(const State& state) {
 
 const Eigen::VectorXd& Stepping::internal(std::size_t part) const {
   return std::visit([&](const auto& drive) -> const Eigen::VectorXd& { return drive.internal(part); }, drive_);
+}
+
+solver::InternalForce& Stepping::force(std::size_t part) const {
+  return std::visit([&](const auto& drive) -> solver::InternalForce& { return drive.force(part); }, drive_);
 }
 
 ExplicitContact* Stepping::contact() {

@@ -19,7 +19,7 @@ class Stepping {
  public:
   /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved.
   Stepping(std::vector<solver::BodyState>& states, const participant::Setup& setup,
-           std::optional<ExplicitContact> contact);
+           std::optional<ExplicitContact> contact, const MakeForce& make_force = linear_force);
   Stepping(const Stepping&) = delete;
   Stepping& operator=(const Stepping&) = delete;
 
@@ -44,7 +44,8 @@ class Stepping {
   void restore(const State& state);
 
   [[nodiscard]] const std::vector<solver::BodyState>& states() const { return states_; }
-  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const;  ///< K u [N]
+  [[nodiscard]] const Eigen::VectorXd& internal(std::size_t part) const;  ///< P(u) [N]
+  [[nodiscard]] solver::InternalForce& force(std::size_t part) const;
   [[nodiscard]] ExplicitContact* contact();
 
  private:

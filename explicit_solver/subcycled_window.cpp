@@ -48,7 +48,8 @@ fem::SparseMatrix submatrix(const fem::SparseMatrix& k, const std::vector<int>& 
 
 }  // namespace
 
-SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt) : dt_(dt) {
+SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt, const MakeForce& make_force)
+    : dt_(dt) {
   const int components = fem::components(state.part.mesh.model);
   const auto reached = within_reach(state, components, substeps - 1);
   std::vector<int> index(static_cast<std::size_t>(state.part.dofs()), -1);
@@ -61,7 +62,7 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
   for (int node = 0; node < state.part.nodes(); ++node) {
     if (reached[static_cast<std::size_t>(node)]) near_nodes.push_back(node);
   }
-  accepted_.front = WaveFront(state, near_nodes);
+  elements_ = make_force(state, near_nodes);
   for (const auto& d : state.dashpots) near_dashpots_ = near_dashpots_ || index[static_cast<std::size_t>(d.dof)] >= 0;
   if (state.others != nullptr) anything_given_ = state.others->anywhere(near_dashpots_ || !state.external.zero());
   for (const int dof : state.shared_dofs) near_of_shared_.push_back(index[static_cast<std::size_t>(dof)]);
@@ -88,8 +89,8 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
   accepted_.force = force;
-  accepted_.front.multiply(state, state.u, accepted_.internal);
-  accepted_.front.grow(accepted_.internal);
+  elements_->evaluate(state.u, accepted_.internal);
+  elements_->follow(accepted_.internal);
   state.external.at(time_s, accepted_.external);
   for (const auto& d : state.dashpots) accepted_.external[d.dof] += d.force(state.v[d.dof]);
   state.a = state.inverse_mass.cwiseProduct(accepted_.external - accepted_.internal);
@@ -104,7 +105,7 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
 
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
   const bool given = state.others != nullptr ? anything_given_ : near_dashpots_ || !state.external.zero();
-  if (tried_ && steps == steps_ && !given) {
+  if (tried_ && steps == steps_ && !given && elements_->linear()) {
     correct(state, begin_s, force);
   } else {
     run(state, begin_s, steps, force);
@@ -134,8 +135,8 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     solver::step_displacement(state, time_s, dt_, u_, v_, a_, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
-    accepted_.front.multiply(state, u_, trial_internal_);
-    accepted_.front.grow(trial_internal_);
+    elements_->evaluate(u_, trial_internal_);
+    elements_->follow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
     solver::add_dashpot_forces(
         state, dt_, [this](int dof) { return v_[dof] + 0.5 * dt_ * a_[dof]; },
@@ -192,8 +193,15 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
   }
 }
 
+SubcycledWindow::State SubcycledWindow::state() const {
+  State state = accepted_;
+  state.elements = kept_by(*elements_);
+  return state;
+}
+
 void SubcycledWindow::restore(const State& state) {
   accepted_ = state;
+  put_back(state.elements, *elements_);
   trial_internal_ = accepted_.internal;  // rows beyond the front are never written
   tried_ = false;
 }

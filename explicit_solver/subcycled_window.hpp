@@ -1,26 +1,29 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "common/solver/body_state.hpp"
-#include "explicit_solver/wave_front.hpp"
+#include "explicit_solver/linear_force.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// One window of central difference steps on a part whose shared nodes are integrated here, with their own mass, and
 /// are driven by the interface multiplier lambda [N] of a dual protocol, linear over the window:
-///   M a_j = f_j - K u_j + lambda_j,   lambda_j = lambda_0 + j/m (lambda_m - lambda_0),   j = 1 .. m
-/// A trial with another lambda_m repeats nothing that it does not reach. The motion is linear in lambda, so the
-/// correction is the response to the change alone, from rest, and in m steps that response gets no further than m - 1
-/// layers of nodes:
+///   M a_j = f_j - P(u_j) + lambda_j,   lambda_j = lambda_0 + j/m (lambda_m - lambda_0),   j = 1 .. m
+/// A trial with another lambda_m repeats nothing that it does not reach, where P is linear: then the motion is linear
+/// in lambda, and the correction is the response to the change alone, from rest, and in m steps that response gets no
+/// further than m - 1 layers of nodes:
 ///   M da_j = -K du_j + j/m dlambda_m
 /// (Prakash, Hjelmstad: A FETI-based multi-time-step coupling method, Int. J. Numer. Meth. Engng 61, 2004, split free
-/// and link problems alike). Where loads act, or dashpots within that reach, the window is computed anew instead.
+/// and link problems alike). Where loads act, or dashpots within that reach, or P is not linear, the window is computed
+/// anew instead.
 class SubcycledWindow {
  public:
   /// `substeps`: the largest number of steps in a window; `dt` of one step [s].
-  SubcycledWindow(const solver::BodyState& state, int substeps, double dt);
+  SubcycledWindow(const solver::BodyState& state, int substeps, double dt, const MakeForce& make_force = linear_force);
 
   /// At the present time: accelerations of `state` from its displacement and `force` (per shared dof).
   void start(solver::BodyState& state, double time_s, const Eigen::VectorXd& force);
@@ -38,13 +41,15 @@ class SubcycledWindow {
   [[nodiscard]] Motion shared_motion(const solver::BodyState& state, std::size_t i) const;
   /// With the part's motion all that the next window is computed from.
   struct State {
-    Eigen::VectorXd internal, external, force;  ///< K u; f with reactions; lambda per shared dof [N]
-    WaveFront front;
+    Eigen::VectorXd internal, external, force;  ///< P(u); f with reactions; lambda per shared dof [N]
+    std::string elements;                       ///< what the part's InternalForce keeps
 
-    void archive(Archive& a) { a(internal, external, force, front); }
+    void archive(Archive& a) { a(internal, external, force, elements); }
   };
-  [[nodiscard]] const State& state() const { return accepted_; }
+  [[nodiscard]] State state() const;
   void restore(const State& state);
+  [[nodiscard]] const Eigen::VectorXd& internal() const { return accepted_.internal; }  ///< P(u) [N]
+  [[nodiscard]] solver::InternalForce& elements() const { return *elements_; }
 
  private:
   void run(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);
@@ -53,6 +58,7 @@ class SubcycledWindow {
   [[nodiscard]] double interface_work() const;
 
   double dt_ = 0.0;
+  std::unique_ptr<solver::InternalForce> elements_;
   State accepted_;
   // the trial that was computed in full
   bool tried_ = false;

@@ -5,6 +5,7 @@
 
 #include "common/base/archive.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/internal_force.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -24,10 +25,7 @@ class WaveFront {
   /// nodes of other ranks are always computed, since a wave may come from there.
   WaveFront(const solver::BodyState& state, const std::vector<int>& driven);
 
-  /// Rows first ... last - 1.
-  struct Rows {
-    int first = 0, last = 0;
-  };
+  using Rows = solver::Rows;
   /// The rows to compute, ascending, none touching the next; all others have no force and no acceleration.
   [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
 

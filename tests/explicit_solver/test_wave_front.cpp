@@ -40,14 +40,9 @@ bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 /// Rows of K u that a step computes at present.
 int rows_computed(const ExplicitSolver& solver) {
   int sum = 0;
-  const auto count = [&sum](const WaveFront& front) {
-    for (const auto& [first, last] : front.rows()) sum += last - first;
-  };
-  const auto state = solver.state();
-  if (const auto* motion = std::get_if<MotionDriven::State>(&state.stepping.drive)) {
-    for (const auto& front : motion->fronts) count(front);
-  } else {
-    for (const auto& part : std::get<ForceDriven::State>(state.stepping.drive).parts) count(part.front);
+  const auto& stepping = solver.stepping();
+  for (std::size_t part = 0; part < stepping.states().size(); ++part) {
+    for (const auto& [first, last] : stepping.force(part).rows()) sum += last - first;
   }
   return sum;
 }

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "common/base/archive.hpp"
+
+namespace ricochet::solver {
+
+/// Rows first ... last - 1 of a part.
+struct Rows {
+  int first = 0, last = 0;
+};
+
+/// What the elements of one part answer to a displacement u [m] of its degrees of freedom: the force P(u) [N] in M a =
+/// f - P(u), and the energy they store. An integrator knows no more of a part than this; of linear elements P = K u
+/// (explicit_solver::LinearForce).
+///
+/// Where a link says how shared nodes move, a window goes in two halves: `before_link` computes what needs no shared
+/// node, `after_link` the rest. The second may be repeated with another motion of the shared nodes.
+class InternalForce {
+ public:
+  virtual ~InternalForce() = default;
+
+  /// force = P(u) in `rows`; other rows are left alone. Of a share of a part u of other ranks' nodes is written.
+  virtual void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) = 0;
+  /// The halves of `evaluate`: u with the shared nodes where they were, then where they are.
+  virtual void before_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
+  virtual void after_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
+  /// P of a step, which will not be repeated. `rows` may grow.
+  virtual void follow(const Eigen::VectorXd& force);
+
+  /// The rows to compute, ascending, none touching the next; in all others there is neither force nor acceleration.
+  [[nodiscard]] virtual const std::vector<Rows>& rows() const = 0;
+  /// From here on all rows are computed: the motion is no longer what the part began with.
+  virtual void reach_all();
+
+  /// Whether P(u + d) = P(u) + K d. Then a trial may be corrected by what the change of a force moves, alone.
+  [[nodiscard]] virtual bool linear() const = 0;
+  /// Energy of the elements at u [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
+  [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, double half_work_j) const = 0;
+
+  /// All that the next window depends on beside u.
+  virtual void archive(Archive& a);
+};
+
+/// What it keeps, as bytes, and that put back. Throws ConfigError where the bytes are another part's.
+[[nodiscard]] inline std::string kept_by(InternalForce& force) {
+  Archive out;
+  force.archive(out);
+  return out.take();
+}
+inline void put_back(const std::string& kept, InternalForce& force) {
+  Archive in(kept, "what the elements of a part keep");
+  force.archive(in);
+  in.end();
+}
+
+inline void InternalForce::before_link(Eigen::VectorXd&, Eigen::VectorXd&) {}
+inline void InternalForce::after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) { evaluate(u, force); }
+inline void InternalForce::follow(const Eigen::VectorXd&) {}
+inline void InternalForce::reach_all() {}
+inline void InternalForce::archive(Archive&) {}
+
+}  // namespace ricochet::solver
