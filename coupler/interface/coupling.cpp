@@ -8,7 +8,11 @@
 namespace ricochet::coupler {
 
 Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s)
-    : map_(descriptions), window_size_s_(window_size_s) {
+    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), window_size_s) {}
+
+Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
+                   double window_size_s)
+    : map_(std::move(map)), window_size_s_(window_size_s) {
   for (std::size_t p = 0; p < peers.size(); ++p)
     links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
   const std::size_t size = static_cast<std::size_t>(map_.nodes()) * map_.components();
@@ -25,7 +29,7 @@ void Coupling::initialize(const wire::Initialize& request) {
 }
 
 std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
-  if (masses == Masses::own) return link.description().interface_mass_kg.data;
+  if (masses == Masses::own || !link.rows().picks()) return link.description().interface_mass_kg.data;
   return link.rows().per_node(map_.mass_kg());
 }
 
@@ -168,8 +172,8 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
   }
   for (const auto& link : links_) {
     state.insert(state.end(), link.input().begin(), link.input().end());
-    for (const int node : link.rows().shared()) {
-      const double root = std::sqrt(map_.mass_kg()[static_cast<std::size_t>(node)]);
+    for (const double mass_kg : link.rows().per_node(map_.mass_kg())) {
+      const double root = std::sqrt(mass_kg);
       const double of_input =
           link.driven_by_force() ? window_size_s_ / root : root / window_size_s_;  // force, displacement
       scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components()), of_input);

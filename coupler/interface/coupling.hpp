@@ -19,6 +19,8 @@ class Coupling {
  public:
   /// Peers in the scene's order of participants, with what they answered to `describe`. Throws as InterfaceMap does.
   Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s);
+  Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
+           double window_size_s);
   Coupling(const Coupling&) = delete;
   Coupling& operator=(const Coupling&) = delete;
 

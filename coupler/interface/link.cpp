@@ -35,7 +35,7 @@ Link::Link(Peer peer, const PeerDescription& description, const InterfaceRows& r
       rows_(rows),
       records_("records", "history row", description.record_columns.size()),
       axial_stress_("axial_stress", "axial stress row", description.axial_stress_columns.size()) {
-  const std::size_t size = rows_.shared().size() * static_cast<std::size_t>(rows_.components());
+  const std::size_t size = rows_.nodes() * static_cast<std::size_t>(rows_.components());
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
 }
 
@@ -146,7 +146,7 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
   request.accept_at_once = acceptance == Acceptance::at_once;
   request.absolute_requested = step.absolute;
   request.records_requested = step.records;
-  request.link_increment.resize(static_cast<int>(rows_.shared().size()), rows_.components());
+  request.link_increment.resize(static_cast<int>(rows_.nodes()), rows_.components());
   for (std::size_t i = 0; i < input.size(); ++i) {
     const double increment = input[i] - received_input_[i];
     request.link_increment.data[i] = increment;
@@ -268,10 +268,10 @@ void Link::take_records_of(const wire::Records& answer) {
 }
 
 void Link::require_rows(const wire::Array& array, const char* field) const {
-  if (array.rows == static_cast<int>(rows_.shared().size()) && array.columns == rows_.components()) return;
+  if (array.rows == static_cast<int>(rows_.nodes()) && array.columns == rows_.components()) return;
   throw ProtocolError(
       fmt::format("participant '{}' answered window {} with {} x {} numbers in '{}', its interface has {} x {}", name(),
-                  request_.window, array.rows, array.columns, field, rows_.shared().size(), rows_.components()));
+                  request_.window, array.rows, array.columns, field, rows_.nodes(), rows_.components()));
 }
 
 }  // namespace ricochet::coupler

@@ -49,7 +49,7 @@ void DualInterface::start(Coupling& coupling, const wire::Initialize& request, c
   const double step_s = coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(request.substeps));
   for (auto& link : coupling.links()) {
     if (link.implicit()) continue;
-    sides_.push_back({&link, link.rows().dofs(), {}, {}, {}, {}, {}, {}});
+    sides_.push_back({&link, {}, {}, {}, {}, {}, {}, {}});
     measure(sides_.back(), probe, step_s);
   }
   coupling.initialize_implicit(by_force, Masses::own, (2.0 / coupling.window_size_s()) * impedance_);
@@ -58,7 +58,7 @@ void DualInterface::start(Coupling& coupling, const wire::Initialize& request, c
 
 void DualInterface::measure(Side& side, const Step& probe, double step_s) {
   auto& link = *side.link;
-  link.post_synchronise(Integration::explicit_central, std::vector<double>(side.dofs.size(), 0.0));
+  link.post_synchronise(Integration::explicit_central, std::vector<double>(link.input().size(), 0.0));
   link.wait_synchronised();
   side.acceleration = link.acceleration_m_s2();
   std::vector<double> probes = link.own_mass_kg();
@@ -87,11 +87,12 @@ void DualInterface::start_multipliers(Coupling& coupling) {
   };
   add(implicit, implicit.acceleration_m_s2());
   for (const auto& side : sides_) add(*side.link, side.acceleration);
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] /= mass[i];
+  std::vector<double> common;
   for (auto& side : sides_) {
     std::vector<double> multiplier = side.link->own_mass_kg();
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      multiplier[i] *= force[side.dofs[i]] / mass[side.dofs[i]] - side.acceleration[i];
-    }
+    side.link->rows().gather(force, common);
+    for (std::size_t i = 0; i < multiplier.size(); ++i) multiplier[i] *= common[i] - side.acceleration[i];
     side.link->post_synchronise(Integration::explicit_central, multiplier);
     side.link->wait_synchronised();
   }
@@ -99,28 +100,26 @@ void DualInterface::start_multipliers(Coupling& coupling) {
 }
 
 Eigen::VectorXd DualInterface::multiplier() const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(held_.size());
-  for (const auto& side : sides_) {
-    for (std::size_t i = 0; i < side.dofs.size(); ++i)
-      sum[static_cast<Eigen::Index>(side.dofs[i])] += side.link->input()[i];
-  }
-  return sum;
+  std::vector<double> sum(static_cast<std::size_t>(held_.size()), 0.0);
+  for (const auto& side : sides_) side.link->rows().add(side.link->input(), sum);
+  return view(sum);
 }
 
 void DualInterface::advance_free(const Step& step) {
   Step trial = step;
   trial.absolute = trial.records = false;
   for (auto& side : sides_) side.link->post_advance(trial, side.link->input(), Acceptance::trial);
-  held_.setZero();
+  std::fill(force_.begin(), force_.end(), 0.0);
   for (auto& side : sides_) {
     side.link->wait_advanced();
     side.free_velocity = view(side.link->velocity_m_s());
     side.force.noalias() = side.impedance * side.free_velocity;
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      held_[static_cast<Eigen::Index>(side.dofs[i])] +=
-          side.link->input()[i] - side.force[static_cast<Eigen::Index>(i)];
-    }
+    side.multiplier = side.link->input();
+    for (std::size_t i = 0; i < side.multiplier.size(); ++i)
+      side.multiplier[i] -= side.force[static_cast<Eigen::Index>(i)];
+    side.link->rows().add(side.multiplier, force_);
   }
+  held_ = view(force_);
 }
 
 const std::vector<double>& DualInterface::held_force(const Coupling& coupling) {
@@ -133,14 +132,12 @@ const std::vector<double>& DualInterface::held_force(const Coupling& coupling) {
 
 void DualInterface::correct(const Step& step, const std::vector<double>& velocity) {
   for (auto& side : sides_) {
-    side.jump.resize(side.free_velocity.size());
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      side.jump[k] = velocity[side.dofs[i]] - side.free_velocity[k];
-    }
+    side.link->rows().gather(velocity, side.common);
+    side.jump = view(side.common) - side.free_velocity;
     side.force.noalias() = side.impedance * side.jump;
     side.multiplier = side.link->input();
-    for (std::size_t i = 0; i < side.dofs.size(); ++i) side.multiplier[i] += side.force[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < side.multiplier.size(); ++i)
+      side.multiplier[i] += side.force[static_cast<Eigen::Index>(i)];
     side.link->post_advance(step, side.multiplier, Acceptance::at_once);
   }
   for (auto& side : sides_) side.link->wait_advanced();

@@ -9,7 +9,7 @@ namespace ricochet::coupler {
 
 /// What the dual protocols share: duplicated nodes with own masses, tied by an interface multiplier lambda [N] (on the
 /// explicit side; the implicit side feels -lambda) so that velocities agree at the end of a step:
-///   v_implicit = v_explicit,   v_explicit = v_free + H (lambda - lambda_held)
+///   Pi v_implicit = v_explicit,   v_explicit = v_free + H (lambda - lambda_held)
 /// v_free: velocity with lambda held from the start of the step; H [m/s/N]: interface operator of an explicit
 /// participant, the velocity at the end of the step per unit multiplier there, from unit responses at the start.
 ///
@@ -45,13 +45,12 @@ class DualInterface {
 
  private:
   struct Side {
-    Link* link;                     ///< its accepted input is the multiplier
-    std::vector<std::size_t> dofs;  ///< own row -> shared dof
-    Eigen::MatrixXd impedance;      ///< Z, own rows; zero where the response is (supports)
+    Link* link;                 ///< its accepted input is the multiplier
+    Eigen::MatrixXd impedance;  ///< Z, own rows; zero where the response is (supports)
     Eigen::VectorXd free_velocity;
-    std::vector<double> acceleration;  ///< at t = 0, without multiplier
-    Eigen::VectorXd jump, force;       ///< v - v_free, Z times a velocity: kept so that no window allocates
-    std::vector<double> multiplier;
+    std::vector<double> acceleration;        ///< at t = 0, without multiplier
+    Eigen::VectorXd jump, force;             ///< v - v_free, Z times a velocity: kept so that no window allocates
+    std::vector<double> common, multiplier;  ///< Pi v of the shared nodes, and the same
   };
   void measure(Side& side, const Step& probe, double step_s);
   void start_multipliers(Coupling& coupling);

@@ -51,9 +51,9 @@ TEST(InterfaceMap, MatchesByBodyAndPositionInAnyOrderAndSumsMasses) {
   const InterfaceMap map({a, implicit, b});
   EXPECT_EQ(map.nodes(), 3);
   EXPECT_EQ(map.components(), 2);
-  EXPECT_THAT(map.rows(1).shared(), ElementsAre(0, 1, 2));
-  EXPECT_THAT(map.rows(0).shared(), ElementsAre(1, 0));
-  EXPECT_THAT(map.rows(2).shared(), ElementsAre(2));
+  EXPECT_THAT(map.rows(1).dofs(), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(map.rows(0).dofs(), ElementsAre(2, 3, 0, 1));
+  EXPECT_THAT(map.rows(2).dofs(), ElementsAre(4, 5));
   EXPECT_THAT(map.mass_kg(), ElementsAre(1.25, 2.5, 4.125));
 }
 
