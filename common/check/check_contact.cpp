@@ -22,10 +22,10 @@ constexpr double delay_per_tau = 1.678347;
 constexpr double intermittent_share = 0.5;
 /// mu N dt / (2 m) over 1/xi from which regularised friction rings. Measured, docs/limits.md.
 constexpr double ringing_ratio = 10.0;
-/// The reset law gains energy where a window is more than so many times as long as a wave takes through a contact
-/// element of one body, and more than so many times as many as through one of the other. Measured,
-/// docs/contact_laws.md.
-constexpr double longest_reset_window = 5.0, most_unequal_windows = 8.0;
+/// Of bodies of unequal impedance the reset law gains energy where a window is more than so many times as long as a
+/// wave takes through a contact element of one body, and more than so many times as many as through one of the other.
+/// Measured, docs/contact_laws.md.
+constexpr double longest_reset_window = 5.0, most_unequal_windows = 8.0, most_unequal_impedances = 2.0;
 /// Strain that counts as small.
 constexpr double small_strain = 0.02;
 
@@ -250,6 +250,8 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
   const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
   const double most = windows[stiff], ratio = most / windows[1 - stiff];
   if (most <= longest_reset_window || ratio <= most_unequal_windows) return;
+  const auto [low, high] = std::minmax({impedance(*sides.body[0]), impedance(*sides.body[1])});
+  if (high <= most_unequal_impedances * low) return;
   throw ConfigError(fmt::format(
       "{}: found a step of {:.3g} s, {:.3g} times as long as a wave takes through the contact elements of body \"{}\", "
       "but {:.3g} times through those of body \"{}\": the law \"trapezoidal_reset\" gains energy where these differ by "
