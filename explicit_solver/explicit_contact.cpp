@@ -1,12 +1,10 @@
 #include "explicit_solver/explicit_contact.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
-#include "common/solver/friction.hpp"
+#include "common/solver/pair_compliance.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -34,11 +32,7 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 
 ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
                                  std::optional<solver::SlidingRows> sliding)
-    : law_(&law),
-      dt_(dt),
-      surface_(std::move(surface)),
-      shared_(solver::share_nodes(surface_.pairs)),
-      sliding_(std::move(sliding)) {
+    : law_(&law), dt_(dt), surface_(std::move(surface)), sliding_(std::move(sliding)) {
   if (sliding_ && !sliding_->any()) sliding_.reset();
   state_.forces.resize(surface_.pairs.size());
   state_.mean_forces.resize(surface_.pairs.size());
@@ -54,121 +48,58 @@ void ExplicitContact::move_masses(std::vector<BodyState>& states) {
 
 void ExplicitContact::settle(const std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
                              const std::vector<Eigen::VectorXd*>& u) {
-  if (massless_) state_.static_normal_n = massless_->settle(states, external, u);
+  if (!massless_) return;
+  state_.static_normal_n = massless_->settle(
+      states, [&](std::size_t part) -> const Eigen::VectorXd& { return *external[part]; },
+      [&](std::size_t part) -> Eigen::VectorXd& { return *u[part]; });
 }
 
-/// The rows of a pair, along normal, tangent and binormal.
-std::array<const ContactRow*, 3> rows_of(const Pair& pair) { return {&pair.normal, &pair.tangent, &pair.binormal}; }
-
-Eigen::Vector3d vector_of(const ExplicitContact::Force& force) {
-  return {force.normal, force.tangential[0], force.tangential[1]};
+/// In a window a force r changes the rates by acting_time N M^-1 N^T r and the gaps by dt times that: x = dt
+/// acting_time r are the forces of the root problem. What it calls a slip is dt times a rate, and its v is 2/dt slip.
+void ExplicitContact::make_root(const std::vector<BodyState>& states) {
+  const auto friction = [](const Pair& pair) { return pair.friction_coefficient > 0.0; };
+  const bool any = std::any_of(surface_.pairs.begin(), surface_.pairs.end(), friction);
+  scene::Contact law = *law_;
+  law.enforcement = scene::Enforcement::multiplier;  // a penalty's normal forces are known
+  std::vector<solver::RootProblem::PairLaw> pairs;
+  for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
+  root_.emplace(law, solver::inverse_mass_of(surface_.pairs, states, any ? surface_.components : 1), pairs, 2.0 * dt_);
 }
 
-/// Pairs that share nodes, and by how much the forces of one accelerate the rows of the other: the blocks of N M^-1
-/// N^T.
-void ExplicitContact::couple_pairs(const std::vector<BodyState>& states) {
-  struct Use {
-    int part, dof;
-    std::size_t pair;
-    int direction;
-    double coefficient;
-  };
-  std::vector<Use> uses;
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const auto rows = rows_of(surface_.pairs[i]);
-    for (int k = 0; k < 3; ++k)
-      for (const auto& e : rows[static_cast<std::size_t>(k)]->entries)
-        uses.push_back({e.part, e.dof, i, k, e.coefficient});
-  }
-  const auto by_dof = [](const Use& x, const Use& y) { return std::tie(x.part, x.dof) < std::tie(y.part, y.dof); };
-  std::stable_sort(uses.begin(), uses.end(), by_dof);
-
-  own_.assign(surface_.pairs.size(), Eigen::Matrix3d::Zero());
-  coupled_start_.assign(1, 0);
-  coupled_.clear();
-  std::vector<std::size_t> place(surface_.pairs.size());
-  std::vector<bool> met(surface_.pairs.size(), false);
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const auto rows = rows_of(surface_.pairs[i]);
-    for (int k = 0; k < 3; ++k) {
-      for (const auto& e : rows[static_cast<std::size_t>(k)]->entries) {
-        const double moved = e.coefficient * states[static_cast<std::size_t>(e.part)].inverse_mass[e.dof];
-        const auto [use, end] = std::equal_range(uses.begin(), uses.end(), Use{e.part, e.dof, 0, 0, 0.0}, by_dof);
-        for (auto other = use; other != end; ++other) {
-          if (!met[other->pair]) {
-            met[other->pair] = true;
-            place[other->pair] = coupled_.size();
-            coupled_.push_back({other->pair, Eigen::Matrix3d::Zero()});
-          }
-          coupled_[place[other->pair]].inverse_mass(other->direction, k) += moved * other->coefficient;
-        }
-      }
-    }
-    for (std::size_t k = coupled_start_.back(); k < coupled_.size(); ++k) {
-      met[coupled_[k].pair] = false;
-      if (coupled_[k].pair == i) own_[i] = coupled_[k].inverse_mass;
-    }
-    coupled_start_.push_back(coupled_.size());
-  }
-}
-
-/// What a window leaves as it is while forces are sought, and the rates without any.
+/// Gaps and slips at the end of the window without contact forces; of held pairs both from zero.
 template <class Rate>
-void ExplicitContact::prepare(const std::vector<BodyState>& states, Rate rate) {
-  still_.resize(surface_.pairs.size());
-  rates_.resize(surface_.pairs.size());
-  for (std::size_t i = 0; i < still_.size(); ++i) {
+void ExplicitContact::find_free_motion(const std::vector<BodyState>& states, Rate rate) {
+  const auto n = static_cast<Eigen::Index>(pairs());
+  gap_free_.setZero(n);
+  slip_free_.setZero(2 * n);
+  for (std::size_t i = 0; i < pairs(); ++i) {
     const auto& pair = surface_.pairs[i];
-    rates_[i] = {rate(pair.normal), rate(pair.tangent), rate(pair.binormal)};
-    still_[i].gap = pair.gap(displacement_of(states));
-    still_[i].inverse_n = pair.normal.inverse_mass(states);
-    if (pair.friction_coefficient > 0.0) still_[i].inverse_along = pair.inverse_mass_along(states);
+    const auto k = static_cast<Eigen::Index>(i);
+    gap_free_[k] = dt_ * rate(pair.normal);
+    gap_free_[k] += frozen_ ? pair.normal.times(displacement_of(states)) : pair.gap(displacement_of(states));
+    if (pair.friction_coefficient == 0.0) continue;
+    Eigen::Vector2d slip = dt_ * Eigen::Vector2d(rate(pair.tangent), rate(pair.binormal));
+    if (frozen_) slip += pair.slip(displacement_of(states));
+    slip_free_[k] = slip[0];
+    slip_free_[n + k] = slip[1];
   }
 }
 
-double ExplicitContact::normal_force(std::size_t i, double rate_n, double acting_time) const {
-  if (massless_) return state_.static_normal_n[static_cast<Eigen::Index>(i)];
-  const double gap_now = still_[i].gap, inverse = still_[i].inverse_n;
-  if (law_->enforcement == scene::Enforcement::penalty)
-    return law_->penalty_pa_m * surface_.pairs[i].area_m2 * std::max(0.0, -gap_now);
-  return inverse > 0.0 ? std::max(0.0, -(gap_now + dt_ * rate_n)) / (dt_ * acting_time * inverse) : 0.0;
-}
-
-ExplicitContact::Force ExplicitContact::find_force(std::size_t i, const std::vector<BodyState>& states, double rate_n,
-                                                   const Eigen::Vector2d& rate_along, double acting_time) const {
-  const auto& pair = surface_.pairs[i];
-  if (frozen_ == participant::FrozenContact::open) return {};
-  if (frozen_) return holding_force(i, states, rate_n, rate_along, acting_time);
-  Force force;
-  force.normal = normal_force(i, rate_n, acting_time);
-  if (force.normal == 0.0) return force;
-  force.state = ContactState::slip;
-  if (pair.friction_coefficient == 0.0) return force;
-  const Eigen::Matrix2d inverse = acting_time * still_[i].inverse_along;
-  const Eigen::Vector2d holding = solver::holding_of_pair(inverse, rate_along);
-  force.tangential =
-      solver::friction_of_pair(*law_, pair.friction_coefficient * force.normal, rate_along, holding, inverse);
-  if (force.tangential == holding) force.state = ContactState::stick;
-  return force;
-}
-
-/// Frozen sticking: the linear part of `find_force`, normally and (with friction) tangentially.
-ExplicitContact::Force ExplicitContact::holding_force(std::size_t i, const std::vector<BodyState>& states,
-                                                      double rate_n, const Eigen::Vector2d& rate_along,
-                                                      double acting_time) const {
-  const auto& pair = surface_.pairs[i];
-  const bool penalty = law_->enforcement == scene::Enforcement::penalty;
-  const double moved_n = pair.normal.times(displacement_of(states)), inverse_n = still_[i].inverse_n;
-  Force force{.normal = 0.0, .state = ContactState::stick};
-  if (penalty) {
-    force.normal = -law_->penalty_pa_m * pair.area_m2 * moved_n;
-  } else if (inverse_n > 0.0) {
-    force.normal = -(moved_n + dt_ * rate_n) / (dt_ * acting_time * inverse_n);
+/// Of a penalty, and of massless nodes: their normal forces, as those of the root problem.
+void ExplicitContact::find_known_normals(const std::vector<BodyState>& states, double acting_time) {
+  known_normal_.resize(0);
+  if (law_->enforcement == scene::Enforcement::penalty) {
+    known_normal_.resize(gap_free_.size());
+    for (std::size_t i = 0; i < pairs(); ++i) {
+      const auto& pair = surface_.pairs[i];
+      const double depth =
+          frozen_ ? -pair.normal.times(displacement_of(states)) : std::max(0.0, -pair.gap(displacement_of(states)));
+      known_normal_[static_cast<Eigen::Index>(i)] = law_->penalty_pa_m * pair.area_m2 * depth;
+    }
+  } else if (massless_ && !frozen_) {
+    known_normal_ = state_.static_normal_n;
   }
-  if (pair.friction_coefficient == 0.0) return force;
-  const Eigen::Vector2d slipped = pair.slip(displacement_of(states)) + dt_ * rate_along;
-  force.tangential = solver::holding_of_pair(dt_ * acting_time * still_[i].inverse_along, slipped);
-  return force;
+  known_normal_ *= dt_ * acting_time;
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {
@@ -215,12 +146,10 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
   if (!massless_) return;
   massless_->for_each_dof(
       [&](std::size_t part, int dof) { states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt_; });
-  velocity_of_part_.clear();
-  for (auto& state : states) velocity_of_part_.push_back(state.v.data());
   massless_->begin_trial();
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const double impulse =
-        massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states, velocity_of_part_);
+    const double impulse = massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states,
+                                                [&](std::size_t part) { return states[part].v.data(); });
     state_.mean_forces[i].normal += impulse / dt_;
     solver::book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states, state_.impulses);
     clip_friction(i, states);
@@ -248,38 +177,25 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
   return sum;
 }
 
-/// From no forces; `rate` of a row with the accelerations so far, to which a force adds over `acting_time`. Pairs that
-/// share nodes are gone through until no force changes.
+/// `rate` of a row with the accelerations so far, to which a force adds over `acting_time`.
 template <class Rate>
 void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time) {
   auto& forces = state_.forces;
-  prepare(states, rate);
-  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = {};
-  if (!shared_) {
-    for (std::size_t i = 0; i < forces.size(); ++i)
-      forces[i] = find_force(i, states, rates_[i][0], rates_[i].tail<2>(), acting_time);
-    return;
+  std::fill(forces.begin(), forces.end(), Force{});
+  if (frozen_ == participant::FrozenContact::open || forces.empty()) return;
+  if (!root_) make_root(states);
+  find_free_motion(states, rate);
+  find_known_normals(states, acting_time);
+  const auto& found = root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
+  const auto n = static_cast<Eigen::Index>(pairs()), size = found.force.size();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto of = [&](Eigen::Index d) { return d * n < size ? found.force[d * n + i] / (dt_ * acting_time) : 0.0; };
+    const auto k = static_cast<std::size_t>(i);
+    forces[k] = {.normal = of(0), .tangential = {of(1), of(2)}, .state = found.states[k]};
   }
-  if (coupled_start_.empty()) couple_pairs(states);
-  double change = 1.0, largest = 1.0;
-  int sweep = 0;
-  for (; change > solver::settled_share * largest && sweep < solver::most_sweeps; ++sweep) {
-    change = largest = 0.0;
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-      const Eigen::Vector3d before = vector_of(forces[i]), without = rates_[i] - acting_time * (own_[i] * before);
-      forces[i] = find_force(i, states, without[0], without.tail<2>(), acting_time);
-      const Eigen::Vector3d more = vector_of(forces[i]) - before;
-      largest = std::max(largest, std::abs(forces[i].normal));
-      if (more.isZero(0.0)) continue;
-      change = std::max(change, more.cwiseAbs().maxCoeff());
-      for (std::size_t k = coupled_start_[i]; k < coupled_start_[i + 1]; ++k)
-        rates_[coupled_[k].pair] += acting_time * (coupled_[k].inverse_mass * more);
-    }
-  }
-  const double residual = largest > 0.0 ? change / largest : 0.0;
-  state_.iterations += sweep;
-  state_.largest_residual = std::max(state_.largest_residual, residual);
-  state_.unconverged += residual > solver::converged_contact_residual;
+  state_.iterations += found.iterations;
+  state_.largest_residual = std::max(state_.largest_residual, found.residual);
+  state_.unconverged += found.residual > solver::converged_contact_residual;
 }
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
@@ -301,8 +217,7 @@ bool ExplicitContact::follow(std::vector<BodyState>& states, const std::vector<c
   if (!sliding_ || frozen_) return false;
   const std::vector<Pair> old = surface_.pairs;
   if (!sliding_->follow(states, 0.0, surface_.pairs)) return false;
-  shared_ = true;
-  coupled_start_.clear();
+  root_.reset();
   for (std::size_t i = 0; i < old.size(); ++i) {
     const Force& force = old_forces_[i];
     account(old[i], {.normal = 0.5 * force.normal, .tangential = 0.5 * force.tangential}, states, u_before);
@@ -351,7 +266,7 @@ void ExplicitContact::restore(const State& state) {
   state_ = state;
   if (sliding_) {
     sliding_->restore(state.sliding, surface_.pairs);
-    coupled_start_.clear();
+    root_.reset();
   }
   for (const auto* forces : {&state.forces, &state.mean_forces}) surface_.require_one_a_pair(forces->size());
   if (massless_) massless_->restore(*state.massless);

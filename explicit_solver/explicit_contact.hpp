@@ -6,6 +6,7 @@
 
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
+#include "common/solver/root_problem.hpp"
 #include "common/solver/sliding_rows.hpp"
 
 /// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
@@ -14,9 +15,10 @@
 /// that is one closed-form scalar per pair:
 ///   g_free = g(u_{n+1} without r),   r = max(0, -g_free) / (dt^2 (1/m_A + 1/m_B))
 /// Friction is a return mapping: the force that would hold the pair together, clipped to the cone |t| <= mu r (Eq. 9,
-/// 14), of solids radially to the circular one. Pairs that share nodes are gone through again until no force changes:
-/// projected Gauss-Seidel on N M^-1 N^T, whose blocks are kept while the rows stay. Neither force lowers the critical
-/// time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
+/// 14), of solids radially to the circular one. All pairs are those of a root problem whose compliance is N M^-1 N^T
+/// (RootProblem::sweep_from_none): where they share nodes the pairs are gone through again until no force changes.
+/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
+/// does.
 namespace ricochet::explicit_solver {
 
 class ExplicitContact {
@@ -68,26 +70,11 @@ class ExplicitContact {
   void restore(const State& state);
 
  private:
-  /// Of a pair, while the forces of a window are sought.
-  struct Still {
-    double gap = 0.0;
-    double inverse_n = 0.0;  ///< N M^-1 N^T [1/kg]
-    Eigen::Matrix2d inverse_along = Eigen::Matrix2d::Zero();
-  };
-  /// A pair that has a node of another one: its rates from that one's forces along n, t and b [1/kg].
-  struct Coupled {
-    std::size_t pair;
-    Eigen::Matrix3d inverse_mass;
-  };
-  void couple_pairs(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] std::size_t pairs() const { return surface_.pairs.size(); }
+  void make_root(const std::vector<solver::BodyState>& states);
   template <class Rate>
-  void prepare(const std::vector<solver::BodyState>& states, Rate rate);
-  /// Force of one pair from its rate without its own contact acceleration and the time over which that acts on it.
-  Force find_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
-                   const Eigen::Vector2d& rate_along, double acting_time) const;
-  [[nodiscard]] double normal_force(std::size_t pair, double rate_n, double acting_time) const;
-  [[nodiscard]] Force holding_force(std::size_t pair, const std::vector<solver::BodyState>& states, double rate_n,
-                                    const Eigen::Vector2d& rate_along, double acting_time) const;
+  void find_free_motion(const std::vector<solver::BodyState>& states, Rate rate);
+  void find_known_normals(const std::vector<solver::BodyState>& states, double acting_time);
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   template <class Rate>
   void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time);
@@ -103,19 +90,15 @@ class ExplicitContact {
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
-  bool shared_;  ///< pairs share nodes
   std::optional<solver::SlidingRows> sliding_;
   State state_;
   std::optional<solver::MasslessNodes> massless_;
-  std::vector<Still> still_;                ///< per pair
-  std::vector<Eigen::Vector3d> rates_;      ///< per pair, along n, t and b
-  std::vector<Eigen::Matrix3d> own_;        ///< per pair, of its own forces [1/kg]
-  std::vector<std::size_t> coupled_start_;  ///< of pair i: coupled_[coupled_start_[i]] ...; empty: to be found
-  std::vector<Coupled> coupled_;
+  /// Of N M^-1 N^T, for impulses times the window; none: to be made for the present rows.
+  std::optional<solver::RootProblem> root_;
+  Eigen::VectorXd gap_free_, slip_free_, known_normal_;
   std::vector<Force> old_forces_;
   std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
-  std::vector<double*> velocity_of_part_;
-  ContactRecord report_;  ///< kept so that no record allocates
+  ContactRecord report_;        ///< kept so that no record allocates
 };
 
 }  // namespace ricochet::explicit_solver

@@ -24,7 +24,7 @@ constexpr std::size_t most_contact_dofs_in_root = 800;
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
                              double dt)
     : parts_(parts), contact_(contact), dt_(dt), interface_stiffness_(std::move(interface_stiffness)) {
-  for (auto* vector : {&rhs_, &bracket_, &jump_, &mean_velocity_}) vector->setZero(parts_.dofs());
+  for (auto* vector : {&rhs_, &mean_velocity_}) vector->setZero(parts_.dofs());
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
   factorise();
@@ -162,7 +162,7 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
   }
   solve_increment(trial);
   add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, trial.end.link);
-  find_rates(last, trial);
+  find_rates(trial);
   parts_.constrain_rates(static_cast<double>(window) * dt_, dt_, last, trial);
 }
 
@@ -215,8 +215,8 @@ void NewmarkWindow::solve_increment(WindowTrial& trial) {
   factor_->backward(root_increment_, trial.increment);
 }
 
-/// a*, v* and q of the class comment; the velocity and acceleration of closed pairs; the bracket of the contact work.
-void NewmarkWindow::find_rates(const WindowState& last, WindowTrial& trial) {
+/// a*, v* and q of the class comment; the velocity and acceleration of closed pairs.
+void NewmarkWindow::find_rates(WindowTrial& trial) {
   const double dt = dt_;
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
@@ -225,18 +225,17 @@ void NewmarkWindow::find_rates(const WindowState& last, WindowTrial& trial) {
     parts_.segment(trial.velocity, b) = fem::corrected_velocity(state.v, state.a, a, dt);
     parts_.segment(trial.end.residual, b) = state.mass.cwiseProduct(a);
   }
-  if (contact_) find_contact_rates(last, trial);
+  if (contact_) find_contact_rates(trial);
   set_dashpot_forces(trial);
 }
 
 /// Takes the contact forces out of q (and, where the law does not remember them, out of a), then applies Eq. 25.
-void NewmarkWindow::find_contact_rates(const WindowState& last, WindowTrial& trial) {
+void NewmarkWindow::find_contact_rates(WindowTrial& trial) {
   const Eigen::VectorXd& force = contact_->root_force();
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     const auto& [dof, part, local] = roots_[i];
     const auto& state = parts_.states[part];
     const double applied = contact_->kappa() * force[static_cast<Eigen::Index>(i)];
-    bracket_[dof] = state.mass[local] * state.a[local] - last.residual[dof] + applied;
     trial.end.residual[dof] -= applied;
     if (state.mass[local] == 0.0) {  // massless: it has no rates of its own
       trial.velocity[dof] = trial.increment[dof] / dt_;
@@ -245,12 +244,9 @@ void NewmarkWindow::find_contact_rates(const WindowState& last, WindowTrial& tri
     mean_velocity_[dof] = trial.velocity[dof];
     if (!contact_->remembered()) trial.acceleration[dof] = trial.end.residual[dof] * state.inverse_mass[local];
   }
-  contact_->update_rates(parts_.states, bracket_, trial.increment, trial.velocity, trial.acceleration);
-  for (const auto& [dof, part, local] : roots_) {
-    const double before = mean_velocity_[dof];
-    jump_[dof] = parts_.states[part].mass[local] * (trial.velocity[dof] - before);
-    mean_velocity_[dof] = 0.5 * (before + trial.velocity[dof]);
-  }
+  contact_->update_rates(parts_.states, trial.increment, trial.velocity, trial.acceleration);
+  for (const auto& root : roots_)
+    mean_velocity_[root.dof] = 0.5 * (mean_velocity_[root.dof] + trial.velocity[root.dof]);
 }
 
 /// The dashpots' forces at n + 1 join f.
@@ -265,7 +261,7 @@ void NewmarkWindow::set_dashpot_forces(WindowTrial& trial) const {
 }
 
 void NewmarkWindow::account(const WindowTrial& trial) {
-  if (contact_) contact_->account(parts_.states, bracket_, trial.increment, jump_, mean_velocity_);
+  if (contact_) contact_->account(parts_.states, trial.increment, mean_velocity_);
 }
 
 }  // namespace ricochet::implicit_solver

@@ -57,8 +57,8 @@ class NewmarkWindow {
   void solve_increment(WindowTrial& trial);
   void solve_contact_outside_root(WindowTrial& trial);
   void move_by(const Eigen::VectorXd& forces);
-  void find_rates(const WindowState& state, WindowTrial& trial);
-  void find_contact_rates(const WindowState& state, WindowTrial& trial);
+  void find_rates(WindowTrial& trial);
+  void find_contact_rates(WindowTrial& trial);
   void set_dashpot_forces(WindowTrial& trial) const;
 
   const CombinedParts& parts_;
@@ -73,7 +73,7 @@ class NewmarkWindow {
   Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, root_force_, shared_x_, shared_force_;
   Eigen::VectorXd contact_force_, contact_increment_;  ///< of a contact outside the root, all dofs
   std::vector<std::vector<double>> dashpot_load_;      ///< per part and dashpot: other external force at n + 1 [N]
-  Eigen::VectorXd bracket_, jump_, mean_velocity_;     ///< work of the contact forces, see ImplicitContact::account
+  Eigen::VectorXd mean_velocity_;                      ///< see ImplicitContact::account
 };
 
 }  // namespace ricochet::implicit_solver

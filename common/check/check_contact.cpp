@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +22,10 @@ constexpr double delay_per_tau = 1.678347;
 constexpr double intermittent_share = 0.5;
 /// mu N dt / (2 m) over 1/xi from which regularised friction rings. Measured, docs/limits.md.
 constexpr double ringing_ratio = 10.0;
+/// Of bodies of unequal impedance the reset law gains energy where a window is more than so many times as long as a
+/// wave takes through a contact element of one body, and more than so many times as many as through one of the other.
+/// Measured, docs/contact_laws.md.
+constexpr double longest_reset_window = 5.0, most_unequal_windows = 8.0, most_unequal_impedances = 2.0;
 /// Strain that counts as small.
 constexpr double small_strain = 0.02;
 
@@ -231,10 +236,43 @@ void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& 
   }
 }
 
+/// A pair that opens in a window gains the work of the force that its acceleration remembers over the gap's increment:
+/// a large one where one side is stiff enough to throw the other off within the window.
+void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
+  const Sides sides(problem, contact);
+  if (sides.body.size() < 2) return;
+  std::array<double, 2> windows{};  // of a wave through the element
+  for (std::size_t side = 0; side < 2; ++side) {
+    const BodyProblem& body = *sides.body[side];
+    const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
+    windows[side] = problem.window_size_s * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
+  }
+  const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
+  const double most = windows[stiff], ratio = most / windows[1 - stiff];
+  if (most <= longest_reset_window || ratio <= most_unequal_windows) return;
+  const auto [low, high] = std::minmax({impedance(*sides.body[0]), impedance(*sides.body[1])});
+  if (high <= most_unequal_impedances * low) return;
+  throw ConfigError(fmt::format(
+      "{}: found a step of {:.3g} s, {:.3g} times as long as a wave takes through the contact elements of body \"{}\", "
+      "but {:.3g} times through those of body \"{}\": the law \"trapezoidal_reset\" gains energy where these differ by "
+      "more than {:.0f} times and the larger is above {:.0f}; allowed: time.step_s = {:.3g} or less, or "
+      "{}.multiplier_update = \"massless\" (surfaces whose nodes face each other in pairs) or \"fully_implicit\"",
+      problem.scene.where("time"), problem.window_size_s, most, sides.body[stiff]->name, most / ratio,
+      sides.body[1 - stiff]->name, most_unequal_windows, longest_reset_window,
+      problem.window_size_s * longest_reset_window / most, problem.scene.contact_law().key()));
+}
+
 }  // namespace
 
 void check_impact(const Problem& problem, Plan& plan) {
-  for (const ContactGeometry& contact : problem.contacts) check_impact(problem, contact, plan);
+  const Contact& law = problem.scene.contact_law();
+  const bool resets = law.enforcement == Enforcement::multiplier &&
+                      law.multiplier_update == MultiplierUpdate::trapezoidal_reset &&
+                      problem.scene.coupling.protocol.layout != Layout::all_explicit;
+  for (const ContactGeometry& contact : problem.contacts) {
+    check_impact(problem, contact, plan);
+    if (resets) check_reset_law(problem, contact);
+  }
 }
 
 }  // namespace ricochet::scene

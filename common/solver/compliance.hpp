@@ -43,12 +43,17 @@ class Compliance {
   /// What an unknown moves its own row by; where only the product is had, a bound.
   [[nodiscard]] double alone(Eigen::Index unknown) const { return alone_[unknown]; }
   /// Null if it is not dense, and if it is not sparse.
-  [[nodiscard]] const Eigen::MatrixXd* dense() const { return has_rows() && !sparse() ? &dense_ : nullptr; }
+  [[nodiscard]] const Eigen::MatrixXd* dense() const { return has_columns() && !sparse() ? &dense_ : nullptr; }
   [[nodiscard]] const Sparse* sparse() const { return sparse_.size() > 0 ? &sparse_ : nullptr; }
-  /// Whether a row costs less than all of them: not where only the product is had.
-  [[nodiscard]] bool has_rows() const { return !product_; }
-  [[nodiscard]] double row_times(Eigen::Index row, const Eigen::VectorXd& x) const {
-    return sparse() ? sparse_.row(row).dot(x) : dense_.col(row).dot(x);  // D is symmetric
+  /// Whether a column costs less than all of them: not where only the product is had.
+  [[nodiscard]] bool has_columns() const { return !product_; }
+  /// y += D e change, e of the unknown.
+  void add_column(Eigen::Index unknown, double change, Eigen::VectorXd& y) const {
+    if (!sparse()) {
+      y += change * dense_.col(unknown);
+      return;
+    }
+    for (Sparse::InnerIterator it(sparse_, unknown); it; ++it) y[it.col()] += change * it.value();  // D is symmetric
   }
   [[nodiscard]] double entry(Eigen::Index row, Eigen::Index column) const {
     return sparse() ? sparse_.coeff(row, column) : dense_(row, column);

@@ -166,16 +166,15 @@ void MasslessNodes::load(const Eigen::VectorXd& normal_forces) {
   }
 }
 
-const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& states,
-                                             const std::vector<const Eigen::VectorXd*>& external,
-                                             const std::vector<Eigen::VectorXd*>& u) {
+const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& states, const ReadOfPart& external,
+                                             const OfPart& u) {
   const auto move = [&] {
     for (std::size_t part = 0; part < states.size(); ++part) {
       if (!statics_[part]) continue;
       auto& statics = *statics_[part];
       statics.solve();
       for (std::size_t i = 0; i < statics.dofs.size(); ++i)
-        (*u[part])[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
+        u(part)[statics.dofs[i]] += statics.moved[static_cast<Eigen::Index>(i)];
       statics.moved.setZero();
     }
   };
@@ -183,14 +182,14 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
     if (!statics_[part]) continue;
     auto& statics = *statics_[part];
     for (std::size_t i = 0; i < statics.dofs.size(); ++i) {
-      double force = (*external[part])[statics.dofs[i]];
+      double force = external(part)[statics.dofs[i]];
       for (fem::SparseMatrix::InnerIterator it(statics.rows, static_cast<Eigen::Index>(i)); it; ++it)
-        force -= it.value() * (*u[part])[it.col()];
+        force -= it.value() * u(part)[it.col()];
       statics.moved[static_cast<Eigen::Index>(i)] = force;
     }
   }
   move();
-  const auto of_part = [&](int part) -> const Eigen::VectorXd& { return *u[static_cast<std::size_t>(part)]; };
+  const auto of_part = [&](int part) -> const Eigen::VectorXd& { return u(static_cast<std::size_t>(part)); };
   for (std::size_t i = 0; i < surface_->pairs.size(); ++i) {
     gap_free_[static_cast<Eigen::Index>(i)] = surface_->pairs[i].gap(of_part);
   }
@@ -202,12 +201,12 @@ const Eigen::VectorXd& MasslessNodes::settle(const std::vector<BodyState>& state
 }
 
 double MasslessNodes::give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
-                                const std::vector<double*>& velocity) {
+                                const std::function<double*(std::size_t part)>& velocity) {
   double& debt = trial_debt_j_[pair];
   debt = state_.debt_j[pair] + made_j;
   double rate = 0.0, inverse_mass = 0.0;
   for (const auto& share : inward_[pair]) {
-    rate += share.of_rate * velocity[share.part][share.dof];
+    rate += share.of_rate * velocity(share.part)[share.dof];
     inverse_mass += share.of_rate * share.of_rate * states[share.part].inverse_mass[share.dof];
   }
   if (debt == 0.0 || inverse_mass == 0.0 || !(most_n_s > 0.0)) return 0.0;
@@ -217,7 +216,7 @@ double MasslessNodes::give_back(std::size_t pair, double made_j, double most_n_s
   const double impulse = std::clamp((after - rate) / inverse_mass, -most_n_s, most_n_s);
   const double work = impulse * (rate + 0.5 * impulse * inverse_mass);
   for (const auto& share : inward_[pair]) {
-    velocity[share.part][share.dof] += share.of_rate * states[share.part].inverse_mass[share.dof] * impulse;
+    velocity(share.part)[share.dof] += share.of_rate * states[share.part].inverse_mass[share.dof] * impulse;
   }
   debt += work;
   trial_work_j_ += work;

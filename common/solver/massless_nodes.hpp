@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,11 +33,12 @@ class MasslessNodes {
   /// them.
   MasslessNodes(const ContactSurface& surface, std::vector<BodyState>& states);
 
-  /// Sets the massless displacements in `u` (a vector per part) as above; `external` per part [N]. Returns r per pair
-  /// [N].
-  const Eigen::VectorXd& settle(const std::vector<BodyState>& states,
-                                const std::vector<const Eigen::VectorXd*>& external,
-                                const std::vector<Eigen::VectorXd*>& u);
+  /// A vector per part.
+  using OfPart = std::function<Eigen::VectorXd&(std::size_t part)>;
+  using ReadOfPart = std::function<const Eigen::VectorXd&(std::size_t part)>;
+
+  /// Sets the massless displacements in `u` as above; `external` [N]. Returns r per pair [N].
+  const Eigen::VectorXd& settle(const std::vector<BodyState>& states, const ReadOfPart& external, const OfPart& u);
   /// Calls f(part, dof) for every massless degree of freedom; they have no rates of their own.
   template <class F>
   void for_each_dof(const F& f) const {
@@ -48,9 +50,9 @@ class MasslessNodes {
 
   /// Of the window being tried: `made_j` is the energy that the normal force of a pair made. Returns the impulse on the
   /// inward nodes of B along +n (on those of A the opposite) [N s] that takes it back, as far as one within
-  /// +-`most_n_s` can, and applies it to `velocity` (a vector per part); the rest is kept for the next window.
+  /// +-`most_n_s` can, and applies it to `velocity` (by part); the rest is kept for the next window.
   double give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
-                   const std::vector<double*>& velocity);
+                   const std::function<double*(std::size_t part)>& velocity);
   /// Work of the impulses of the trial [J].
   [[nodiscard]] double trial_work_j() const { return trial_work_j_; }
   void begin_trial() { trial_work_j_ = 0.0; }

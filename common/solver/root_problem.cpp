@@ -12,213 +12,197 @@
 namespace ricochet::solver {
 
 namespace {
-constexpr int max_state_iterations = 30;
+constexpr int most_newton_steps = 30;
+constexpr int most_sweeps_of_fallback = 5000;
 constexpr double round_off = 1e-12;
+/// Change of force by which Newton's method has settled where its rows turn.
+constexpr double settled_step = 1e-11;
 /// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
 constexpr double residual_to_stop = 1e-3;
 /// Residual that round-off leaves; above, another method tries.
 constexpr double converged_residual = 1e-10;
 }  // namespace
 
-RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, std::vector<PairLaw> pairs, double dt)
-    : law_(law),
-      pair_laws_(std::move(pairs)),
-      regularised_(law.friction_law == scene::FrictionLaw::regularised),
-      pairs_(static_cast<int>(pair_laws_.size())),
-      friction_(compliance.size() > pairs_),
-      cone_(friction_ && compliance.size() == Eigen::Index{3} * pairs_),
-      dt_(dt),
+RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, const std::vector<PairLaw>& pairs, double dt)
+    : projection_(law, dt),
+      directions_(pairs.empty() ? 1 : static_cast<int>(compliance.size() / std::ssize(pairs))),
       compliance_(std::move(compliance)),
-      place_(static_cast<std::size_t>(compliance_.size()), -1),
-      states_(static_cast<std::size_t>(pairs_)),
-      rhs_(compliance_.size()),
-      motion_(compliance_.size()),
-      slip_slope_(Eigen::VectorXd::Zero(pairs_)),
-      cone_slope_(Eigen::VectorXd::Zero(pairs_)),
-      solution_(open()) {
-  involved_.reserve(place_.size());
-  if (!cone_) return;
-  cone_rows_.resize(pair_laws_.size());
-  for (int i = 0; i < pairs_; ++i) {
-    const int t = pairs_ + i, b = 2 * pairs_ + i;
-    auto& block = block_.emplace_back(Eigen::Matrix2d::Zero());
-    block.diagonal() << compliance_.alone(t), compliance_.alone(b);
-    if (compliance_.has_rows()) block(0, 1) = block(1, 0) = compliance_.entry(t, b);
+      rows_(pairs.size()),
+      motion_(compliance_.size()) {
+  for (const auto& pair : pairs) blocks_.push_back({.friction_coefficient = pair.friction_coefficient});
+  for (int i = 0; i < this->pairs(); ++i) {
+    const auto& pair = pairs[static_cast<std::size_t>(i)];
+    auto& block = blocks_[static_cast<std::size_t>(i)];
+    if (law.enforcement == scene::Enforcement::penalty) block.slack = 1.0 / (law.penalty_pa_m * pair.area_m2);
+    block.normal = compliance_.alone(i) + block.slack;
+    if (pair.friction_coefficient == 0.0) continue;
+    for (int d = 1; d < directions_; ++d) block.along(d - 1, d - 1) = compliance_.alone(unknown(i, d));
+    if (directions_ == 3 && compliance_.has_columns())
+      block.along(0, 1) = block.along(1, 0) = compliance_.entry(unknown(i, 1), unknown(i, 2));
   }
+  solution_ = open();
 }
 
 RootProblem::Solution RootProblem::open() const {
-  return {Eigen::VectorXd::Zero(compliance_.size()),
-          std::vector<ContactState>(static_cast<std::size_t>(pairs_), ContactState::open), 0, 0.0};
+  return {Eigen::VectorXd::Zero(compliance_.size()), std::vector<ContactState>(blocks_.size(), ContactState::open), 0,
+          0.0};
 }
 
-double RootProblem::slack(int pair) const {
-  if (law_.enforcement != scene::Enforcement::penalty) return 0.0;
-  return 1.0 / (law_.penalty_pa_m * pair_laws_[static_cast<std::size_t>(pair)].area_m2);
+Eigen::Vector3d RootProblem::of_pair(int pair, const Eigen::VectorXd& x) const {
+  Eigen::Vector3d of(0.0, 0.0, 0.0);
+  for (int d = 0; d < directions_; ++d) of[d] = x[unknown(pair, d)];
+  return of;
 }
 
-double RootProblem::alone(int unknown) const { return compliance_.alone(unknown) + slack(unknown % pairs_); }
-
-void RootProblem::start_from(const Solution& last) {
-  for (int i = 0; i < pairs_; ++i) {
-    auto& state = states_[static_cast<std::size_t>(i)];
-    const ContactState before = last.states[static_cast<std::size_t>(i)];
-    state.closed = before != ContactState::open;
-    state.tangent = Tangent::none;
-    if (!state.closed || held(i)) continue;
-    const bool plus = last.force[pairs_ + i] > 0.0;
-    state.tangent = regularised_                    ? Tangent::regularised
-                    : before == ContactState::stick ? Tangent::stick
-                    : cone_                         ? Tangent::slip
-                    : plus                          ? Tangent::slip_plus
-                                                    : Tangent::slip_minus;
+PairWindow RootProblem::window_of(int pair, const Window& window) const {
+  PairWindow of{.gap_free = window.gap_free[pair]};
+  for (int d = 1; d < directions_; ++d) {
+    of.slip_free[d - 1] = window.slip_free[unknown(pair, d - 1)];
+    of.slip_velocity[d - 1] = window.slip_velocity[unknown(pair, d - 1)];
+    of.last[d - 1] = window.last[unknown(pair, d)];
   }
-}
-
-bool RootProblem::held(int pair) const {
-  return !friction_ || friction_of(pair) == 0.0 ||
-         (compliance_.alone(pairs_ + pair) <= 0.0 && (!cone_ || block_[static_cast<std::size_t>(pair)](1, 1) <= 0.0));
-}
-
-void RootProblem::solve_linear(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                               const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  if (cone_) find_cone_rows(slip_free, slip_velocity, last);
-  rhs_.setZero();
-  for (int i = 0; i < pairs_; ++i) {
-    const auto& state = states_[static_cast<std::size_t>(i)];
-    if (!state.closed) continue;
-    rhs_[i] = -gap_free[i] / alone(i);
-    if (!friction_ || cone_) continue;
-    const int t = pairs_ + i;
-    if (state.tangent == Tangent::stick) rhs_[t] = (slack(i) * last.force[t] - slip_free[i]) / alone(t);
-    if (state.tangent != Tangent::regularised) continue;
-    // tau + mu lambda tanh(xi v(x)) = 0, linearised about v0: v of the present x; or 0, where tanh is steepest and
-    // Newton's method cannot overshoot, if the present tau turns the slip around. dv/dslip = 2/dt
-    const double xi = law_.friction_regularisation_s_m, mu = friction_of(i);
-    const double slipped = motion_[t];
-    const double velocity = 2.0 * (slip_free[i] + slipped) / dt_ - slip_velocity[i];
-    const double without = velocity - 2.0 / dt_ * compliance_.alone(t) * solution_.force[t];
-    const double about = velocity * without < 0.0 ? 0.0 : velocity;
-    const double tanh = std::tanh(xi * about);
-    slip_slope_[i] = mu * std::max(0.0, solution_.force[i]) * xi * (1.0 - tanh * tanh) * 2.0 / dt_;
-    cone_slope_[i] = mu * tanh;
-    rhs_[t] = slip_slope_[i] * (slipped - 0.5 * dt_ * (velocity - about));
-  }
-  if (cone_) cone_right_hand_side();
-  solve_states();
-}
-
-bool RootProblem::update_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                                const Solution& last) {
-  compliance_.times(solution_.force, motion_);
-  const double force_scale = round_off * solution_.force.head(pairs_).cwiseAbs().maxCoeff();
-  const double gap_scale = round_off * gap_free.cwiseAbs().maxCoeff();
-  bool changed = false;
-  for (int i = 0; i < pairs_; ++i) {
-    auto& state = states_[static_cast<std::size_t>(i)];
-    const PairState before = state;
-    const double normal = solution_.force[i], mu = friction_of(i);
-    if (state.closed && normal < -force_scale) {
-      state = {};
-    } else if (!state.closed && gap_free[i] + motion_[i] < -gap_scale) {
-      state.closed = true;
-      // Of solids a pair that closes is first given mu times its force, against its slip: held, it may be torn open
-      // again.
-      if (!held(i)) state.tangent = regularised_ ? Tangent::regularised : cone_ ? Tangent::slip : Tangent::stick;
-    } else if (state.closed && !held(i) && cone_ && !regularised_) {
-      const double outside = reach(i, slip_free, last).norm() - mu * normal;
-      if (std::abs(outside) > force_scale) state.tangent = outside > 0.0 ? Tangent::slip : Tangent::stick;
-    } else if (state.closed && !held(i) && !regularised_) {
-      const double tangential = solution_.force[pairs_ + i];
-      const double slip = slip_free[i] + motion_[pairs_ + i];
-      if (state.tangent == Tangent::stick && std::abs(tangential) > mu * normal + force_scale) {
-        state.tangent = tangential > 0.0 ? Tangent::slip_plus : Tangent::slip_minus;
-      } else if ((state.tangent == Tangent::slip_plus && slip > 0.0) ||
-                 (state.tangent == Tangent::slip_minus && slip < 0.0)) {
-        state.tangent = Tangent::stick;  // the traction must oppose the slip
-      }
-    }
-    changed |= !(state == before);
-  }
-  return changed;
+  return of;
 }
 
 const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                                 const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  start_from(last);
+  const Window window{gap_free, slip_free, slip_velocity, last.force};
   solution_.force = last.force;
+  solution_.states = last.states;
   solution_.iterations = 0;
-  if (turns()) compliance_.times(solution_.force, motion_);
-  find_states(gap_free, slip_free, slip_velocity, last);
+  newton(window);
   // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
   if (!solution_.force.allFinite()) {
     solution_.force = last.force;
     compliance_.times(solution_.force, motion_);
   }
-  solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+  solution_.residual = residual(window);
   if (solution_.residual > converged_residual) {
-    solution_.iterations += sweep(gap_free, slip_free, slip_velocity, last);
-    compliance_.times(solution_.force, motion_);
-    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
+    gauss_seidel(window);
+    solution_.residual = residual(window);
   }
-  if (solution_.residual > converged_residual && compliance_.has_rows() &&
-      (cone_ || (!regularised_ && compliance_.dense()))) {
-    const Eigen::VectorXd swept = solution_.force;
-    const double of_sweeps = solution_.residual;
-    if (cone_) {
-      find_states(gap_free, slip_free, slip_velocity, last);
-    } else {
-      solution_.iterations += lemke(gap_free, slip_free, last);
-      compliance_.times(solution_.force, motion_);
-    }
-    solution_.residual = residual(gap_free, slip_free, slip_velocity, last);
-    if (!(solution_.residual <= of_sweeps)) {
-      solution_.force = swept;
-      states_of_forces();
-      solution_.residual = of_sweeps;
+  if (solution_.residual > converged_residual) {
+    Solution swept = solution_;
+    newton(window);
+    solution_.residual = residual(window);
+    if (!(solution_.residual <= swept.residual)) {
+      swept.iterations = solution_.iterations;
+      solution_ = std::move(swept);
     }
   }
   finish();
   return solution_;
 }
 
-/// From the present states and forces, until neither changes; for a stated number of times. Where rows turn, `motion_`
-/// is D x of the forces from the start on.
-void RootProblem::find_states(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                              const Eigen::VectorXd& slip_velocity, const Solution& last) {
-  bool settled = false;
-  for (int n = 0; !settled && n < max_state_iterations; ++n, ++solution_.iterations) {
+/// From the present forces and states, until neither changes; for a stated number of times.
+void RootProblem::newton(const Window& window) {
+  const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
+  if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
+    compliance_.times(solution_.force, motion_);
+  for (int n = 0; n < most_newton_steps; ++n, ++solution_.iterations) {
+    if (!find_rows(window) && n > 0) return;
     before_ = solution_.force;
-    const bool any = std::any_of(states_.begin(), states_.end(), [](const PairState& s) { return s.closed; });
-    if (any) {
-      solve_linear(gap_free, slip_free, slip_velocity, last);
-    } else {
+    if (std::all_of(rows_.begin(), rows_.end(), [](const PairRows& rows) { return rows.idle(0); })) {
       solution_.force.setZero();
+    } else {
+      system_.solve(compliance_, rows_, solution_.force);
     }
-    const bool changed = update_states(gap_free, slip_free, last);
+    const bool changed = update_states(window);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
-    settled = !changed && (!turns() || step <= 1e-11 * solution_.force.cwiseAbs().maxCoeff());
+    if (!changed && step <= settled_step * solution_.force.cwiseAbs().maxCoeff()) return;
   }
 }
 
-void RootProblem::stick_all() {
-  for (int i = 0; i < pairs_; ++i) {
-    states_[static_cast<std::size_t>(i)] = {.closed = true, .tangent = held(i) ? Tangent::none : Tangent::stick};
+/// Returns whether any has changed.
+bool RootProblem::find_rows(const Window& window) {
+  bool changed = false;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const PairRows rows = projection_.rows(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
+                                           of_pair(i, motion_), solution_.states[k]);
+    changed = changed || !(rows == rows_[k]);
+    rows_[k] = rows;
   }
+  return changed;
+}
+
+bool RootProblem::update_states(const Window& window) {
+  compliance_.times(solution_.force, motion_);
+  const double negligible_n = round_off * solution_.force.head(pairs()).cwiseAbs().maxCoeff();
+  const double negligible_m = round_off * window.gap_free.cwiseAbs().maxCoeff();
+  bool changed = false;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    auto& state = solution_.states[k];
+    const ContactState next = projection_.next_state(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
+                                                     of_pair(i, motion_), state, negligible_n, negligible_m);
+    changed = changed || next != state;
+    state = next;
+  }
+  return changed;
+}
+
+/// Slow, but without friction it cannot cycle, and with little of it it does not.
+void RootProblem::gauss_seidel(const Window& window) {
+  auto& x = solution_.force;
+  compliance_.times(x, motion_);
+  const auto project = [&](int i, const auto& set) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    set(i, Projection::normal(block, of, x[i], motion_[i]));
+    if (!block.slides()) return;
+    const Eigen::Vector2d along = projection_.tangential(block, of, of_pair(i, x), of_pair(i, motion_));
+    for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
+  };
+  solution_.iterations += sweep(compliance_, pairs(), most_sweeps_of_fallback, x, motion_, project).sweeps;
+  compliance_.times(x, motion_);
+  states_of_forces();
+}
+
+const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd& gap_free,
+                                                          const Eigen::VectorXd& slip_free,
+                                                          const Eigen::VectorXd& normal, bool held) {
+  auto& x = solution_.force;
+  x.setZero();
+  if (normal.size() > 0) x.head(pairs()) = normal;
+  compliance_.times(x, motion_);
+  before_.setZero(x.size());
+  const Window window{gap_free, slip_free, before_, before_};
+  const auto project = [&](int i, const auto& set) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    if (normal.size() == 0 && block.normal > 0.0) {
+      const double free = of.gap_free + motion_[i];
+      set(i, held ? x[i] - free / block.normal : Projection::normal(block, of, x[i], motion_[i]));
+    }
+    if (!block.slides()) return;
+    const Eigen::Vector3d force = of_pair(i, x), moved = of_pair(i, motion_);
+    const Eigen::Vector2d along =
+        held ? Eigen::Vector2d(force.tail<2>() + holding_of_pair(block.along, of.slip_free + moved.tail<2>()))
+             : projection_.tangential(block, of, force, moved);
+    for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
+  };
+  const Swept swept = sweep(compliance_, pairs(), most_sweeps, x, motion_, project);
+  solution_.iterations = swept.sweeps;
+  solution_.residual = swept.residual;
+  if (held) {
+    std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  } else {
+    states_of_forces();
+    finish();
+  }
+  return solution_;
 }
 
 const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
-  stick_all();
-  rhs_.setZero();
-  for (int i = 0; i < pairs_; ++i) {
-    rhs_[i] = -gap_free[i] / alone(i);
-    if (!held(i) && !cone_) rhs_[pairs_ + i] = -slip_free[i] / alone(pairs_ + i);
+  std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  before_.setZero(compliance_.size());
+  const Window window{gap_free, slip_free, slip_free, before_};
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    rows_[k] = Projection::held_rows(blocks_[k], window_of(i, window));
   }
-  if (cone_) {
-    find_cone_rows(slip_free, slip_free, open());
-    cone_right_hand_side();
-  }
-  solve_states();
+  system_.solve(compliance_, rows_, solution_.force);
   solution_.iterations = 1;
   solution_.residual = 0.0;
   finish();
@@ -226,75 +210,53 @@ const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, 
 }
 
 const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip) {
-  stick_all();
+  std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
   solution_.force.setZero();
-  for (int i = 0; i < pairs_ && law_.enforcement == scene::Enforcement::penalty; ++i) {
-    solution_.force[i] = -gap[i] / slack(i);
-    if (!held(i)) solution_.force[pairs_ + i] = -slip[i] / slack(i);
-    if (!held(i) && cone_) solution_.force[2 * pairs_ + i] = -slip[pairs_ + i] / slack(i);
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    if (block.slack == 0.0) continue;
+    solution_.force[i] = -gap[i] / block.slack;
+    for (int d = 1; d < directions_; ++d)
+      if (block.slides(d - 1)) solution_.force[unknown(i, d)] = -slip[unknown(i, d - 1)] / block.slack;
   }
   finish();
   return solution_;
 }
 
-double RootProblem::tangential_alone(int pair, double slip, double slip_velocity, double last) const {
-  const int t = pairs_ + pair;
-  // A pair that is about to open may pull by what round-off leaves.
-  const double force = solution_.force[t], limit = friction_of(pair) * std::max(0.0, solution_.force[pair]);
-  if (!regularised_) return std::clamp(force - (slip + slack(pair) * (force - last)) / alone(t), -limit, limit);
-  const double rate = 2.0 / dt_ * compliance_.alone(t), free_rate = 2.0 / dt_ * slip - slip_velocity - rate * force;
-  return friction_of_pair(law_, limit, free_rate, -free_rate / rate);
-}
-
 void RootProblem::states_of_forces() {
-  const auto& x = solution_.force;
-  for (int i = 0; i < pairs_; ++i) {
-    auto& state = states_[static_cast<std::size_t>(i)];
-    state = {.closed = x[i] > 0.0, .tangent = Tangent::none};
-    if (!state.closed || held(i)) continue;
-    if (cone_ && !regularised_) {
-      const double limit = friction_of(i) * x[i] * (1.0 - round_off);
-      state.tangent = along(i, x).norm() < limit ? Tangent::stick : Tangent::slip;
-      continue;
-    }
-    const double tangential = x[pairs_ + i], limit = friction_of(i) * x[i];
-    state.tangent = regularised_                                       ? Tangent::regularised
-                    : std::abs(tangential) < limit * (1.0 - round_off) ? Tangent::stick
-                    : tangential > 0.0                                 ? Tangent::slip_plus
-                                                                       : Tangent::slip_minus;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    solution_.states[k] = projection_.state_of(blocks_[k], of_pair(i, solution_.force));
   }
 }
 
-double RootProblem::residual(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                             const Eigen::VectorXd& slip_velocity, const Solution& last) {
+/// Of the present forces, `motion_` = D x.
+double RootProblem::residual(const Window& window) const {
   const auto& x = solution_.force;
   double largest = 0.0;
-  for (int i = 0; i < pairs_; ++i) {
-    const double gap = gap_free[i] + motion_[i] + slack(i) * x[i];
-    largest = std::max(largest, std::abs(x[i] - std::max(0.0, x[i] - gap / alone(i))));
-    if (held(i)) continue;
-    if (cone_) {
-      largest = std::max(largest, (along(i, x) - cone_alone(i, slip_free, slip_velocity, last)).norm());
-      continue;
-    }
-    const int t = pairs_ + i;
-    const double right = tangential_alone(i, slip_free[i] + motion_[t], slip_velocity[i], last.force[t]);
-    largest = std::max(largest, std::abs(x[t] - right));
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    largest = std::max(largest, std::abs(x[i] - Projection::normal(block, of, x[i], motion_[i])));
+    if (!block.slides()) continue;
+    const Eigen::Vector3d force = of_pair(i, x);
+    const Eigen::Vector2d right = projection_.tangential(block, of, force, of_pair(i, motion_));
+    largest = std::max(largest, (force.tail<2>() - right).norm());
   }
-  const double scale = x.head(pairs_).maxCoeff();
+  const double scale = x.head(pairs()).maxCoeff();
   return scale > 0.0 ? largest / scale : largest > 0.0 ? 1.0 : 0.0;
 }
 
+/// An open pair has no force (those found may be of states before), and one with friction that supports hold sticks.
 void RootProblem::finish() {
-  for (int i = 0; i < pairs_; ++i) {
-    const auto& state = states_[static_cast<std::size_t>(i)];
-    if (!state.closed) solution_.force[i] = 0.0;  // the forces may be those of states before
-    if (!state.closed && friction_) solution_.force[pairs_ + i] = 0.0;
-    if (!state.closed && cone_) solution_.force[2 * pairs_ + i] = 0.0;
-    const bool stick = state.tangent == Tangent::stick || (friction_of(i) > 0.0 && held(i));
-    solution_.states[static_cast<std::size_t>(i)] = !state.closed ? ContactState::open
-                                                    : stick       ? ContactState::stick
-                                                                  : ContactState::slip;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    auto& state = solution_.states[static_cast<std::size_t>(i)];
+    if (state == ContactState::open) {
+      for (int d = 0; d < directions_; ++d) solution_.force[unknown(i, d)] = 0.0;
+    } else if (!block.slides()) {
+      state = directions_ > 1 && block.friction_coefficient > 0.0 ? ContactState::stick : ContactState::slip;
+    }
   }
 }
 

@@ -62,7 +62,9 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
   }
   if (causes.empty()) {
     causes.emplace_back(
-        "not obvious from the scene (step, penalty and protocol look sound); try a lower time.safety_factor");
+        "not obvious from the scene (step, penalty and protocol look sound); try a shorter step, by time.step_s or, "
+        "where "
+        "the scene has none, time.safety_factor");
   }
   return fmt::format("likely cause: {}", fmt::join(causes, "; or "));
 }

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
+#include "common/solver/pair_compliance.hpp"
 #include "common/solver/root_problem.hpp"
 #include "common/solver/sliding_rows.hpp"
 #include "implicit_solver/contact/near_inverse.hpp"
@@ -25,11 +26,12 @@ namespace ricochet::implicit_solver {
 /// paper's). Or the nodes have no mass along the normal: then no velocity has to jump, r balances K u at any time, and
 /// the impact of a node costs nothing (MasslessNodes).
 ///
-/// Whatever the law, a pair gets over the window the impulse (on B; the opposite on A)
-///   p = dt/2 [(M a_n - q_n) + (M a*_{n+1} - q_{n+1})] + J,   J of the jump of its velocity
-/// (the two brackets are the contact forces that the accelerations remember and that act at n + 1). Pairs that share
-/// nodes are gone through again and again (shared_rows.cpp), and their forces are kept as numbers, since
-/// nodal forces no longer tell whose they are.
+/// Forces and impulses are numbers of a pair from the first to the last. Whatever the law, a pair gets over the window
+/// the impulse (on B; the opposite on A)
+///   p = dt/2 (r_n + kappa r_{n+1}) + J,   r_n the force that its acceleration remembers, J the jump of its velocity
+/// The jumps of all closed pairs together leave no relative velocity, and the forces that are then remembered no
+/// relative acceleration but where that would take a pull: two problems of N M^-1 N^T, each gone through pair by pair
+/// until nothing changes (solver::sweep), of pairs that share no nodes once.
 /// Coulomb's law is held by impulses: the jump along the tangent (of solids a vector along tangent and binormal), of
 /// slipping pairs, too, is the one that leaves |p_t| <= mu p_n and, inside that, no relative velocity. Likewise for the
 /// forces that the accelerations remember.
@@ -69,14 +71,12 @@ class ImplicitContact {
   /// Whether any of it is not zero.
   [[nodiscard]] bool any_force() const { return !root_force_.isZero(0.0); }
   /// Sets velocity and acceleration of closed pairs of the trial (combined vectors) as the law asks, and finds the
-  /// impulses of all pairs. `bracket` = (M a_n - q_n) + (M a*_{n+1} - q_{n+1}) at the root dofs, the contact forces in
-  /// the trapezoidal sum.
-  void update_rates(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
-                    const Eigen::VectorXd& increment, Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
-  /// Accounts work and impulse of the window: `jump` = M (v - v*) of update_rates, `mean_velocity` = (v + v*)/2 at the
-  /// root dofs.
-  void account(std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket, const Eigen::VectorXd& increment,
-               const Eigen::VectorXd& jump, const Eigen::VectorXd& mean_velocity);
+  /// impulses of all pairs.
+  void update_rates(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment,
+                    Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
+  /// Accounts work and impulse of the window: `mean_velocity` = (v + v*)/2 of update_rates at the root dofs.
+  void account(std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment,
+               const Eigen::VectorXd& mean_velocity);
   void accept();
   /// Drops all contact forces (after the switch to explicit integration).
   void open();
@@ -90,15 +90,18 @@ class ImplicitContact {
 
   /// With the motion of the bodies all that the next window is computed from, and what was booked so far.
   struct State : solver::ContactAccount {
-    solver::RootProblem::Solution solution;     ///< forces and states of the accepted window
-    std::vector<solver::PairForce> impulse;     ///< per pair, over that window [N s]
-    std::vector<solver::PairForce> remembered;  ///< by the acceleration at its end [N]
+    solver::RootProblem::Solution solution;      ///< forces and states of the accepted window
+    std::vector<solver::PairForce> mean_forces;  ///< per pair, impulse over that window by its size [N]
+    std::vector<solver::PairForce> remembered;   ///< by the acceleration at its end [N]
+    /// Means by impedances are no impulses: along normal, tangent and binormal what either side gets beside them, as
+    /// much as the acceleration remembers [N]. Else empty.
+    std::vector<Eigen::Vector3d> uneven;
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
 
     void archive(Archive& a) {
       ContactAccount::archive(a);
-      a.any_size(solution, impulse, remembered);  // pairs come and go as surfaces slide
+      a.any_size(solution, mean_forces, remembered, uneven);  // pairs come and go as surfaces slide
       a(massless, sliding);
     }
   };
@@ -110,20 +113,55 @@ class ImplicitContact {
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
-  enum Direction : std::size_t { along_normal, along_tangent, along_binormal };
-  struct Mean {
-    double share_a, share_b;  ///< A moves by share_a * (x_B - x_A), B by -share_b * (x_B - x_A)
+  /// What friction gives a closed pair.
+  struct Friction {
+    double limit = 0.0;  ///< mu times the normal impulse [N s]
+    Eigen::Vector2d given{0.0, 0.0};
+    bool sticks = false, stays = false;  ///< no relative velocity, and no relative acceleration
   };
-  [[nodiscard]] static const solver::ContactRow& row_of(const solver::Pair& pair, Direction direction) {
-    return direction == along_normal ? pair.normal : direction == along_tangent ? pair.tangent : pair.binormal;
+  /// What a window that is being tried gives each pair.
+  struct Trial {
+    solver::RootProblem::Solution solution;
+    std::vector<solver::PairForce> impulse, jump, remembered;  ///< p and J [N s], the force at its end [N]
+    std::vector<Eigen::Vector3d> uneven_jump, uneven;          ///< see State
+    std::vector<Friction> friction;
+
+    void start(std::size_t pairs, bool uneven_too);
+  };
+  /// What forces on the rows move: the rows over the root dofs, and S^-1 there, one of a dense matrix, a sparse one and
+  /// products, kept where bodies slide.
+  struct Response {
+    solver::Compliance::Sparse rows;
+    Eigen::MatrixXd dense;
+    solver::Compliance::Sparse near;
+    std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> product;  ///< of forces of pairs
+  };
+  /// Where rows are written anew in this window: the pairs of the last one, and what the acceleration remembers of
+  /// them.
+  struct Before {
+    std::vector<solver::Pair> pairs;
+    std::vector<solver::PairForce> remembered;
+  };
+  /// At the end of the window without contact forces, and the slip's rate at its begin.
+  struct FreeMotion {
+    Eigen::VectorXd gap, slip, slip_velocity;
+  };
+  /// Forces of pairs and their motion, in the order of the root problem.
+  struct Sweep {
+    Eigen::VectorXd x, x_before, motion;
+  };
+  [[nodiscard]] const scene::Contact& law() const { return problem_->scene.contact_law(); }
+  [[nodiscard]] std::size_t pairs() const { return surface_.pairs.size(); }
+  [[nodiscard]] bool closed(std::size_t pair) const {
+    return trial_.solution.states[pair] != solver::ContactState::open;
   }
-  /// Directions in which a pair has a force: along the normal and, with friction, along tangent and binormal. Where any
-  /// contact has friction all pairs have unknowns along them, those without it forces of zero.
-  [[nodiscard]] Eigen::Index directions() const { return !friction_ ? 1 : surface_.components; }
-  [[nodiscard]] Eigen::Index directions(const solver::Pair& pair) const {
-    return pair.friction_coefficient > 0.0 ? surface_.components : 1;
+  /// Directions in which pairs have a force: along the normal and, with friction of any contact, along tangent and
+  /// binormal; pairs without friction have forces of zero there.
+  [[nodiscard]] Eigen::Index directions() const { return problem_->scene.friction() ? surface_.components : 1; }
+  [[nodiscard]] Eigen::Index unknown(std::size_t pair, Eigen::Index direction) const {
+    return direction * static_cast<Eigen::Index>(pairs()) + static_cast<Eigen::Index>(pair);
   }
-  /// Of a number per pair and direction, all normals first, those along tangent and binormal.
+  /// Of a number per pair and direction, those along tangent and binormal.
   [[nodiscard]] Eigen::Vector2d along_surface(std::size_t pair, const Eigen::VectorXd& values) const;
   /// Combined number of an entry's degree of freedom, and a part's stretch of a combined vector.
   [[nodiscard]] int combined(const solver::RowEntry& e) const {
@@ -135,102 +173,70 @@ class ImplicitContact {
   [[nodiscard]] auto of_part(Eigen::VectorXd& values) const {
     return [this, &values](int part) { return values.data() + offsets_[static_cast<std::size_t>(part)]; };
   }
-  [[nodiscard]] Mean mean_shares(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
-                                 Direction direction) const;
-  void set_mean(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction,
-                Eigen::VectorXd& values) const;
-  void push(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Direction direction, double on_b,
-            Eigen::VectorXd& values) const;
-  [[nodiscard]] double force_on(solver::Side side, std::size_t pair, Direction direction,
-                                const Eigen::VectorXd& forces) const;
-  [[nodiscard]] double mean_of_sides(std::size_t pair, Direction direction, double on_a, double on_b) const;
-  [[nodiscard]] double on_b(std::size_t pair, Direction direction, const Eigen::VectorXd& forces) const;
-  [[nodiscard]] double mass_times(std::size_t pair, const std::vector<solver::BodyState>& states, Direction direction,
-                                  const Eigen::VectorXd& rates) const;
   [[nodiscard]] bool resets() const;
   [[nodiscard]] bool by_impedance() const;
-  void reset_normal(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
-                    Eigen::VectorXd& acceleration);
-  /// What friction gives a closed pair.
-  struct Friction {
-    double limit = 0.0;  ///< mu times the normal impulse [N s]
-    Eigen::Vector2d given{0.0, 0.0};
-    bool sticks = false;
+  /// A mean by impedances instead of masses: the part of a relative rate by which it moves both sides, and what it
+  /// makes of an impulse that the mean by masses would take.
+  struct Impedance {
+    double moves = 0.0, gain = 1.0;
   };
-  [[nodiscard]] Friction friction_impulse(const solver::Pair& pair, const Eigen::Matrix2d& inverse,
-                                          const solver::PairForce& impulse, const Eigen::Vector2d& rate) const;
-  [[nodiscard]] static Eigen::Vector2d remembered_friction(const solver::Pair& pair, const Friction& friction,
-                                                           const Eigen::Matrix2d& inverse, double normal_n,
-                                                           const Eigen::Vector2d& force, const Eigen::Vector2d& rate);
-  void reset_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
-                     Eigen::VectorXd& acceleration);
-  void clip_tangent(std::size_t pair, const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
-  void give_back(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& bracket,
-                 const Eigen::VectorXd& increment, Eigen::VectorXd& velocity);
-  void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
-                  Eigen::VectorXd& acceleration) const;
+  [[nodiscard]] Impedance impedance_of(const solver::Pair& pair, const std::vector<solver::BodyState>& states,
+                                       Eigen::Index direction) const;
+  double move_both(const solver::Pair& pair, const std::vector<solver::BodyState>& states, Eigen::Index direction,
+                   double taken, double& uneven, Eigen::VectorXd& values) const;
+
+  // Rates (contact_rates.cpp)
+  void find_inverse_mass(const std::vector<solver::BodyState>& states);
+  [[nodiscard]] Eigen::Matrix2d inverse_mass_along(std::size_t pair) const;
+  void begin_sweep(const std::vector<solver::PairForce>& forces, const Eigen::VectorXd& values);
+  template <class Project>
+  void run_sweep(const Project& project);
+  void push_swept(const std::vector<solver::BodyState>& states, Eigen::VectorXd& values) const;
+  void hold_means(const std::vector<solver::BodyState>& states, Eigen::VectorXd& values);
+  [[nodiscard]] Friction friction_impulse(std::size_t pair, const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] double friction_limit(std::size_t pair, const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] Eigen::Vector2d remembered_friction(std::size_t pair, const std::vector<solver::BodyState>& states,
+                                                    Friction& friction) const;
+  [[nodiscard]] bool slides(std::size_t pair) const;
+  void reset_velocities(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity);
+  void reset_accelerations(const std::vector<solver::BodyState>& states, Eigen::VectorXd& acceleration);
+  void give_back(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment,
+                 Eigen::VectorXd& velocity);
+
   [[nodiscard]] static bool is_free(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
   void add_root(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
-  void find_weights(const std::vector<solver::BodyState>& states);
-  void start(solver::Compliance compliance, double dt);
+  void write_rows();
+  void start(solver::Compliance compliance);
   void set_root(solver::Compliance compliance);
   /// The compliance of few rows whose many degrees of freedom are not in the root.
   [[nodiscard]] Eigen::MatrixXd columns_of_products(Eigen::Index size) const;
   [[nodiscard]] Eigen::VectorXd bound_of_couplings(const std::vector<solver::BodyState>& states) const;
+  [[nodiscard]] std::pair<int, int> local(int dof) const;
   [[nodiscard]] std::vector<NearNode> root_nodes(const std::vector<solver::BodyState>& states) const;
-  [[nodiscard]] solver::Compliance::Sparse gather() const;
   [[nodiscard]] solver::Compliance compliance_of_rows() const;
   void follow(const std::vector<solver::BodyState>& states);
   void take_new_pairs(const std::vector<solver::BodyState>& states);
-  [[nodiscard]] solver::PairForce trial_memory(std::size_t pair) const;
-  [[nodiscard]] Eigen::VectorXd sums_of_couplings(const std::vector<solver::BodyState>& states,
-                                                  Direction direction) const;
-  void root_forces_of(const Eigen::VectorXd& x, Eigen::VectorXd& forces) const;
-  void motion_of_pairs(const Eigen::VectorXd& motion, Eigen::VectorXd& y) const;
-  void update_shared(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,
-                     Eigen::VectorXd& acceleration);
-  [[nodiscard]] double reset_shared(std::size_t pair, const std::vector<solver::BodyState>& states,
-                                    Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
-  [[nodiscard]] double reset_shared_tangent(std::size_t pair, const std::vector<solver::BodyState>& states,
-                                            Eigen::VectorXd& velocity, Eigen::VectorXd& acceleration);
-  void account_shared(std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment,
-                      const Eigen::VectorXd& mean_velocity);
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
 
-  const scene::Problem* problem_;  ///< materials for the impedances
-  const scene::Contact* law_;
-  bool friction_;  ///< of any contact
+  const scene::Problem* problem_;
   solver::ContactSurface surface_;
-  bool shared_;  ///< pairs share nodes
   std::optional<solver::SlidingRows> sliding_;
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;
   std::vector<int> root_of_dof_;  ///< per combined number: its place in root_dofs_, or -1
   double dt_ = 0.0;
+  Response response_;
   std::optional<solver::RootProblem> root_;
+  std::optional<solver::Compliance> inverse_mass_;  ///< N M^-1 N^T; none: to be found for the present rows
   std::optional<solver::MasslessNodes> massless_;
-  std::vector<double*> velocity_of_part_;
-  std::vector<const Eigen::VectorXd*> external_of_part_;
-  std::vector<Eigen::VectorXd*> u_of_part_;
-  Eigen::VectorXd gap_free_, slip_free_, slip_velocity_, root_force_;
+  FreeMotion free_;
+  Eigen::VectorXd root_force_;
   State state_;
-  solver::RootProblem::Solution trial_;
-  /// Per pair, of the trial: impulse p [N s] and whether it sticks; the forces that the acceleration remembers [N]; of
-  /// pairs that share nodes, what their velocity jumps took [N s].
-  std::vector<solver::PairForce> impulse_, remembered_, jump_impulse_;
-  /// Where rows are written anew in this window: the pairs of the last one, and what the acceleration remembers of
-  /// them.
-  std::vector<solver::Pair> old_pairs_;
-  std::vector<solver::PairForce> old_remembered_;
-  Eigen::MatrixXd root_inverse_;  ///< this or the next, kept where bodies slide
-  solver::Compliance::Sparse near_inverse_;
-  std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> product_;  ///< by the compliance, where it is not dense
-  /// Per pair, along normal, tangent and binormal, for A and B: sum of the squared coefficients of the degrees of
-  /// freedom that no support holds; 1 for a node that is free.
-  std::vector<std::array<std::array<double, 2>, 3>> weights_;
-  std::vector<solver::PairForce> reported_;  ///< kept, like the next, so that no record allocates
-  ContactRecord report_;
+  Trial trial_;
+  Before before_;
+  Sweep sweep_;
+  ContactRecord report_;  ///< kept so that no record allocates
 };
 
 }  // namespace ricochet::implicit_solver

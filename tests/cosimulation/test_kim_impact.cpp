@@ -167,6 +167,27 @@ TEST(KimImpactMultiplierUpdate, AMasslessContactNodeCostsNoEnergy) {
   }
 }
 
+/// Every pair sticks on the plateau; what it carries there is what slipped before. The massless law lets the outermost
+/// pair slip in the first windows, while its force still grows, by as much as the mesh lets it.
+TEST(KimImpactMultiplierUpdate, MasslessNodesMissFrictionByTheSlipOfTheEdgeWhichAFinerMeshTakesAway) {
+  const TemporaryFolder folder;
+  const auto plateau_n = [&](double friction, int finer, const char* law) {
+    std::string text = with_key(kim("all_implicit", friction), "contact", "multiplier_update", law);
+    text = with_key(with_key(text, "time", "end_s", "20.3e-6"), "time", "step_s", finer == 1 ? "5.4e-8" : "2.7e-8");
+    for (int body = 0; finer > 1 && body < 2; ++body)
+      text = replaced(text, "elements = [10, 160]", "elements = [20, 320]");
+    const RunResult run = run_text(text, folder);
+    EXPECT_EQ(run.mean("pairs_slip", 5e-6, 20e-6), 0.0) << law;
+    return run.mean("friction_force_n", 5e-6, 20e-6);
+  };
+  const auto ratio = [&](double friction, int finer) {
+    return plateau_n(friction, finer, "\"massless\"") / plateau_n(friction, finer, "\"trapezoidal_reset\"");
+  };
+  EXPECT_NEAR(ratio(0.1, 1), 0.865, 0.01);
+  EXPECT_NEAR(ratio(0.1, 2), 0.960, 0.005);
+  EXPECT_NEAR(ratio(1.0, 1), 1.0, 1e-3) << "nothing slips";
+}
+
 TEST(KimImpactPenalty, ThePapersUpdateTamesAPenaltyThatExplodesWithoutIt) {
   const TemporaryFolder folder;
   const auto penalty = [&](const std::string& update) {

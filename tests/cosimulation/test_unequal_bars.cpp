@@ -40,5 +40,34 @@ TEST_P(UnequalBars, TheyPartAfterOneIntervalIfTheStrikerIsSofter) {
 INSTANTIATE_TEST_SUITE_P(Protocols, UnequalBars, testing::Values("hughes_liu", "kim", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
+/// The striker of steel, the bar a thousand times as soft, of as many and as long elements; a window of 14.2 transit
+/// times of the striker's elements, 0.45 of the bar's.
+std::string thousand_to_one(const std::string& law, double step_s = 2.774e-6) {
+  std::string text =
+      replaced(with_protocol(config_text("unequal_bars"), "all_implicit"),
+               "youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0", "youngs_modulus_pa = 207e6, density_kg_m3 = 7860.0");
+  text = replaced(text, "length_m = 0.4, elements = 400", "length_m = 0.1, elements = 100");
+  text = replaced(text, "[contact]", "[contact]\nmultiplier_update = \"" + law + "\"");
+  text = with_key(with_key(text, "time", "end_s", "1.2e-3"), "coupling", "energy_growth_limit", "1.0");
+  return replaced(text, "safety_factor = 0.9", "step_s = " + std::to_string(1e6 * step_s) + "e-6");
+}
+
+TEST(UnequalBodies, AreSoundByEveryLawThatIsNotRefused) {
+  const TemporaryFolder folder;
+  EXPECT_LT(run_text(thousand_to_one("massless"), folder).largest("energy_error"), 1e-6);
+  EXPECT_LT(run_text(thousand_to_one("fully_implicit"), folder).largest("energy_error"), 1e-12);
+  EXPECT_LT(run_text(thousand_to_one("trapezoidal_reset", 0.97e-6), folder).largest("energy_error"), 5e-3)
+      << "4.98 transit times";
+}
+
+TEST(UnequalBodies, AreRefusedByTheResetLawWithTheLawToTake) {
+  const TemporaryFolder folder;
+  const RunResult run = run_file(folder.write(thousand_to_one("trapezoidal_reset")), folder);
+  EXPECT_EQ(run.outcome.code, 2);
+  for (const char* said : {"2.77e-06 s", "14.2 times", "\"striker\"", "0.45 times", "\"bar\"", "time.step_s = 9.74e-07",
+                           "contact.multiplier_update = \"massless\"", "\"fully_implicit\""})
+    EXPECT_NE(run.outcome.error.find(said), std::string::npos) << said << " in: " << run.outcome.error;
+}
+
 }  // namespace
 }  // namespace ricochet::test

@@ -146,24 +146,5 @@ TEST(SharedRowsExplicit, HoldOrSlipByTheirCones) {
   }
 }
 
-TEST(SharedRowsExplicit, InNameOnlyAreWhatTheyAreWithout) {
-  for (const char* keys : {"", "friction_coefficient = 0.1\n", "friction_coefficient = 0.9\n"}) {
-    test::ContactPlates plain("all_explicit", keys);
-    plain.set_velocity(0, {0.5, 3.0});
-    plain.set_velocity(1, {-0.5, -1.0});
-    auto named = plain;
-    named.share_in_name();
-    ExplicitContact expected(plain.problem.scene.contact_law(), plain.surface, dt),
-        found(named.problem.scene.contact_law(), named.surface, dt);
-    expected.start(plain.states);
-    found.start(named.states);
-    for (std::size_t part = 0; part < 2; ++part) {
-      EXPECT_GT(plain.states[part].a.norm(), 1e3);
-      EXPECT_LT((plain.states[part].a - named.states[part].a).norm(), 1e-13 * plain.states[part].a.norm()) << keys;
-    }
-    EXPECT_NEAR(expected.report(plain.states).energy_contact_j, found.report(named.states).energy_contact_j, 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace ricochet::explicit_solver

@@ -55,7 +55,7 @@ TEST(ImplicitContact, ReportsTheImpulseOfTheWindowAsItsForce) {
   Trial trial(meeting());
   trial.solve();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(trial.mass.size());
-  trial.contact->account(trial.plates.states, trial.bracket, trial.increment, zero, zero);
+  trial.contact->account(trial.plates.states, trial.increment, zero);
   trial.contact->accept();
   // p = 4 m/s / (N M^-1 N^T)
   const double impulse = 4.0 / trial.plates.surface.pairs[0].normal.inverse_mass(trial.plates.states);

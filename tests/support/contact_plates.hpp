@@ -62,20 +62,6 @@ struct ContactPlates {
                                .friction_coefficient = problem.scene.contact_law().friction_coefficient});
     }
   }
-  /// Pairs that share their nodes in name only: each takes nothing of what the next one moves.
-  void share_in_name() {
-    const auto& pairs = surface.pairs;
-    auto shared = pairs;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      for (const auto row : {&solver::Pair::normal, &solver::Pair::tangent}) {
-        for (auto e : (pairs[(i + 1) % pairs.size()].*row).entries) {
-          e.coefficient = 0.0;
-          (shared[i].*row).entries.push_back(e);
-        }
-      }
-    }
-    surface.pairs = shared;
-  }
   [[nodiscard]] int node_at(std::size_t part, const Eigen::Vector2d& x) const {
     const auto& position = states[part].part.mesh.position;
     int node = 0;

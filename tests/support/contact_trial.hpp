@@ -15,7 +15,7 @@ struct TrialOf {
   static constexpr double dt = 1e-6;
   Meeting plates;
   std::optional<implicit_solver::ImplicitContact> contact;
-  Eigen::VectorXd mass, increment, velocity, acceleration, bracket;
+  Eigen::VectorXd mass, increment, velocity, acceleration, force;
 
   explicit TrialOf(Meeting meeting) : plates(std::move(meeting)) {
     contact.emplace(plates.problem, plates.surface, plates.states);
@@ -25,7 +25,7 @@ struct TrialOf {
     velocity.resizeLike(mass);
     velocity << states[0].v, states[1].v;
     acceleration = Eigen::VectorXd::Zero(mass.size());
-    bracket = acceleration;
+    force = acceleration;
     increment = dt * velocity;
     const auto& root = contact->root_dofs();
     Eigen::MatrixXd root_inverse =
@@ -38,15 +38,14 @@ struct TrialOf {
     contact->solve(plates.states, increment);
     const auto& root = contact->root_dofs();
     for (std::size_t i = 0; i < root.size(); ++i) {
-      const double force = contact->kappa() * contact->root_force()[static_cast<Eigen::Index>(i)];
-      const double a = force / mass[root[i]];
+      force[root[i]] = contact->kappa() * contact->root_force()[static_cast<Eigen::Index>(i)];
+      const double a = force[root[i]] / mass[root[i]];
       increment[root[i]] += 0.25 * dt * dt * a;
       // the trapezoidal rule's: du = dt v + dt^2/4 (a_n + a_{n+1}), v_{n+1} = v_n + dt/2 (a_n + a_{n+1})
       acceleration[root[i]] = contact->remembered() ? a : 0.0;
       velocity[root[i]] += 0.5 * dt * a;
-      bracket[root[i]] = force;
     }
-    contact->update_rates(plates.states, bracket, increment, velocity, acceleration);
+    contact->update_rates(plates.states, increment, velocity, acceleration);
   }
   [[nodiscard]] double along(const solver::ContactRow& row, const Eigen::VectorXd& values) const {
     const auto second = plates.states[0].part.dofs();

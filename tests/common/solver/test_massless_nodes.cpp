@@ -20,9 +20,13 @@ struct Rods : test::SceneStates {
   MasslessNodes nodes{surface, states};
 
   Rods() : SceneStates(test::two_rods("all_explicit", massless)) {}
-  const Eigen::VectorXd& settle() { return nodes.settle(states, {&none, &none}, {&states[0].u, &states[1].u}); }
+  const Eigen::VectorXd& settle() {
+    return nodes.settle(
+        states, [&](std::size_t /*part*/) -> const Eigen::VectorXd& { return none; },
+        [&](std::size_t part) -> Eigen::VectorXd& { return states[part].u; });
+  }
   double give_back(double made_j, double most_n_s = 1e9) {
-    return nodes.give_back(0, made_j, most_n_s, states, {states[0].v.data(), states[1].v.data()});
+    return nodes.give_back(0, made_j, most_n_s, states, [&](std::size_t part) { return states[part].v.data(); });
   }
   [[nodiscard]] double kinetic_energy() const {
     double sum = 0.0;
@@ -128,7 +132,9 @@ TEST(MasslessNodes, SettleInBalanceWithoutPenetration) {
   }
   const Eigen::VectorXd lower_load = Eigen::VectorXd::Constant(states[0].part.dofs(), 2e4),
                         upper_load = Eigen::VectorXd::Constant(states[1].part.dofs(), -1e4);
-  const Eigen::VectorXd force = nodes.settle(states, {&lower_load, &upper_load}, {&states[0].u, &states[1].u});
+  const Eigen::VectorXd force = nodes.settle(
+      states, [&](std::size_t part) -> const Eigen::VectorXd& { return part == 0 ? lower_load : upper_load; },
+      [&](std::size_t part) -> Eigen::VectorXd& { return states[part].u; });
   std::vector<Eigen::VectorXd> rest = {lower_load - states[0].part.stiffness * states[0].u,
                                        upper_load - states[1].part.stiffness * states[1].u};
   int closed = 0;
