@@ -5,14 +5,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <climits>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <system_error>
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "common/base/read_file.hpp"
 #include "common/base/write_file.hpp"
 
 namespace ricochet {
@@ -23,15 +24,54 @@ namespace fs = std::filesystem;
 constexpr const char* first_line =
     "# Files that ricochet wrote here; only these it removes or replaces. Name, size, time of the last change [ns].";
 
-/// '#' in the pattern stands for one or more digits.
-bool matches(std::string_view pattern, std::string_view name) {
+/// Digits of a window that fits 64 bits: a number of more was written by nobody of ours.
+constexpr std::size_t most_digits = 18;
+
+/// '#' in the pattern stands for digits, at least one and at most so many.
+bool matches(std::string_view pattern, std::string_view name, std::size_t most = std::string_view::npos) {
   const auto mark = pattern.find('#');
   if (mark == std::string_view::npos) return pattern == name;
   const auto tail = pattern.substr(mark + 1);
   if (name.size() <= mark + tail.size() || name.substr(0, mark) != pattern.substr(0, mark) || !name.ends_with(tail))
     return false;
   const auto digits = name.substr(mark, name.size() - mark - tail.size());
-  return std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  return digits.size() <= most && std::all_of(digits.begin(), digits.end(), is_digit);
+}
+
+/// A name in the list, whose lines and columns it must not break: "\\t" stands for a tab, and so on.
+std::string listed_form(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    switch (c) {
+      case '\\': text += "\\\\"; break;
+      case '\t': text += "\\t"; break;
+      case '\n': text += "\\n"; break;
+      default: text += c;
+    }
+  }
+  return text;
+}
+
+std::string name_of_listed(std::string_view text) {
+  std::string name;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escape = text[i] == '\\' && i + 1 < text.size();
+    if (escape) ++i;
+    name += !escape ? text[i] : text[i] == 't' ? '\t' : text[i] == 'n' ? '\n' : text[i];
+  }
+  return name;
+}
+
+/// Found out now, not when the file is to be written at the end of a run.
+void require_possible_name(const std::string& folder, const std::string& pattern) {
+  const auto file = fs::path(pattern).filename().string();
+  const std::size_t bytes = file.size() + (file.find('#') == std::string::npos ? 0 : most_digits - 1);
+  if (bytes <= NAME_MAX) return;
+  throw ConfigError(
+      fmt::format("{}/{}: found a name of {} bytes ('#': {} digits), allowed are {}; give the scene file, or what it "
+                  "names so, a shorter name",
+                  folder, pattern, bytes, most_digits, NAME_MAX));
 }
 
 /// A path below the folder: a list that somebody else made must not lead out of it.
@@ -67,8 +107,9 @@ OwnFiles::~OwnFiles() {
 
 void OwnFiles::read() {
   const auto path = folder_ + "/" + list_name;
-  std::ifstream file(path);
-  if (!file) return;
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return;
+  std::istringstream file(read_file(path));
   const auto refuse = [&](const std::string& line) {
     throw ConfigError(
         fmt::format("{}: found the line \"{:.80}\", which is none of a list of this program; remove it, or give "
@@ -81,7 +122,9 @@ void OwnFiles::read() {
     std::istringstream words(line);
     std::string name;
     Stamp stamp;
-    if (!std::getline(words, name, '\t') || !(words >> stamp.size >> stamp.time_ns) || !stays_below(name)) refuse(line);
+    if (!std::getline(words, name, '\t') || !(words >> stamp.size >> stamp.time_ns)) refuse(line);
+    name = name_of_listed(name);
+    if (!stays_below(name)) refuse(line);
     listed_[name] = stamp;
   }
 }
@@ -98,7 +141,7 @@ OwnFiles::Owner OwnFiles::owner_of(const std::string& name, Changed changed) con
   if (!S_ISREG(status.st_mode) || !folders_are_real(folder_, name)) return Owner::somebody_else;
   for (const auto& [pattern, stamp] : listed_) {
     const bool as_written = stamp == Stamp{} || stamp == stamp_of(name) || changed == Changed::accepted;
-    if (matches(pattern, name) && as_written) return Owner::us;
+    if (matches(pattern, name, most_digits) && as_written) return Owner::us;
   }
   return Owner::somebody_else;
 }
@@ -130,6 +173,7 @@ void OwnFiles::claim(const std::vector<std::string>& names, Changed changed) {
   std::vector<std::string> all = names;
   for (const auto& name : names) all.push_back(name + ".part");
   for (const auto& pattern : all) {
+    require_possible_name(folder_, pattern);
     for (const auto& name : present(pattern)) {
       if (is_kept(name)) {
         throw ConfigError(
@@ -180,7 +224,8 @@ void OwnFiles::remove_halves() {
 /// An empty list is none.
 void OwnFiles::write() const {
   std::string text = fmt::format("{}\n", first_line);
-  for (const auto& [name, stamp] : listed_) text += fmt::format("{}\t{}\t{}\n", name, stamp.size, stamp.time_ns);
+  for (const auto& [name, stamp] : listed_)
+    text += fmt::format("{}\t{}\t{}\n", listed_form(name), stamp.size, stamp.time_ns);
   const auto path = folder_ + "/" + list_name;
   std::error_code ignored;
   fs::remove(path + ".part", ignored);  // of a process that was killed while it wrote the list

@@ -46,15 +46,32 @@ void require_proc() {
       fmt::format("cannot read /proc/self/fd: {} (errno {}); ricochet needs /proc", std::strerror(errno), errno));
 }
 
+namespace {
+
+/// Bytes of a character of UTF-8 at the beginning of a text that would move the cursor or turn what follows round; 0 if
+/// there is none.
+std::size_t length_of_control(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  if ((first < ' ' && first != '\n' && first != '\t') || first == 0x7f) return 1;
+  const auto begins = [text](std::string_view lead, unsigned char from, unsigned char to) {
+    const auto last = text.size() > lead.size() ? static_cast<unsigned char>(text[lead.size()]) : 0;
+    return text.starts_with(lead) && from <= last && last <= to;
+  };
+  if (begins("\xc2", 0x80, 0x9f) || begins("\xd8", 0x9c, 0x9c)) return 2;  // C1; U+061C
+  const bool mark = begins("\xe2\x80", 0x8e, 0x8f);                        // U+200E, U+200F
+  const bool breaks_or_embeds = begins("\xe2\x80", 0xa8, 0xae);            // U+2028 to U+202E
+  const bool isolate = begins("\xe2\x81", 0xa6, 0xa9);                     // U+2066 to U+2069
+  return mark || breaks_or_embeds || isolate ? 3 : 0;
+}
+
+}  // namespace
+
 std::string printable(std::string_view text) {
   std::string shown;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
-    const bool control_of_two_bytes = c == 0xc2 && next >= 0x80 && next < 0xa0;  // C1 in UTF-8
-    if (control_of_two_bytes) ++i;
-    const bool control = (c < ' ' && c != '\n' && c != '\t') || c == 0x7f || control_of_two_bytes;
-    shown += control ? '?' : text[i];
+  while (!text.empty()) {
+    const auto control = length_of_control(text);
+    shown += control > 0 ? '?' : text.front();
+    text.remove_prefix(std::max<std::size_t>(control, 1));
   }
   return shown;
 }

@@ -23,7 +23,8 @@ void require_descriptors(unsigned long needed);
 /// Throws MachineError if /proc cannot be read: descriptors, programs and shared memory are found there.
 void require_proc();
 
-/// For a terminal: control characters, with which a text could take it over, become '?'; lines stay lines.
+/// For a terminal: control characters, with which a text could take it over, and marks of direction, with which it
+/// could be read as another, become '?'; lines stay lines.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace ricochet

@@ -21,6 +21,22 @@ const msgpack::unpack_limit limits(/*array*/ 1U << 16, /*map*/ 256, /*str*/ 1U <
                                    /*ext*/ 0,
                                    /*depth*/ 4);
 
+/// What is larger than these, with the limit; empty: something else is wrong.
+std::string size_beyond_limit(const msgpack::unpack_error& error) {
+  const auto is = [&error](auto* kind) { return dynamic_cast<decltype(kind)>(&error) != nullptr; };
+  const auto text = [](std::string_view what, std::size_t most, std::string_view unit) {
+    return fmt::format("a message with {} beyond the limit, allowed are {} {}", what, most, unit);
+  };
+  using namespace msgpack;
+  if (is(static_cast<const array_size_overflow*>(nullptr))) return text("an array", limits.array(), "values");
+  if (is(static_cast<const map_size_overflow*>(nullptr))) return text("a map", limits.map(), "entries");
+  if (is(static_cast<const str_size_overflow*>(nullptr))) return text("a text", limits.str(), "bytes");
+  if (is(static_cast<const bin_size_overflow*>(nullptr))) return text("binary data", limits.bin(), "bytes");
+  if (is(static_cast<const ext_size_overflow*>(nullptr))) return text("an extension", limits.ext(), "bytes");
+  if (is(static_cast<const depth_size_overflow*>(nullptr))) return text("nesting", limits.depth(), "levels");
+  return "";
+}
+
 /// Raised with what is wrong with a value; `decode` adds who sent it, in which kind and field.
 struct WrongValue {
   std::string text;
@@ -228,6 +244,7 @@ Object Decoder::unpack(std::string_view bytes, msgpack::zone& zone) const {
   } catch (const msgpack::insufficient_bytes&) {
     refuse(fmt::format("a message that breaks off after {} bytes", bytes.size()));
   } catch (const msgpack::unpack_error& error) {
+    if (const auto beyond = size_beyond_limit(error); !beyond.empty()) refuse(beyond);
     refuse(fmt::format("{} bytes that are no message of this protocol ({})", bytes.size(), error.what()));
   }
   if (object.type != msgpack::type::MAP)

@@ -70,7 +70,8 @@ template <class Stream>
 void pack(Packer<Stream>& packer, const Array& array) {
   const std::size_t bytes = array.data.size() * sizeof(double);
   if (bytes > max_array_bytes) {
-    throw SolverError(fmt::format("an array of {} numbers is too large for one message", array.data.size()));
+    throw SolverError(fmt::format("an array of {} numbers is too large for one message, allowed are {}",
+                                  array.data.size(), max_array_bytes / sizeof(double)));
   }
   packer.pack_map(2);
   pack(packer, std::string_view("shape"));
@@ -85,7 +86,8 @@ void pack(Packer<Stream>& packer, const Array& array) {
 template <class Stream>
 void pack(Packer<Stream>& packer, const Bytes& bytes) {
   if (bytes.data.size() > max_array_bytes)
-    throw SolverError(fmt::format("{} bytes are too many for one message", bytes.data.size()));
+    throw SolverError(
+        fmt::format("{} bytes are too many for one message, allowed are {}", bytes.data.size(), max_array_bytes));
   packer.pack_bin(static_cast<std::uint32_t>(bytes.data.size()));
   packer.pack_bin_body(bytes.data.data(), static_cast<std::uint32_t>(bytes.data.size()));
 }

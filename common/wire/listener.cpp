@@ -1,8 +1,13 @@
 // The coupler's end of the channels.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -30,15 +35,23 @@ void seed_routing_ids() {
   static_cast<void>(once);
 }
 
-/// A folder that only this user may enter, for a socket; gone with this object.
+constexpr std::string_view folder_prefix = "ricochet-";
+
+/// A folder that only this user may enter, for a socket; gone with this object. It holds a lock on it, by which it is
+/// known to be in use on the other side of a namespace of processes, too.
 class PrivateFolder {
  public:
   PrivateFolder() {
     const char* runtime = std::getenv("XDG_RUNTIME_DIR");
     for (const std::string parent : {runtime ? runtime : "", "/tmp"}) {
-      path_ = fmt::format("{}/ricochet-{}-XXXXXX", parent, getpid());
+      if (parent.empty()) continue;
+      remove_abandoned(parent);
+      path_ = fmt::format("{}/{}{}-XXXXXX", parent, folder_prefix, getpid());
       constexpr std::size_t longest = 80;  // of an address of a socket, with the name in the folder
-      if (!parent.empty() && path_.size() < longest && mkdtemp(path_.data())) return;
+      if (path_.size() >= longest || !mkdtemp(path_.data())) continue;
+      lock_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      flock(lock_, LOCK_EX | LOCK_NB);
+      return;
     }
     throw_errno(errno, "cannot create a folder in /tmp");
   }
@@ -47,11 +60,33 @@ class PrivateFolder {
   ~PrivateFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
+    close(lock_);
   }
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
+  /// Of couplers of this user that were killed while participants came.
+  static void remove_abandoned(const std::string& parent) {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(parent, ignored)) {
+      const auto name = entry.path().filename().string();
+      if (!name.starts_with(folder_prefix)) continue;
+      const auto process = static_cast<pid_t>(std::strtol(name.c_str() + folder_prefix.size(), nullptr, 10));
+      if (process <= 0 || kill(process, 0) == 0 || errno != ESRCH) continue;
+      const int folder = open(entry.path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+      if (folder < 0) continue;
+      struct stat status {};
+      const bool own = fstat(folder, &status) == 0 && status.st_uid == geteuid();
+      if (own && flock(folder, LOCK_EX | LOCK_NB) == 0) {
+        unlinkat(folder, "socket", 0);
+        rmdir(entry.path().c_str());  // only if nothing else is in it
+      }
+      close(folder);
+    }
+  }
+
   std::string path_;
+  int lock_ = -1;
 };
 
 }  // namespace

@@ -174,6 +174,7 @@ struct ContactReport {
   double separation_time_s = -1.0;  ///< < 0: none so far
   bool finished_early = false;
 
+  bool operator==(const ContactReport&) const = default;
   void archive(Archive& a) {
     a(pairs_closed, gap_min_m, gap_rate_min_m_s, separated, separation_time_s, finished_early);
   }

@@ -1,4 +1,5 @@
 // The `ricochet` command; its subcommands stand in command_line.cpp.
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -10,8 +11,21 @@
 #include "coupler/run/compute_scene.hpp"
 #include "implicit_solver/implicit_solver.hpp"
 
+namespace {
+
+/// Somebody may ask for a checkpoint before there is a run; it waits until a launcher hears it.
+void hold_requests() {
+  sigset_t requests;
+  sigemptyset(&requests);
+  sigaddset(&requests, SIGUSR1);
+  sigprocmask(SIG_BLOCK, &requests, nullptr);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace ricochet;
+  hold_requests();
   prepare_process();
   coupler::let_inside([](const scene::Problem& problem, const std::string& name, double critical_step_s) {
     return std::make_unique<implicit_solver::ImplicitSolver>(problem, name, critical_step_s);

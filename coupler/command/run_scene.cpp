@@ -13,6 +13,7 @@
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
 #include "coupler/command/cost_text.hpp"
+#include "coupler/processes/executable.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"
@@ -25,7 +26,7 @@ namespace ricochet::coupler {
 namespace {
 
 void print_warnings(const scene::Plan& plan) {
-  for (const auto& warning : plan.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const auto& warning : plan.warnings) fmt::print(stderr, "warning: {}\n", printable(warning));
 }
 
 /// False if the page could not be written, which changes nothing about the run.
@@ -34,7 +35,7 @@ bool try_report(const std::string& results) {
     report::write_report(results);
     return true;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: no report.html: {}\n", command_name, error.what());
+    fmt::print(stderr, "{}: no report.html: {}\n", command_name, printable(error.what()));
     return false;
   }
 }
@@ -54,17 +55,19 @@ void run_accepted(const scene::Problem& problem, scene::Plan plan, const std::ve
     table = compute_scene(problem, plan, executables, results, std::move(from));
   } catch (const std::exception& error) {
     try_report(results.path());
-    fmt::print(stderr, "results so far: {}\n", results.path());
+    fmt::print(stderr, "results so far: {}\n", printable(results.path()));
     const CheckpointFolder folder(results.file("checkpoint"));
     if (const auto windows = folder.windows(); !windows.empty())
-      fmt::print(stderr, "to go on from window {}: {} resume {}\n", windows.back(), command_name, results.path());
+      fmt::print(stderr, "to go on from window {}: {} resume {}\n", windows.back(), command_name,
+                 printable(results.path()));
     throw;
   }
   const bool reported = try_report(results.path());
   const std::string waves = problem.scene.output.axial_stress_every > 0 ? ", axial_stress.csv" : "";
   const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
-  fmt::print("{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
-             results.path(), waves, fields, reported ? ", report.html" : "");
+  fmt::print("{}", printable(fmt::format(
+                       "{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
+                       results.path(), waves, fields, reported ? ", report.html" : "")));
 }
 
 std::string checkpoints_of(const std::string& results) {
@@ -77,7 +80,7 @@ Checkpoint last_checkpoint(const std::string& results) {
   std::vector<std::string> damaged;
   auto found = folder.last(damaged);
   if (found) {
-    for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", text);
+    for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", printable(text));
     return *std::move(found);
   }
   throw ConfigError(
@@ -90,8 +93,12 @@ Checkpoint last_checkpoint(const std::string& results) {
 }
 
 /// The scene must be the one that the checkpoint is of, but for its end.
-scene::Problem problem_of(const Checkpoint& from, std::optional<double> until_s) {
-  auto problem = load_problem(from.scene_path);
+scene::Problem problem_of(const Checkpoint& from, const std::string& scene_path, std::optional<double> until_s) {
+  const auto& path = scene_path.empty() ? from.scene_path : scene_path;
+  std::error_code no_status;  // of a name that no file can have
+  if (scene_path.empty() && !std::filesystem::is_regular_file(path, no_status))
+    throw ConfigError(fmt::format("{}, the scene that the checkpoint names, is no file; --scene SCENE names it", path));
+  auto problem = load_problem(path);
   auto& scene = problem.scene;
   if (scene.sha256 != from.scene_sha256) {
     throw ConfigError(
@@ -101,6 +108,19 @@ scene::Problem problem_of(const Checkpoint& from, std::optional<double> until_s)
   }
   if (until_s) scene.time.end_s = *until_s;
   return problem;
+}
+
+/// "explicit: /usr/bin/mpirun -n 2 /opt/explicit_solver, implicit: ...", as they would be started.
+std::string programs_text(const scene::Scene& scene, const std::vector<std::string>& executables) {
+  std::string text;
+  for (std::size_t p = 0; p < executables.size(); ++p) {
+    const auto& participant = scene.participants[p];
+    const bool launched = !executables[p].empty();
+    auto words = launched ? launch_prefix(scene, participant) : std::vector<std::string>();
+    words.push_back(launched ? executables[p] : "started by hand");
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", participant.name, fmt::join(words, " "));
+  }
+  return text;
 }
 
 }  // namespace
@@ -118,32 +138,41 @@ void run_scene(const std::string& scene_path, const std::string& out) {
   run_accepted(problem, std::move(plan), executables, results, {});
 }
 
-void resume_run(const std::string& folder, std::optional<double> until_s) {
+void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s) {
   auto from = last_checkpoint(folder);
-  const auto problem = problem_of(from, until_s);
+  const auto problem = problem_of(from, scene_path, until_s);
+  const auto executables = find_executables(problem.scene);
+  const auto programs = programs_text(problem.scene, executables);
+  if (scene_path.empty() && !from.by_this_user) {
+    throw ConfigError(fmt::format(
+        "the checkpoint in {0} names the scene {1}, which starts {2}; nothing shows that you began that run: read the "
+        "scene, then type {3} resume {0} --scene {1}",
+        folder, problem.scene.path, programs, command_name));
+  }
   const auto plan = scene::plan(problem);
   if (plan.windows < from.window) {
     throw ConfigError(
         fmt::format("--until: found {} s, which is window {}; allowed: from window {} on, that of the checkpoint",
                     problem.scene.time.end_s, plan.windows, from.window));
   }
-  const auto executables = find_executables(problem.scene);
   const ResultsDirectory results(folder, files_of_run(problem.scene), {problem.scene.path}, Former::kept);
   results.go_on_from(from.window, participant_names(problem.scene));
-  fmt::print(stderr, "going on from window {} (t = {:.6g} s)\n", from.window,
-             static_cast<double>(from.window) * from.window_size_s);
+  fmt::print(stderr, "going on from window {} (t = {:.6g} s) with the scene {}; {}\n", from.window,
+             static_cast<double>(from.window) * from.window_size_s, printable(problem.scene.path), printable(programs));
   run_accepted(problem, plan, executables, results, std::move(from));
 }
 
 void request_checkpoint(const std::string& folder) {
   const CheckpointFolder checkpoints(checkpoints_of(folder));
-  if (!is_being_written(folder)) throw ConfigError(fmt::format("no run is writing into {}", folder));
+  const auto holder = lock_holder(folder);
+  if (!holder) throw ConfigError(fmt::format("no run is writing into {}", folder));
+  if (!holder->a_run) throw ConfigError(fmt::format("no run is writing into {}: {}", folder, holder->text));
   const auto before = checkpoints.windows();
   const std::string request = checkpoints.path() + "/" + Checkpoints::request_name;
   std::error_code ignored;
   std::filesystem::create_directories(checkpoints.path(), ignored);
   write_atomically(request, "");
-  while (std::filesystem::exists(request, ignored) && is_being_written(folder))
+  while (std::filesystem::exists(request, ignored) && lock_holder(folder))
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   const auto after = checkpoints.windows();
   if (after.empty() || (!before.empty() && after.back() == before.back()))
@@ -154,10 +183,11 @@ void request_checkpoint(const std::string& folder) {
 void check_scene(const std::string& scene_path) {
   const auto problem = load_problem(scene_path);
   const auto plan = scene::plan(problem);
-  fmt::print("{}", scene::to_text(problem, plan));
+  fmt::print("{}", printable(scene::to_text(problem, plan)));
   std::fflush(stdout);
   fmt::print("{}", cost_text(problem, plan));
-  if (const auto warning = address_warning(problem.scene); !warning.empty()) fmt::print("warning: {}\n", warning);
+  if (const auto warning = address_warning(problem.scene); !warning.empty())
+    fmt::print("warning: {}\n", printable(warning));
   if (problem.scene.time.largest_step_s) {
     fmt::print(
         "this is the largest step: `ricochet run` measures whether a smaller one, with less of it implicit, takes less "

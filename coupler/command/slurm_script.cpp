@@ -36,7 +36,7 @@ last_checkpoint() {{ ls "$results/checkpoint" 2> /dev/null | grep '^[0-9]*\.json
 
 begun_at=$(last_checkpoint)
 if [ -n "$begun_at" ]; then
-  "$ricochet" resume "$results" &
+  "$ricochet" resume "$results" --scene {resumed} &
 else
   "$ricochet" run "$scene" --out "$results" &
 fi
@@ -68,6 +68,14 @@ std::string quoted(const std::string& word) {
   std::string result = "'";
   for (const char letter : word) result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
   return result + "'";
+}
+
+/// A line of the script could end in it, and another begin.
+void require_printable(const std::string& path) {
+  const auto control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
+  if (std::none_of(path.begin(), path.end(), control)) return;
+  throw ConfigError(
+      fmt::format("{}: found a control character in this path, allowed is none in a batch script; rename it", path));
 }
 
 std::string own_path() { return fs::read_symlink("/proc/self/exe").string(); }
@@ -112,10 +120,13 @@ void write_slurm_script(const std::string& scene_path, const std::string& out, c
   const auto problem = load_problem(scene_path);
   const auto& path = problem.scene.path;
   const std::string stem = fs::path(path).stem().string();
-  const auto script = fmt::format(batch_script, fmt::arg("scene_path", path), fmt::arg("name", job_name(stem)),
-                                  fmt::arg("tasks", tasks_of(problem.scene)), fmt::arg("time", time_line(time)),
-                                  fmt::arg("ricochet", quoted(own_path())), fmt::arg("scene", quoted(path)),
-                                  fmt::arg("results", quoted(fs::absolute("out/" + stem).string())));
+  const auto program = own_path(), results = fs::absolute("out/" + stem).string();
+  for (const auto& each : {path, program, results}) require_printable(each);
+  const char* const resumed = problem.scene.time.largest_step_s ? "\"$results/scene.toml\"" : "\"$scene\"";
+  const auto script = fmt::format(batch_script, fmt::arg("resumed", resumed), fmt::arg("scene_path", path),
+                                  fmt::arg("name", job_name(stem)), fmt::arg("tasks", tasks_of(problem.scene)),
+                                  fmt::arg("time", time_line(time)), fmt::arg("ricochet", quoted(program)),
+                                  fmt::arg("scene", quoted(path)), fmt::arg("results", quoted(results)));
   if (out.empty()) {
     fmt::print("{}", script);
     return;

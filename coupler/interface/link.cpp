@@ -144,7 +144,7 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
   records_requested_ = step.records;
   request.windows = step.windows;
   request.accept_at_once = acceptance == Acceptance::at_once;
-  request.absolute_requested = step.absolute;
+  request.absolute_requested = absolute_requested_ = step.absolute;
   request.records_requested = step.records;
   request.link_increment.resize(static_cast<int>(rows_.nodes()), rows_.components());
   for (std::size_t i = 0; i < input.size(); ++i) {
@@ -165,7 +165,8 @@ void Link::wait_advanced() {
   require_rows(answer.increment, "increment");  // driven by displacement: Delta P
   if (std::exchange(output_is_accepted_, false)) output_accepted_.swap(output_);
   for (std::size_t i = 0; i < output_.size(); ++i) output_[i] = output_accepted_[i] + answer.increment.data[i];
-  if (answer.absolute.rows > 0) {
+  require_asked_for(answer.absolute, absolute_requested_, "absolute");
+  if (absolute_requested_) {
     require_rows(answer.absolute, "absolute");
     largest_drift_ = std::max(largest_drift_, wire::relative_difference(output_, answer.absolute.data));
     output_ = answer.absolute.data;
@@ -188,9 +189,11 @@ void Link::take_acceptance(const wire::AcceptedWindow& answer) {
   received_input_.swap(trial_input_);
   output_is_accepted_ = true;
   if (ends_window_) window_ = answered_window(answer.finished_early);
+  require_no_contact_of_others(answer);
   contact_ = static_cast<const wire::ContactReport&>(answer);
+  require_asked_for(answer.outline, records_requested_, "outline");
   take_outline(answer.outline);
-  take_records_of(answer);
+  take_records_of(answer, records_requested_);
 }
 
 /// The window that an answer says it has come to: the one that was asked for, or of several the last, unless the run is
@@ -209,7 +212,7 @@ void Link::post_finish() {
 
 const wire::Finished& Link::wait_finished() {
   const auto& answer = wait<wire::Finished>();
-  take_records_of(answer);
+  take_records_of(answer, true);
   largest_drift_ = std::max(largest_drift_, answer.largest_drift);
   return answer;
 }
@@ -221,11 +224,31 @@ void Link::take_absolute(const wire::Array& absolute) {
 }
 
 void Link::take_rates(wire::Rates& answer) {
+  require_asked_for(answer.velocity_m_s, driven_by_force_, "velocity_m_s");
+  require_asked_for(answer.acceleration_m_s2, driven_by_force_, "acceleration_m_s2");
   if (!driven_by_force_ || answer.velocity_m_s.rows == 0) return;
   require_rows(answer.velocity_m_s, "velocity_m_s");
   require_rows(answer.acceleration_m_s2, "acceleration_m_s2");
   velocity_.swap(answer.velocity_m_s.data);
   acceleration_.swap(answer.acceleration_m_s2.data);
+}
+
+/// What nobody asked for is no harmless extra: who sends it means something else by its messages.
+void Link::require_asked_for(const wire::Array& array, bool asked_for, const char* field) const {
+  if (asked_for || array.rows == 0) return;
+  throw ProtocolError(
+      fmt::format("participant '{}' sent {} rows in '{}' of window {}, expected 0 rows: nobody asked for it", name(),
+                  array.rows, field, request_.window));
+}
+
+void Link::require_no_contact_of_others(const wire::ContactReport& report) const {
+  if (description_.contact_owner || report == wire::ContactReport{}) return;
+  throw ProtocolError(fmt::format(
+      "participant '{}' reported a contact in window {} (pairs_closed = {}, gap_min_m = {}, gap_rate_min_m_s "
+      "= {}, separated = {}, separation_time_s = {}, finished_early = {}), which it does not own: expected "
+      "are 0, false and a separation time of -1",
+      name(), request_.window, report.pairs_closed, report.gap_min_m, report.gap_rate_min_m_s, report.separated,
+      report.separation_time_s, report.finished_early));
 }
 
 void Link::require_body(double body, const char* field) const {
@@ -260,11 +283,14 @@ void Link::take_outline(const wire::Array& outline) {
   if (outline.rows > 0) outline_ = outline;
 }
 
-void Link::take_records_of(const wire::Records& answer) {
+void Link::take_records_of(const wire::Records& answer, bool asked_for) {
+  require_asked_for(answer.departures, asked_for, "departures");
   take_departures(answer.departures);
   const std::int64_t requested = records_requested_ ? window_ : -1;
   records_.take(answer.records, name(), window_, requested);
   axial_stress_.take(answer.axial_stress, name(), window_, requested);
+  require_asked_for(answer.records, asked_for, "records");
+  require_asked_for(answer.axial_stress, asked_for, "axial_stress");
 }
 
 void Link::require_rows(const wire::Array& array, const char* field) const {

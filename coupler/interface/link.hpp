@@ -97,7 +97,9 @@ class Link {
   void take_acceptance(const wire::AcceptedWindow& answer);
   void take_absolute(const wire::Array& absolute);
   void take_rates(wire::Rates& answer);
-  void take_records_of(const wire::Records& answer);
+  void take_records_of(const wire::Records& answer, bool asked_for);
+  void require_no_contact_of_others(const wire::ContactReport& report) const;
+  void require_asked_for(const wire::Array& array, bool asked_for, const char* field) const;
   void take_departures(const wire::Array& departures);
   void take_outline(const wire::Array& outline);
   void require_columns(const wire::Array& array, int columns, const char* field) const;
@@ -113,7 +115,7 @@ class Link {
   std::vector<double> received_input_, trial_input_, output_accepted_, output_, velocity_, acceleration_;
   bool output_is_accepted_ = true;  ///< and what `output_accepted_` holds is older
   Acceptance acceptance_ = Acceptance::at_once;
-  bool driven_by_force_ = false, ends_window_ = true, records_requested_ = false;
+  bool driven_by_force_ = false, ends_window_ = true, records_requested_ = false, absolute_requested_ = false;
   wire::ContactReport contact_;
   wire::Array departures_, outline_;
   double largest_drift_ = 0.0;

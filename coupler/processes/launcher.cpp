@@ -25,6 +25,14 @@ namespace {
 using Milliseconds = std::chrono::milliseconds;
 constexpr std::array heard_signals = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
 
+/// While there is no launcher, nobody hears the request, and it would end this process.
+void hold_requests(bool hold) {
+  sigset_t requests;
+  sigemptyset(&requests);
+  sigaddset(&requests, SIGUSR1);
+  pthread_sigmask(hold ? SIG_BLOCK : SIG_UNBLOCK, &requests, nullptr);
+}
+
 struct Process {
   LaunchRequest request;
   int* events = nullptr;
@@ -87,7 +95,7 @@ struct Launcher::Impl {
       if (process.id != 0 && !process.end) kill(-static_cast<pid_t>(process.id), signal);
     }
   }
-  void spawn(Process& process);
+  void spawn(Process& process, int log);
 };
 
 Launcher::Launcher() : impl_(std::make_unique<Impl>()) {
@@ -111,11 +119,13 @@ Launcher::Launcher() : impl_(std::make_unique<Impl>()) {
         },
         heard_signals[i]);
   }
+  hold_requests(false);
   poll();
 }
 
 Launcher::~Launcher() {
   stop(Milliseconds(2000));
+  hold_requests(true);
   for (auto& signal : impl_->signals) uv_close(reinterpret_cast<uv_handle_t*>(&signal), nullptr);
   for (auto& process : impl_->processes) {
     auto* input = reinterpret_cast<uv_handle_t*>(&process.standard_input);
@@ -126,15 +136,15 @@ Launcher::~Launcher() {
 }
 
 void Launcher::launch(const LaunchRequest& request) {
+  const OpenFile log(open_log(request.log_path));  // before there is a process whose handles would be closed
   auto& process = impl_->processes.emplace_back();
   process.request = request;
   process.events = &impl_->events;
-  impl_->spawn(process);
+  impl_->spawn(process, log.descriptor());
   poll();  // arms the watchers: until then the file descriptor stays silent
 }
 
-void Launcher::Impl::spawn(Process& process) {
-  const OpenFile log(open_log(process.request.log_path));
+void Launcher::Impl::spawn(Process& process, int log) {
   std::vector<char*> arguments = {process.request.executable.data()};
   for (auto& argument : process.request.arguments) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
@@ -147,7 +157,7 @@ void Launcher::Impl::spawn(Process& process) {
   stdio[0].data.stream = reinterpret_cast<uv_stream_t*>(&process.standard_input);
   for (const std::size_t i : {1, 2}) {
     stdio[i].flags = UV_INHERIT_FD;
-    stdio[i].data.fd = log.descriptor();
+    stdio[i].data.fd = log;
   }
   stdio[3].flags = UV_INHERIT_FD;
   stdio[3].data.fd = key.descriptor();

@@ -68,7 +68,9 @@ class Launcher {
   [[nodiscard]] int interrupted_by() const;
   /// From now on the first SIGTERM only asks, as SIGUSR1 does always.
   void take_requests();
-  /// SIGUSR1, or after `take_requests` SIGTERM, that came since the last call; 0: none.
+  /// SIGUSR1, or after `take_requests` SIGTERM, that came since the last call; 0: none. A SIGUSR1 that came before
+  /// there was a launcher is one of them, if this process has it blocked from its beginning; without a launcher it
+  /// waits.
   [[nodiscard]] int take_request();
 
  private:

@@ -8,14 +8,15 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/base/sha256.hpp"
+#include "common/base/user_key.hpp"
 #include "common/base/write_file.hpp"
+#include "coupler/results/field_digests.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 /// Everything written to the file system of `folder` so far is on its disk when this returns.
 void sync(const std::string& folder) {
@@ -32,12 +33,6 @@ void sync(const std::string& folder) {
   const int error = syncfs(descriptor) == 0 ? 0 : errno;
   close(descriptor);
   if (error != 0) throw_errno(error, "cannot write " + folder);
-}
-
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw ConfigError(fmt::format("{} is missing", path));
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// The number that a file's name begins with; nothing if it does not.
@@ -63,6 +58,21 @@ Json told(const std::string& participant, const std::string& bytes) {
   return entry;
 }
 
+Json told(const Beginning& beginning) { return {{"bytes", beginning.bytes}, {"sha256", beginning.sha256}}; }
+
+/// What the digest of a manifest is of: all that it says, but that and its signature.
+std::string digest_of(Json manifest) {
+  manifest.erase("sha256");
+  manifest.erase("signature");
+  return sha256_hex(manifest.dump(1));
+}
+
+/// Empty where this user has no key.
+std::string signature_of(const std::string& digest) {
+  const auto key = user_key();
+  return key.empty() ? "" : hmac_sha256_hex(key, digest);
+}
+
 std::string whole(const std::string& path, std::int64_t size, const std::string& sha256) {
   auto bytes = read_file(path);
   if (static_cast<std::int64_t>(bytes.size()) != size || sha256_hex(bytes) != sha256)
@@ -74,7 +84,8 @@ std::string whole(const std::string& path, std::int64_t size, const std::string&
 }  // namespace
 
 std::vector<std::string> CheckpointFolder::names(const std::vector<std::string>& participants) {
-  std::vector<std::string> names = {"checkpoint/#.json", "checkpoint/#.state", "checkpoint/request"};
+  std::vector<std::string> names = {"checkpoint/#.json", "checkpoint/#.state", "checkpoint/request",
+                                    FieldDigests::list_name};
   for (const auto& participant : participants) names.push_back("checkpoint/#." + participant + ".state");
   return names;
 }
@@ -95,7 +106,8 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
                {"protocol", checkpoint.protocol},
                {"window", window},
                {"window_size_s", checkpoint.window_size_s},
-               {"history_bytes", checkpoint.history_bytes},
+               {"history", told(checkpoint.history)},
+               {"fields", told(checkpoint.fields)},
                {"wall_s", checkpoint.wall_s},
                {"cpu_s", checkpoint.cpu_s},
                {"stepping_s", checkpoint.stepping_s},
@@ -111,6 +123,8 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
       json["parts"].push_back(told(one.participant, one.bytes));
       write_atomically(part(window, one.participant), one.bytes);
     }
+    json["sha256"] = digest_of(json);
+    json["signature"] = signature_of(json["sha256"]);
     sync(path_);
     write_atomically(manifest(window), json.dump(1) + "\n");
     sync(path_);
@@ -151,6 +165,8 @@ void CheckpointFolder::forget_after(std::int64_t window) const {
   }
 }
 
+/// A manifest of another version is not read further; its own digest is looked at last, so that all that is wrong with
+/// it otherwise has a name.
 Checkpoint CheckpointFolder::read(std::int64_t window) const {
   const auto path = manifest(window);
   const auto count = [&path](const Json& table, const char* key) {  // `get` would take -1, 1.5 and 1e22 for one
@@ -162,29 +178,34 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
   const auto bytes_of = [&](const std::string& participant, const Json& entry) {
     return whole(part(window, participant), count(entry, "bytes"), entry.at("sha256").get<std::string>());
   };
+  const auto beginning = [&](const Json& entry) {
+    return Beginning{count(entry, "bytes"), entry.at("sha256").get<std::string>()};
+  };
   try {
     const auto json = Json::parse(read_file(path));
     const auto format = count(json, "format");
     const auto version = json.at("ricochet").get<std::string>();
     if (format != format_version || version != RICOCHET_VERSION) {
-      throw ConfigError(fmt::format("{} was written by ricochet {}, this is {}: resume with the version that began",
-                                    path, version, RICOCHET_VERSION));
+      throw ConfigError(
+          fmt::format("{} was written by ricochet {} (format {}), this is {} (format {}): resume with the version that "
+                      "began",
+                      path, version, format, RICOCHET_VERSION, format_version));
     }
-    Checkpoint checkpoint{json.at("scene").get<std::string>(),
-                          json.at("scene_sha256").get<std::string>(),
-                          json.at("protocol").get<std::string>(),
-                          count(json, "window"),
-                          json.at("window_size_s").get<double>(),
-                          count(json, "history_bytes"),
-                          json.at("wall_s").get<double>(),
-                          json.at("cpu_s").get<double>(),
-                          json.at("stepping_s").get<double>(),
-                          bytes_of("", json.at("coupler")),
-                          {}};
+    Checkpoint checkpoint{json.at("scene").get<std::string>(),    json.at("scene_sha256").get<std::string>(),
+                          json.at("protocol").get<std::string>(), count(json, "window"),
+                          json.at("window_size_s").get<double>(), beginning(json.at("history")),
+                          beginning(json.at("fields")),           json.at("wall_s").get<double>(),
+                          json.at("cpu_s").get<double>(),         json.at("stepping_s").get<double>(),
+                          bytes_of("", json.at("coupler")),       {}};
     for (const auto& entry : json.at("parts")) {
       const auto participant = entry.at("participant").get<std::string>();
       checkpoint.parts.push_back({participant, bytes_of(participant, entry)});
     }
+    const auto digest = digest_of(json);
+    if (json.at("sha256").get<std::string>() != digest || checkpoint.window != window)
+      throw ConfigError(fmt::format("{} is not what was written: it has another SHA-256 than it says", path));
+    const auto signature = signature_of(digest);
+    checkpoint.by_this_user = !signature.empty() && json.at("signature").get<std::string>() == signature;
     return checkpoint;
   } catch (const nlohmann::json::exception& error) {
     throw ConfigError(fmt::format("{} is not a manifest of a checkpoint: {}", path, error.what()));
@@ -192,10 +213,14 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
 }
 
 std::optional<Checkpoint> CheckpointFolder::last(std::vector<std::string>& damaged) const {
+  const auto results = fs::path(path_).parent_path().string();
   auto present = windows();
   for (; !present.empty(); present.pop_back()) {
     try {
-      return read(present.back());
+      auto found = read(present.back());
+      if (found.history.bytes > 0) static_cast<void>(require_beginning(results + "/history.csv", found.history));
+      FieldDigests::require(results, found.fields);
+      return found;
     } catch (const ConfigError& error) {
       damaged.emplace_back(error.what());
     }

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "coupler/results/beginning.hpp"
+
 namespace ricochet::coupler {
 
 /// All that a process set goes on from: one cut through the coupler and every participant at the same accepted window.
@@ -13,18 +15,20 @@ struct Checkpoint {
   std::string scene_path, scene_sha256, protocol;
   std::int64_t window = 0;
   double window_size_s = 0;
-  std::int64_t history_bytes = 0;                ///< of history.csv up to here
+  Beginning history, fields;                     ///< history.csv and the list of FieldDigests up to here
   double wall_s = 0, cpu_s = 0, stepping_s = 0;  ///< spent so far
   std::string coupler;                           ///< its part
   struct Part {
     std::string participant, bytes;
   };
   std::vector<Part> parts;
+  bool by_this_user = false;  ///< of one that was read: this user's key signed it
 };
 
 /// The folder `checkpoint` of a run's results. A cut is a file WINDOW.state of the coupler, one WINDOW.NAME.state of
-/// each participant, and last of all WINDOW.json, the manifest, with the size and the SHA-256 of each: without it there
-/// is no cut. The last two are kept.
+/// each participant, and last of all WINDOW.json, the manifest, with the size and the SHA-256 of each, of the history
+/// and of the list of fields so far, and of itself, signed by the user's key: without it there is no cut. The last two
+/// are kept.
 class CheckpointFolder {
  public:
   explicit CheckpointFolder(std::string path) : path_(std::move(path)) {}
@@ -36,7 +40,8 @@ class CheckpointFolder {
   /// On the disk, with everything that was written to this file system before, when it returns; then older ones go.
   /// Throws MachineError or ConfigError and leaves nothing of it.
   void write(const Checkpoint& checkpoint) const;
-  /// The last one; nothing if there is none that is whole. `damaged`: what is wrong with those passed over.
+  /// The last one all of whose files, with history and fields, are as they were written; nothing if there is none.
+  /// `damaged`: what is wrong with those passed over.
   [[nodiscard]] std::optional<Checkpoint> last(std::vector<std::string>& damaged) const;
   /// Removes every trace of cuts after that window, and of those that have no manifest.
   void forget_after(std::int64_t window) const;

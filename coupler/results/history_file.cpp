@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <limits>
 #include <string_view>
@@ -11,6 +13,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "common/base/write_file.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -74,6 +77,16 @@ void tell_no_gap(ContactTotals& contact, bool has_contact) {
     contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
 }
 
+/// No link of somebody else's is followed, and nothing is waited for.
+int open_for_rows(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw_errno(errno, "cannot write " + path);
+  struct stat status {};
+  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return descriptor;
+  close(descriptor);
+  throw ConfigError(fmt::format("cannot write {}: it is no regular file", path));
+}
+
 }  // namespace
 
 HistoryShape history_shape(const scene::Problem& problem) {
@@ -99,23 +112,21 @@ std::vector<std::string> history_columns(const HistoryShape& shape) {
   return names;
 }
 
-HistoryFile::HistoryFile(std::string path, HistoryShape shape, std::int64_t keep)
+HistoryFile::HistoryFile(std::string path, HistoryShape shape, const Beginning& keep)
     : path_(std::move(path)),
       shape_(std::move(shape)),
-      descriptor_(open(path_.c_str(), O_WRONLY | O_CREAT | (keep > 0 ? 0 : O_TRUNC) | O_CLOEXEC, 0644)),
+      descriptor_(open_for_rows(path_)),
       flushed_(std::chrono::steady_clock::now()) {
-  if (descriptor_ < 0) throw_errno(errno, "cannot write " + path_);
-  if (keep > 0) {
-    const auto size = lseek(descriptor_, 0, SEEK_END);
-    if (size < keep || ftruncate(descriptor_, keep) != 0) {
-      close(descriptor_);
-      throw ConfigError(fmt::format(
-          "{} has {} bytes, the checkpoint was made when it had {}: it has been changed since", path_, size, keep));
-    }
-    return;
+  try {
+    if (keep.bytes > 0) digest_ = require_beginning(path_, keep);
+    if (ftruncate(descriptor_, keep.bytes) != 0) throw_errno(errno, "cannot write " + path_);
+    if (keep.bytes > 0) return;
+    pending_ = fmt::format("{}\n", fmt::join(history_columns(shape_), ","));
+    flush();  // a run that dies at once leaves a table without rows, not an empty file
+  } catch (...) {
+    close(descriptor_);
+    throw;
   }
-  pending_ = fmt::format("{}\n", fmt::join(history_columns(shape_), ","));
-  flush();  // a run that dies at once leaves a table without rows, not an empty file
 }
 
 HistoryFile::~HistoryFile() {
@@ -153,15 +164,18 @@ void HistoryFile::flush() {
   const std::string rows = std::exchange(pending_, {});
   const auto before = lseek(descriptor_, 0, SEEK_END);
   const int error = write_all(descriptor_, rows);
-  if (error == 0) return;
+  if (error == 0) {
+    digest_.add(rows);
+    return;
+  }
   if (before >= 0 && ftruncate(descriptor_, before) != 0)
     std::fprintf(stderr, "%s: %s ends with half a row\n", command_name, path_.c_str());
   throw_errno(error, "cannot write " + path_);
 }
 
-std::int64_t HistoryFile::bytes() {
+Beginning HistoryFile::so_far() {
   flush();
-  return lseek(descriptor_, 0, SEEK_END);
+  return {lseek(descriptor_, 0, SEEK_END), digest_.hex()};
 }
 
 }  // namespace ricochet::coupler

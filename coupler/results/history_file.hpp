@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "common/base/write_file.hpp"
+#include "common/base/sha256.hpp"
 #include "common/problem/problem.hpp"
+#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -26,22 +27,23 @@ struct HistoryShape {
 /// Whole lines only reach the file, at least every 0.2 s, so that it can be read at any time and after any failure.
 class HistoryFile {
  public:
-  /// Replaces the file, or goes on after its first `keep` bytes, which a run before wrote. Throws ConfigError if it
-  /// cannot be written or is shorter than that.
-  HistoryFile(std::string path, HistoryShape shape, std::int64_t keep = 0);
+  /// Replaces the file, or goes on after the beginning `keep`, which a run before wrote. Throws ConfigError if it
+  /// cannot be written, is no regular file, or does not begin so.
+  HistoryFile(std::string path, HistoryShape shape, const Beginning& keep = {});
   HistoryFile(const HistoryFile&) = delete;
   HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
 
   void add(HistoryRow row);
   void flush();
-  /// Bytes of the file with all rows so far, which are flushed.
-  [[nodiscard]] std::int64_t bytes();
+  /// The file with all rows so far, which are flushed.
+  [[nodiscard]] Beginning so_far();
 
  private:
   std::string path_;
   HistoryShape shape_;
   int descriptor_;
+  Sha256 digest_;  ///< of what is written
   std::string pending_;
   std::chrono::steady_clock::time_point flushed_;
 };

@@ -2,31 +2,71 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <sstream>
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
+#include "common/base/write_file.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/history_file.hpp"
+#include "coupler/results/field_digests.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Window of "<participant>_<window>.vtu"; -1 if the name is not of that form.
-long long window_of(const std::string& file, const std::string& participant) {
-  const std::string head = participant + "_", tail = ".vtu";
-  if (file.size() <= head.size() + tail.size() || file.compare(0, head.size(), head) != 0) return -1;
-  const std::string digits = file.substr(head.size(), file.size() - head.size() - tail.size());
-  const bool number = std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-  return number && file.compare(file.size() - tail.size(), tail.size(), tail) == 0 ? std::stoll(digits) : -1;
+/// What /proc/locks says of a lock of a file: "12: FLOCK ADVISORY WRITE 4711 08:01:131 0 EOF", process and inode among
+/// it. 0 if no process holds one that can be seen from here.
+pid_t holder_of_lock(ino_t inode) {
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);) {
+    std::istringstream words(line);
+    std::string number, kind, manner, access, file;
+    pid_t process = 0;
+    if (!(words >> number >> kind >> manner >> access >> process >> file) || kind != "FLOCK") continue;
+    if (process > 0 && file.substr(file.rfind(':') + 1) == std::to_string(inode)) return process;
+  }
+  return 0;
+}
+
+std::string user_name(uid_t user) {
+  std::array<char, 4096> buffer{};
+  passwd entry{}, *found = nullptr;
+  const bool known = getpwuid_r(user, &entry, buffer.data(), buffer.size(), &found) == 0 && found;
+  return known ? found->pw_name : std::to_string(user);
+}
+
+std::string command_of(const std::string& process) {
+  std::ifstream file("/proc/" + process + "/comm");
+  std::string command;
+  std::getline(file, command);
+  return command;
+}
+
+LockHolder describe_holder(const std::string& path, pid_t process) {
+  const auto number = std::to_string(process);
+  struct stat status {};
+  if (process == 0 || stat(("/proc/" + number).c_str(), &status) != 0) {
+    return {true, fmt::format("another run is writing to {}, or a process that cannot be seen from here holds its lock",
+                              path)};
+  }
+  const auto command = command_of(number);
+  const bool a_run = command == command_of("self") || command == command_name;
+  if (a_run && status.st_uid == geteuid())
+    return {true, fmt::format("another run is writing to {} (process {})", path, process)};
+  return {a_run, fmt::format("process {} ('{}') of user '{}', which is no run of yours, holds the lock of {}", process,
+                             printable(command), user_name(status.st_uid), path)};
 }
 
 }  // namespace
@@ -40,8 +80,9 @@ ResultsDirectory::ResultsDirectory(const std::string& path, const std::vector<st
   if (descriptor_ < 0) throw_errno(errno, "cannot open the results folder " + path_);
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      throw ConfigError(
-          fmt::format("another run is writing to {}; give this one its own folder with --out DIR", path_));
+      const auto holder = lock_holder(path_);
+      throw ConfigError(fmt::format("{}; give this one its own folder with --out DIR",
+                                    holder ? holder->text : "another run was writing to " + path_ + " a moment ago"));
     }
     own_ = std::make_unique<OwnFiles>(path_);
     own_->keep(inputs);
@@ -75,13 +116,14 @@ void ResultsDirectory::remove_charts() const {
 }
 
 void ResultsDirectory::go_on_from(std::int64_t window, const std::vector<std::string>& participants) const {
+  own_->remove_halves();
   CheckpointFolder(file("checkpoint")).forget_after(window);
   std::vector<fs::path> later;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(file("fields"), ignored)) {
     const auto name = entry.path().filename().string();
     for (const auto& participant : participants) {
-      if (window_of(name, participant) > window) later.push_back(entry.path());
+      if (window_of_field(name, participant).value_or(-1) > window) later.push_back(entry.path());
     }
   }
   for (const auto& path : later) fs::remove(path, ignored);
@@ -95,22 +137,24 @@ void ResultsDirectory::make_folder(const std::string& name) {
   if (made && !name.empty()) made_.push_back(folder);
 }
 
-bool is_being_written(const std::string& path) {
+std::optional<LockHolder> lock_holder(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool locked = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  if (descriptor < 0) return std::nullopt;
+  const bool locked = flock(descriptor, LOCK_EX | LOCK_NB) != 0;  // a shared one keeps a run away, too
+  struct stat status {};
+  const bool known = fstat(descriptor, &status) == 0;
   close(descriptor);
-  return locked;
+  if (!locked) return std::nullopt;
+  return describe_holder(path, known ? holder_of_lock(status.st_ino) : 0);
 }
 
 void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,
                double window_size_s) {
-  std::map<std::pair<long long, std::size_t>, std::string> snapshots;
+  std::map<std::pair<std::int64_t, std::size_t>, std::string> snapshots;
   for (const auto& entry : fs::directory_iterator(results.file("fields"))) {
     const std::string file = entry.path().filename().string();
     for (std::size_t p = 0; p < participants.size(); ++p) {
-      const long long window = window_of(file, participants[p]);
-      if (window >= 0) snapshots[{window, p}] = file;
+      if (const auto window = window_of_field(file, participants[p])) snapshots[{*window, p}] = file;
     }
   }
   if (snapshots.empty()) return;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ class ResultsDirectory {
 
   [[nodiscard]] const std::string& path() const { return path_; }  ///< absolute
   [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
-  /// Removes what is of later windows: checkpoints, and snapshots of participants.
+  /// Removes what is of later windows: checkpoints, and snapshots of participants; and halves of files, of processes
+  /// that were killed while they wrote.
   void go_on_from(std::int64_t window, const std::vector<std::string>& participants) const;
   [[nodiscard]] std::string log(const std::string& participant) const { return file("logs/" + participant + ".log"); }
 
@@ -41,8 +43,13 @@ class ResultsDirectory {
   std::unique_ptr<OwnFiles> own_;
 };
 
-/// Whether a run holds the lock of that folder of results.
-[[nodiscard]] bool is_being_written(const std::string& path);
+/// Who holds the lock of a folder of results.
+struct LockHolder {
+  bool a_run = false;  ///< else a program of another kind, which writes nothing of ours
+  std::string text;    ///< says so, with its process and, if that is another one, its user
+};
+/// Nothing if nobody does.
+[[nodiscard]] std::optional<LockHolder> lock_holder(const std::string& path);
 
 /// Writes fields/<name>.pvd: the snapshots "<participant>_<window>.vtu" found in fields/, grouped by time, one part per
 /// participant in the given order. Does nothing if there are none.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -16,8 +17,9 @@ constexpr std::chrono::milliseconds look_every{200};  // for the file of a reque
 
 }  // namespace
 
-Checkpoints::Checkpoints(const scene::Checkpointing& settings, std::string folder, Launcher& launcher)
-    : settings_(settings), folder_(std::move(folder)), launcher_(launcher) {
+Checkpoints::Checkpoints(const scene::Checkpointing& settings, std::string folder, FieldDigests fields,
+                         Launcher& launcher)
+    : settings_(settings), folder_(std::move(folder)), fields_(std::move(fields)), launcher_(launcher) {
   launcher_.take_requests();
 }
 
@@ -53,9 +55,10 @@ void Checkpoints::begin(Checkpoint checkpoint) {
   settle();
   begun_ = Clock::now();
   window_ = checkpoint.window;
-  written_ = std::async(std::launch::async, [this, checkpoint = std::move(checkpoint), answers = answers_request_] {
+  auto write = [this, checkpoint = std::move(checkpoint), answers = answers_request_]() mutable {
     std::string trouble;
     try {
+      checkpoint.fields = fields_.take(checkpoint.window);
       folder_.write(checkpoint);
     } catch (const std::exception& error) {
       trouble = text_of(error);
@@ -63,7 +66,8 @@ void Checkpoints::begin(Checkpoint checkpoint) {
     std::error_code ignored;
     if (answers) std::filesystem::remove(folder_.path() + "/" + request_name, ignored);
     return trouble;
-  });
+  };
+  written_ = std::async(std::launch::async, std::move(write));
 }
 
 std::int64_t Checkpoints::settle() {
@@ -72,7 +76,7 @@ std::int64_t Checkpoints::settle() {
   if (trouble.empty()) {
     last_whole_ = window_;
   } else {
-    fmt::print(stderr, "warning: no checkpoint at window {}: {}\n", window_, trouble);
+    fmt::print(stderr, "warning: no checkpoint at window {}: {}\n", window_, printable(trouble));
   }
   return last_whole_;
 }

@@ -8,6 +8,7 @@
 #include "common/scene/scene.hpp"
 #include "coupler/processes/launcher.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/results/field_digests.hpp"
 
 namespace ricochet::coupler {
 
@@ -18,8 +19,8 @@ namespace ricochet::coupler {
 /// that cannot be written is told of on stderr, and the run goes on: the one before is still there.
 class Checkpoints {
  public:
-  /// `launcher` must outlive it.
-  Checkpoints(const scene::Checkpointing& settings, std::string folder, Launcher& launcher);
+  /// `fields`: of the same folder of results, up to where the run begins. `launcher` must outlive it.
+  Checkpoints(const scene::Checkpointing& settings, std::string folder, FieldDigests fields, Launcher& launcher);
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
   /// Waits for what is being written.
@@ -30,7 +31,7 @@ class Checkpoints {
   enum class Due { no, yes, last };
   /// After a window is accepted; `last`: the run is to end with it.
   [[nodiscard]] Due due(std::int64_t window);
-  /// Writes it, after the one before.
+  /// Writes it, with the digests of the fields up to its window, after the one before.
   void begin(Checkpoint checkpoint);
   /// Waits until the last one that was begun is written or has failed. Returns its window; < 0: there is none.
   std::int64_t settle();
@@ -42,6 +43,7 @@ class Checkpoints {
 
   scene::Checkpointing settings_;
   CheckpointFolder folder_;
+  FieldDigests fields_;  ///< of the thread that writes
   Launcher& launcher_;
   Clock::time_point begun_ = Clock::now(), looked_ = begun_;
   std::future<std::string> written_;  ///< what went wrong

@@ -43,7 +43,8 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
   }
   const auto checkpoints = CheckpointFolder::names(participant_names(scene));
   names.insert(names.end(), checkpoints.begin(), checkpoints.end());
-  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml"});
+  // The scene that is computed then is scene.toml, and what goes by the scene's name goes by that.
+  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml", "fields/scene.pvd"});
   return names;
 }
 
@@ -67,7 +68,7 @@ std::string compute_once(const scene::Problem& problem, const scene::Plan& plan,
 std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene::Scene& scene) {
   std::vector<std::string> damaged;
   auto last = CheckpointFolder(results + "/checkpoint").last(damaged);
-  for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", text);
+  for (const auto& text : damaged) fmt::print(stderr, "warning: {}\n", printable(text));
   if (last && (last->scene_sha256 != scene.sha256 || last->scene_path != scene.path)) last.reset();
   return last;
 }

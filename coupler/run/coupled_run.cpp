@@ -49,11 +49,12 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
     : problem_(problem),
       scene_(problem.scene),
       plan_(plan),
+      executables_(executables),
       results_(results),
       from_(from),
       summary_(first_summary(problem, plan)),
       tally_(impact_theory(problem), scene_.components() == 3, each_contact(problem)),
-      history_file_(results.file("history.csv"), history_shape(problem), from ? from->history_bytes : 0),
+      history_file_(results.file("history.csv"), history_shape(problem), from ? from->history : Beginning{}),
       progress_(plan.windows, !problem.contacts.empty()),
       set_(make_process_set(problem, plan.participants, executables, results, summary_.run_id)),
       outside_(problem) {
@@ -150,7 +151,12 @@ void CoupledRun::prepare_checkpoints(const std::vector<PeerDescription>& descrip
     if (scene_.checkpoint.asked || from_) require_capability(description, Capability::save_state, "checkpoints");
     return;
   }
-  checkpoints_.emplace(scene_.checkpoint, results_.file("checkpoint"), set_.launcher());
+  const auto names = participant_names(scene_);
+  checkpoints_.emplace(
+      scene_.checkpoint, results_.file("checkpoint"),
+      from_ ? FieldDigests(results_.path(), names, from_->window, from_->fields) : FieldDigests(results_.path(), names),
+      set_.launcher());
+  programs_ = programs_of(problem_, descriptions, executables_, coupling_->links());
 }
 
 /// What this process goes on from between windows; the participants' own is beside it.
@@ -169,8 +175,11 @@ void CoupledRun::restore() {
       throw ConfigError(fmt::format("the checkpoint has no part of participant '{}'", link.name()));
     parts.push_back(part->bytes);
   }
-  coupling_->restore_states(parts);
   Archive in(from_->coupler, "the coupler's part of the checkpoint");
+  std::vector<Program> began;
+  in(began);
+  require_same(began, programs_);
+  coupling_->restore_states(parts);
   archive(in);
   in.end();
 }
@@ -194,7 +203,8 @@ void CoupledRun::save(std::int64_t window) {
                         scene_.coupling.protocol.name,
                         window,
                         problem_.window_size_s,
-                        history_file_.bytes(),
+                        history_file_.so_far(),
+                        {},
                         wall_s(),
                         cpu_spent_s(),
                         stepping_s(),
@@ -204,6 +214,7 @@ void CoupledRun::save(std::int64_t window) {
   for (std::size_t p = 0; p < states.size(); ++p)
     checkpoint.parts.push_back({coupling_->links()[p].name(), std::move(states[p])});
   Archive out;
+  out(programs_);
   archive(out);
   checkpoint.coupler = out.take();
   checkpoints_->begin(std::move(checkpoint));
@@ -291,7 +302,7 @@ void CoupledRun::take_records(std::int64_t window) {
 void CoupledRun::note_departures(std::int64_t window) {
   for (const auto& text : outside_.update(coupling_->links(), window)) {
     progress_.close();
-    fmt::print(stderr, "warning: {}\n", text);
+    fmt::print(stderr, "warning: {}\n", printable(text));
   }
   summary_.outside_model = outside_.found();
   summary_.valid_until_s = outside_.valid_until_s();

@@ -14,6 +14,7 @@
 #include "coupler/results/summary.hpp"
 #include "coupler/results/trace.hpp"
 #include "coupler/run/checkpoints.hpp"
+#include "coupler/run/programs.hpp"
 #include "coupler/run/progress.hpp"
 #include "coupler/run/time_loop.hpp"
 #include "coupler/watch/energy_watch.hpp"
@@ -72,6 +73,7 @@ class CoupledRun {
   const scene::Problem& problem_;
   const scene::Scene& scene_;
   const scene::Plan& plan_;
+  const std::vector<std::string>& executables_;
   const ResultsDirectory& results_;
   const Checkpoint* from_;
   const Clock::time_point begin_ = Clock::now();
@@ -95,6 +97,7 @@ class CoupledRun {
   ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   std::unique_ptr<TimeLoop> loop_;
   std::optional<Checkpoints> checkpoints_;  ///< of participants that can all save their state
+  std::vector<Program> programs_;           ///< of the same
 };
 
 }  // namespace ricochet::coupler

@@ -10,6 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "common/base/write_file.hpp"
 #include "coupler/run/coupled_run.hpp"
 
 namespace ricochet::coupler {
@@ -126,7 +127,7 @@ void CoupledRun::write_fields_and_trace() {
   if (axial_stress_ && axial_stress_->told())
     write_atomically(results_.file("axial_stress.csv"), axial_stress_->csv(problem_.window_size_s));
   if (const auto warning = contact_warning(tally_); !warning.empty())
-    fmt::print(stderr, "warning: {}: {}\n", scene_.path, warning);
+    fmt::print(stderr, "warning: {}: {}\n", printable(scene_.path), warning);
 }
 
 /// How the run ended is written down on a full disk, too: in the place that `reserve_summary` took.

@@ -34,6 +34,20 @@ TEST_F(SlurmScript, OfASceneThatIsLaunchedLocallyAsksForOneNode) {
   EXPECT_THAT(outcome.out, testing::Not(HasSubstr("--time"))) << "the limit is the partition's";
 }
 
+/// A line that ended in it would be followed by one of somebody else's.
+TEST_F(SlurmScript, OfAPathWithControlCharactersIsRefused) {
+  for (const std::string name : {"a\ntouch mark; #", "a\tb", "a\rb"}) {
+    const auto outcome = write("local", {}, name);
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_THAT(outcome.error, HasSubstr("found a control character in this path, allowed is none in a batch script"));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST_F(SlurmScript, GoesOnWithTheSceneThatItNames) {
+  EXPECT_THAT(write("local").out, HasSubstr("\"$ricochet\" resume \"$results\" --scene \"$scene\" &\n"));
+}
+
 TEST_F(SlurmScript, AsksForAProcessorForEachThread) {
   const std::string participants =
       "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\nthreads = 4\n"

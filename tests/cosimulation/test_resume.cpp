@@ -257,7 +257,7 @@ TEST_F(Refused, IfAnotherVersionWroteIt) {
 
 TEST_F(Refused, IfTheHistoryWasCut) {
   std::filesystem::resize_file(results_ + "/history.csv", 1000);
-  expect_refused({"history.csv has 1000 bytes, the checkpoint was made when it had "});
+  expect_refused({"history.csv has 1000 bytes, expected at least "});
 }
 
 /// The one before goes on to the same bytes.

@@ -110,7 +110,7 @@ inline void expect_rows_of(const std::string& history, const std::string& undist
 
 /// Nothing half-written and nothing temporary lies in the results.
 inline void expect_whole_files(const std::string& out) {
-  const std::vector<std::string> kinds = {".csv", ".json", ".log", ".vtu", ".pvd", ".html", ".state"};
+  const std::vector<std::string> kinds = {".csv", ".json", ".log", ".vtu", ".pvd", ".html", ".state", ".sha256"};
   for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
     if (entry.is_directory() || entry.path().filename() == ".ricochet-files") continue;
     const auto path = entry.path();

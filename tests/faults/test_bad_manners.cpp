@@ -54,6 +54,17 @@ const std::vector<Habit> habits = {
     {"says_transposed", 5, broken, {"window 40", "1 x 2 numbers in 'increment'", "its interface has 2 x 1"}},
     {"says_far_window", 5, broken, {"answered 'window' = 4611686018427387904", "windows 40 to 40"}},
     {"says_far_row", 5, broken, {"in 'records' the history row of window 1e+300"}},
+    {"says_absolute_unasked", 5, broken, {"2 rows in 'absolute' of window 40", "expected 0 rows: nobody asked for it"}},
+    {"says_rates_unasked",
+     5,
+     broken,
+     {"2 rows in 'velocity_m_s' of window 40", "expected 0 rows: nobody asked for it"}},
+    {"says_records_unasked", 5, broken, {"1 rows in 'departures' of window 40", "nobody asked for it"}},
+    {"says_contact_of_others",
+     5,
+     broken,
+     {"reported a contact in window 40", "separated = true", "which it does not own"}},
+    {"says_a_long_array", 5, broken, {"in window 40", "an array beyond the limit, allowed are 65536 values"}},
     {"describes_negative_step", 5, broken, {"described 'critical_time_step_s' = -1 s"}},
     {"describes_second_owner", 5, broken, {"described 'contact_owner' = true, and so did participant"}},
     {"describes_huge_mass", 5, broken, {"'interface_mass_kg' is 1e+300 kg, allowed are at most 1e+30"}},
@@ -100,6 +111,14 @@ TEST_P(BadManners, ends_the_run_and_names_the_participant) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, BadManners, testing::ValuesIn(habits_over_each_transport()),
                          [](const auto& test) { return test.param.second + "_" + test.param.first.name; });
+
+TEST(BadManners, what_was_asked_for_and_left_out_is_named) {
+  const TemporaryFolder folder;
+  const std::string scene = with_key(bars(few_windows), "coupling", "resynchronise_every", "40");
+  FaultRun run(folder,
+               with_participants(scene, "leaves_out_absolute", "executable = \"" + program("fake_participant") + "\""));
+  expect_failure(run, 5, broken, {"answered window 40 with 0 x 1 numbers in 'absolute', its interface has 2 x 1"});
+}
 
 using NameOverTransport = std::pair<std::string, std::string>;
 

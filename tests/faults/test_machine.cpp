@@ -80,6 +80,21 @@ TEST_F(Machine, a_full_disk) {
   }
 }
 
+/// Wherever it happens: at the history, the summary, a log.
+TEST_F(Machine, a_disk_without_room_for_one_file_more) {
+  std::filesystem::create_directories(out());
+  const std::string scene = folder_.write(apart(bars(few_windows)));
+  for (int files = 4; files < 10; ++files) {
+    const std::string mount = "mount -t tmpfs -o nr_inodes=" + std::to_string(files) + " none '" + out() + "'";
+    if (run_command({"/usr/bin/unshare", "-rm", "sh", "-c", mount}, folder_.path().string()).code != 0)
+      GTEST_SKIP() << "no user namespaces here";
+    const std::string line = mount + " && exec '" + ricochet_binary() + "' run '" + scene + "' --out '" + out() + "'";
+    const auto outcome = run_command({"/usr/bin/unshare", "-rm", "sh", "-c", line}, folder_.path().string());
+    EXPECT_EQ(outcome.code, 7) << files << ": " << outcome.error;
+    EXPECT_THAT(outcome.error, HasSubstr("No space left on device (errno 28)")) << files;
+  }
+}
+
 TEST_F(Machine, a_scene_that_needs_more_memory_than_there_is) {
   std::string text = config_text("kim_impact");
   for (int body = 0; body < 2; ++body) text = replaced(text, "elements = [10, 160]", "elements = [1000, 1000]");

@@ -230,6 +230,40 @@ void say_far_row(Line& line, Message message) {
   line.say(message);
 }
 
+void say_absolute(Line& line, Message message) {
+  auto& answer = message.as<wire::Advanced>();
+  answer.absolute = answer.increment;
+  line.say(message);
+}
+
+void say_rates(Line& line, Message message) {
+  auto& answer = message.as<wire::Advanced>();
+  answer.velocity_m_s = answer.acceleration_m_s2 = answer.increment;
+  line.say(message);
+}
+
+void say_departures(Line& line, Message message) {
+  auto& departures = message.as<wire::Advanced>().departures;
+  departures.resize(1, wire::departure_columns);
+  departures.data[0] = 1;
+  line.say(message);
+}
+
+void say_separated(Line& line, Message message) {
+  message.as<wire::Advanced>().separated = true;
+  line.say(message);
+}
+
+void say_no_absolute(Line& line, Message message) {
+  message.as<wire::Advanced>().absolute.resize(0, 1);
+  line.say(message);
+}
+
+void say_a_long_array(Line& line, const Message&) {
+  constexpr std::size_t values = 0x11170;
+  line.say_bytes(std::string("\x81\xa4kind\xdd\x00\x01\x11\x70", 11) + std::string(values, '\x01'));
+}
+
 void describe_negative_step(Line& line, Message message) {
   message.as<wire::Description>().critical_time_step_s = -1.0;
   line.say(message);
@@ -312,6 +346,12 @@ const std::map<std::string, Habit> habits = {
     {"says_far_window", {Kind::advanced, say_far_window}},
     {"says_no_rows", {Kind::finished, say_no_rows}},
     {"says_far_row", {Kind::advanced, say_far_row}},
+    {"says_absolute_unasked", {Kind::advanced, say_absolute}},
+    {"says_rates_unasked", {Kind::advanced, say_rates}},
+    {"says_records_unasked", {Kind::advanced, say_departures}},
+    {"says_contact_of_others", {Kind::advanced, say_separated}},
+    {"says_a_long_array", {Kind::advanced, say_a_long_array}},
+    {"leaves_out_absolute", {Kind::advanced, say_no_absolute}},
     {"describes_negative_step", {Kind::description, describe_negative_step}},
     {"describes_second_owner", {Kind::description, describe_second_owner}},
     {"describes_huge_mass", {Kind::description, describe_huge_mass}},

@@ -1,8 +1,10 @@
 // wrong_participant --scene SCENE --name FLAW --connect ENDPOINT: a shipped solver, with one thing about its body or
-// its link that is wrong. Tests have it started in the place of that solver; its name in the scene says which.
+// its link that is wrong. Tests have it started in the place of that solver; its name in the scene says which. With
+// WRONG_STIFFNESS=FACTOR in the environment its bodies are so much stiffer, and it declares no critical step.
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <memory>
@@ -74,6 +76,7 @@ class Wrong : public Participant {
   Description describe() override {
     auto d = solver_->describe();
     components_ = static_cast<std::size_t>(d.components);
+    if (std::getenv("WRONG_STIFFNESS")) d.critical_time_step_s = 0.0;
     if (flaw_ == "interface_heavier") scale(d.interface_mass_kg, 1.01);
     if (flaw_ == "interface_twice") scale(d.interface_mass_kg, 2.0);
     if (flaw_ == "long_step") d.critical_time_step_s *= 0.5;
@@ -156,6 +159,7 @@ std::unique_ptr<Participant> make(Arguments& arguments) {
   auto problem = scene::build_problem(scene::load_scene(arguments.scene));
   const auto wrong = wrong_bodies.find(arguments.name);
   if (wrong != wrong_bodies.end()) wrong->second(problem);
+  if (const char* factor = std::getenv("WRONG_STIFFNESS")) scale_stiffness(problem, std::strtod(factor, nullptr));
   return std::make_unique<Wrong>(std::move(problem), arguments.name);
 }
 

@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <fstream>
-#include <sstream>
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 
 namespace ricochet::report {
 namespace {
@@ -50,14 +47,11 @@ const std::vector<double>* HistoryTable::find(const std::string& name) const {
 }
 
 std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || file.bad()) {
-    throw ConfigError(
-        fmt::format("cannot read {}: {}; is this the results folder of a run?", path, std::strerror(errno)));
+  try {
+    return read_file(path);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("{}; is this the results folder of a run?", error.what()));
   }
-  return text.str();
 }
 
 HistoryTable read_history(const std::string& path) {

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <stdexcept>
 
+#include "common/base/process.hpp"
+
 namespace ricochet::report {
 namespace {
 
@@ -34,7 +36,7 @@ bool begins_with(std::string_view text, std::string_view lower_case) {
 
 std::string escape_html(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     switch (c) {
       case '&': escaped += "&amp;"; break;
       case '<': escaped += "&lt;"; break;
@@ -48,18 +50,26 @@ std::string escape_html(std::string_view text) {
 }
 
 std::string inside_script(std::string_view code) {
+  constexpr std::string_view line_separators = "\xe2\x80";  // U+2028, U+2029: end a line of JavaScript, in strings, too
   std::string safe;
   safe.reserve(code.size());
-  for (;;) {
-    const auto bracket = code.find('<');
-    safe += code.substr(0, bracket);
-    if (bracket == std::string_view::npos) return safe;
-    code.remove_prefix(bracket);
+  while (!code.empty()) {
+    const auto special = code.find_first_of("<\xe2");
+    safe += code.substr(0, special);
+    if (special == std::string_view::npos) break;
+    code.remove_prefix(special);
     // \u003c is the same character in the strings of JSON and JavaScript.
     const bool html = begins_with(code, "</script") || begins_with(code, "<script") || begins_with(code, "<!--");
-    safe += html ? "\\u003c" : "<";
+    const char last = code.size() > line_separators.size() ? code[line_separators.size()] : '\0';
+    if (code.starts_with(line_separators) && (last == '\xa8' || last == '\xa9')) {
+      safe += last == '\xa8' ? "\\u2028" : "\\u2029";
+      code.remove_prefix(line_separators.size() + 1);
+      continue;
+    }
+    safe += html ? "\\u003c" : code.substr(0, 1);
     code.remove_prefix(1);
   }
+  return safe;
 }
 
 std::string fill_page(std::string_view page, const std::map<std::string, std::string>& values) {

@@ -32,6 +32,16 @@ TEST(Printable, ControlCharactersCannotReachATerminal) {
   EXPECT_EQ(printable("two\n\tlines"), "two\n\tlines");
 }
 
+/// With which "txt.exe" could be shown for what is "exe.txt".
+TEST(Printable, MarksOfDirectionCannotReachATerminal) {
+  for (const char* mark : {"\u061c", "\u200e", "\u200f", "\u2028", "\u2029", "\u202a", "\u202b", "\u202c", "\u202d",
+                           "\u202e", "\u2066", "\u2067", "\u2068", "\u2069"})
+    EXPECT_EQ(printable(std::string("a") + mark + "b"), "a?b");
+  for (const char* letter : {"\u061b", "\u2010", "\u202f", "\u206a", "\u05d0", "\u20ac"})
+    EXPECT_EQ(printable(letter), letter);
+  EXPECT_EQ(printable("\xe2\x80"), "\xe2\x80") << "half of one";
+}
+
 TEST(Errors, OfTheMachineHaveTheirOwnExitCodeAndTheCause) {
   for (const int error : {ENOSPC, EDQUOT, EFBIG, EIO, EMFILE, ENFILE, ENOMEM}) {
     try {

@@ -17,5 +17,27 @@ TEST(Sha256, ZeroBytesCount) {
   EXPECT_NE(sha256_hex(std::string_view("a\0b", 3)), sha256_hex(std::string_view("a", 1)));
 }
 
+TEST(Sha256, OfPiecesIsThatOfTheWhole) {
+  Sha256 digest;
+  EXPECT_EQ(digest.hex(), sha256_hex(""));
+  digest.add("a");
+  EXPECT_EQ(digest.hex(), sha256_hex("a"));
+  Sha256 other = digest;
+  digest.add("bc");
+  EXPECT_EQ(digest.hex(), sha256_hex("abc"));
+  other.add(std::string(1000, 'x'));
+  EXPECT_EQ(other.hex(), sha256_hex("a" + std::string(1000, 'x')));
+}
+
+// RFC 4231, cases 1, 2 and 6.
+TEST(Sha256, OfAKeyAsTheStandardHasIt) {
+  EXPECT_EQ(hmac_sha256_hex(std::string(20, '\x0b'), "Hi There"),
+            "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7");
+  EXPECT_EQ(hmac_sha256_hex("Jefe", "what do ya want for nothing?"),
+            "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843");
+  EXPECT_EQ(hmac_sha256_hex(std::string(131, '\xaa'), "Test Using Larger Than Block-Size Key - Hash Key First"),
+            "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54");
+}
+
 }  // namespace
 }  // namespace ricochet

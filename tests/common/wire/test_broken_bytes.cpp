@@ -167,11 +167,11 @@ const std::vector<Broken> broken_bytes{
     {"inf_in_array",
      with("link_absolute", packed_array(1, 2, 16, {0.0, HUGE_VAL})),
      {"not finite: inf at row 0, column 1"}},
-    {"array_of_4_billion", "\xdd\xff\xff\xff\xff", {"no message of this protocol"}},
-    {"map_of_4_billion", "\xdf\xff\xff\xff\xff", {"no message of this protocol"}},
+    {"array_of_4_billion", "\xdd\xff\xff\xff\xff", {"an array beyond the limit, allowed are 65536 values"}},
+    {"map_of_4_billion", "\xdf\xff\xff\xff\xff", {"a map beyond the limit, allowed are 256 entries"}},
     {"binary_of_4_gigabytes", "\xc6\xff\xff\xff\xff", {"breaks off after 5 bytes"}},
-    {"nested_too_deeply", std::string(1000, '\x91'), {"no message of this protocol"}},
-    {"extension", with("window", std::string("\xd4\x05x", 3)), {"no message of this protocol"}},
+    {"nested_too_deeply", std::string(1000, '\x91'), {"nesting beyond the limit, allowed are 4 levels"}},
+    {"extension", with("window", std::string("\xd4\x05x", 3)), {"an extension beyond the limit, allowed are 0 bytes"}},
 };
 
 class BrokenBytes : public testing::TestWithParam<Broken> {};
@@ -215,6 +215,15 @@ TEST(Decode, RefusesValuesByTheHundredThousandBeforeTheyTakeMemory) {
   EXPECT_THAT(error_of(packed(std::vector<double>(131'073, 0.5))), HasSubstr("a message of more than 131072 values"));
   EXPECT_THAT(error_of(packed(std::vector<std::string>(50'000, "text"))), HasSubstr("an array, expected a message"));
   EXPECT_THAT(error_of(packed(std::string(200'000, 'x'))), HasSubstr("a text, expected a message"));
+  EXPECT_THAT(error_of(packed(std::vector<int>(65'537, 1))),
+              HasSubstr("an array beyond the limit, allowed are 65536 values"));
+  std::map<int, int> map;
+  for (int i = 0; i < 257; ++i) map[i] = i;
+  EXPECT_THAT(error_of(packed(map)), HasSubstr("a map beyond the limit, allowed are 256 entries"));
+  EXPECT_THAT(error_of(packed(std::string(1U << 25, 'x'))),
+              HasSubstr("a text beyond the limit, allowed are 16777216 bytes"));
+  EXPECT_THAT(error_of("\x91\x91\x91\x91\x91\x91\x91\x01"),
+              HasSubstr("nesting beyond the limit, allowed are 4 levels"));
 }
 
 TEST(Decode, RefusesWrongTypesOfTheOtherFields) {

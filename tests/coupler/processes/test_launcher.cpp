@@ -44,6 +44,21 @@ bool readable(const Launcher& launcher) {
   return result == 1;
 }
 
+TEST_F(LauncherTest, ALogThatCannotBeOpenedIsNamed) {
+  Launcher launcher;
+  auto nowhere = request("x", "/bin/true", {});
+  nowhere.log_path = folder_ + "/missing/x.log";
+  try {
+    launcher.launch(nowhere);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("cannot write " + nowhere.log_path), std::string::npos);
+  }
+  EXPECT_FALSE(launcher.launched("x"));
+  launcher.launch(request("y", "/bin/true", {}));  // and goes on
+  EXPECT_TRUE(launcher.wait_all(std::chrono::milliseconds(5000)));
+}
+
 TEST_F(LauncherTest, ExitCodesOutputAndSignalsAreSeen) {
   Launcher launcher;
   launcher.launch(request("good", "/bin/sh", {"-c", "echo to stdout; echo to stderr >&2"}));

@@ -21,10 +21,17 @@ using testing::Not;
 
 TEST(Text, HtmlIsEscaped) {
   EXPECT_EQ(escape_html(R"(<b a="1">'x' & y</b>)"), "&lt;b a=&quot;1&quot;&gt;&#39;x&#39; &amp; y&lt;/b&gt;");
+  EXPECT_EQ(escape_html("gnp.\u202etoml\u2028<"), "gnp.?toml?&lt;") << "no text turns or breaks what stands beside it";
 }
 
 TEST(Text, NothingInAScriptEndsIt) {
   EXPECT_EQ(inside_script(R"(["</SCRIPT>", "<!--", "a<b"])"), "[\"\\u003c/SCRIPT>\", \"\\u003c!--\", \"a<b\"]");
+}
+
+/// U+2028 and U+2029 end lines of JavaScript, wherever they stand.
+TEST(Text, NothingInAScriptEndsALineOfIt) {
+  EXPECT_EQ(inside_script("[\"a\u2028b\u2029\", \"\u202a\u00e2\"]"), "[\"a\\u2028b\\u2029\", \"\u202a\u00e2\"]");
+  EXPECT_EQ(inside_script("<\xe2\x80"), "<\xe2\x80");
 }
 
 TEST(Text, TemplatesAreFilledOnceAndWhollyOrNotAtAll) {

@@ -1,12 +1,16 @@
 // Files of checkpoints: the manifest comes last, two are kept, what is damaged is named.
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "common/base/error.hpp"
+#include "common/base/sha256.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/results/field_digests.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::coupler {
@@ -25,10 +29,21 @@ class CheckpointFolderTest : public testing::Test {
     checkpoint.protocol = "kim";
     checkpoint.window = window;
     checkpoint.window_size_s = 1e-7;
-    checkpoint.history_bytes = 1000 * window;
+    checkpoint.history = {4 * window, sha256_hex(history().substr(0, static_cast<std::size_t>(4 * window)))};
     checkpoint.coupler = std::string("\0coupler", 8);
     checkpoint.parts = {{"a", "bytes of a"}, {"b", ""}};
     return checkpoint;
+  }
+  /// Of the run: longer than what any of these checkpoints needs.
+  static std::string history() { return std::string(500, 'h'); }
+  void SetUp() override { write("history.csv", history()); }
+  void write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((temporary_.path() / name).parent_path());
+    std::ofstream(temporary_.path() / name) << text;
+  }
+  [[nodiscard]] std::string manifest_of_7() const {
+    std::ifstream read(file("7.json"));
+    return {std::istreambuf_iterator<char>(read), {}};
   }
   [[nodiscard]] std::string file(const std::string& name) const { return folder_.path() + "/" + name; }
   std::optional<Checkpoint> last() {
@@ -53,7 +68,8 @@ TEST_F(CheckpointFolderTest, GivesBackTheLastOne) {
   EXPECT_EQ(found->protocol, "kim");
   EXPECT_EQ(found->window, 7);
   EXPECT_EQ(found->window_size_s, 1e-7);
-  EXPECT_EQ(found->history_bytes, 7000);
+  EXPECT_EQ(found->history.bytes, 28);
+  EXPECT_EQ(found->history.sha256, at(7).history.sha256);
   EXPECT_EQ(found->coupler, std::string("\0coupler", 8));
   ASSERT_EQ(found->parts.size(), 2U);
   EXPECT_EQ(found->parts[0].participant, "a");
@@ -97,16 +113,137 @@ TEST_F(CheckpointFolderTest, PassesOverWhatIsDamagedAndNamesIt) {
 /// What is no count is not cast to one.
 TEST_F(CheckpointFolderTest, RefusesCountsThatAreNone) {
   folder_.write(at(7));
-  std::ifstream before(file("7.json"));
-  const std::string manifest{std::istreambuf_iterator<char>(before), {}};
-  const std::string key = "\"history_bytes\": ";
+  const auto manifest = manifest_of_7();
+  const std::string key = "\"bytes\": ";  // of the history, which comes first
   const auto value = manifest.find(key) + key.size();
   for (const char* wrong : {"-1", "1.5", "1e22", "11844674407370955161500", "18446744073709551615", "true"}) {
     damaged_.clear();
     std::ofstream(file("7.json")) << manifest.substr(0, value) << wrong << manifest.substr(manifest.find(',', value));
     EXPECT_FALSE(last()) << wrong;
-    EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json says history_bytes = "))) << wrong;
+    EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json says bytes = "))) << wrong;
   }
+}
+
+/// Whatever of it is changed, and whatever it is renamed to.
+TEST_F(CheckpointFolderTest, AManifestHoldsForItself) {
+  folder_.write(at(7));
+  const auto manifest = manifest_of_7();
+  for (const std::string key : {"scene_sha256", "protocol", "window_size_s", "wall_s", "stepping_s"}) {
+    const auto value = manifest.find(':', manifest.find("\"" + key + "\"")) + 2, end = manifest.find(',', value);
+    const bool text = manifest[value] == '"';
+    std::ofstream(file("7.json")) << manifest.substr(0, value) << (text ? "\"other\"" : "0.25") << manifest.substr(end);
+    EXPECT_FALSE(last()) << key;
+    EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json is not what was written"))) << key;
+  }
+  std::ofstream(file("7.json")) << manifest;
+  EXPECT_TRUE(last());
+  for (const std::string name : {"json", "state", "a.state", "b.state"})
+    std::filesystem::rename(file("7." + name), file("8." + name));
+  EXPECT_FALSE(last());
+  EXPECT_THAT(damaged_, ElementsAre(HasSubstr("8.json is not what was written")));
+}
+
+/// Else the fuzzer of manifests would begin with refusals alone.
+TEST_F(CheckpointFolderTest, TheSeedOfItsFuzzerIsWhole) {
+  write("checkpoint/7.state", "abc");
+  write("checkpoint/7.implicit.state", "abc");
+  std::filesystem::copy(RICOCHET_SOURCE "/tests/fuzz/seeds/manifest/two_parts", file("7.json"));
+  EXPECT_TRUE(last());
+  EXPECT_THAT(damaged_, IsEmpty());
+}
+
+TEST_F(CheckpointFolderTest, OfAnotherHistoryIsPassedOver) {
+  folder_.write(at(3));
+  folder_.write(at(7));
+  auto other = history();
+  other[20] = 'x';  // of what 7 needs, and 3 does not
+  write("history.csv", other);
+  EXPECT_EQ(last()->window, 3);
+  EXPECT_THAT(damaged_, ElementsAre(HasSubstr("history.csv is not what was written: its first 28 bytes")));
+  write("history.csv", "short");
+  EXPECT_FALSE(last());
+  EXPECT_THAT(damaged_, ElementsAre(HasSubstr("history.csv has 5 bytes, expected at least 28"),
+                                    HasSubstr("history.csv has 5 bytes, expected at least 12")));
+}
+
+/// Each field is read when the first checkpoint after it is made, and stands on the list in the order of the windows.
+TEST_F(CheckpointFolderTest, HoldsForTheFieldsSoFar) {
+  FieldDigests fields(temporary_.path().string(), {"a", "b"});
+  const auto cut = [&](std::int64_t window) {
+    auto checkpoint = at(window);
+    checkpoint.fields = fields.take(window);
+    folder_.write(checkpoint);
+  };
+  write("fields/b_00000000.vtu", "b at 0");
+  write("fields/a_00000002.vtu", "a at 2");
+  write("fields/a_00000005.vtu", "a at 5");
+  write("fields/mine.vtu", "no field of a participant");
+  cut(3);
+  cut(7);
+  std::ifstream list(file("fields.sha256"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(list, line);) lines.push_back(line);
+  EXPECT_THAT(lines, ElementsAre(sha256_hex("b at 0") + "  fields/b_00000000.vtu",
+                                 sha256_hex("a at 2") + "  fields/a_00000002.vtu",
+                                 sha256_hex("a at 5") + "  fields/a_00000005.vtu"));
+  EXPECT_EQ(last()->window, 7);
+  write("fields/a_00000005.vtu", "a at 6");
+  EXPECT_EQ(last()->window, 3);
+  EXPECT_THAT(damaged_, ElementsAre(HasSubstr("fields/a_00000005.vtu is not what was written")));
+  std::filesystem::remove(temporary_.path() / "fields/b_00000000.vtu");
+  EXPECT_FALSE(last());
+  EXPECT_THAT(damaged_, ElementsAre(HasSubstr("b_00000000.vtu is missing"), HasSubstr("b_00000000.vtu is missing")));
+}
+
+/// A run that goes on adds to what the run before had listed up to its checkpoint.
+TEST_F(CheckpointFolderTest, TheListOfFieldsGoesOnFromACheckpoint) {
+  const auto results = temporary_.path().string();
+  FieldDigests before(results, {"a"});
+  write("fields/a_00000001.vtu", "1");
+  write("fields/a_00000004.vtu", "4");
+  const auto first = before.take(1), both = before.take(4);
+  FieldDigests after(results, {"a"}, 1, first);
+  EXPECT_EQ(after.take(3).sha256, first.sha256);
+  EXPECT_EQ(after.take(4).sha256, both.sha256);
+  FieldDigests::require(results, both);
+  write("checkpoint/fields.sha256", "another list");
+  EXPECT_THROW(FieldDigests(results, {"a"}, 1, first), ConfigError);
+}
+
+/// Without a key, and with that of another user, nothing shows who made it.
+TEST_F(CheckpointFolderTest, KnowsWhetherThisUserMadeIt) {
+  const auto with_state_in = [this](const std::string& folder) {
+    setenv("XDG_STATE_HOME", (temporary_.path() / folder).c_str(), 1);
+    return last()->by_this_user;
+  };
+  const char* state = std::getenv("XDG_STATE_HOME");
+  const std::string before = state ? state : "";
+  setenv("XDG_STATE_HOME", (temporary_.path() / "mine").c_str(), 1);
+  folder_.write(at(3));
+  EXPECT_TRUE(with_state_in("mine"));
+  EXPECT_FALSE(with_state_in("another"));
+  EXPECT_FALSE(with_state_in("history.csv")) << "which is no folder";
+  std::filesystem::permissions(temporary_.path() / "mine/ricochet/key", std::filesystem::perms::all);
+  EXPECT_FALSE(with_state_in("mine")) << "everybody can read this key";
+  if (state) setenv("XDG_STATE_HOME", before.c_str(), 1);
+  if (!state) unsetenv("XDG_STATE_HOME");
+}
+
+TEST_F(CheckpointFolderTest, WhatIsNoFileIsNotRead) {
+  folder_.write(at(7));
+  for (const std::string name : {"7.json", "7.a.state"}) {
+    std::filesystem::rename(file(name), file("aside"));
+    ASSERT_EQ(mkfifo(file(name).c_str(), 0600), 0);
+    EXPECT_FALSE(last());
+    EXPECT_THAT(damaged_, ElementsAre(HasSubstr(name + " is a FIFO, allowed is a regular file")));
+    std::filesystem::remove(file(name));
+    std::filesystem::create_symlink("/dev/zero", file(name));
+    EXPECT_FALSE(last());
+    EXPECT_THAT(damaged_, ElementsAre(HasSubstr(name + " is a device")));
+    std::filesystem::remove(file(name));
+    std::filesystem::rename(file("aside"), file(name));
+  }
+  EXPECT_TRUE(last());
 }
 
 TEST_F(CheckpointFolderTest, ForgetsWhatComesLater) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -8,9 +9,11 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
 #include "coupler/results/history.hpp"
 #include "coupler/results/history_file.hpp"
 #include "coupler/watch/energy_watch.hpp"
+#include "tests/support/scene_file.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -301,8 +304,43 @@ TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {
-  EXPECT_THAT(text_of([] { HistoryFile("/nonexistent/history.csv", {}); }), HasSubstr("/nonexistent/history.csv"));
-  EXPECT_THAT(text_of([] { write_atomically("/nonexistent/x", ""); }), HasSubstr("/nonexistent/x"));
+  const test::TemporaryFolder folder;
+  const auto missing = (folder.path() / "missing").string();
+  EXPECT_THAT(text_of([&] { HistoryFile(missing + "/history.csv", {}); }), HasSubstr(missing + "/history.csv"));
+  EXPECT_THAT(text_of([&] { write_atomically(missing + "/x", ""); }), HasSubstr(missing + "/x"));
+}
+
+TEST(HistoryFile, FollowsNoLinkAndWaitsForNobody) {
+  const test::TemporaryFolder folder;
+  const auto path = (folder.path() / "history.csv").string(), mine = folder.write("by the user", "mine.txt");
+  std::filesystem::create_symlink(mine, path);
+  EXPECT_THAT(text_of([&] { HistoryFile(path, {}); }), HasSubstr("cannot write " + path));
+  std::ifstream read(mine);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(read), {}), "by the user");
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_THAT(text_of([&] { HistoryFile(path, {}); }), HasSubstr("cannot write " + path));
+}
+
+TEST(HistoryFile, GoesOnAfterABeginningThatIsAsItWasWritten) {
+  const test::TemporaryFolder folder;
+  const auto path = (folder.path() / "history.csv").string();
+  Beginning header, row;
+  {
+    HistoryFile file(path, {});
+    header = file.so_far();
+    file.add({});
+    row = file.so_far();
+    file.add({});
+  }
+  {
+    HistoryFile file(path, {}, header);
+    file.add({});
+    EXPECT_EQ(file.so_far().sha256, row.sha256);
+    EXPECT_EQ(file.so_far().bytes, row.bytes);
+  }
+  header.sha256[0] ^= 1;
+  EXPECT_THAT(text_of([&] { HistoryFile(path, {}, header); }), HasSubstr(path + " is not what was written"));
 }
 
 /// An energy watch that is shown a row each `every` windows.

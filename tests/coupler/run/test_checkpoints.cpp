@@ -34,7 +34,7 @@ class CheckpointsTest : public testing::Test {
 
 /// The run goes on while one is written, and what it changes meanwhile is not in it.
 TEST_F(CheckpointsTest, AreWrittenBesideTheRun) {
-  Checkpoints checkpoints(settings_, folder_, launcher_);
+  Checkpoints checkpoints(settings_, folder_, FieldDigests(results_.path(), {"implicit"}), launcher_);
   std::int64_t begun = 0;
   int put_off = 0;
   for (std::int64_t window = 1; begun < 5; ++window) {
@@ -59,7 +59,7 @@ TEST_F(CheckpointsTest, AreWrittenBesideTheRun) {
 }
 
 TEST_F(CheckpointsTest, OneThatIsAskedForWaitsForTheOneBefore) {
-  Checkpoints checkpoints(settings_, folder_, launcher_);
+  Checkpoints checkpoints(settings_, folder_, FieldDigests(results_.path(), {"implicit"}), launcher_);
   for (std::int64_t window = 1; window <= 4; ++window) checkpoints.begin(cut(window));
   EXPECT_EQ(checkpoints.settle(), 4);
   EXPECT_EQ(CheckpointFolder(folder_).windows(), (std::vector<std::int64_t>{3, 4}));
@@ -67,7 +67,7 @@ TEST_F(CheckpointsTest, OneThatIsAskedForWaitsForTheOneBefore) {
 
 TEST_F(CheckpointsTest, WhatCannotBeWrittenDoesNotEndTheRun) {
   std::ofstream(folder_) << "a file where the folder should be";
-  Checkpoints checkpoints(settings_, folder_, launcher_);
+  Checkpoints checkpoints(settings_, folder_, FieldDigests(results_.path(), {"implicit"}), launcher_);
   testing::internal::CaptureStderr();
   checkpoints.begin(cut(1));
   EXPECT_EQ(checkpoints.settle(), -1);
