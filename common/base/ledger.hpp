@@ -37,13 +37,16 @@ struct BodyTotals {
 /// = change of momentum holds exactly.
 struct ContactTotals {
   double gap_min_m = 0.0;
-  double contact_force_n = 0.0;                                  ///< on B along +n, over the window
-  double contact_pressure_mean_pa = 0.0;                         ///< that over the area of the pairs
-  double friction_force_n = 0.0;                                 ///< on B along +t, over the window
-  double friction_force_b_n = 0.0;                               ///< of solids: on B along +(n x t)
+  double contact_force_n = 0.0;           ///< on B along +n, over the window, friction's too
+  double contact_pressure_mean_pa = 0.0;  ///< that over the area of the pairs
+  double friction_force_n = 0.0;          ///< of friction on B along +t, over the window
+  double friction_force_b_n = 0.0;        ///< of solids: of friction on B along +(n x t)
+  /// Of the normal forces of a curved surface on B along +t and, of solids, along +(n x t), over the window.
+  double normal_force_t_n = 0.0, normal_force_b_n = 0.0;
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
   double friction_impulse_b_n_s = 0.0;
+  double normal_impulse_t_n_s = 0.0, normal_impulse_b_n_s = 0.0;
 
   void archive(Archive& a);
 };
@@ -81,13 +84,15 @@ inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
     {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
 }};
 
-inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
+inline constexpr std::array<Quantity<ContactRecord>, 21> contact_quantities = {{
     {"gap_min_m", &ContactRecord::gap_min_m},
     {"contact_force_n", &ContactRecord::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRecord::contact_pressure_mean_pa},
     {"principal_stress_mean_pa", &ContactRecord::principal_stress_mean_pa},
     {"friction_force_n", &ContactRecord::friction_force_n},
     {"friction_force_b_n", &ContactRecord::friction_force_b_n},
+    {"normal_force_t_n", &ContactRecord::normal_force_t_n},
+    {"normal_force_b_n", &ContactRecord::normal_force_b_n},
     {"pairs_stick", &ContactRecord::pairs_stick},
     {"pairs_slip", &ContactRecord::pairs_slip},
     {"pairs_open", &ContactRecord::pairs_open},
@@ -96,23 +101,29 @@ inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
     {"contact_impulse_n_s", &ContactRecord::contact_impulse_n_s},
     {"friction_impulse_n_s", &ContactRecord::friction_impulse_n_s},
     {"friction_impulse_b_n_s", &ContactRecord::friction_impulse_b_n_s},
+    {"normal_impulse_t_n_s", &ContactRecord::normal_impulse_t_n_s},
+    {"normal_impulse_b_n_s", &ContactRecord::normal_impulse_b_n_s},
     {"contact_iterations", &ContactRecord::contact_iterations},
     {"contact_residual", &ContactRecord::contact_residual},
     {"contact_unconverged", &ContactRecord::contact_unconverged},
 }};
 
-inline constexpr std::array<Quantity<ContactTotals>, 11> named_contact_quantities = {{
+inline constexpr std::array<Quantity<ContactTotals>, 15> named_contact_quantities = {{
     {"gap_min_m", &ContactTotals::gap_min_m},
     {"contact_force_n", &ContactTotals::contact_force_n},
     {"contact_pressure_mean_pa", &ContactTotals::contact_pressure_mean_pa},
     {"friction_force_n", &ContactTotals::friction_force_n},
     {"friction_force_b_n", &ContactTotals::friction_force_b_n},
+    {"normal_force_t_n", &ContactTotals::normal_force_t_n},
+    {"normal_force_b_n", &ContactTotals::normal_force_b_n},
     {"pairs_stick", &ContactTotals::pairs_stick},
     {"pairs_slip", &ContactTotals::pairs_slip},
     {"pairs_open", &ContactTotals::pairs_open},
     {"contact_impulse_n_s", &ContactTotals::contact_impulse_n_s},
     {"friction_impulse_n_s", &ContactTotals::friction_impulse_n_s},
     {"friction_impulse_b_n_s", &ContactTotals::friction_impulse_b_n_s},
+    {"normal_impulse_t_n_s", &ContactTotals::normal_impulse_t_n_s},
+    {"normal_impulse_b_n_s", &ContactTotals::normal_impulse_b_n_s},
 }};
 
 inline void BodyTotals::archive(Archive& a) {

@@ -190,7 +190,8 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
 
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states, ContactImpulses& impulses) {
-  impulses[pair.contact] += pair.to_contact(normal_n_s, tangential_n_s);
+  impulses[pair.contact].of_normal += pair.to_contact(normal_n_s, Eigen::Vector2d::Zero());
+  impulses[pair.contact].of_friction += pair.to_contact(0.0, tangential_n_s);
   if (pair.slid_m != 0.0) {
     auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
     if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;

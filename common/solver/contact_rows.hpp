@@ -129,8 +129,13 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
 /// moves the other.
 [[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
 
-/// What contacts have been given so far, each along n, t and b of its own [N s].
-using ContactImpulses = std::vector<Eigen::Vector3d>;
+/// What a contact has been given so far, along n, t and b of its own [N s].
+struct ContactImpulse {
+  Eigen::Vector3d of_normal{0.0, 0.0, 0.0}, of_friction{0.0, 0.0, 0.0};
+
+  void archive(Archive& a) { a(of_normal, of_friction); }
+};
+using ContactImpulses = std::vector<ContactImpulse>;  ///< per contact
 
 /// Pairs that share nodes are gone through one after the other, again and again, until no impulse or force changes by
 /// more than this share of the largest (projected Gauss-Seidel), so often at most.

@@ -53,9 +53,7 @@ ContactRecord ContactSurface::empty_record() const {
   return record;
 }
 
-ContactImpulses ContactSurface::no_impulses() const {
-  return ContactImpulses(contact_keys.size(), Eigen::Vector3d::Zero());
-}
+ContactImpulses ContactSurface::no_impulses() const { return ContactImpulses(contact_keys.size()); }
 
 void ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
                             ContactAccount& account, ContactRecord& record) const {
@@ -77,10 +75,13 @@ ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const
   double area = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (contact && pairs[i].contact != *contact) continue;
-    const Eigen::Vector3d force = pairs[i].to_contact(forces[i].normal, forces[i].tangential);
-    totals.contact_force_n += force[0];
-    totals.friction_force_n += force[1];
-    totals.friction_force_b_n += force[2];
+    const Eigen::Vector3d normal = pairs[i].to_contact(forces[i].normal, Eigen::Vector2d::Zero()),
+                          friction = pairs[i].to_contact(0.0, forces[i].tangential);
+    totals.contact_force_n += normal[0] + friction[0];
+    totals.friction_force_n += friction[1];
+    totals.friction_force_b_n += friction[2];
+    totals.normal_force_t_n += normal[1];
+    totals.normal_force_b_n += normal[2];
     totals.pairs_open += forces[i].state == ContactState::open;
     totals.pairs_stick += forces[i].state == ContactState::stick;
     totals.pairs_slip += forces[i].state == ContactState::slip;
@@ -88,12 +89,15 @@ ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const
     area += pairs[i].area_m2;
   }
   if (area > 0.0) totals.contact_pressure_mean_pa = totals.contact_force_n / area;
-  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < impulses.size(); ++i)
-    if (!contact || i == *contact) impulse += impulses[i];
-  totals.contact_impulse_n_s = impulse[0];
-  totals.friction_impulse_n_s = impulse[1];
-  totals.friction_impulse_b_n_s = impulse[2];
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    if (contact && i != *contact) continue;
+    const auto& [normal, friction] = impulses[i];
+    totals.contact_impulse_n_s += normal[0] + friction[0];
+    totals.friction_impulse_n_s += friction[1];
+    totals.friction_impulse_b_n_s += friction[2];
+    totals.normal_impulse_t_n_s += normal[1];
+    totals.normal_impulse_b_n_s += normal[2];
+  }
   return totals;
 }
 

@@ -30,6 +30,7 @@ constexpr Column columns[] = {
     {"contact_pressure_mean_pa", [](const HistoryRow& row) -> double { return row.contact.contact_pressure_mean_pa; }},
     {"principal_stress_mean_pa", [](const HistoryRow& row) -> double { return row.contact.principal_stress_mean_pa; }},
     {"friction_force_n", [](const HistoryRow& row) -> double { return row.contact.friction_force_n; }},
+    {"normal_force_t_n", [](const HistoryRow& row) -> double { return row.contact.normal_force_t_n; }},
     {"pairs_stick", [](const HistoryRow& row) -> double { return row.contact.pairs_stick; }},
     {"pairs_slip", [](const HistoryRow& row) -> double { return row.contact.pairs_slip; }},
     {"pairs_open", [](const HistoryRow& row) -> double { return row.contact.pairs_open; }},
@@ -45,6 +46,7 @@ constexpr Column columns[] = {
     {"angular_momentum_kg_m2_s", [](const HistoryRow& row) -> double { return row.sum.angular_momentum_kg_m2_s; }},
     {"contact_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.contact_impulse_n_s; }},
     {"friction_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.friction_impulse_n_s; }},
+    {"normal_impulse_t_n_s", [](const HistoryRow& row) -> double { return row.contact.normal_impulse_t_n_s; }},
     {"contact_iterations", [](const HistoryRow& row) -> double { return row.contact.contact_iterations; }},
     {"contact_residual", [](const HistoryRow& row) -> double { return row.contact.contact_residual; }},
     {"contact_unconverged", [](const HistoryRow& row) -> double { return row.contact.contact_unconverged; }},
@@ -52,12 +54,15 @@ constexpr Column columns[] = {
 
 constexpr Column solid_columns[] = {
     {"friction_force_b_n", [](const HistoryRow& row) -> double { return row.contact.friction_force_b_n; }},
+    {"normal_force_b_n", [](const HistoryRow& row) -> double { return row.contact.normal_force_b_n; }},
     {"friction_impulse_b_n_s", [](const HistoryRow& row) -> double { return row.contact.friction_impulse_b_n_s; }},
+    {"normal_impulse_b_n_s", [](const HistoryRow& row) -> double { return row.contact.normal_impulse_b_n_s; }},
     {"momentum_b_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_b_kg_m_s; }},
 };
 
 bool of_solids_alone(double ContactTotals::*member) {
-  return member == &ContactTotals::friction_force_b_n || member == &ContactTotals::friction_impulse_b_n_s;
+  return member == &ContactTotals::friction_force_b_n || member == &ContactTotals::friction_impulse_b_n_s ||
+         member == &ContactTotals::normal_force_b_n || member == &ContactTotals::normal_impulse_b_n_s;
 }
 
 /// Calls f(name, member) for what is told of each of several contacts.

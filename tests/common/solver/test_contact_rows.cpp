@@ -40,7 +40,7 @@ TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
   test::ContactPlates plates("all_implicit");
   plates.use_one_row();
   Pair pair = plates.surface.pairs[0];
-  ContactImpulses impulses(1, Eigen::Vector3d::Zero());
+  ContactImpulses impulses(1);
   book_impulse(pair, 2.0, {1.0, 0.0}, plates.states, impulses);
   EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, 0.0) << "two bodies keep their momentum";
   for (auto* row : {&pair.normal, &pair.tangent})
@@ -68,9 +68,10 @@ TEST(ContactRows, OfSolidsMeasureTheSlipAlongTangentAndBinormal) {
   Pair pair = blocks.surface.pairs[4];
   for (auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
     std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
-  ContactImpulses impulses(1, Eigen::Vector3d::Zero());
+  ContactImpulses impulses(1);
   book_impulse(pair, 2.0, {1.0, 3.0}, blocks.states, impulses);
-  EXPECT_EQ(impulses[0], Eigen::Vector3d(2.0, 1.0, 3.0));
+  EXPECT_EQ(impulses[0].of_normal, Eigen::Vector3d(2.0, 0.0, 0.0));
+  EXPECT_EQ(impulses[0].of_friction, Eigen::Vector3d(0.0, 1.0, 3.0));
   EXPECT_EQ(blocks.states[0].totals.impulse_n_kg_m_s, -2.0);
   EXPECT_EQ(blocks.states[0].totals.impulse_t_kg_m_s, -1.0);
   EXPECT_EQ(blocks.states[0].totals.impulse_b_kg_m_s, -3.0);

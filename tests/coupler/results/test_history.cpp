@@ -243,12 +243,14 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
   std::getline(lines, line);
   EXPECT_EQ(header,
             "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
+            "normal_force_t_n,"
             "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
             "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,angular_momentum_kg_"
             "m2_s,contact_impulse_n_s,"
-            "friction_impulse_n_s,contact_iterations,contact_residual,contact_unconverged,velocity_mean_rod_m_s");
-  EXPECT_THAT(line,
-              AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
+            "friction_impulse_n_s,normal_impulse_t_n_s,contact_iterations,contact_residual,contact_unconverged,"
+            "velocity_mean_rod_m_s");
+  EXPECT_THAT(
+      line, AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,0,1.5")));
 }
 
 /// A column without a body is one of the contact's owner, or the work of a link.
@@ -261,7 +263,7 @@ TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
     EXPECT_THAT(page, HasSubstr("`" + column + "`"));
     ++documented;
   }
-  EXPECT_EQ(documented, 18);
+  EXPECT_EQ(documented, 22);
 }
 
 TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
@@ -269,14 +271,17 @@ TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
   HistoryRow row;
   row.contact.friction_force_b_n = 1.5;
   row.contact.friction_impulse_b_n_s = 2.5;
+  row.contact.normal_force_b_n = 4.5;
+  row.contact.normal_impulse_b_n_s = 5.5;
   row.sum.momentum_b_kg_m_s = 3.5;
   {
     HistoryFile file(path, {.has_contact = true, .solid = true});
     file.add(row);
   }
   const std::string text = read(path);
-  EXPECT_THAT(text, HasSubstr("contact_unconverged,friction_force_b_n,friction_impulse_b_n_s,momentum_b_kg_m_s\n"));
-  EXPECT_THAT(text, testing::EndsWith(",1.5,2.5,3.5\n"));
+  EXPECT_THAT(text, HasSubstr("contact_unconverged,friction_force_b_n,normal_force_b_n,friction_impulse_b_n_s,"
+                              "normal_impulse_b_n_s,momentum_b_kg_m_s\n"));
+  EXPECT_THAT(text, testing::EndsWith(",1.5,4.5,2.5,5.5,3.5\n"));
 }
 
 TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
@@ -293,11 +298,12 @@ TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
   }
   EXPECT_THAT(read(path),
               AllOf(HasSubstr("contact_unconverged,gap_min_m/a,contact_force_n/a,contact_pressure_mean_pa/a,"
-                              "friction_force_n/a,pairs_stick/a,pairs_slip/a,pairs_open/a,"
-                              "contact_impulse_n_s/a,friction_impulse_n_s/a,gap_min_m/b,"),
-                    testing::EndsWith(",nan,0,0,0,0,0,0,0,0,0,1.5,0,0,0,0,0,0,2.5\n")));
+                              "friction_force_n/a,normal_force_t_n/a,pairs_stick/a,pairs_slip/a,pairs_open/a,"
+                              "contact_impulse_n_s/a,friction_impulse_n_s/a,normal_impulse_t_n_s/a,gap_min_m/b,"),
+                    testing::EndsWith(",nan,0,0,0,0,0,0,0,0,0,0,0,1.5,0,0,0,0,0,0,0,2.5,0\n")));
   const auto of_solids = history_columns({.solid = true, .contacts = {"a"}});
-  EXPECT_THAT(of_solids, testing::IsSupersetOf({"friction_force_b_n/a", "friction_impulse_b_n_s/a"}));
+  EXPECT_THAT(of_solids,
+              testing::IsSupersetOf({"friction_force_b_n/a", "friction_impulse_b_n_s/a", "normal_force_b_n/a"}));
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {
