@@ -267,6 +267,7 @@ void ImplicitSolver::restore(const State& state) {
 }
 
 void ImplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
+  if (surroundings_.empty()) surroundings_ = solver::surroundings_of(states_);
   solver::load_motion(state, states_);
   if (contact_) contact_->freeze(contact);
   State homogeneous = this->state();
@@ -287,6 +288,10 @@ std::string ImplicitSolver::save_state() {
 
 void ImplicitSolver::restore_state(std::string_view bytes) {
   Archive in(bytes, "the state of participant '" + spec_->name + "'");
+  if (!surroundings_.empty()) {
+    solver::give_back(std::exchange(surroundings_, {}), states_);
+    if (contact_) contact_->freeze(std::nullopt);
+  }
   State state = this->state();
   archive(state, in);
   in.end();
