@@ -105,7 +105,8 @@ std::string contact_rows(const Summary& summary, const Tally& tally) {
     text += row("mean interface stress", fmt::format("{:.2f} MPa   (impedance theory: {:.2f} MPa)",
                                                      1e-6 * *tally.plateau_stress_pa(), 1e-6 * theory->stress_pa));
   }
-  text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  if (tally.each_contact.empty())
+    text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
   for (const auto& contact : tally.each_contact) text += named_contact_row(contact);
   return text;
 }
@@ -174,6 +175,11 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
                {"friction_impulse_n_s", number(tally.friction_impulse_n_s)}};
   if (tally.solid()) json["friction_impulse_b_n_s"] = number(tally.friction_impulse_b_n_s);
+  if (!tally.each_contact.empty()) {  // in series they hand on one force, which a sum would count twice
+    for (const char* of_one : {"peak_contact_force_n", "contact_impulse_n_s", "friction_impulse_n_s"})
+      json[of_one] = nullptr;
+    json.erase("friction_impulse_b_n_s");
+  }
   json["contact"] = contact_json(tally.contact);
   for (const auto& contact : tally.each_contact) json["contacts"][contact.name()] = result_json(contact, tally.solid());
   json["plateau_stress_pa"] = number(tally.plateau_stress_pa());

@@ -75,9 +75,11 @@ std::string contact_rows(const Json& summary) {
     text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
                 plateau && stress ? difference(*plateau, *stress) : "");
   }
-  text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
-          row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s"));
   const Json contacts = summary.value("contacts", Json::object());
+  if (contacts.empty()) {
+    text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+            row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s"));
+  }
   for (const auto& [name, contact] : contacts.items()) text += named_contact_row(name, contact);
   return text + unconverged_row(summary);
 }
