@@ -37,10 +37,12 @@ struct BodyTotals {
 /// = change of momentum holds exactly.
 struct ContactTotals {
   double gap_min_m = 0.0;
-  double contact_force_n = 0.0;           ///< on B along +n, over the window, friction's too
-  double contact_pressure_mean_pa = 0.0;  ///< that over the area of the pairs
-  double friction_force_n = 0.0;          ///< of friction on B along +t, over the window
-  double friction_force_b_n = 0.0;        ///< of solids: of friction on B along +(n x t)
+  double contact_force_n = 0.0;  ///< on B along +n, over the window, friction's too
+  /// Of the closed pairs, whose normal force over their area is above 1e-3 of the largest: mean and largest of it.
+  double contact_pressure_mean_pa = 0.0, contact_pressure_max_pa = 0.0;
+  double contact_radius_m = 0.0;    ///< of axisymmetric and solid bodies: of the circle as large as their area
+  double friction_force_n = 0.0;    ///< of friction on B along +t, over the window
+  double friction_force_b_n = 0.0;  ///< of solids: of friction on B along +(n x t)
   /// Of the normal forces of a curved surface on B along +t and, of solids, along +(n x t), over the window.
   double normal_force_t_n = 0.0, normal_force_b_n = 0.0;
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
@@ -84,10 +86,12 @@ inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
     {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
 }};
 
-inline constexpr std::array<Quantity<ContactRecord>, 21> contact_quantities = {{
+inline constexpr std::array<Quantity<ContactRecord>, 23> contact_quantities = {{
     {"gap_min_m", &ContactRecord::gap_min_m},
     {"contact_force_n", &ContactRecord::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRecord::contact_pressure_mean_pa},
+    {"contact_pressure_max_pa", &ContactRecord::contact_pressure_max_pa},
+    {"contact_radius_m", &ContactRecord::contact_radius_m},
     {"principal_stress_mean_pa", &ContactRecord::principal_stress_mean_pa},
     {"friction_force_n", &ContactRecord::friction_force_n},
     {"friction_force_b_n", &ContactRecord::friction_force_b_n},
@@ -108,10 +112,12 @@ inline constexpr std::array<Quantity<ContactRecord>, 21> contact_quantities = {{
     {"contact_unconverged", &ContactRecord::contact_unconverged},
 }};
 
-inline constexpr std::array<Quantity<ContactTotals>, 15> named_contact_quantities = {{
+inline constexpr std::array<Quantity<ContactTotals>, 17> named_contact_quantities = {{
     {"gap_min_m", &ContactTotals::gap_min_m},
     {"contact_force_n", &ContactTotals::contact_force_n},
     {"contact_pressure_mean_pa", &ContactTotals::contact_pressure_mean_pa},
+    {"contact_pressure_max_pa", &ContactTotals::contact_pressure_max_pa},
+    {"contact_radius_m", &ContactTotals::contact_radius_m},
     {"friction_force_n", &ContactTotals::friction_force_n},
     {"friction_force_b_n", &ContactTotals::friction_force_b_n},
     {"normal_force_t_n", &ContactTotals::normal_force_t_n},

@@ -28,6 +28,7 @@ constexpr Column columns[] = {
     {"gap_min_m", [](const HistoryRow& row) -> double { return row.contact.gap_min_m; }},
     {"contact_force_n", [](const HistoryRow& row) -> double { return row.contact.contact_force_n; }},
     {"contact_pressure_mean_pa", [](const HistoryRow& row) -> double { return row.contact.contact_pressure_mean_pa; }},
+    {"contact_pressure_max_pa", [](const HistoryRow& row) -> double { return row.contact.contact_pressure_max_pa; }},
     {"principal_stress_mean_pa", [](const HistoryRow& row) -> double { return row.contact.principal_stress_mean_pa; }},
     {"friction_force_n", [](const HistoryRow& row) -> double { return row.contact.friction_force_n; }},
     {"normal_force_t_n", [](const HistoryRow& row) -> double { return row.contact.normal_force_t_n; }},
@@ -60,6 +61,9 @@ constexpr Column solid_columns[] = {
     {"momentum_b_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_b_kg_m_s; }},
 };
 
+constexpr Column radius_column = {"contact_radius_m",
+                                  [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};
+
 bool of_solids_alone(double ContactTotals::*member) {
   return member == &ContactTotals::friction_force_b_n || member == &ContactTotals::friction_impulse_b_n_s ||
          member == &ContactTotals::normal_force_b_n || member == &ContactTotals::normal_impulse_b_n_s;
@@ -67,10 +71,20 @@ bool of_solids_alone(double ContactTotals::*member) {
 
 /// Calls f(name, member) for what is told of each of several contacts.
 template <class F>
-void for_each_of_a_contact(bool solid, const F& f) {
+void for_each_of_a_contact(const HistoryShape& shape, const F& f) {
   for (const auto& [name, member] : named_contact_quantities) {
-    if (solid || !of_solids_alone(member)) f(name, member);
+    if (member == &ContactTotals::contact_radius_m ? shape.round : shape.solid || !of_solids_alone(member))
+      f(name, member);
   }
+}
+
+/// Calls f(column) for those that not all scenes have.
+template <class F>
+void for_each_further(const HistoryShape& shape, const F& f) {
+  if (shape.solid) {
+    for (const auto& column : solid_columns) f(column);
+  }
+  if (shape.round) f(radius_column);
 }
 
 /// The gap is none without a contact, and where no pair is left of bodies that have slid off each other.
@@ -84,6 +98,7 @@ void tell_no_gap(ContactTotals& contact, bool has_contact) {
 HistoryShape history_shape(const scene::Problem& problem) {
   HistoryShape shape{.has_contact = !problem.contacts.empty(),
                      .solid = problem.scene.components() == 3,
+                     .round = problem.scene.components() == 3 || problem.scene.model == scene::Model::axisymmetric,
                      .contacts = problem.scene.contact_names()};
   shape.bodies = problem.scene.body_names();
   return shape;
@@ -93,11 +108,9 @@ std::vector<std::string> history_columns(const HistoryShape& shape) {
   std::vector<std::string> names;
   for (const auto& column : columns) names.emplace_back(column.name);
   for (const auto& body : shape.bodies) names.push_back(fmt::format("velocity_mean_{}_m_s", body));
-  if (shape.solid) {
-    for (const auto& column : solid_columns) names.emplace_back(column.name);
-  }
+  for_each_further(shape, [&](const Column& column) { names.emplace_back(column.name); });
   for (const auto& contact : shape.contacts) {
-    for_each_of_a_contact(shape.solid, [&](std::string_view quantity, double ContactTotals::*) {
+    for_each_of_a_contact(shape, [&](std::string_view quantity, double ContactTotals::*) {
       names.push_back(fmt::format("{}/{}", quantity, contact));
     });
   }
@@ -143,11 +156,9 @@ void HistoryFile::add(HistoryRow row) {
   };
   for (const auto& column : columns) put(column.value(row));
   for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
-  if (shape_.solid) {
-    for (const auto& column : solid_columns) put(column.value(row));
-  }
+  for_each_further(shape_, [&](const Column& column) { put(column.value(row)); });
   for (const auto& contact : row.contact.contacts) {
-    for_each_of_a_contact(shape_.solid, [&](std::string_view, double ContactTotals::*member) { put(contact.*member); });
+    for_each_of_a_contact(shape_, [&](std::string_view, double ContactTotals::*member) { put(contact.*member); });
   }
   pending_ += '\n';
   if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();

@@ -15,6 +15,7 @@ struct HistoryShape {
   std::vector<std::string> bodies{};
   bool has_contact = false;             ///< else the gap is written as nan
   bool solid = false;                   ///< what lies along the binormal follows the bodies
+  bool round = false;                   ///< a contact has a radius: axisymmetric or solid
   std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
 };
 [[nodiscard]] HistoryShape history_shape(const scene::Problem& problem);

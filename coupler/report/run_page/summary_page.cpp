@@ -78,7 +78,10 @@ std::string contact_rows(const Json& summary) {
   const Json contacts = summary.value("contacts", Json::object());
   if (contacts.empty()) {
     text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
-            row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s"));
+            row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) +
+            row("largest contact pressure", shown(number(summary, "peak_contact_pressure_pa"), "Pa"));
+    if (const auto radius = number(summary, "largest_contact_radius_m"))
+      text += row("largest contact radius", quantity(*radius, "m"));
   }
   for (const auto& [name, contact] : contacts.items()) text += named_contact_row(name, contact);
   return text + unconverged_row(summary);

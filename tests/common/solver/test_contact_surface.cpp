@@ -68,7 +68,9 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   EXPECT_EQ(report.pairs_stick, 1);
   EXPECT_EQ(report.pairs_slip, 1);
   EXPECT_EQ(report.pairs_open, 1);
-  EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
+  EXPECT_NEAR(report.contact_pressure_mean_pa, 80.0, 1e-13) << "8 N on the ends' 2 x 0.05 m x 1 m";
+  EXPECT_NEAR(report.contact_pressure_max_pa, 100.0, 1e-13);
+  EXPECT_EQ(report.contact_radius_m, 0.0) << "plane strain has none";
   EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
   EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-4);
   account.impulses = plates.surface.no_impulses();
