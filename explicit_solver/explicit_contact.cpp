@@ -37,7 +37,7 @@ ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurfa
     : law_(&law),
       dt_(dt),
       surface_(std::move(surface)),
-      shared_(solver::share_nodes(surface_.pairs)),
+      shared_(surface_.askew || solver::share_nodes(surface_.pairs)),
       sliding_(std::move(sliding)) {
   if (sliding_ && !sliding_->any()) sliding_.reset();
   state_.forces.resize(surface_.pairs.size());
@@ -83,7 +83,7 @@ void ExplicitContact::couple_pairs(const std::vector<BodyState>& states) {
   const auto by_dof = [](const Use& x, const Use& y) { return std::tie(x.part, x.dof) < std::tie(y.part, y.dof); };
   std::stable_sort(uses.begin(), uses.end(), by_dof);
 
-  own_.assign(surface_.pairs.size(), Eigen::Matrix3d::Zero());
+  own_.assign(surface_.pairs.size(), Eigen::Vector3d::Zero());
   coupled_start_.assign(1, 0);
   coupled_.clear();
   std::vector<std::size_t> place(surface_.pairs.size());
@@ -106,7 +106,7 @@ void ExplicitContact::couple_pairs(const std::vector<BodyState>& states) {
     }
     for (std::size_t k = coupled_start_.back(); k < coupled_.size(); ++k) {
       met[coupled_[k].pair] = false;
-      if (coupled_[k].pair == i) own_[i] = coupled_[k].inverse_mass;
+      if (coupled_[k].pair == i) own_[i] = coupled_[k].inverse_mass.diagonal();
     }
     coupled_start_.push_back(coupled_.size());
   }
@@ -266,7 +266,8 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
   for (; change > solver::settled_share * largest && sweep < solver::most_sweeps; ++sweep) {
     change = largest = 0.0;
     for (std::size_t i = 0; i < forces.size(); ++i) {
-      const Eigen::Vector3d before = vector_of(forces[i]), without = rates_[i] - acting_time * (own_[i] * before);
+      const Eigen::Vector3d before = vector_of(forces[i]),
+                            without = rates_[i] - acting_time * own_[i].cwiseProduct(before);
       forces[i] = find_force(i, states, without[0], without.tail<2>(), acting_time);
       const Eigen::Vector3d more = vector_of(forces[i]) - before;
       largest = std::max(largest, std::abs(forces[i].normal));
@@ -283,7 +284,6 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
 }
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
-  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
   };

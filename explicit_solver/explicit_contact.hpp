@@ -103,13 +103,13 @@ class ExplicitContact {
   double dt_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
-  bool shared_;  ///< pairs share nodes
+  bool shared_;  ///< forces move other pairs, or the own one along other directions
   std::optional<solver::SlidingRows> sliding_;
   State state_;
   std::optional<solver::MasslessNodes> massless_;
   std::vector<Still> still_;                ///< per pair
   std::vector<Eigen::Vector3d> rates_;      ///< per pair, along n, t and b
-  std::vector<Eigen::Matrix3d> own_;        ///< per pair, of its own forces [1/kg]
+  std::vector<Eigen::Vector3d> own_;        ///< per pair and direction, of its own force there [1/kg]
   std::vector<std::size_t> coupled_start_;  ///< of pair i: coupled_[coupled_start_[i]] ...; empty: to be found
   std::vector<Coupled> coupled_;
   std::vector<Force> old_forces_;

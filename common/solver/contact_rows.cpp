@@ -52,6 +52,35 @@ Eigen::Matrix3d axes_of(const Eigen::Vector3d& normal) {
   return axes;
 }
 
+/// The first surface's node lies on a plane of symmetry, where a support holds it along `direction`, and so does the
+/// second surface: it ends there, held as well. The row of the whole bodies has as much of it beyond the plane, which
+/// slips the other way: along `direction` nothing slips and there is no friction.
+bool ends_at_symmetry(const scene::Problem& problem, const scene::ContactGeometry& geometry,
+                      const scene::ContactPair& pair, const Eigen::Vector3d& direction) {
+  constexpr double tolerance = 1e-9;
+  Eigen::Index c = 0;
+  if (pair.b.size() < 2 || direction.cwiseAbs().maxCoeff(&c) < 1.0 - tolerance) return false;
+  const auto held = [&](int body, int node) {
+    const auto& of = problem.bodies[static_cast<std::size_t>(body)];
+    const auto dof = static_cast<std::size_t>(node * problem.scene.components() + static_cast<int>(c));
+    return of.fixed_dof[dof] && of.prescribed_index[dof] < 0;
+  };
+  const auto place = [&](int body, int node) {
+    return problem.bodies[static_cast<std::size_t>(body)].mesh.position[static_cast<std::size_t>(node)][c];
+  };
+  if (!held(geometry.body_a, pair.node_a)) return false;
+  const double plane = place(geometry.body_a, pair.node_a);
+  double low = 0.0, high = 0.0;
+  for (const auto& [node, weight] : pair.b) {
+    low = std::min(low, place(geometry.body_b, node) - plane);
+    high = std::max(high, place(geometry.body_b, node) - plane);
+  }
+  const double near = tolerance * (high - low);
+  return std::min(high, -low) <= near && std::any_of(pair.b.begin(), pair.b.end(), [&](const auto& b) {
+           return held(geometry.body_b, b.node) && std::abs(place(geometry.body_b, b.node) - plane) <= near;
+         });
+}
+
 Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   if (from == to) return {};
   return {true, axes_of(to).transpose() * axes_of(from)};
@@ -70,9 +99,13 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
   nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
   Turn to_contact = turn_of(pair.normal, geometry.normal);
   if (problem.scene.model == scene::Model::axisymmetric) to_contact.matrix(1, 0) = 0.0;
+  const auto along = [&](const Eigen::Vector3d& direction) {
+    return ends_at_symmetry(problem, geometry, pair, direction) ? ContactRow{}
+                                                                : row_of_nodes(nodes, direction, components);
+  };
   return {.normal = row_of_nodes(nodes, pair.normal, components),
-          .tangent = row_of_nodes(nodes, tangent, components),
-          .binormal = row_of_nodes(nodes, binormal, components),
+          .tangent = along(tangent),
+          .binormal = along(binormal),
           .gap0_m = pair.gap0_m,
           .area_m2 = pair.area_m2,
           .friction_coefficient = problem.scene.contacts[contact].friction_coefficient,
@@ -127,8 +160,7 @@ int ContactRow::part_of(Side side) const {
   return -1;
 }
 
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
-                                 const std::vector<BodyState>& states) {
+bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states) {
   constexpr double round_off = 1e-9;
   const auto has = [](const ContactRow& row, const RowEntry& e) {
     return std::any_of(row.entries.begin(), row.entries.end(), [&](const RowEntry& other) {
@@ -139,20 +171,12 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
     if (pair.friction_coefficient == 0.0) continue;
     for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
       for (const auto& e : row->entries) {
-        const auto& state = states[static_cast<std::size_t>(e.part)];
-        if (state.free[static_cast<std::size_t>(e.dof)]) continue;
-        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) < 2) continue;
-        const int node = e.dof / 3;
-        const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
-        throw ConfigError(fmt::format(
-            "{}.friction_coefficient: the contact node {} of body '{}' at {} is held along a coordinate that is "
-            "neither along the normal nor along the tangent or the binormal of the contact; friction of solids knows "
-            "supports along those alone: turn the meshes, or allowed there: 0",
-            keys[pair.contact], state.part.body_node[static_cast<std::size_t>(node)], state.name,
-            fem::place_text(state.part.mesh.model, x)));
+        if (states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)]) continue;
+        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) > 1) return true;
       }
     }
   }
+  return false;
 }
 
 bool share_nodes(const std::vector<Pair>& pairs) {

@@ -101,7 +101,7 @@ struct Pair {
     tangent.push(force[0], states, of_part);
     binormal.push(force[1], states, of_part);
   }
-  /// T M^-1 T^T [1/kg], diagonal for supports that `require_supports_along_rows` lets pass
+  /// The diagonal of T M^-1 T^T [1/kg], which is all of it unless the pair is `held_askew`
   [[nodiscard]] Eigen::Matrix2d inverse_mass_along(const std::vector<BodyState>& states) const;
 };
 
@@ -118,11 +118,9 @@ struct PartNodes {
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
 
-/// Of solids: refuses, with a ConfigError, a contact node with friction that is held along a coordinate which is in two
-/// of a pair's directions, so that what it does along one depends on the other. (In two dimensions nobody asks.)
-/// `keys`: of the contacts in the scene file.
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
-                                 const std::vector<BodyState>& states);
+/// Whether a support holds a node with friction along a coordinate that is in two of a pair's directions, as off a
+/// plane of symmetry of curved surfaces: then what the pair gets along one of them moves it along the other.
+[[nodiscard]] bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
 
 /// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs, or along the
 /// tangent of one with friction and the normal of another contact's, as in a corner: then what a law gives one of them

@@ -34,9 +34,8 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
       law_(&problem.scene.contact_law()),
       friction_(problem.scene.friction()),
       surface_(std::move(surface)),
-      shared_(solver::share_nodes(surface_.pairs)) {
+      shared_(surface_.askew || solver::share_nodes(surface_.pairs)) {
   if (solver::SlidingRows sliding(problem, states); sliding.any()) sliding_ = std::move(sliding);
-  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);

@@ -202,7 +202,7 @@ class ImplicitContact {
   const scene::Contact* law_;
   bool friction_;  ///< of any contact
   solver::ContactSurface surface_;
-  bool shared_;  ///< pairs share nodes
+  bool shared_;  ///< forces move other pairs, or the own one along other directions
   std::optional<solver::SlidingRows> sliding_;
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;

@@ -33,7 +33,7 @@ void ImplicitContact::follow(const std::vector<BodyState>& states) {
 
 /// All that is sized by the pairs or computed from their rows, but what state_ keeps of them.
 void ImplicitContact::take_new_pairs(const std::vector<BodyState>& states) {
-  shared_ = solver::share_nodes(surface_.pairs);
+  shared_ = solver::held_askew(surface_.pairs, states) || solver::share_nodes(surface_.pairs);
   find_weights(states);
   impulse_.assign(surface_.pairs.size(), {});
   remembered_ = jump_impulse_ = impulse_;
