@@ -195,7 +195,8 @@ void ImplicitSolver::account() {
     const auto at = parts_.offsets[b];
     states_[b].account_external(
         dt, [&](int dof) { return 0.5 * (forces_.external[at + dof] + trial_.end.external[at + dof]); },
-        [&](int dof) { return trial_.increment[at + dof]; });
+        [&](int dof) { return trial_.increment[at + dof]; },
+        [&](int dof) { return states_[b].u[dof] + 0.5 * trial_.increment[at + dof]; });
     for (const int dof : states_[b].shared_dofs) {
       interface_work_j_[b] -= 0.5 * (forces_.link[at + dof] + trial_.end.link[at + dof]) * trial_.increment[at + dof];
     }

@@ -24,10 +24,10 @@ struct BodyTotals {
   double impulse_n_kg_m_s = 0.0;   ///< given so far by loads, supports, prescribed motion and a rigid plane
   double impulse_t_kg_m_s = 0.0;
   double impulse_b_kg_m_s = 0.0;
-  /// Plane strain: about the origin, with the reference positions as arms, which is what small displacements conserve.
-  /// Else 0.
-  double angular_momentum_kg_m2_s = 0.0;
-  double angular_impulse_kg_m2_s = 0.0;
+  /// Sum of (x + u) x m v about the origin, and what was given of it so far: of solids, and in plane strain about z.
+  /// Else 0, which nobody tells of.
+  double angular_momentum_x_kg_m2_s = 0.0, angular_momentum_y_kg_m2_s = 0.0, angular_momentum_z_kg_m2_s = 0.0;
+  double angular_impulse_x_kg_m2_s = 0.0, angular_impulse_y_kg_m2_s = 0.0, angular_impulse_z_kg_m2_s = 0.0;
 
   void archive(Archive& a);
 };
@@ -70,7 +70,7 @@ struct ContactRecord : ContactTotals {
 template <class Totals>
 using Quantity = std::pair<std::string_view, double Totals::*>;
 
-inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
+inline constexpr std::array<Quantity<BodyTotals>, 17> body_quantities = {{
     {"mass_kg", &BodyTotals::mass_kg},
     {"energy_kinetic_j", &BodyTotals::energy_kinetic_j},
     {"energy_strain_j", &BodyTotals::energy_strain_j},
@@ -82,8 +82,12 @@ inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
     {"impulse_n_kg_m_s", &BodyTotals::impulse_n_kg_m_s},
     {"impulse_t_kg_m_s", &BodyTotals::impulse_t_kg_m_s},
     {"impulse_b_kg_m_s", &BodyTotals::impulse_b_kg_m_s},
-    {"angular_momentum_kg_m2_s", &BodyTotals::angular_momentum_kg_m2_s},
-    {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
+    {"angular_momentum_x_kg_m2_s", &BodyTotals::angular_momentum_x_kg_m2_s},
+    {"angular_momentum_y_kg_m2_s", &BodyTotals::angular_momentum_y_kg_m2_s},
+    {"angular_momentum_z_kg_m2_s", &BodyTotals::angular_momentum_z_kg_m2_s},
+    {"angular_impulse_x_kg_m2_s", &BodyTotals::angular_impulse_x_kg_m2_s},
+    {"angular_impulse_y_kg_m2_s", &BodyTotals::angular_impulse_y_kg_m2_s},
+    {"angular_impulse_z_kg_m2_s", &BodyTotals::angular_impulse_z_kg_m2_s},
 }};
 
 inline constexpr std::array<Quantity<ContactRecord>, 23> contact_quantities = {{

@@ -89,7 +89,7 @@ Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 }  // namespace
 
 Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
-             const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m) {
+             const std::vector<PartNodes>& parts) {
   const auto& geometry = problem.contacts[contact];
   const int components = problem.scene.components();
   const Eigen::Vector3d tangent = scene::tangent_of(pair.normal);
@@ -111,7 +111,6 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
           .friction_coefficient = problem.scene.contacts[contact].friction_coefficient,
           .contact = contact,
           .node_a = pair.node_a,
-          .slid_m = shift_m.dot(tangent),
           .to_contact = to_contact,
           .to_momentum = turn_of(pair.normal, scene::momentum_normal(problem))};
 }
@@ -119,8 +118,7 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
 std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts) {
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-    for (const auto& pair : problem.contacts[i].pairs)
-      pairs.push_back(pair_of(problem, i, pair, parts, Eigen::Vector3d::Zero()));
+    for (const auto& pair : problem.contacts[i].pairs) pairs.push_back(pair_of(problem, i, pair, parts));
   }
   return pairs;
 }
@@ -206,7 +204,7 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
     state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;
     state.totals.impulse_t_kg_m_s -= state.tangent[c] * on_support;
     state.totals.impulse_b_kg_m_s -= state.binormal[c] * on_support;
-    if (state.arm.size() > 0) state.totals.angular_impulse_kg_m2_s -= state.arm[e.dof] * on_support;
+    state.give_moment(e.dof, -on_support);
   }
 }
 
@@ -216,10 +214,6 @@ void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& ta
                   std::vector<BodyState>& states, ContactImpulses& impulses) {
   impulses[pair.contact].of_normal += pair.to_contact(normal_n_s, Eigen::Vector2d::Zero());
   impulses[pair.contact].of_friction += pair.to_contact(0.0, tangential_n_s);
-  if (pair.slid_m != 0.0) {
-    auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
-    if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;
-  }
   take_from_supports(pair.normal, normal_n_s, states);
   take_from_supports(pair.tangent, tangential_n_s[0], states);
   take_from_supports(pair.binormal, tangential_n_s[1], states);
@@ -229,10 +223,12 @@ void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& ta
   state.totals.impulse_n_kg_m_s -= given[0];
   state.totals.impulse_t_kg_m_s -= given[1];
   state.totals.impulse_b_kg_m_s -= given[2];
-  if (state.arm.size() == 0) return;
-  const auto arm = [&](int) -> const Eigen::VectorXd& { return state.arm; };
-  state.totals.angular_impulse_kg_m2_s +=
-      normal_n_s * pair.normal.times(arm) + tangential_n_s[0] * pair.tangent.times(arm);
+  const auto give_moments = [&](const ContactRow& row, double impulse_n_s) {
+    for (const auto& e : row.entries) state.give_moment(e.dof, e.coefficient * impulse_n_s);
+  };
+  give_moments(pair.normal, normal_n_s);
+  give_moments(pair.tangent, tangential_n_s[0]);
+  give_moments(pair.binormal, tangential_n_s[1]);
 }
 
 }  // namespace ricochet::solver

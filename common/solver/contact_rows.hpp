@@ -80,7 +80,6 @@ struct Pair {
   double friction_coefficient = 0.0;
   std::size_t contact = 0;  ///< index into Problem::contacts
   int node_a = -1;          ///< of the first surface's body mesh
-  double slid_m = 0.0;      ///< along t, by how much the rows have B displaced against A
   /// To the directions of its contact, in which forces are reported, and to those of the momentum balance. About an
   /// axis what normal forces have across it cancels.
   Turn to_contact{}, to_momentum{};
@@ -111,9 +110,9 @@ struct PartNodes {
   const std::vector<int>* body_node = nullptr;
 };
 
-/// The rows of a pair whose second body has moved by `shift_m` against the first.
+/// The rows of a pair.
 [[nodiscard]] Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
-                           const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m);
+                           const std::vector<PartNodes>& parts);
 /// The rows of a scene's contact pairs (all contact nodes must be among the parts).
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
@@ -142,8 +141,7 @@ inline constexpr int most_sweeps = 1000;
 
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
-/// is booked to its totals. So is what a body that has slid by s along t adds to an angular momentum whose arms are the
-/// reference places, s p_n: its own arms are longer by s.
+/// is booked to its totals, with its moment about the origin where the nodes are.
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states, ContactImpulses& impulses);
 

@@ -115,7 +115,7 @@ void SlidingRows::write(std::vector<Pair>& pairs) const {
       continue;
     }
     for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
-      written.push_back(pair_of(*problem_, i, pair, parts_, sliding->slide.shift_m));
+      written.push_back(pair_of(*problem_, i, pair, parts_));
   }
   pairs = std::move(written);
 }

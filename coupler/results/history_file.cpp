@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <string_view>
@@ -44,7 +45,6 @@ constexpr Column columns[] = {
     {"energy_error", [](const HistoryRow& row) -> double { return row.energy_error; }},
     {"momentum_n_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_n_kg_m_s; }},
     {"momentum_t_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_t_kg_m_s; }},
-    {"angular_momentum_kg_m2_s", [](const HistoryRow& row) -> double { return row.sum.angular_momentum_kg_m2_s; }},
     {"contact_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.contact_impulse_n_s; }},
     {"friction_impulse_n_s", [](const HistoryRow& row) -> double { return row.contact.friction_impulse_n_s; }},
     {"normal_impulse_t_n_s", [](const HistoryRow& row) -> double { return row.contact.normal_impulse_t_n_s; }},
@@ -63,6 +63,21 @@ constexpr Column solid_columns[] = {
 
 constexpr Column radius_column = {"contact_radius_m",
                                   [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};
+
+/// nan where somebody does not tell it.
+double told(const HistoryRow& row, double kg_m2_s) {
+  return row.angular_momentum_error ? kg_m2_s : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// In plane strain the last one alone.
+constexpr Column angular_columns[] = {
+    {"angular_momentum_x_kg_m2_s",
+     [](const HistoryRow& row) -> double { return told(row, row.sum.angular_momentum_x_kg_m2_s); }},
+    {"angular_momentum_y_kg_m2_s",
+     [](const HistoryRow& row) -> double { return told(row, row.sum.angular_momentum_y_kg_m2_s); }},
+    {"angular_momentum_z_kg_m2_s",
+     [](const HistoryRow& row) -> double { return told(row, row.sum.angular_momentum_z_kg_m2_s); }},
+};
 
 bool of_solids_alone(double ContactTotals::*member) {
   return member == &ContactTotals::friction_force_b_n || member == &ContactTotals::friction_impulse_b_n_s ||
@@ -84,6 +99,7 @@ void for_each_further(const HistoryShape& shape, const F& f) {
   if (shape.solid) {
     for (const auto& column : solid_columns) f(column);
   }
+  for (int i = 3 - shape.angular; i < 3; ++i) f(angular_columns[i]);
   if (shape.round) f(radius_column);
 }
 
@@ -95,9 +111,18 @@ void tell_no_gap(ContactTotals& contact, bool has_contact) {
 
 }  // namespace
 
+int angular_components(const scene::Problem& problem) {
+  const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(), [](const auto& body) {
+    return body.mesh.period_m > 0.0 || body.mesh.period_wide_m > 0.0;
+  });
+  if (periodic) return 0;
+  return problem.scene.model == scene::Model::solid ? 3 : problem.scene.model == scene::Model::plane_strain ? 1 : 0;
+}
+
 HistoryShape history_shape(const scene::Problem& problem) {
   HistoryShape shape{.has_contact = !problem.contacts.empty(),
                      .solid = problem.scene.components() == 3,
+                     .angular = angular_components(problem),
                      .round = problem.scene.components() == 3 || problem.scene.model == scene::Model::axisymmetric,
                      .contacts = problem.scene.contact_names()};
   shape.bodies = problem.scene.body_names();

@@ -220,8 +220,8 @@ std::string to_table(const Summary& s, const Tally& tally) {
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
                                           tally.energy_error_lowest, tally.energy_error_highest));
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
-  if (tally.angular_momentum_error_max > 0) {
-    text += row("angular momentum error", fmt::format("{:.3e}", tally.angular_momentum_error_max));
+  if (tally.angular_momentum_error_max) {
+    text += row("angular momentum error", fmt::format("{:.3e}", *tally.angular_momentum_error_max));
   }
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));

@@ -55,7 +55,8 @@ class Tally {
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
     momentum_error_max = std::max(momentum_error_max, row.momentum_error);
-    angular_momentum_error_max = std::max(angular_momentum_error_max, row.angular_momentum_error);
+    if (row.angular_momentum_error)
+      angular_momentum_error_max = std::max(angular_momentum_error_max.value_or(0.0), *row.angular_momentum_error);
     peak_contact_force_n = std::max(peak_contact_force_n, row.contact.contact_force_n);
     peak_contact_pressure_pa = std::max(peak_contact_pressure_pa, row.contact.contact_pressure_max_pa);
     largest_contact_radius_m = std::max(largest_contact_radius_m, row.contact.contact_radius_m);
@@ -92,7 +93,7 @@ class Tally {
   double largest_contact_radius_m = 0;  ///< 0: it has none
   ContactTally contact;
   std::vector<ContactResult> each_contact;
-  double angular_momentum_error_max = 0;
+  std::optional<double> angular_momentum_error_max;  ///< empty: it is not computed
   std::optional<double> first_contact_s;
 
  private:

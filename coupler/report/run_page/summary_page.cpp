@@ -97,7 +97,7 @@ std::string balance_rows(const Json& summary) {
   }
   if (momentum) text += row("momentum error", fmt::format("{:.3e}", *momentum));
   const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
-  if (angular && *angular > 0) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
+  if (angular) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
   if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
   return text;
 }

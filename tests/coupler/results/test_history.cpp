@@ -209,13 +209,40 @@ TEST(Errors, AngularMomentumAgainstMomentumTimesTheArm) {
   Errors errors(Conserved{{{1, 0}, {0, 1}}, 0.5}), unbalanced;
   for (auto* e : {&errors, &unbalanced}) {
     auto row = row_of(1, 0, 0, 4, 0);
-    row.sum.angular_momentum_kg_m2_s = 7;
+    row.sum.angular_momentum_z_kg_m2_s = 7;
     e->add(row);
-    row.sum.angular_momentum_kg_m2_s = 9;
-    row.sum.angular_impulse_kg_m2_s = 1.5;
+    row.sum.angular_momentum_z_kg_m2_s = 9;
+    row.sum.angular_impulse_z_kg_m2_s = 1.5;
     e->add(row);
-    EXPECT_DOUBLE_EQ(row.angular_momentum_error, e == &errors ? 0.25 : 0.0);
+    EXPECT_EQ(row.angular_momentum_error, e == &errors ? std::optional(0.25) : std::nullopt) << "not 0";
+    row.sum.angular_impulse_x_kg_m2_s = 0.3;
+    row.sum.angular_momentum_y_kg_m2_s = 0.4;
+    e->add(row);
+    if (e == &errors) {
+      EXPECT_DOUBLE_EQ(*row.angular_momentum_error, std::sqrt(0.5) / 2.0) << "of a vector";
+    }
   }
+}
+
+/// Of solids all three components have to be told by everyone, else the balance is empty.
+TEST(History, BalancesAngularMomentumWhereAllOfItIsTold) {
+  const Conserved solid{{{1, 0}, {0, 1}, {0, 0, 1}}, 0.5}, plane{{{1, 0}, {0, 1}}, 0.5};
+  std::vector<std::string> columns = {"window", "momentum_n_kg_m_s/rod", "angular_momentum_z_kg_m2_s/rod"};
+  const auto balanced = [&](const Conserved& conserved) {
+    History history({{"p", columns}}, {"rod"}, conserved);
+    history.add(0, std::vector<double>(columns.size(), 0.0));
+    return history.next(1.0)->angular_momentum_error.has_value();
+  };
+  EXPECT_TRUE(balanced(plane));
+  EXPECT_FALSE(balanced(solid));
+  columns.insert(columns.end(), {"angular_momentum_x_kg_m2_s/rod", "angular_momentum_y_kg_m2_s/rod"});
+  EXPECT_TRUE(balanced(solid));
+  columns[2] = "angular_momentum_kg_m2_s/rod";
+  EXPECT_THAT(text_of([&] {
+                History({{"p", columns}}, {"rod"}, plane);
+              }),
+              HasSubstr("announces the unknown history column \"angular_momentum_kg_m2_s/rod\""))
+      << "with the arms of the start: not read as something else";
 }
 
 TEST(Errors, StartAtRestHasNoReferenceAtFirst) {
@@ -246,12 +273,12 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
             "pa,friction_force_n,"
             "normal_force_t_n,"
             "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
-            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,angular_momentum_kg_"
-            "m2_s,contact_impulse_n_s,"
+            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,"
+            "contact_impulse_n_s,"
             "friction_impulse_n_s,normal_impulse_t_n_s,contact_iterations,contact_residual,contact_unconverged,"
             "velocity_mean_rod_m_s");
-  EXPECT_THAT(
-      line, AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,0,1.5")));
+  EXPECT_THAT(line,
+              AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
 }
 
 /// A column without a body is one of the contact's owner, or the work of a link.
