@@ -13,15 +13,13 @@ namespace {
 template <int lanes>
 struct Lanes {
   using Array = Eigen::Array<double, lanes, 1>;
-  Array momentum = Array::Zero(), angular = Array::Zero(), velocity = Array::Zero(), acceleration = Array::Zero(),
-        strain = Array::Zero();
+  Array momentum = Array::Zero(), velocity = Array::Zero(), acceleration = Array::Zero(), strain = Array::Zero();
 
   template <class Vector>
   void add(const BodyState& state, const Eigen::VectorXd& internal, const Vector& at) {
     const auto m = at(state.mass), v = at(state.v), a = at(state.a);
     const Array p = m * v;
     momentum += p;
-    if (state.arm.size() > 0) angular += at(state.arm) * p;
     velocity += p * v;
     acceleration += m * a * a;
     strain += at(state.u) * at(internal);
@@ -29,7 +27,6 @@ struct Lanes {
   [[nodiscard]] BlockSums sums(int components) const {
     BlockSums sums;
     for (int lane = 0; lane < lanes; ++lane) sums.momentum_kg_m_s[lane % components] += momentum[lane];
-    for (int lane = 0; lane < lanes; ++lane) sums.angular_kg_m2_s += angular[lane];
     for (int lane = 0; lane < lanes; ++lane) sums.velocity_j += velocity[lane];
     for (int lane = 0; lane < lanes; ++lane) sums.acceleration_j_s2 += acceleration[lane];
     for (int lane = 0; lane < lanes; ++lane) sums.strain_j += strain[lane];
@@ -57,22 +54,18 @@ BlockSums sums_by_lanes(const BodyState& state, const Eigen::VectorXd& internal,
 }  // namespace
 
 std::array<double, BlockSums::numbers> BlockSums::as_numbers() const {
-  return {momentum_kg_m_s[0],
-          momentum_kg_m_s[1],
-          momentum_kg_m_s[2],
-          angular_kg_m2_s,
-          velocity_j,
-          acceleration_j_s2,
-          strain_j};
+  return {momentum_kg_m_s[0], momentum_kg_m_s[1], momentum_kg_m_s[2],
+          angular_kg_m2_s[0], angular_kg_m2_s[1], angular_kg_m2_s[2],
+          velocity_j,         acceleration_j_s2,  strain_j};
 }
 
 BlockSums BlockSums::from_numbers(const double* given) {
-  return {{given[0], given[1], given[2]}, given[3], given[4], given[5], given[6]};
+  return {{given[0], given[1], given[2]}, {given[3], given[4], given[5]}, given[6], given[7], given[8]};
 }
 
 void BlockSums::add(const BlockSums& other) {
   for (int c = 0; c < 3; ++c) momentum_kg_m_s[c] += other.momentum_kg_m_s[c];
-  angular_kg_m2_s += other.angular_kg_m2_s;
+  for (int c = 0; c < 3; ++c) angular_kg_m2_s[c] += other.angular_kg_m2_s[c];
   velocity_j += other.velocity_j;
   acceleration_j_s2 += other.acceleration_j_s2;
   strain_j += other.strain_j;
@@ -81,8 +74,11 @@ void BlockSums::add(const BlockSums& other) {
 BlockSums block_sums(const BodyState& state, const Eigen::VectorXd& internal, int block) {
   const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
   const int first = block * rows, last = std::min(first + rows, state.part.dofs());
-  return components == 3 ? sums_by_lanes<24>(state, internal, first, last, components)
-                         : sums_by_lanes<8>(state, internal, first, last, components);
+  BlockSums sums = components == 3 ? sums_by_lanes<24>(state, internal, first, last, components)
+                                   : sums_by_lanes<8>(state, internal, first, last, components);
+  const Eigen::Vector3d angular = state.angular_momentum_of(first / components, last / components);
+  std::copy_n(angular.data(), 3, sums.angular_kg_m2_s);
+  return sums;
 }
 
 BlockSums part_sums(const BodyState& state, const Eigen::VectorXd& internal) {
@@ -97,7 +93,7 @@ void set_totals(const BlockSums& sums, double dt, const solver::InternalForce& e
   totals.momentum_n_kg_m_s = state.normal.dot(momentum);
   totals.momentum_t_kg_m_s = state.tangent.dot(momentum);
   totals.momentum_b_kg_m_s = state.binormal.dot(momentum);
-  totals.angular_momentum_kg_m2_s = sums.angular_kg_m2_s;
+  state.set_angular_momentum(Eigen::Vector3d(sums.angular_kg_m2_s));
   totals.energy_kinetic_j = 0.5 * (sums.velocity_j - 0.25 * dt * dt * sums.acceleration_j_s2);
   totals.energy_strain_j = elements.stored(state.u, 0.5 * sums.strain_j);
 }

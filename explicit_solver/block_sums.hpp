@@ -14,12 +14,12 @@ using solver::block_nodes, solver::blocks_of;
 /// Sums over the degrees of freedom of one block of nodes, or of several, of a part.
 struct BlockSums {
   double momentum_kg_m_s[3] = {0.0, 0.0, 0.0};  ///< m v, by component
-  double angular_kg_m2_s = 0.0;                 ///< arm m v
+  double angular_kg_m2_s[3] = {0.0, 0.0, 0.0};  ///< (x + u) x m v
   double velocity_j = 0.0;                      ///< v m v
   double acceleration_j_s2 = 0.0;               ///< a m a
   double strain_j = 0.0;                        ///< u . K u
 
-  static constexpr int numbers = 7;
+  static constexpr int numbers = 9;
   [[nodiscard]] std::array<double, numbers> as_numbers() const;
   [[nodiscard]] static BlockSums from_numbers(const double* numbers);
   void add(const BlockSums& other);

@@ -199,7 +199,6 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
 }
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
-  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
   };

@@ -190,8 +190,8 @@ void MotionDriven::account() {
     const auto &before = state_.parts[b].external, &after = trials_[b].forces.external;
     const auto &u = states_[b].u, &u_before = trials_[b].u;
     states_[b].account_external(
-        dt_, [&](int dof) { return 0.5 * (before[dof] + after[dof]); },
-        [&](int dof) { return u[dof] - u_before[dof]; });
+        dt_, [&](int dof) { return 0.5 * (before[dof] + after[dof]); }, [&](int dof) { return u[dof] - u_before[dof]; },
+        [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
     account_interface(b);
   }
 }

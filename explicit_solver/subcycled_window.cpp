@@ -143,9 +143,9 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
         [this](int dof, double load) { return load - trial_internal_[dof]; }, trial_external_);
     solver::set_reactions(state, time_s, dt_, trial_internal_, trial_external_);
     state.book([&](int dof) { return 0.5 * (external_old_[dof] + trial_external_[dof]); },
-               [&](int dof) { return u_[dof] - u_old[dof]; },
-               [&](double mean_force, double moved, int component, double arm) {
-                 given_.add(dt_, mean_force, moved, component, arm);
+               [&](int dof) { return u_[dof] - u_old[dof]; }, [&](int dof) { return 0.5 * (u_[dof] + u_old[dof]); },
+               [&](double mean_force, double moved, int component, const Eigen::Vector3d& place) {
+                 given_.add(dt_, mean_force, moved, component, place);
                });
     a_new_ = state.inverse_mass.cwiseProduct(trial_external_ - trial_internal_);
     for (std::size_t i = 0; i < state.shared_dofs.size(); ++i) {
@@ -186,7 +186,8 @@ void SubcycledWindow::correct(const BodyState& state, double begin_s, const Eige
     for (const auto& [at, c] : near_constrained_) {
       const double end_s = begin_s + j * dt_;
       d_given_.add(dt_, 0.5 * (d_internal_old_[at] + d_internal_[at]), c->at(end_s) - c->at(end_s - dt_),
-                   c->dof % components, state.arm.size() > 0 ? state.arm[c->dof] : 0.0);
+                   c->dof % components,
+                   state.place_of(c->dof, [&](int dof) { return 0.5 * (state.u[dof] + u_[dof]); }));
     }
     dv_ = fem::corrected_velocity(dv_, da_, da_new_, dt_);
     da_.swap(da_new_);

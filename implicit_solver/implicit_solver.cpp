@@ -195,7 +195,8 @@ void ImplicitSolver::account() {
     const auto at = parts_.offsets[b];
     states_[b].account_external(
         dt, [&](int dof) { return 0.5 * (forces_.external[at + dof] + trial_.end.external[at + dof]); },
-        [&](int dof) { return trial_.increment[at + dof]; });
+        [&](int dof) { return trial_.increment[at + dof]; },
+        [&](int dof) { return states_[b].u[dof] + 0.5 * trial_.increment[at + dof]; });
     for (const int dof : states_[b].shared_dofs) {
       interface_work_j_[b] -= 0.5 * (forces_.link[at + dof] + trial_.end.link[at + dof]) * trial_.increment[at + dof];
     }
@@ -267,6 +268,7 @@ void ImplicitSolver::restore(const State& state) {
 }
 
 void ImplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {
+  if (surroundings_.empty()) surroundings_ = solver::surroundings_of(states_);
   solver::load_motion(state, states_);
   if (contact_) contact_->freeze(contact);
   State homogeneous = this->state();
@@ -287,6 +289,10 @@ std::string ImplicitSolver::save_state() {
 
 void ImplicitSolver::restore_state(std::string_view bytes) {
   Archive in(bytes, "the state of participant '" + spec_->name + "'");
+  if (!surroundings_.empty()) {
+    solver::give_back(std::exchange(surroundings_, {}), states_);
+    if (contact_) contact_->freeze(std::nullopt);
+  }
   State state = this->state();
   archive(state, in);
   in.end();

@@ -8,6 +8,7 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
+#include "common/solver/free_motion.hpp"
 #include "common/solver/model_watch.hpp"
 #include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
@@ -91,6 +92,7 @@ class ImplicitSolver final : public participant::Participant {
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
+  std::vector<solver::Surroundings> surroundings_;            ///< that `load_state` took away; else empty
   SeparationWatch separation_;
   participant::ContactStatus status_;
 };

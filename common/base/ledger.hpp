@@ -24,10 +24,10 @@ struct BodyTotals {
   double impulse_n_kg_m_s = 0.0;   ///< given so far by loads, supports, prescribed motion and a rigid plane
   double impulse_t_kg_m_s = 0.0;
   double impulse_b_kg_m_s = 0.0;
-  /// Plane strain: about the origin, with the reference positions as arms, which is what small displacements conserve.
-  /// Else 0.
-  double angular_momentum_kg_m2_s = 0.0;
-  double angular_impulse_kg_m2_s = 0.0;
+  /// Sum of (x + u) x m v about the origin, and what was given of it so far: of solids, and in plane strain about z.
+  /// Else 0, which nobody tells of.
+  double angular_momentum_x_kg_m2_s = 0.0, angular_momentum_y_kg_m2_s = 0.0, angular_momentum_z_kg_m2_s = 0.0;
+  double angular_impulse_x_kg_m2_s = 0.0, angular_impulse_y_kg_m2_s = 0.0, angular_impulse_z_kg_m2_s = 0.0;
 
   void archive(Archive& a);
 };
@@ -37,13 +37,18 @@ struct BodyTotals {
 /// = change of momentum holds exactly.
 struct ContactTotals {
   double gap_min_m = 0.0;
-  double contact_force_n = 0.0;                                  ///< on B along +n, over the window
-  double contact_pressure_mean_pa = 0.0;                         ///< that over the area of the pairs
-  double friction_force_n = 0.0;                                 ///< on B along +t, over the window
-  double friction_force_b_n = 0.0;                               ///< of solids: on B along +(n x t)
+  double contact_force_n = 0.0;  ///< on B along +n, over the window, friction's too
+  /// Of the closed pairs, whose normal force over their area is above 1e-3 of the largest: mean and largest of it.
+  double contact_pressure_mean_pa = 0.0, contact_pressure_max_pa = 0.0;
+  double contact_radius_m = 0.0;    ///< of axisymmetric and solid bodies: of the circle as large as their area
+  double friction_force_n = 0.0;    ///< of friction on B along +t, over the window
+  double friction_force_b_n = 0.0;  ///< of solids: of friction on B along +(n x t)
+  /// Of the normal forces of a curved surface on B along +t and, of solids, along +(n x t), over the window.
+  double normal_force_t_n = 0.0, normal_force_b_n = 0.0;
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
   double friction_impulse_b_n_s = 0.0;
+  double normal_impulse_t_n_s = 0.0, normal_impulse_b_n_s = 0.0;
 
   void archive(Archive& a);
 };
@@ -65,7 +70,7 @@ struct ContactRecord : ContactTotals {
 template <class Totals>
 using Quantity = std::pair<std::string_view, double Totals::*>;
 
-inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
+inline constexpr std::array<Quantity<BodyTotals>, 17> body_quantities = {{
     {"mass_kg", &BodyTotals::mass_kg},
     {"energy_kinetic_j", &BodyTotals::energy_kinetic_j},
     {"energy_strain_j", &BodyTotals::energy_strain_j},
@@ -77,17 +82,25 @@ inline constexpr std::array<Quantity<BodyTotals>, 13> body_quantities = {{
     {"impulse_n_kg_m_s", &BodyTotals::impulse_n_kg_m_s},
     {"impulse_t_kg_m_s", &BodyTotals::impulse_t_kg_m_s},
     {"impulse_b_kg_m_s", &BodyTotals::impulse_b_kg_m_s},
-    {"angular_momentum_kg_m2_s", &BodyTotals::angular_momentum_kg_m2_s},
-    {"angular_impulse_kg_m2_s", &BodyTotals::angular_impulse_kg_m2_s},
+    {"angular_momentum_x_kg_m2_s", &BodyTotals::angular_momentum_x_kg_m2_s},
+    {"angular_momentum_y_kg_m2_s", &BodyTotals::angular_momentum_y_kg_m2_s},
+    {"angular_momentum_z_kg_m2_s", &BodyTotals::angular_momentum_z_kg_m2_s},
+    {"angular_impulse_x_kg_m2_s", &BodyTotals::angular_impulse_x_kg_m2_s},
+    {"angular_impulse_y_kg_m2_s", &BodyTotals::angular_impulse_y_kg_m2_s},
+    {"angular_impulse_z_kg_m2_s", &BodyTotals::angular_impulse_z_kg_m2_s},
 }};
 
-inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
+inline constexpr std::array<Quantity<ContactRecord>, 23> contact_quantities = {{
     {"gap_min_m", &ContactRecord::gap_min_m},
     {"contact_force_n", &ContactRecord::contact_force_n},
     {"contact_pressure_mean_pa", &ContactRecord::contact_pressure_mean_pa},
+    {"contact_pressure_max_pa", &ContactRecord::contact_pressure_max_pa},
+    {"contact_radius_m", &ContactRecord::contact_radius_m},
     {"principal_stress_mean_pa", &ContactRecord::principal_stress_mean_pa},
     {"friction_force_n", &ContactRecord::friction_force_n},
     {"friction_force_b_n", &ContactRecord::friction_force_b_n},
+    {"normal_force_t_n", &ContactRecord::normal_force_t_n},
+    {"normal_force_b_n", &ContactRecord::normal_force_b_n},
     {"pairs_stick", &ContactRecord::pairs_stick},
     {"pairs_slip", &ContactRecord::pairs_slip},
     {"pairs_open", &ContactRecord::pairs_open},
@@ -96,23 +109,31 @@ inline constexpr std::array<Quantity<ContactRecord>, 17> contact_quantities = {{
     {"contact_impulse_n_s", &ContactRecord::contact_impulse_n_s},
     {"friction_impulse_n_s", &ContactRecord::friction_impulse_n_s},
     {"friction_impulse_b_n_s", &ContactRecord::friction_impulse_b_n_s},
+    {"normal_impulse_t_n_s", &ContactRecord::normal_impulse_t_n_s},
+    {"normal_impulse_b_n_s", &ContactRecord::normal_impulse_b_n_s},
     {"contact_iterations", &ContactRecord::contact_iterations},
     {"contact_residual", &ContactRecord::contact_residual},
     {"contact_unconverged", &ContactRecord::contact_unconverged},
 }};
 
-inline constexpr std::array<Quantity<ContactTotals>, 11> named_contact_quantities = {{
+inline constexpr std::array<Quantity<ContactTotals>, 17> named_contact_quantities = {{
     {"gap_min_m", &ContactTotals::gap_min_m},
     {"contact_force_n", &ContactTotals::contact_force_n},
     {"contact_pressure_mean_pa", &ContactTotals::contact_pressure_mean_pa},
+    {"contact_pressure_max_pa", &ContactTotals::contact_pressure_max_pa},
+    {"contact_radius_m", &ContactTotals::contact_radius_m},
     {"friction_force_n", &ContactTotals::friction_force_n},
     {"friction_force_b_n", &ContactTotals::friction_force_b_n},
+    {"normal_force_t_n", &ContactTotals::normal_force_t_n},
+    {"normal_force_b_n", &ContactTotals::normal_force_b_n},
     {"pairs_stick", &ContactTotals::pairs_stick},
     {"pairs_slip", &ContactTotals::pairs_slip},
     {"pairs_open", &ContactTotals::pairs_open},
     {"contact_impulse_n_s", &ContactTotals::contact_impulse_n_s},
     {"friction_impulse_n_s", &ContactTotals::friction_impulse_n_s},
     {"friction_impulse_b_n_s", &ContactTotals::friction_impulse_b_n_s},
+    {"normal_impulse_t_n_s", &ContactTotals::normal_impulse_t_n_s},
+    {"normal_impulse_b_n_s", &ContactTotals::normal_impulse_b_n_s},
 }};
 
 inline void BodyTotals::archive(Archive& a) {

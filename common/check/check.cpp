@@ -150,6 +150,7 @@ Plan plan(const Problem& problem) {
   for (const ParticipantPlan& participant : plan.participants) check_critical_step(problem, participant, plan.warnings);
   check_materials(problem, plan.warnings);
   check_penalty(problem, plan);
+  check_supports(problem);
   check_friction(problem, plan);
   check_impact(problem, plan);
   check_overlaps(problem, plan);

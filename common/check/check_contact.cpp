@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/fem/element.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/contact_pairs.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -165,6 +166,39 @@ void check_penalty(const Problem& problem, Plan& plan) {
         "{:.3g}",
         plan.penalty_step_ratio, law.penalty_pa_m / std::pow(plan.penalty_step_ratio, 2)));
   }
+}
+
+namespace {
+
+/// Such a pair's forces along n, t and b move each other, which laws by pairs of nodes do not know.
+void refuse_askew_supports(const Problem& problem, std::size_t index) {
+  const ContactGeometry& contact = problem.contacts[index];
+  const Sides sides(problem, contact);
+  for (const ContactPair& pair : contact.pairs) {
+    const Eigen::Vector3d t = tangent_of(pair.normal), b = pair.normal.cross(t);
+    for (std::size_t side = 0; side < sides.body.size(); ++side) {
+      const BodyProblem& body = *sides.body[side];
+      const int node = Sides::node(pair, side);
+      for (int c = 0; c < 3; ++c) {
+        const auto along = [c](const Eigen::Vector3d& direction) { return std::abs(direction[c]) > 1e-9; };
+        if (!body.fixed_dof[at(3 * node + c)] || along(pair.normal) + along(t) + along(b) < 2) continue;
+        throw ConfigError(fmt::format(
+            "{}: the contact node {} of body '{}' at {} is held along a coordinate that is neither along the normal "
+            "nor along the tangent or the binormal of the contact; allowed with this law: 0, or supports along those "
+            "alone; multiplier_update = \"trapezoidal_reset\" knows friction with any supports",
+            problem.scene.where(problem.scene.contacts[index].key() + ".friction_coefficient"), node, body.name,
+            fem::place_text(body.mesh.model, body.mesh.position[at(node)])));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void check_supports(const Problem& problem) {
+  if (problem.scene.model != Model::solid || problem.contacts.empty() || !needs_pairs(problem.scene)) return;
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c)
+    if (problem.scene.contacts[c].friction_coefficient > 0.0) refuse_askew_supports(problem, c);
 }
 
 /// Regularised friction is a damper as stiff as mu N xi: the trapezoidal rule follows it without damping its own

@@ -9,6 +9,10 @@ namespace ricochet::scene {
 /// difference with the penalty exceeds its critical step. Nothing to do for the multiplier.
 void check_penalty(const Problem& problem, Plan& plan);
 
+/// Refuses, with a ConfigError, a contact node of a solid with friction that a support holds along a coordinate askew
+/// to n, t and b, under a law that goes by pairs of nodes.
+void check_supports(const Problem& problem);
+
 /// Warns where the regularised friction law rings: its velocity scale 1/xi below a tenth of mu N dt / (2 m), with N
 /// from one-dimensional impact theory, p = v Z_a Z_b / (Z_a + Z_b).
 void check_friction(const Problem& problem, Plan& plan);

@@ -171,7 +171,9 @@ class Participant {
   /// booked so far, after an accepted window, as bytes that mean something to this participant alone.
   virtual std::string save_state();
   /// Takes what `save_state` gave, in another process too, after `initialize` and `synchronise` for the same scene and
-  /// the same protocol. From here on it must answer, and record, the same bits as if it had never stopped.
+  /// the same protocol. From here on it must answer, and record, the same bits as if it had never stopped. With the
+  /// capability "load_state" the owner of the contact is asked for it after `load_state`, too, in the same process:
+  /// then loads, supports, prescribed motion and contact are again what they were.
   virtual void restore_state(std::string_view bytes);
   /// Called once, last.
   virtual void finish() {}

@@ -29,10 +29,27 @@ void BodyState::set_mass(const Eigen::VectorXd& node_mass) {
   }
 }
 
-void Given::add(double dt, double force, double moved, int component, double arm) {
+void Given::add(double dt, double force, double moved, int component, const Eigen::Vector3d& place) {
   work_j += force * moved;
   impulse_n_s[component] += dt * force;
-  angular_impulse_kg_m2_s += dt * force * arm;
+  angular_impulse_kg_m2_s += dt * force * place.cross(Eigen::Vector3d::Unit(component));
+}
+
+namespace {
+
+void add_angular_impulse(const Eigen::Vector3d& kg_m2_s, BodyTotals& totals) {
+  totals.angular_impulse_x_kg_m2_s += kg_m2_s[0];
+  totals.angular_impulse_y_kg_m2_s += kg_m2_s[1];
+  totals.angular_impulse_z_kg_m2_s += kg_m2_s[2];
+}
+
+}  // namespace
+
+void BodyState::give_moment(int dof, double impulse_n_s) {
+  if (place.size() == 0) return;
+  const auto u_of = [&](int other) { return u[other]; };
+  const Eigen::Vector3d along = Eigen::Vector3d::Unit(dof % fem::components(part.mesh.model));
+  add_angular_impulse(impulse_n_s * place_of(dof, u_of).cross(along), totals);
 }
 
 void BodyState::take(const Given& given) {
@@ -40,7 +57,7 @@ void BodyState::take(const Given& given) {
   totals.impulse_n_kg_m_s += normal.dot(given.impulse_n_s);
   totals.impulse_t_kg_m_s += tangent.dot(given.impulse_n_s);
   totals.impulse_b_kg_m_s += binormal.dot(given.impulse_n_s);
-  totals.angular_impulse_kg_m2_s += given.angular_impulse_kg_m2_s;
+  add_angular_impulse(given.angular_impulse_kg_m2_s, totals);
 }
 
 std::vector<int> BodyState::booked() const {
@@ -85,7 +102,29 @@ void BodyState::update_momentum() {
   totals.momentum_n_kg_m_s = normal.dot(momentum);
   totals.momentum_t_kg_m_s = tangent.dot(momentum);
   totals.momentum_b_kg_m_s = binormal.dot(momentum);
-  if (arm.size() > 0) totals.angular_momentum_kg_m2_s = (arm.array() * mass.array() * v.array()).sum();
+  set_angular_momentum(angular_momentum_of(0, part.nodes()));
+}
+
+void BodyState::set_angular_momentum(const Eigen::Vector3d& kg_m2_s) {
+  totals.angular_momentum_x_kg_m2_s = kg_m2_s[0];
+  totals.angular_momentum_y_kg_m2_s = kg_m2_s[1];
+  totals.angular_momentum_z_kg_m2_s = kg_m2_s[2];
+}
+
+Eigen::Vector3d BodyState::angular_momentum_of(int first_node, int last_node) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (place.size() == 0) return sum;
+  const int components = fem::components(part.mesh.model);
+  for (int node = first_node; node < last_node; ++node) {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), momentum = at;
+    for (int c = 0; c < components; ++c) {
+      const int dof = node * components + c;
+      at[c] = place[dof] + u[dof];
+      momentum[c] = mass[dof] * v[dof];
+    }
+    sum += at.cross(momentum);
+  }
+  return sum;
 }
 
 namespace {
@@ -97,14 +136,13 @@ void set_directions(const scene::Problem& problem, BodyState& state) {
   if (problem.scene.components() == 3) state.binormal = state.normal.cross(state.tangent);
 }
 
-void set_arm(BodyState& state) {
-  if (state.part.mesh.model != fem::Model::plane_strain) return;
-  state.arm.resize(state.part.dofs());
-  for (int node = 0; node < state.part.nodes(); ++node) {
-    const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
-    state.arm[2 * node] = -x[1];
-    state.arm[2 * node + 1] = x[0];
-  }
+/// What turns about an axis of symmetry, or along a bar, has no angular momentum.
+void set_places(BodyState& state) {
+  if (state.part.mesh.model != fem::Model::plane_strain && state.part.mesh.model != fem::Model::solid) return;
+  const int components = fem::components(state.part.mesh.model);
+  state.place.resize(state.part.dofs());
+  for (int dof = 0; dof < state.part.dofs(); ++dof)
+    state.place[dof] = state.part.mesh.position[static_cast<std::size_t>(dof / components)][dof % components];
 }
 
 void set_motion(const scene::Problem& problem, BodyState& state) {
@@ -168,7 +206,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
     }
   }
   set_directions(problem, state);
-  set_arm(state);
+  set_places(state);
   set_motion(problem, state);
   set_dashpots(problem.bodies[index], role, state);
   state.set_mass(state.part.lumped_mass);

@@ -66,11 +66,12 @@ struct BodyMotion {
 struct Given {
   double work_j = 0.0;
   Eigen::Vector3d impulse_n_s{0.0, 0.0, 0.0};  ///< by component
-  double angular_impulse_kg_m2_s = 0.0;
+  Eigen::Vector3d angular_impulse_kg_m2_s{0.0, 0.0, 0.0};
 
-  /// Of a mean force over a step of `dt` in which its degree of freedom moved. A call, not in line: whether a product
-  /// and a sum are rounded once or twice is a compiler's choice, which must be the same wherever this is booked.
-  [[gnu::noinline]] void add(double dt, double force, double moved, int component, double arm);
+  /// Of a mean force over a step of `dt` in which its degree of freedom moved, at `place` [m] in the middle. A call,
+  /// not in line: whether a product and a sum are rounded once or twice is a compiler's choice, which must be the same
+  /// wherever this is booked.
+  [[gnu::noinline]] void add(double dt, double force, double moved, int component, const Eigen::Vector3d& place);
 };
 
 struct BodyState : BodyMotion {
@@ -89,8 +90,8 @@ struct BodyState : BodyMotion {
   std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
   scene::ExternalForce external;
   Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
-  Eigen::VectorXd arm;  ///< per dof: angular momentum about the origin of a unit momentum there; plane strain only [m]
-  std::vector<bool> own;         ///< of a share of a part, per local node: not another rank's; else empty
+  Eigen::VectorXd place;  ///< per dof, reference: of models with an angular momentum, plane strain and solids [m]
+  std::vector<bool> own;  ///< of a share of a part, per local node: not another rank's; else empty
   OtherRanks* others = nullptr;  ///< of a share of a part: who steps the rest of it
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
@@ -104,30 +105,45 @@ struct BodyState : BodyMotion {
   [[nodiscard]] std::vector<int> booked() const;
   /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n)
   /// to the external work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions
-  /// at constrained dofs and the forces of dashpots [N].
-  template <class MeanForce, class Increment>
-  void account_external(double dt, const MeanForce& mean_force, const Increment& increment) {
+  /// at constrained dofs and the forces of dashpots [N]; `middle(dof)`: u in the middle of the window.
+  template <class MeanForce, class Increment, class Middle>
+  void account_external(double dt, const MeanForce& mean_force, const Increment& increment, const Middle& middle) {
     // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
     Given given;
-    book(mean_force, increment, [&](double force, double moved, int component, double lever) {
-      given.add(dt, force, moved, component, lever);
+    book(mean_force, increment, middle, [&](double force, double moved, int component, const Eigen::Vector3d& at) {
+      given.add(dt, force, moved, component, at);
     });
     take(given);
   }
   void take(const Given& given);
-  /// book(force, moved, component, arm) of each booked degree of freedom; of a share of a part see OtherRanks.
-  template <class MeanForce, class Increment, class Book>
-  void book(const MeanForce& mean_force, const Increment& increment, const Book& book) const {
+  /// Where the node of a degree of freedom is, by its displacement `u_of(dof)`; the origin of models without an angular
+  /// momentum [m].
+  template <class Displacement>
+  [[nodiscard]] Eigen::Vector3d place_of(int dof, const Displacement& u_of) const {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    if (place.size() == 0) return at;
+    const int components = fem::components(part.mesh.model), first = dof - dof % components;
+    for (int c = 0; c < components; ++c) at[c] = place[first + c] + u_of(first + c);
+    return at;
+  }
+  /// book(force, moved, component, place) of each booked degree of freedom; of a share of a part see OtherRanks.
+  template <class MeanForce, class Increment, class Middle, class Book>
+  void book(const MeanForce& mean_force, const Increment& increment, const Middle& middle, const Book& book) const {
+    const auto at = [&](int dof) { return place_of(dof, middle); };
     if (others != nullptr) {
-      others->book(mean_force, increment, book);
+      others->book(mean_force, increment, at, book);
       return;
     }
     const int components = fem::components(part.mesh.model);
-    for_each_booked(
-        [&](int dof) { book(mean_force(dof), increment(dof), dof % components, arm.size() > 0 ? arm[dof] : 0.0); });
+    for_each_booked([&](int dof) { book(mean_force(dof), increment(dof), dof % components, at(dof)); });
   }
-  /// Momentum of the integrated nodes from v.
+  /// Books the moment of an impulse on a degree of freedom, where its node is now.
+  void give_moment(int dof, double impulse_n_s);
+  /// Momentum of the integrated nodes from v, and its moment about the origin where they are.
   void update_momentum();
+  void set_angular_momentum(const Eigen::Vector3d& kg_m2_s);
+  /// Of a stretch of nodes.
+  [[nodiscard]] Eigen::Vector3d angular_momentum_of(int first_node, int last_node) const;
 
  private:
   template <class Visit>

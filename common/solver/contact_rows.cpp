@@ -52,6 +52,35 @@ Eigen::Matrix3d axes_of(const Eigen::Vector3d& normal) {
   return axes;
 }
 
+/// The first surface's node lies on a plane of symmetry, where a support holds it along `direction`, and so does the
+/// second surface: it ends there, held as well. The row of the whole bodies has as much of it beyond the plane, which
+/// slips the other way: along `direction` nothing slips and there is no friction.
+bool ends_at_symmetry(const scene::Problem& problem, const scene::ContactGeometry& geometry,
+                      const scene::ContactPair& pair, const Eigen::Vector3d& direction) {
+  constexpr double tolerance = 1e-9;
+  Eigen::Index c = 0;
+  if (pair.b.size() < 2 || direction.cwiseAbs().maxCoeff(&c) < 1.0 - tolerance) return false;
+  const auto held = [&](int body, int node) {
+    const auto& of = problem.bodies[static_cast<std::size_t>(body)];
+    const auto dof = static_cast<std::size_t>(node * problem.scene.components() + static_cast<int>(c));
+    return of.fixed_dof[dof] && of.prescribed_index[dof] < 0;
+  };
+  const auto place = [&](int body, int node) {
+    return problem.bodies[static_cast<std::size_t>(body)].mesh.position[static_cast<std::size_t>(node)][c];
+  };
+  if (!held(geometry.body_a, pair.node_a)) return false;
+  const double plane = place(geometry.body_a, pair.node_a);
+  double low = 0.0, high = 0.0;
+  for (const auto& [node, weight] : pair.b) {
+    low = std::min(low, place(geometry.body_b, node) - plane);
+    high = std::max(high, place(geometry.body_b, node) - plane);
+  }
+  const double near = tolerance * (high - low);
+  return std::min(high, -low) <= near && std::any_of(pair.b.begin(), pair.b.end(), [&](const auto& b) {
+           return held(geometry.body_b, b.node) && std::abs(place(geometry.body_b, b.node) - plane) <= near;
+         });
+}
+
 Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   if (from == to) return {};
   return {true, axes_of(to).transpose() * axes_of(from)};
@@ -60,7 +89,7 @@ Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 }  // namespace
 
 Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
-             const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m) {
+             const std::vector<PartNodes>& parts) {
   const auto& geometry = problem.contacts[contact];
   const int components = problem.scene.components();
   const Eigen::Vector3d tangent = scene::tangent_of(pair.normal);
@@ -70,15 +99,18 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
   nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
   Turn to_contact = turn_of(pair.normal, geometry.normal);
   if (problem.scene.model == scene::Model::axisymmetric) to_contact.matrix(1, 0) = 0.0;
+  const auto along = [&](const Eigen::Vector3d& direction) {
+    return ends_at_symmetry(problem, geometry, pair, direction) ? ContactRow{}
+                                                                : row_of_nodes(nodes, direction, components);
+  };
   return {.normal = row_of_nodes(nodes, pair.normal, components),
-          .tangent = row_of_nodes(nodes, tangent, components),
-          .binormal = row_of_nodes(nodes, binormal, components),
+          .tangent = along(tangent),
+          .binormal = along(binormal),
           .gap0_m = pair.gap0_m,
           .area_m2 = pair.area_m2,
           .friction_coefficient = problem.scene.contacts[contact].friction_coefficient,
           .contact = contact,
           .node_a = pair.node_a,
-          .slid_m = shift_m.dot(tangent),
           .to_contact = to_contact,
           .to_momentum = turn_of(pair.normal, scene::momentum_normal(problem))};
 }
@@ -86,8 +118,7 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
 std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts) {
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-    for (const auto& pair : problem.contacts[i].pairs)
-      pairs.push_back(pair_of(problem, i, pair, parts, Eigen::Vector3d::Zero()));
+    for (const auto& pair : problem.contacts[i].pairs) pairs.push_back(pair_of(problem, i, pair, parts));
   }
   return pairs;
 }
@@ -127,8 +158,7 @@ int ContactRow::part_of(Side side) const {
   return -1;
 }
 
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
-                                 const std::vector<BodyState>& states) {
+bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states) {
   constexpr double round_off = 1e-9;
   const auto has = [](const ContactRow& row, const RowEntry& e) {
     return std::any_of(row.entries.begin(), row.entries.end(), [&](const RowEntry& other) {
@@ -139,20 +169,12 @@ void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vect
     if (pair.friction_coefficient == 0.0) continue;
     for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
       for (const auto& e : row->entries) {
-        const auto& state = states[static_cast<std::size_t>(e.part)];
-        if (state.free[static_cast<std::size_t>(e.dof)]) continue;
-        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) < 2) continue;
-        const int node = e.dof / 3;
-        const auto& x = state.part.mesh.position[static_cast<std::size_t>(node)];
-        throw ConfigError(fmt::format(
-            "{}.friction_coefficient: the contact node {} of body '{}' at {} is held along a coordinate that is "
-            "neither along the normal nor along the tangent or the binormal of the contact; friction of solids knows "
-            "supports along those alone: turn the meshes, or allowed there: 0",
-            keys[pair.contact], state.part.body_node[static_cast<std::size_t>(node)], state.name,
-            fem::place_text(state.part.mesh.model, x)));
+        if (states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)]) continue;
+        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) > 1) return true;
       }
     }
   }
+  return false;
 }
 
 bool share_nodes(const std::vector<Pair>& pairs) {
@@ -182,7 +204,7 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
     state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;
     state.totals.impulse_t_kg_m_s -= state.tangent[c] * on_support;
     state.totals.impulse_b_kg_m_s -= state.binormal[c] * on_support;
-    if (state.arm.size() > 0) state.totals.angular_impulse_kg_m2_s -= state.arm[e.dof] * on_support;
+    state.give_moment(e.dof, -on_support);
   }
 }
 
@@ -190,11 +212,8 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
 
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states, ContactImpulses& impulses) {
-  impulses[pair.contact] += pair.to_contact(normal_n_s, tangential_n_s);
-  if (pair.slid_m != 0.0) {
-    auto& sliding = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
-    if (sliding.arm.size() > 0) sliding.totals.angular_impulse_kg_m2_s += pair.slid_m * normal_n_s;
-  }
+  impulses[pair.contact].of_normal += pair.to_contact(normal_n_s, Eigen::Vector2d::Zero());
+  impulses[pair.contact].of_friction += pair.to_contact(0.0, tangential_n_s);
   take_from_supports(pair.normal, normal_n_s, states);
   take_from_supports(pair.tangent, tangential_n_s[0], states);
   take_from_supports(pair.binormal, tangential_n_s[1], states);
@@ -204,10 +223,12 @@ void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& ta
   state.totals.impulse_n_kg_m_s -= given[0];
   state.totals.impulse_t_kg_m_s -= given[1];
   state.totals.impulse_b_kg_m_s -= given[2];
-  if (state.arm.size() == 0) return;
-  const auto arm = [&](int) -> const Eigen::VectorXd& { return state.arm; };
-  state.totals.angular_impulse_kg_m2_s +=
-      normal_n_s * pair.normal.times(arm) + tangential_n_s[0] * pair.tangent.times(arm);
+  const auto give_moments = [&](const ContactRow& row, double impulse_n_s) {
+    for (const auto& e : row.entries) state.give_moment(e.dof, e.coefficient * impulse_n_s);
+  };
+  give_moments(pair.normal, normal_n_s);
+  give_moments(pair.tangent, tangential_n_s[0]);
+  give_moments(pair.binormal, tangential_n_s[1]);
 }
 
 }  // namespace ricochet::solver

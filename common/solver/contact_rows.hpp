@@ -80,7 +80,6 @@ struct Pair {
   double friction_coefficient = 0.0;
   std::size_t contact = 0;  ///< index into Problem::contacts
   int node_a = -1;          ///< of the first surface's body mesh
-  double slid_m = 0.0;      ///< along t, by how much the rows have B displaced against A
   /// To the directions of its contact, in which forces are reported, and to those of the momentum balance. About an
   /// axis what normal forces have across it cancels.
   Turn to_contact{}, to_momentum{};
@@ -101,7 +100,7 @@ struct Pair {
     tangent.push(force[0], states, of_part);
     binormal.push(force[1], states, of_part);
   }
-  /// T M^-1 T^T [1/kg], diagonal for supports that `require_supports_along_rows` lets pass
+  /// The diagonal of T M^-1 T^T [1/kg], which is all of it unless the pair is `held_askew`
   [[nodiscard]] Eigen::Matrix2d inverse_mass_along(const std::vector<BodyState>& states) const;
 };
 
@@ -111,26 +110,29 @@ struct PartNodes {
   const std::vector<int>* body_node = nullptr;
 };
 
-/// The rows of a pair whose second body has moved by `shift_m` against the first.
+/// The rows of a pair.
 [[nodiscard]] Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
-                           const std::vector<PartNodes>& parts, const Eigen::Vector3d& shift_m);
+                           const std::vector<PartNodes>& parts);
 /// The rows of a scene's contact pairs (all contact nodes must be among the parts).
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
 
-/// Of solids: refuses, with a ConfigError, a contact node with friction that is held along a coordinate which is in two
-/// of a pair's directions, so that what it does along one depends on the other. (In two dimensions nobody asks.)
-/// `keys`: of the contacts in the scene file.
-void require_supports_along_rows(const std::vector<Pair>& pairs, const std::vector<std::string>& keys,
-                                 const std::vector<BodyState>& states);
+/// Whether a support holds a node with friction along a coordinate that is in two of a pair's directions, as off a
+/// plane of symmetry of curved surfaces: then what the pair gets along one of them moves it along the other.
+[[nodiscard]] bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
 
 /// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs, or along the
 /// tangent of one with friction and the normal of another contact's, as in a corner: then what a law gives one of them
 /// moves the other.
 [[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
 
-/// What contacts have been given so far, each along n, t and b of its own [N s].
-using ContactImpulses = std::vector<Eigen::Vector3d>;
+/// What a contact has been given so far, along n, t and b of its own [N s].
+struct ContactImpulse {
+  Eigen::Vector3d of_normal{0.0, 0.0, 0.0}, of_friction{0.0, 0.0, 0.0};
+
+  void archive(Archive& a) { a(of_normal, of_friction); }
+};
+using ContactImpulses = std::vector<ContactImpulse>;  ///< per contact
 
 /// Pairs that share nodes are gone through one after the other, again and again, until no impulse or force changes by
 /// more than this share of the largest (projected Gauss-Seidel), so often at most.
@@ -139,8 +141,7 @@ inline constexpr int most_sweeps = 1000;
 
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
-/// is booked to its totals. So is what a body that has slid by s along t adds to an angular momentum whose arms are the
-/// reference places, s p_n: its own arms are longer by s.
+/// is booked to its totals, with its moment about the origin where the nodes are.
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                   std::vector<BodyState>& states, ContactImpulses& impulses);
 

@@ -43,8 +43,10 @@ struct ContactSurface {
   ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states);
 
   int components;
+  bool round;                             ///< a contact has a radius: axisymmetric or solid
   std::vector<std::string> contact_keys;  ///< in the scene file, per contact
   std::vector<Pair> pairs;
+  bool askew;  ///< held_askew, by the rows of the start
   /// A node of surfaces that slide which lies opposite nothing yet.
   struct IdleNode {
     int part, node;
@@ -66,6 +68,8 @@ struct ContactSurface {
   void require_one_a_pair(std::size_t count, std::size_t of_a_pair = 1) const;
 
  private:
+  void measure_pressure(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                        std::optional<std::size_t> contact, ContactTotals& totals) const;
   /// Of one contact, or of all.
   [[nodiscard]] ContactTotals totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
                                      const ContactImpulses& impulses, std::optional<std::size_t> contact) const;

@@ -20,6 +20,20 @@ void load_motion(const std::vector<double>& row, std::vector<BodyState>& states)
   }
 }
 
+std::vector<Surroundings> surroundings_of(const std::vector<BodyState>& states) {
+  std::vector<Surroundings> all;
+  for (const auto& state : states) all.push_back({state.external, state.constrained, state.dashpots});
+  return all;
+}
+
+void give_back(const std::vector<Surroundings>& surroundings, std::vector<BodyState>& states) {
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    states[b].external = surroundings[b].external;
+    states[b].constrained = surroundings[b].constrained;
+    states[b].dashpots = surroundings[b].dashpots;
+  }
+}
+
 void read_motion(const std::vector<BodyState>& states, double dt, std::vector<double>& row,
                  std::vector<double>& scale) {
   for (const auto& state : states) {

@@ -24,12 +24,12 @@ class OtherRanks {
   /// Whether it is so on any rank.
   [[nodiscard]] virtual bool anywhere(bool here) = 0;
 
-  /// What is booked of one degree of freedom: the mean force [N] while it moves [m], its component, and its arm.
-  using Book = std::function<void(double force, double moved, int component, double arm)>;
+  /// What is booked of one degree of freedom: the mean force [N] while it moves [m], its component, and where it is.
+  using Book = std::function<void(double force, double moved, int component, const Eigen::Vector3d& place)>;
   /// Calls `book` on the first rank for all degrees of freedom of the whole part that are booked, in the order in which
-  /// a process that has the whole part does; `force` and `moved` are asked for own ones on every rank.
+  /// a process that has the whole part does; `force`, `moved` and `place` are asked for own ones on every rank.
   virtual void book(const std::function<double(int dof)>& force, const std::function<double(int dof)>& moved,
-                    const Book& book) = 0;
+                    const std::function<Eigen::Vector3d(int dof)>& place, const Book& book) = 0;
 };
 
 }  // namespace ricochet::solver

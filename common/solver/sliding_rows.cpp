@@ -22,12 +22,32 @@ double shortest_edge(const std::vector<scene::SurfaceFace>& faces) {
   return shortest;
 }
 
+/// 1 per component, 0 where a support holds some of the body's contact surface.
+Eigen::Vector3d moves(const scene::Problem& problem, const scene::ContactGeometry& geometry, int body) {
+  const auto& of = problem.bodies[static_cast<std::size_t>(body)];
+  const int components = problem.scene.components();
+  Eigen::Vector3d moves = Eigen::Vector3d::Ones();
+  for (const int node : scene::contact_nodes(geometry, body)) {
+    for (int c = 0; c < components; ++c) {
+      const auto dof = static_cast<std::size_t>(node * components + c);
+      if (of.fixed_dof[dof] && of.prescribed_index[dof] < 0) moves[c] = 0.0;
+    }
+  }
+  return moves;
+}
+
 }  // namespace
 
 SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states) : problem_(&problem) {
   for (const auto& state : states) parts_.push_back({state.body, &state.part.body_node});
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-    if (problem.contacts[i].sliding) contacts_.push_back({i, shortest_edge(problem.contacts[i].sliding->first), {}});
+    const auto& geometry = problem.contacts[i];
+    if (!geometry.sliding) continue;
+    contacts_.push_back({i,
+                         shortest_edge(geometry.sliding->first),
+                         moves(problem, geometry, geometry.body_a),
+                         moves(problem, geometry, geometry.body_b),
+                         {}});
   }
 }
 
@@ -72,8 +92,8 @@ bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, s
     sliding.slide.follows = sliding.slide.follows || slipped(sliding, states, ahead_s, pairs);
     if (!sliding.slide.follows) continue;
     const auto& geometry = problem_->contacts[sliding.contact];
-    Eigen::Vector3d shift = mean_motion(geometry.body_b, states, ahead_s);
-    shift -= mean_motion(geometry.body_a, states, ahead_s);
+    Eigen::Vector3d shift = sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
+    shift -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
     shift -= shift.dot(geometry.normal) * geometry.normal;
     if ((shift - sliding.slide.shift_m).norm() <= same_share * sliding.edge_m) continue;
     sliding.slide.shift_m = shift;
@@ -95,7 +115,7 @@ void SlidingRows::write(std::vector<Pair>& pairs) const {
       continue;
     }
     for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
-      written.push_back(pair_of(*problem_, i, pair, parts_, sliding->slide.shift_m));
+      written.push_back(pair_of(*problem_, i, pair, parts_));
   }
   pairs = std::move(written);
 }

@@ -1,16 +1,59 @@
 #include "coupler/protocols/gravouil_combescure.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "coupler/interface/vectors.hpp"
 #include "coupler/protocols/unit_response.hpp"
 
 namespace ricochet::coupler {
+namespace {
+
+/// A participant that owns the contact and can be put back is at rest meanwhile, without loads and with its contact
+/// open: else the answers to probes are those of the contact of the start, too, which with friction are not linear.
+class OpenContact {
+ public:
+  explicit OpenContact(Link& link) : link_(link) {
+    const auto& can = link.description().capabilities;
+    const auto has = [&](Capability c) { return std::find(can.begin(), can.end(), name_of(c)) != can.end(); };
+    able_ = link.description().contact_owner && has(Capability::load_state) && has(Capability::save_state);
+    if (!able_) return;
+    link_.post_save_state();
+    saved_ = link_.wait_saved_state();
+    link_.post_read_state();
+    const std::size_t size = link_.wait_state().state.data.size();
+    link_.post_load_state(std::vector<double>(size, 0.0), FrozenContact::open);
+    link_.wait_state_loaded();
+    rest();
+  }
+  /// A synchronisation must follow.
+  void give_back() {
+    if (!able_) return;
+    rest();  // drops the trial
+    link_.post_restore_state(saved_);
+    link_.wait_state_restored();
+  }
+
+ private:
+  void rest() {
+    link_.post_synchronise(Integration::implicit_newmark, std::vector<double>(link_.input().size(), 0.0));
+    link_.wait_synchronised();
+  }
+  Link& link_;
+  bool able_ = false;
+  std::string saved_;
+};
+
+}  // namespace
 
 void GravouilCombescure::start(Coupling& coupling, const wire::Initialize& request) {
   interface_.start(coupling, request, Step{.substep = 1, .ends_window = substeps_ == 1});
   auto& implicit = *coupling.implicit_link();
   // The response to a force includes the answer of the link's stiffness, R = (I + H_i Z)^-1 H_i; H_i = R (I - Z R)^-1.
   const std::vector<double> probes = to_vector(view(implicit.own_mass_kg()) / coupling.window_size_s());
+  OpenContact open(implicit);
   const Eigen::MatrixXd response = unit_response(implicit, Response::velocity, Step{}, probes);
+  open.give_back();
   const auto size = response.rows();
   Eigen::MatrixXd r = Eigen::MatrixXd::Zero(size, size);
   implicit.rows().add_matrix(-response, r);

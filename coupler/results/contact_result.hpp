@@ -27,6 +27,8 @@ class ContactResult {
     if (!first_contact_s_ && contact.contact_force_n > 0) first_contact_s_ = static_cast<double>(row) * row_s_;
     separation_.update(row, static_cast<int>(contact.pairs_stick + contact.pairs_slip), contact.gap_min_m);
     peak_force_n_ = std::max(peak_force_n_, contact.contact_force_n);
+    peak_pressure_pa_ = std::max(peak_pressure_pa_, contact.contact_pressure_max_pa);
+    largest_radius_m_ = std::max(largest_radius_m_, contact.contact_radius_m);
     last_ = contact;
   }
 
@@ -37,10 +39,14 @@ class ContactResult {
     return row < 0 ? std::nullopt : std::optional(static_cast<double>(row) * row_s_);
   }
   [[nodiscard]] double peak_force_n() const { return peak_force_n_; }
+  [[nodiscard]] double peak_pressure_pa() const { return peak_pressure_pa_; }
+  [[nodiscard]] double largest_radius_m() const { return largest_radius_m_; }  ///< 0: it has none
   /// At the end so far.
   [[nodiscard]] const ContactTotals& last() const { return last_; }
 
-  void archive(Archive& a) { a(separation_, first_contact_s_, peak_force_n_, last_); }
+  void archive(Archive& a) {
+    a(separation_, first_contact_s_, peak_force_n_, peak_pressure_pa_, largest_radius_m_, last_);
+  }
 
  private:
   std::string name_;
@@ -48,7 +54,7 @@ class ContactResult {
   double row_s_;
   SeparationWatch separation_;
   std::optional<double> first_contact_s_;
-  double peak_force_n_ = 0;
+  double peak_force_n_ = 0, peak_pressure_pa_ = 0, largest_radius_m_ = 0;
   ContactTotals last_;
 };
 

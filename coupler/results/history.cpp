@@ -24,14 +24,20 @@ void add_to(BodyTotals& sum, const BodyTotals& row) {
   for (const auto& [name, member] : body_quantities) sum.*member += row.*member;
 }
 
-/// Everyone says the angular momentum of each body that it says the momentum of.
-bool tell_angular_momentum(const std::vector<History::Source>& sources) {
-  return std::all_of(sources.begin(), sources.end(), [](const History::Source& source) {
+/// Everyone says the angular momentum of each body that it says the momentum of: of solids (which have momentum along
+/// b) all of it, else about z.
+bool tell_angular_momentum(const std::vector<History::Source>& sources, const Conserved& conserved) {
+  const bool solid = std::any_of(conserved.directions.begin(), conserved.directions.end(),
+                                 [](const Conserved::Direction& d) { return d.b != 0; });
+  return std::all_of(sources.begin(), sources.end(), [solid](const History::Source& source) {
     const auto count = [&](std::string_view quantity) {
       return std::count_if(source.columns.begin(), source.columns.end(),
                            [&](const std::string& column) { return column.rfind(quantity, 0) == 0; });
     };
-    return count("angular_momentum_kg_m2_s/") == count("momentum_n_kg_m_s/");
+    const auto bodies = count("momentum_n_kg_m_s/");
+    const bool about_z = count("angular_momentum_z_kg_m2_s/") == bodies;
+    return about_z && (!solid || (count("angular_momentum_x_kg_m2_s/") == bodies &&
+                                  count("angular_momentum_y_kg_m2_s/") == bodies));
   });
 }
 
@@ -66,7 +72,9 @@ void Errors::add(HistoryRow& row) {
                             row.sum.momentum_t_kg_m_s - row.sum.impulse_t_kg_m_s,
                             row.sum.momentum_b_kg_m_s - row.sum.impulse_b_kg_m_s));
   }
-  const double angular = row.sum.angular_momentum_kg_m2_s - row.sum.angular_impulse_kg_m2_s;
+  const std::array<double, 3> angular = {row.sum.angular_momentum_x_kg_m2_s - row.sum.angular_impulse_x_kg_m2_s,
+                                         row.sum.angular_momentum_y_kg_m2_s - row.sum.angular_impulse_y_kg_m2_s,
+                                         row.sum.angular_momentum_z_kg_m2_s - row.sum.angular_impulse_z_kg_m2_s};
   if (first_.empty()) {
     first_ = balance;
     first_angular_ = angular;
@@ -76,14 +84,16 @@ void Errors::add(HistoryRow& row) {
   row.momentum_error = ratio(lost, largest_momentum_);
   row.momentum_reference_kg_m_s = largest_momentum_;
   if (conserved_.arm_m > 0) {
-    row.angular_momentum_error = ratio(std::abs(angular - first_angular_), conserved_.arm_m * largest_momentum_);
+    const double turned =
+        std::hypot(angular[0] - first_angular_[0], angular[1] - first_angular_[1], angular[2] - first_angular_[2]);
+    row.angular_momentum_error = ratio(turned, conserved_.arm_m * largest_momentum_);
   }
 }
 
 History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved,
                  const std::vector<std::string>& contacts)
     : bodies_(bodies), contacts_(contacts) {
-  if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
+  if (!tell_angular_momentum(sources, conserved)) conserved.arm_m = 0;
   errors_ = Errors(std::move(conserved));
   for (const auto& source : sources) {
     auto& stream = streams_.emplace_back();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -25,8 +26,8 @@ struct HistoryRow {
   std::vector<double> created_j;
   double energy_error = 0;  ///< see Errors
   double momentum_error = 0;
-  double momentum_reference_kg_m_s = 0;  ///< what momentum_error is relative to
-  double angular_momentum_error = 0;
+  double momentum_reference_kg_m_s = 0;            ///< what momentum_error is relative to
+  std::optional<double> angular_momentum_error{};  ///< empty: it is not balanced, or somebody does not tell it
 };
 
 /// Energy that nobody gave: kinetic + strain + friction - external - E_0, with E_0 the kinetic + strain of the first
@@ -60,7 +61,7 @@ struct Conserved {
 /// Relative errors of the balances, from row to row.
 ///   energy_error   = EnergyBalance::created_j / reference_j
 ///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, largest over the conserved
-///   directions angular_momentum_error = |L - angular impulse - L_0| / (arm_m times the same sum)
+///   directions angular_momentum_error = |L - angular impulse - L_0| / (arm_m times the same sum), L a vector
 /// Zero where the reference is zero.
 class Errors {
  public:
@@ -72,7 +73,8 @@ class Errors {
   Conserved conserved_;
   EnergyBalance energy_;
   std::vector<double> first_;  ///< per direction
-  double first_angular_ = 0, largest_momentum_ = 0;
+  std::array<double, 3> first_angular_{};
+  double largest_momentum_ = 0;
 };
 
 /// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
@@ -88,7 +90,7 @@ class History {
     std::vector<std::string> columns;
   };
   /// `contacts`: names of several. Throws ProtocolError naming the participant and the column if a column is unknown,
-  /// given twice or missing. Without "angular_momentum_kg_m2_s" of everyone that balance is none.
+  /// given twice or missing. Without the angular momenta of everyone that balance is none.
   History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved = {},
           const std::vector<std::string>& contacts = {});
 

@@ -16,8 +16,13 @@ struct HistoryShape {
   std::vector<std::string> bodies{};
   bool has_contact = false;             ///< else the gap is written as nan
   bool solid = false;                   ///< what lies along the binormal follows the bodies
+  int angular = 0;                      ///< components of the angular momentum: of solids 3, in plane strain 1, about z
+  bool round = false;                   ///< a contact has a radius: axisymmetric or solid
   std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
 };
+/// Components of the angular momentum that a scene has: none about an axis of symmetry, of bars, and where meshes
+/// repeat.
+[[nodiscard]] int angular_components(const scene::Problem& problem);
 [[nodiscard]] HistoryShape history_shape(const scene::Problem& problem);
 
 /// Names of the columns of history.csv, units in the names.

@@ -60,10 +60,15 @@ Json contact_json(const ContactTally& contact) {
           {"windows_unconverged", contact.windows_unconverged}};
 }
 
+/// A contact that has none says so.
+Json radius(double largest_m) { return largest_m > 0 ? number(largest_m) : Json(nullptr); }
+
 Json result_json(const ContactResult& contact, bool solid) {
   Json json = {{"first_contact_s", number(contact.first_contact_s())},
                {"separation_time_s", number(contact.separation_time_s())},
                {"peak_contact_force_n", number(contact.peak_force_n())},
+               {"peak_contact_pressure_pa", number(contact.peak_pressure_pa())},
+               {"largest_contact_radius_m", radius(contact.largest_radius_m())},
                {"contact_impulse_n_s", number(contact.last().contact_impulse_n_s)},
                {"friction_impulse_n_s", number(contact.last().friction_impulse_n_s)}};
   if (solid) json["friction_impulse_b_n_s"] = number(contact.last().friction_impulse_b_n_s);
@@ -105,7 +110,12 @@ std::string contact_rows(const Summary& summary, const Tally& tally) {
     text += row("mean interface stress", fmt::format("{:.2f} MPa   (impedance theory: {:.2f} MPa)",
                                                      1e-6 * *tally.plateau_stress_pa(), 1e-6 * theory->stress_pa));
   }
-  text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  if (tally.each_contact.empty())
+    text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  if (tally.each_contact.empty() && tally.largest_contact_radius_m > 0)
+    text += row("largest pressure",
+                fmt::format("{:.4g} MPa, on a circle of at most {:.4g} mm radius",
+                            1e-6 * tally.peak_contact_pressure_pa, 1e3 * tally.largest_contact_radius_m));
   for (const auto& contact : tally.each_contact) text += named_contact_row(contact);
   return text;
 }
@@ -171,9 +181,16 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"momentum_error_max", number(tally.momentum_error_max)},
                {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
                {"peak_contact_force_n", number(tally.peak_contact_force_n)},
+               {"peak_contact_pressure_pa", number(tally.peak_contact_pressure_pa)},
+               {"largest_contact_radius_m", radius(tally.largest_contact_radius_m)},
                {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
                {"friction_impulse_n_s", number(tally.friction_impulse_n_s)}};
   if (tally.solid()) json["friction_impulse_b_n_s"] = number(tally.friction_impulse_b_n_s);
+  if (!tally.each_contact.empty()) {  // in series they hand on one force, which a sum would count twice
+    for (const char* of_one : {"peak_contact_force_n", "contact_impulse_n_s", "friction_impulse_n_s"})
+      json[of_one] = nullptr;
+    json.erase("friction_impulse_b_n_s");
+  }
   json["contact"] = contact_json(tally.contact);
   for (const auto& contact : tally.each_contact) json["contacts"][contact.name()] = result_json(contact, tally.solid());
   json["plateau_stress_pa"] = number(tally.plateau_stress_pa());
@@ -203,8 +220,8 @@ std::string to_table(const Summary& s, const Tally& tally) {
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
                                           tally.energy_error_lowest, tally.energy_error_highest));
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
-  if (tally.angular_momentum_error_max > 0) {
-    text += row("angular momentum error", fmt::format("{:.3e}", tally.angular_momentum_error_max));
+  if (tally.angular_momentum_error_max) {
+    text += row("angular momentum error", fmt::format("{:.3e}", *tally.angular_momentum_error_max));
   }
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));

@@ -55,8 +55,11 @@ class Tally {
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
     momentum_error_max = std::max(momentum_error_max, row.momentum_error);
-    angular_momentum_error_max = std::max(angular_momentum_error_max, row.angular_momentum_error);
+    if (row.angular_momentum_error)
+      angular_momentum_error_max = std::max(angular_momentum_error_max.value_or(0.0), *row.angular_momentum_error);
     peak_contact_force_n = std::max(peak_contact_force_n, row.contact.contact_force_n);
+    peak_contact_pressure_pa = std::max(peak_contact_pressure_pa, row.contact.contact_pressure_max_pa);
+    largest_contact_radius_m = std::max(largest_contact_radius_m, row.contact.contact_radius_m);
     if (!first_contact_s && row.contact.contact_force_n > 0) first_contact_s = row.time_s;
     if (!theory_ || !first_contact_s) return;
     // With a body whose wave returns before the contact's end, the plateau is the first step of a staircase.
@@ -79,16 +82,18 @@ class Tally {
   void archive(Archive& a) {
     a(rows, energy_error_last, energy_error_lowest, energy_error_highest, momentum_error_max, peak_contact_force_n,
       contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact, angular_momentum_error_max,
-      first_contact_s, plateau_sum_pa_, plateau_rows_);
+      first_contact_s, plateau_sum_pa_, plateau_rows_, peak_contact_pressure_pa, largest_contact_radius_m);
     for (auto& result : each_contact) a(result);
   }
 
   std::int64_t rows = 0;
   double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;
   double peak_contact_force_n = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0, friction_impulse_b_n_s = 0;
+  double peak_contact_pressure_pa = 0;
+  double largest_contact_radius_m = 0;  ///< 0: it has none
   ContactTally contact;
   std::vector<ContactResult> each_contact;
-  double angular_momentum_error_max = 0;
+  std::optional<double> angular_momentum_error_max;  ///< empty: it is not computed
   std::optional<double> first_contact_s;
 
  private:

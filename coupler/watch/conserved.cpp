@@ -1,6 +1,6 @@
 #include "coupler/watch/conserved.hpp"
 
-#include <algorithm>
+#include "coupler/results/history_file.hpp"
 
 namespace ricochet::coupler {
 
@@ -10,9 +10,7 @@ Conserved conserved_by(const scene::Problem& problem) {
   if (problem.scene.model == scene::Model::axisymmetric)
     conserved.directions = {{normal[1], normal[0]}};  // t = (-n_y, n_x)
   if (problem.scene.model == scene::Model::solid) conserved.directions.push_back({.b = 1});
-  const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(),
-                                    [](const scene::BodyProblem& body) { return body.mesh.period_m > 0.0; });
-  if (problem.scene.model != scene::Model::plane_strain || periodic) return conserved;
+  if (angular_components(problem) == 0) return conserved;
   Eigen::Vector3d low = problem.bodies.front().mesh.position.front(), high = low;
   for (const auto& body : problem.bodies) {
     for (const auto& x : body.mesh.position) {

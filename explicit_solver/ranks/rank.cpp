@@ -77,15 +77,20 @@ class RankShare::Neighbours final : public solver::OtherRanks {
   bool anywhere(bool here) override { return communicator_.any(here); }
 
   void book(const std::function<double(int)>& force, const std::function<double(int)>& moved,
-            const Book& book) override {
+            const std::function<Eigen::Vector3d(int)>& place, const Book& book) override {
     if (!anything_booked_) return;
     own_.clear();
     for (const int dof : booked_) {
       own_.push_back(force(dof));
       own_.push_back(moved(dof));
+      const Eigen::Vector3d at = place(dof);
+      own_.insert(own_.end(), at.data(), at.data() + 3);
     }
     communicator_.gather(own_, counts_, all_);
-    for (const auto& entry : entries_) book(all_[entry.place], all_[entry.place + 1], entry.component, entry.arm);
+    for (const auto& entry : entries_) {
+      const double* told = &all_[entry.place];
+      book(told[0], told[1], entry.component, Eigen::Vector3d(told + 2));
+    }
   }
 
   /// On the first rank: where each degree of freedom that is booked of the whole part comes in, and each block.
@@ -101,13 +106,13 @@ class RankShare::Neighbours final : public solver::OtherRanks {
     const int components = fem::components(whole.part.mesh.model);
     const auto dofs = whole.booked();
     counts_.assign(at(communicator_.count()), 0);
-    for (const int dof : dofs) counts_[at(shared.rank_of(dof / components))] += 2;
+    for (const int dof : dofs) counts_[at(shared.rank_of(dof / components))] += numbers;
     next = begins(counts_);
     entries_.clear();
     for (const int dof : dofs) {
       std::size_t& place = next[at(shared.rank_of(dof / components))];
-      entries_.push_back({place, dof % components, whole.arm.size() > 0 ? whole.arm[dof] : 0.0});
-      place += 2;
+      entries_.push_back({place, dof % components});
+      place += numbers;
     }
   }
 
@@ -115,8 +120,8 @@ class RankShare::Neighbours final : public solver::OtherRanks {
   struct Entry {
     std::size_t place;
     int component;
-    double arm;
   };
+  static constexpr int numbers = 5;  ///< told of a degree of freedom that is booked
 
   /// Where the numbers of each rank begin.
   static std::vector<std::size_t> begins(const std::vector<int>& counts) {

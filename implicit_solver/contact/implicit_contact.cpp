@@ -29,7 +29,6 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
                                  const std::vector<BodyState>& states)
     : problem_(&problem), surface_(std::move(surface)) {
   if (solver::SlidingRows sliding(problem, states); sliding.any()) sliding_ = std::move(sliding);
-  if (surface_.components == 3) solver::require_supports_along_rows(surface_.pairs, surface_.contact_keys, states);
   int offset = 0;
   for (const auto& state : states) {
     offsets_.push_back(offset);

@@ -81,8 +81,9 @@ class ImplicitContact {
   /// Drops all contact forces (after the switch to explicit integration).
   void open();
 
-  /// From here on no contact force, or every pair held at zero gap (and, with friction, zero slip), in tension, too.
-  void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
+  /// From here on no contact force, or every pair held at zero gap (and, with friction, zero slip), in tension, too;
+  /// nothing: contact as before.
+  void freeze(std::optional<participant::FrozenContact> frozen) { frozen_ = frozen; }
   [[nodiscard]] bool held() const { return frozen_ == participant::FrozenContact::sticking; }
   /// Held pairs: what the law makes of velocity and elastic acceleration (combined vectors) of the present motion.
   void hold_rates(const std::vector<solver::BodyState>& states, Eigen::VectorXd& velocity,

@@ -81,6 +81,13 @@ TEST_P(ThreeBars, AreToldOfByContact) {
   EXPECT_EQ(contacts.at("first").at("peak_contact_force_n").get<double>(), r.largest("contact_force_n/first"));
   EXPECT_EQ(contacts.at("first").count("friction_impulse_b_n_s"), 0U);
   EXPECT_THAT(r.outcome.out, testing::HasSubstr("contact 'second'"));
+  // Bars in series hand one force on: a sum would be twice what any of them feels.
+  EXPECT_TRUE(r.summary.at("peak_contact_force_n").is_null());
+  EXPECT_TRUE(r.summary.at("contact_impulse_n_s").is_null());
+  EXPECT_THAT(r.outcome.out, testing::Not(testing::HasSubstr("peak contact force")));
+  const std::string page = file_text(r.folder + "/report.html");
+  EXPECT_THAT(page, testing::HasSubstr("contact second"));
+  EXPECT_THAT(page, testing::Not(testing::HasSubstr("peak contact force")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ThreeBars,

@@ -1,5 +1,6 @@
 // configs/two_balls.toml: contact of curved surfaces whose meshes do not match, against Hertz' theory.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
@@ -76,6 +77,15 @@ TEST_P(TwoBalls, CollideAsHertzHasItButForTheirSize) {
     EXPECT_NEAR(run.last("contact_impulse_n_s") / (2.0 * mass * c.speed_m_s), 1.0, 5e-3);
     EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-10);
     EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 1e-4);
+    // Of the force that there is: a = (3 F R' / (4 E'))^(1/3), p0 = 3/2 F/(pi a^2); a to an element, of 0.1 mm.
+    const double modulus = 48e9 / (2.0 * 0.96), radius = std::cbrt(0.75 * peak * 0.005 / modulus),
+                 pressure = 1.5 * peak / (std::numbers::pi * radius * radius);
+    EXPECT_NEAR(run.summary.at("largest_contact_radius_m").get<double>(), radius, 1e-4) << c.speed;
+    EXPECT_NEAR(run.summary.at("peak_contact_pressure_pa").get<double>(), pressure, 0.06 * pressure) << c.speed;
+    EXPECT_EQ(run.summary.at("largest_contact_radius_m").get<double>(), run.largest("contact_radius_m"));
+    EXPECT_TRUE(run.summary.at("angular_momentum_error_max").is_null()) << "there is none about an axis";
+    EXPECT_EQ(run.history.count("angular_momentum_z_kg_m2_s"), 0U);
+    EXPECT_THAT(run.outcome.out, testing::HasSubstr("mm radius"));
   }
 }
 

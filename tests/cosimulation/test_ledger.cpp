@@ -30,18 +30,32 @@ std::string blocks(const std::string& protocol, bool plane) {
          protocol + "\"\n";
 }
 
+/// The same with a tenth of all speeds and loads.
+std::string gentler(std::string text) {
+  const std::pair<const char*, const char*> tenths[] = {
+      {"[1.0, 2.0]", "[0.1, 0.2]"}, {"[0.0, -1.0]", "[0.0, -0.1]"}, {"[0.0, 1e5]", "[0.0, 1e4]"}};
+  for (const auto& [whole, tenth] : tenths)
+    if (text.find(whole) != std::string::npos) text = replaced(text, whole, tenth);
+  return replaced(text, "[30.0, 100.0]", "[3.0, 10.0]");
+}
+
 class AngularMomentum : public testing::TestWithParam<std::string> {};
 
 TEST_P(AngularMomentum, IsBalancedAgainstTheMomentsOfLoadsAndOfARigidPlane) {
   const TemporaryFolder folder;
   for (const bool plane : {false, true}) {
     const auto run = run_text(blocks(GetParam(), plane), folder, plane ? "plane" : "two");
-    const auto& angular = run.column("angular_momentum_kg_m2_s");
+    const auto& angular = run.column("angular_momentum_z_kg_m2_s");
     const double scale =
         *std::max_element(angular.begin(), angular.end()) - *std::min_element(angular.begin(), angular.end());
     EXPECT_GT(scale, 0.01) << "loads and friction change it";
-    EXPECT_LT(run.summary.at("angular_momentum_error_max").get<double>(), 1e-9) << plane;
+    EXPECT_LT(run.summary.at("angular_momentum_error_max").get<double>(), 3e-3) << plane << ": strains are";
     EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-9) << plane;
+    // Small strain balances moments where bodies were: what is open goes with what they have moved since. Anything that
+    // the ledger left out would not.
+    const auto gentle = run_text(gentler(blocks(GetParam(), plane)), folder, plane ? "gentle_plane" : "gentle_two");
+    const double open = run.summary.at("angular_momentum_error_max").get<double>();
+    EXPECT_NEAR(gentle.summary.at("angular_momentum_error_max").get<double>(), 0.1 * open, 1e-6 * open) << plane;
   }
 }
 
@@ -52,7 +66,9 @@ INSTANTIATE_TEST_SUITE_P(Protocols, AngularMomentum,
 
 TEST(AngularMomentum, IsNotBalancedWhereThePlatesRepeat) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_text(config_text("slipping_plates"), folder).summary.at("angular_momentum_error_max"), 0.0);
+  const auto run = run_text(config_text("slipping_plates"), folder);
+  EXPECT_TRUE(run.summary.at("angular_momentum_error_max").is_null()) << "not 0";
+  EXPECT_EQ(run.history.count("angular_momentum_z_kg_m2_s"), 0U);
 }
 
 /// The normal is radial: what the plane gives along it is no momentum, what there is runs along the axis.

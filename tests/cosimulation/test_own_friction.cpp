@@ -142,7 +142,7 @@ TEST_P(StackedBlocks, OfSolidsHaveItAlongTheirSlip) {
     EXPECT_NEAR(std::abs(along_b / along_t), std::tan(M_PI / 6.0), 1e-6) << contact;
     EXPECT_EQ(r.summary.at("contacts").at(contact).at("friction_impulse_b_n_s").get<double>(), along_b);
   }
-  EXPECT_EQ(r.summary.at("friction_impulse_b_n_s").get<double>(), r.last("friction_impulse_b_n_s"));
+  EXPECT_EQ(r.summary.count("friction_impulse_b_n_s"), 0U) << "forces in series are not added";
   EXPECT_NE(r.last("friction_impulse_b_n_s"), 0.0);
 }
 

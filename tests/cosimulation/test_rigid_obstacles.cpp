@@ -128,7 +128,9 @@ TEST(RigidSphere, PressesAQuarterWithAQuarterOfTheForce) {
   EXPECT_LT(quarter.summary.at("momentum_error_max").get<double>(), 1e-11);
 }
 
-/// Off the middle of the block, which it turns and pushes aside, with and without friction.
+/// Off the middle of the block, which it turns and pushes aside, with and without friction. What it pushes aside by is,
+/// without friction, all of normal forces: no column of friction has any of it, and both together are the change of
+/// momentum.
 TEST(RigidSphere, KeepsTheBalancesOfABlockThatItHitsOffItsMiddle) {
   for (const std::string friction : {"", "friction_coefficient = 0.3\n"}) {
     for (const std::string protocol : {"hughes_liu", "all_explicit"}) {
@@ -142,6 +144,17 @@ TEST(RigidSphere, KeepsTheBalancesOfABlockThatItHitsOffItsMiddle) {
       EXPECT_GT(run.last("contact_impulse_n_s"), 0.0);
       const auto& aside = run.column("momentum_t_kg_m_s");
       EXPECT_GT(std::abs(aside.back() - aside.front()), 1e-6) << "its normal is not the surface's everywhere";
+      const double scale = run.last("contact_impulse_n_s");
+      EXPECT_NEAR(aside.front() - aside.back(), run.last("normal_impulse_t_n_s") + run.last("friction_impulse_n_s"),
+                  1e-11 * scale);
+      const auto& aside_b = run.column("momentum_b_kg_m_s");
+      EXPECT_NEAR(aside_b.front() - aside_b.back(),
+                  run.last("normal_impulse_b_n_s") + run.last("friction_impulse_b_n_s"), 1e-11 * scale);
+      for (const char* along : {"normal_force_t_n", "normal_force_b_n"})
+        EXPECT_GT(run.largest(along) - run.smallest(along), 1e-3 * run.largest("contact_force_n")) << along;
+      for (const char* of_friction :
+           {"friction_force_n", "friction_force_b_n", "friction_impulse_n_s", "friction_impulse_b_n_s"})
+        EXPECT_EQ(run.largest(of_friction) == 0.0 && run.smallest(of_friction) == 0.0, friction.empty()) << of_friction;
     }
   }
 }

@@ -72,7 +72,7 @@ class ForeignBody(Participant):
         self.held, self.m, self.dofs = held.ravel(), np.repeat(self.node_mass, d), d * self.shared[:, None] + range(d)
         v = np.where(held, 0, own.get("velocity", [0] * d)).ravel()
         self.state = {"u": 0 * v, "v": v, "a": 0 * v, "internal": 0 * v, "link": 0.0 * self.dofs, "work": 0.0,
-                      "impulse": np.zeros((len(self.x), d))}
+                      "impulse": np.zeros((len(self.x), d)), "turned": 0.0}
 
     def describe(self):
         root = np.where(self.held, 0, self.m**-0.5)
@@ -81,7 +81,7 @@ class ForeignBody(Participant):
         for of in ["momentum_{}_kg_m_s", "impulse_{}_kg_m_s"]:
             quantities += [of.format(axis) for axis in "ntb"[:self.d]]
         if self.own["model"] == "plane_strain":
-            quantities += ["angular_momentum_kg_m2_s", "angular_impulse_kg_m2_s"]
+            quantities += ["angular_momentum_z_kg_m2_s", "angular_impulse_z_kg_m2_s"]
         return Description(self.name, "explicit", "foreign_body.py", components=self.d, bodies=[self.own["body"]],
                            interface_body=np.zeros(len(self.shared)), interface_position_m=self.x[self.shared],
                            interface_mass_kg=self.node_mass[self.shared],
@@ -118,9 +118,15 @@ class ForeignBody(Participant):
             mean = 0.5 * (old["internal"] + s["internal"])
             on_link = 0.5 * (old["link"] + s["link"]) if self.by_force else mean[self.dofs]
             s["work"] += np.sum(on_link * (s["u"] - old["u"])[self.dofs])
-            s["impulse"] = s["impulse"] + dt * (mean * (self.integrated & self.held)).reshape(-1, self.d)
+            given = dt * (mean * (self.integrated & self.held)).reshape(-1, self.d)
+            s["impulse"] = s["impulse"] + given
+            s["turned"] += self.moment(0.5 * (old["u"] + s["u"]), given)
         self.trial = s
         return self.answer(s)
+
+    def moment(self, u, given):  # about z, where the nodes are
+        at = self.x + u.reshape(-1, self.d)
+        return np.sum(at[:, 0] * given[:, 1] - at[:, 1] * given[:, 0]) if self.d == 2 else 0.0
 
     def synchronise(self, integration, link):
         answer = self.advance(0, link, 0.0, 1)
@@ -138,7 +144,7 @@ class ForeignBody(Participant):
         for x in (values.sum(axis=0) for values in both):  # n: the last coordinate
             row += {1: [x[0]], 2: [x[-1], -x[0]], 3: [x[-1], x[0], x[1 % self.d]]}[self.d]
         if self.own["model"] == "plane_strain":
-            row += [np.sum(self.x[:, 0] * p[:, 1] - self.x[:, 1] * p[:, 0]) for p in both]
+            row += [self.moment(s["u"], both[0]), s["turned"]]
         return row
 
     def load_state(self, state, frozen_contact):

@@ -75,9 +75,14 @@ std::string contact_rows(const Json& summary) {
     text += row("mean interface stress", shown(plateau, "Pa"), shown(stress, "Pa") + " (impedance theory)",
                 plateau && stress ? difference(*plateau, *stress) : "");
   }
-  text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
-          row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s"));
   const Json contacts = summary.value("contacts", Json::object());
+  if (contacts.empty()) {
+    text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+            row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) +
+            row("largest contact pressure", shown(number(summary, "peak_contact_pressure_pa"), "Pa"));
+    if (const auto radius = number(summary, "largest_contact_radius_m"))
+      text += row("largest contact radius", quantity(*radius, "m"));
+  }
   for (const auto& [name, contact] : contacts.items()) text += named_contact_row(name, contact);
   return text + unconverged_row(summary);
 }
@@ -92,7 +97,7 @@ std::string balance_rows(const Json& summary) {
   }
   if (momentum) text += row("momentum error", fmt::format("{:.3e}", *momentum));
   const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
-  if (angular && *angular > 0) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
+  if (angular) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
   if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
   return text;
 }

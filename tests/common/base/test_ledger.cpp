@@ -24,6 +24,12 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
   record.friction_impulse_n_s = 12;
   record.friction_force_b_n = 16;
   record.friction_impulse_b_n_s = 17;
+  record.contact_pressure_max_pa = 22;
+  record.contact_radius_m = 23;
+  record.normal_force_t_n = 18;
+  record.normal_force_b_n = 19;
+  record.normal_impulse_t_n_s = 20;
+  record.normal_impulse_b_n_s = 21;
   record.contact_iterations = 13;
   record.contact_residual = 14;
   record.contact_unconverged = 15;
@@ -41,6 +47,12 @@ TEST(ContactRecord, HasItsNumbersInTheOrderOfItsColumns) {
                                                   {"friction_impulse_n_s", 12},
                                                   {"friction_force_b_n", 16},
                                                   {"friction_impulse_b_n_s", 17},
+                                                  {"contact_pressure_max_pa", 22},
+                                                  {"contact_radius_m", 23},
+                                                  {"normal_force_t_n", 18},
+                                                  {"normal_force_b_n", 19},
+                                                  {"normal_impulse_t_n_s", 20},
+                                                  {"normal_impulse_b_n_s", 21},
                                                   {"contact_iterations", 13},
                                                   {"contact_residual", 14},
                                                   {"contact_unconverged", 15}};

@@ -5,6 +5,7 @@
 #include "common/base/error.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/describe.hpp"
+#include "tests/support/contact_blocks.hpp"
 #include "tests/support/contact_plates.hpp"
 #include "tests/support/rods.hpp"
 
@@ -97,7 +98,37 @@ TEST(BodyState, SumsMomentumAndAngularMomentumOfATurningPlate) {
   plate.update_momentum();
   EXPECT_NEAR(plate.totals.momentum_n_kg_m_s, 80.0 * 2.0 * 0.1, 1e-12) << "n = (0, 1)";
   EXPECT_NEAR(plate.totals.momentum_t_kg_m_s, 80.0 * 2.0 * 0.2, 1e-12) << "t = (-1, 0)";
-  EXPECT_NEAR(plate.totals.angular_momentum_kg_m2_s, 80.0 * 2.0 * (0.015 + 0.06), 1e-12);
+  EXPECT_NEAR(plate.totals.angular_momentum_z_kg_m2_s, 80.0 * 2.0 * (0.015 + 0.06), 1e-12);
+  EXPECT_EQ(plate.totals.angular_momentum_x_kg_m2_s, 0.0);
+  // Displaced by d all of it is by d x p more, where a momentum p is.
+  for (int node = 0; node < plate.part.nodes(); ++node) plate.u.segment<2>(2 * node) << 0.5, -0.25;
+  plate.update_momentum();
+  EXPECT_NEAR(plate.totals.angular_momentum_z_kg_m2_s,
+              80.0 * 2.0 * (0.015 + 0.06) + 80.0 * 2.0 * (0.5 * 0.1 - 0.25 * 0.2), 1e-12);
+}
+
+/// A turn w about the origin, v = w x r, of a block displaced by d: L = sum m r x (w x r), r = x + d, added up here
+/// from the mean places and the squares of a block that is lumped at 3 x 3 x 3 nodes.
+TEST(BodyState, SumsTheAngularMomentumOfATurningBlock) {
+  test::ContactBlocks blocks("all_implicit");
+  auto& block = blocks.states[0];
+  const Eigen::Vector3d turn(1.0, -2.0, 3.0), moved(0.5, 0.25, -0.125);
+  Eigen::Vector3d expected = Eigen::Vector3d::Zero();
+  for (int node = 0; node < block.part.nodes(); ++node) {
+    const Eigen::Vector3d at = block.part.mesh.position[static_cast<std::size_t>(node)] + moved;
+    block.u.segment<3>(3 * node) = moved;
+    block.v.segment<3>(3 * node) = turn.cross(at);
+    expected += block.mass[3 * node] * (at.squaredNorm() * turn - at.dot(turn) * at);
+  }
+  block.update_momentum();
+  const Eigen::Vector3d found(block.totals.angular_momentum_x_kg_m2_s, block.totals.angular_momentum_y_kg_m2_s,
+                              block.totals.angular_momentum_z_kg_m2_s);
+  EXPECT_LT((found - expected).norm(), 1e-13 * expected.norm());
+  block.give_moment(1, 2.0);  // along y, at the place of the first node
+  const Eigen::Vector3d at = block.part.mesh.position[0] + moved;
+  EXPECT_NEAR(block.totals.angular_impulse_x_kg_m2_s, -2.0 * at[2], 1e-15);
+  EXPECT_EQ(block.totals.angular_impulse_y_kg_m2_s, 0.0);
+  EXPECT_NEAR(block.totals.angular_impulse_z_kg_m2_s, 2.0 * at[0], 1e-15);
 }
 
 TEST(BodyState, OfABarHasMomentumAlongItAlone) {
@@ -107,7 +138,7 @@ TEST(BodyState, OfABarHasMomentumAlongItAlone) {
   rod.update_momentum();
   EXPECT_EQ(rod.totals.momentum_n_kg_m_s, 2.0 * 45.0 + 10.0) << "2 kg at nodes 1 to 9, 1 kg at node 10";
   EXPECT_EQ(rod.totals.momentum_t_kg_m_s, 0.0);
-  EXPECT_EQ(rod.totals.angular_momentum_kg_m2_s, 0.0);
+  EXPECT_EQ(rod.totals.angular_momentum_z_kg_m2_s, 0.0);
 }
 
 // 7 N over 0.1 s along x at (0.2, 0.4) m, where a support is, and along y at (0.1, 0.2) m, where a dashpot is.
@@ -117,11 +148,11 @@ TEST(BodyState, WithoutLoadsBooksOnlySupportsAndDashpots) {
   plate.constrained = {{2 * plates.node_at(1, {0.2, 0.4}), 0.0, nullptr}};
   plate.dashpots = {{2 * plates.node_at(1, {0.1, 0.2}) + 1, 1.0, 0.0}};
   plate.account_external(
-      0.1, [](int) { return 7.0; }, [](int) { return 1e-3; });
+      0.1, [](int) { return 7.0; }, [](int) { return 1e-3; }, [](int) { return 0.5; });
   EXPECT_NEAR(plate.totals.energy_external_j, 2 * 7e-3, 1e-17);
   EXPECT_NEAR(plate.totals.impulse_n_kg_m_s, 0.7, 1e-15) << "of the dashpot";
   EXPECT_NEAR(plate.totals.impulse_t_kg_m_s, -0.7, 1e-15) << "of the support, t = (-1, 0)";
-  EXPECT_NEAR(plate.totals.angular_impulse_kg_m2_s, 0.1 * 0.7 - 0.4 * 0.7, 1e-15);
+  EXPECT_NEAR(plate.totals.angular_impulse_z_kg_m2_s, (0.1 + 0.5) * 0.7 - (0.4 + 0.5) * 0.7, 1e-15) << "where it is";
 }
 
 // The weight of 80 kg at 10 m/s^2 for 0.1 s, while the plate falls by 1 mm; its centre is at x = 0.1 m.
@@ -135,12 +166,13 @@ TEST(BodyState, BooksALoadOnEveryNode) {
   plate.external.at(0.0, force);
   for (int window = 0; window < 2; ++window) {
     plate.account_external(
-        0.1, [&](int dof) { return force[dof]; }, [](int dof) { return dof % 2 == 1 ? -1e-3 : 0.0; });
+        0.1, [&](int dof) { return force[dof]; }, [](int dof) { return dof % 2 == 1 ? -1e-3 : 0.0; },
+        [](int) { return 0.0; });
   }
   EXPECT_NEAR(plate.totals.energy_external_j, 2 * 0.8, 1e-14);
   EXPECT_NEAR(plate.totals.impulse_n_kg_m_s, 2 * -80.0, 1e-12);
   EXPECT_NEAR(plate.totals.impulse_t_kg_m_s, 0.0, 1e-15);
-  EXPECT_NEAR(plate.totals.angular_impulse_kg_m2_s, 2 * -8.0, 1e-13);
+  EXPECT_NEAR(plate.totals.angular_impulse_z_kg_m2_s, 2 * -8.0, 1e-13);
 }
 
 TEST(BodyState, PutBackHasItsMotionAndTotalsButNotItsMassAgain) {

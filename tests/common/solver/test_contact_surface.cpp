@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/solver/contact_surface.hpp"
@@ -44,7 +45,7 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   ContactRecord report = plates.surface.empty_record();
   ContactAccount account{.work_normal_j = -0.5,
                          .dissipated_friction_j = 0.25,
-                         .impulses = {{1.0, 2.0, 3.0}},
+                         .impulses = {{{0.75, 4.0, 5.0}, {0.25, 2.0, 3.0}}},
                          .iterations = 4,
                          .largest_residual = 1e-7,
                          .unconverged = 2};
@@ -60,11 +61,16 @@ TEST(ContactSurface, ReportsSumsOfItsPairsGapAndStress) {
   EXPECT_EQ(report.contact_impulse_n_s, 1.0);
   EXPECT_EQ(report.friction_impulse_n_s, 2.0);
   EXPECT_EQ(report.friction_impulse_b_n_s, 3.0);
+  EXPECT_EQ(report.normal_impulse_t_n_s, 4.0);
+  EXPECT_EQ(report.normal_impulse_b_n_s, 5.0);
+  EXPECT_EQ(report.normal_force_t_n, 0.0) << "flat";
   EXPECT_TRUE(report.contacts.empty()) << "there is but one";
   EXPECT_EQ(report.pairs_stick, 1);
   EXPECT_EQ(report.pairs_slip, 1);
   EXPECT_EQ(report.pairs_open, 1);
-  EXPECT_NEAR(report.contact_pressure_mean_pa, 40.0, 1e-13) << "on 0.2 m x 1 m";
+  EXPECT_NEAR(report.contact_pressure_mean_pa, 80.0, 1e-13) << "8 N on the ends' 2 x 0.05 m x 1 m";
+  EXPECT_NEAR(report.contact_pressure_max_pa, 100.0, 1e-13);
+  EXPECT_EQ(report.contact_radius_m, 0.0) << "plane strain has none";
   EXPECT_NEAR(report.gap_min_m, 0.2e-3, 1e-18);
   EXPECT_NEAR(report.principal_stress_mean_pa, 1.2e6, 1e-4);
   account.impulses = plates.surface.no_impulses();
@@ -87,7 +93,7 @@ TEST(ContactSurface, ReportsEachOfSeveralContacts) {
                                          {0.0, {0.0, 0.0}, ContactState::open},
                                          {5.0, {-2.5, 0.5}, ContactState::slip}};
   ContactRecord report = plates.surface.empty_record();
-  ContactAccount account{.impulses = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {0.0, 0.0, 0.0}}};
+  ContactAccount account{.impulses = {{{0.0, 0.0, 0.0}, {1.0, 2.0, 3.0}}, {{0.0, 0.0, 0.0}, {4.0, 5.0, 6.0}}, {}}};
   plates.surface.report(plates.states, forces, account, report);
   ASSERT_EQ(report.contacts.size(), 3U);
   const auto &one = report.contacts[0], &two = report.contacts[1], &none = report.contacts[2];
@@ -106,6 +112,31 @@ TEST(ContactSurface, ReportsEachOfSeveralContacts) {
   EXPECT_EQ(report.friction_impulse_b_n_s, 9.0);
   EXPECT_EQ(none.gap_min_m, std::numeric_limits<double>::max()) << "no pair";
   EXPECT_EQ(none.contact_pressure_mean_pa, 0.0);
+}
+
+/// The normal of the first pair is turned by 30 degrees from that of its contact: what its forces are along the tangent
+/// of the contact is not all friction.
+TEST(ContactSurface, TellsTheTangentialPartOfNormalForcesFromFriction) {
+  test::ContactPlates plates("all_implicit");
+  Turn& turn = plates.surface.pairs[0].to_contact;
+  turn.turned = true;
+  const double c = std::cos(M_PI / 6.0), s = std::sin(M_PI / 6.0);
+  turn.matrix << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+  const std::vector<PairForce> forces = {
+      {3.0, {1.0, 4.0}, ContactState::slip}, {5.0, {2.0, 0.0}, ContactState::slip}, {}};
+  ContactRecord report = plates.surface.empty_record();
+  ContactAccount account{.impulses = plates.surface.no_impulses()};
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    book_impulse(plates.surface.pairs[i], forces[i].normal, forces[i].tangential, plates.states, account.impulses);
+  plates.surface.report(plates.states, forces, account, report);
+  EXPECT_NEAR(report.contact_force_n, 3.0 * c - s + 5.0, 1e-15);
+  EXPECT_NEAR(report.friction_force_n, c + 2.0, 1e-15);
+  EXPECT_NEAR(report.normal_force_t_n, 3.0 * s, 1e-15);
+  EXPECT_NEAR(report.friction_force_b_n, 4.0, 1e-15);
+  EXPECT_EQ(report.normal_force_b_n, 0.0);
+  EXPECT_EQ(report.contact_impulse_n_s, report.contact_force_n) << "of a window of 1 s";
+  EXPECT_EQ(report.friction_impulse_n_s, report.friction_force_n);
+  EXPECT_EQ(report.normal_impulse_t_n_s, report.normal_force_t_n);
 }
 
 /// Status of two plates whose gap is given window by window from the first on, in windows of 0.5 s; a pair is closed

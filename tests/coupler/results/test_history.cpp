@@ -212,13 +212,40 @@ TEST(Errors, AngularMomentumAgainstMomentumTimesTheArm) {
   Errors errors(Conserved{{{1, 0}, {0, 1}}, 0.5}), unbalanced;
   for (auto* e : {&errors, &unbalanced}) {
     auto row = row_of(1, 0, 0, 4, 0);
-    row.sum.angular_momentum_kg_m2_s = 7;
+    row.sum.angular_momentum_z_kg_m2_s = 7;
     e->add(row);
-    row.sum.angular_momentum_kg_m2_s = 9;
-    row.sum.angular_impulse_kg_m2_s = 1.5;
+    row.sum.angular_momentum_z_kg_m2_s = 9;
+    row.sum.angular_impulse_z_kg_m2_s = 1.5;
     e->add(row);
-    EXPECT_DOUBLE_EQ(row.angular_momentum_error, e == &errors ? 0.25 : 0.0);
+    EXPECT_EQ(row.angular_momentum_error, e == &errors ? std::optional(0.25) : std::nullopt) << "not 0";
+    row.sum.angular_impulse_x_kg_m2_s = 0.3;
+    row.sum.angular_momentum_y_kg_m2_s = 0.4;
+    e->add(row);
+    if (e == &errors) {
+      EXPECT_DOUBLE_EQ(*row.angular_momentum_error, std::sqrt(0.5) / 2.0) << "of a vector";
+    }
   }
+}
+
+/// Of solids all three components have to be told by everyone, else the balance is empty.
+TEST(History, BalancesAngularMomentumWhereAllOfItIsTold) {
+  const Conserved solid{{{1, 0}, {0, 1}, {0, 0, 1}}, 0.5}, plane{{{1, 0}, {0, 1}}, 0.5};
+  std::vector<std::string> columns = {"window", "momentum_n_kg_m_s/rod", "angular_momentum_z_kg_m2_s/rod"};
+  const auto balanced = [&](const Conserved& conserved) {
+    History history({{"p", columns}}, {"rod"}, conserved);
+    history.add(0, std::vector<double>(columns.size(), 0.0));
+    return history.next(1.0)->angular_momentum_error.has_value();
+  };
+  EXPECT_TRUE(balanced(plane));
+  EXPECT_FALSE(balanced(solid));
+  columns.insert(columns.end(), {"angular_momentum_x_kg_m2_s/rod", "angular_momentum_y_kg_m2_s/rod"});
+  EXPECT_TRUE(balanced(solid));
+  columns[2] = "angular_momentum_kg_m2_s/rod";
+  EXPECT_THAT(text_of([&] {
+                History({{"p", columns}}, {"rod"}, plane);
+              }),
+              HasSubstr("announces the unknown history column \"angular_momentum_kg_m2_s/rod\""))
+      << "with the arms of the start: not read as something else";
 }
 
 TEST(Errors, StartAtRestHasNoReferenceAtFirst) {
@@ -245,11 +272,14 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
   std::getline(lines, header);
   std::getline(lines, line);
   EXPECT_EQ(header,
-            "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,principal_stress_mean_pa,friction_force_n,"
+            "time_s,gap_min_m,contact_force_n,contact_pressure_mean_pa,contact_pressure_max_pa,principal_stress_mean_"
+            "pa,friction_force_n,"
+            "normal_force_t_n,"
             "pairs_stick,pairs_slip,pairs_open,energy_kinetic_j,energy_strain_j,energy_external_j,energy_contact_j,"
-            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,angular_momentum_kg_"
-            "m2_s,contact_impulse_n_s,"
-            "friction_impulse_n_s,contact_iterations,contact_residual,contact_unconverged,velocity_mean_rod_m_s");
+            "energy_friction_j,energy_interface_j,energy_error,momentum_n_kg_m_s,momentum_t_kg_m_s,"
+            "contact_impulse_n_s,"
+            "friction_impulse_n_s,normal_impulse_t_n_s,contact_iterations,contact_residual,contact_unconverged,"
+            "velocity_mean_rod_m_s");
   EXPECT_THAT(line,
               AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
 }
@@ -258,13 +288,13 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
 TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
   const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
   int documented = 0;
-  for (const auto& column : history_columns({.solid = true})) {
+  for (const auto& column : history_columns({.solid = true, .round = true})) {
     const bool known = text_of([&] { History({{"p", {"window", column}}}, {}); }).empty();
     if (!known) continue;
     EXPECT_THAT(page, HasSubstr("`" + column + "`"));
     ++documented;
   }
-  EXPECT_EQ(documented, 18);
+  EXPECT_EQ(documented, 24);
 }
 
 TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
@@ -272,14 +302,17 @@ TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
   HistoryRow row;
   row.contact.friction_force_b_n = 1.5;
   row.contact.friction_impulse_b_n_s = 2.5;
+  row.contact.normal_force_b_n = 4.5;
+  row.contact.normal_impulse_b_n_s = 5.5;
   row.sum.momentum_b_kg_m_s = 3.5;
   {
     HistoryFile file(path, {.has_contact = true, .solid = true});
     file.add(row);
   }
   const std::string text = read(path);
-  EXPECT_THAT(text, HasSubstr("contact_unconverged,friction_force_b_n,friction_impulse_b_n_s,momentum_b_kg_m_s\n"));
-  EXPECT_THAT(text, testing::EndsWith(",1.5,2.5,3.5\n"));
+  EXPECT_THAT(text, HasSubstr("contact_unconverged,friction_force_b_n,normal_force_b_n,friction_impulse_b_n_s,"
+                              "normal_impulse_b_n_s,momentum_b_kg_m_s\n"));
+  EXPECT_THAT(text, testing::EndsWith(",1.5,4.5,2.5,5.5,3.5\n"));
 }
 
 TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
@@ -294,13 +327,17 @@ TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
     HistoryFile file(path, {.has_contact = true, .contacts = {"a", "b"}});
     file.add(row);
   }
-  EXPECT_THAT(read(path),
-              AllOf(HasSubstr("contact_unconverged,gap_min_m/a,contact_force_n/a,contact_pressure_mean_pa/a,"
-                              "friction_force_n/a,pairs_stick/a,pairs_slip/a,pairs_open/a,"
-                              "contact_impulse_n_s/a,friction_impulse_n_s/a,gap_min_m/b,"),
-                    testing::EndsWith(",nan,0,0,0,0,0,0,0,0,0,1.5,0,0,0,0,0,0,2.5\n")));
+  EXPECT_THAT(
+      read(path),
+      AllOf(
+          HasSubstr(
+              "contact_unconverged,gap_min_m/a,contact_force_n/a,contact_pressure_mean_pa/a,contact_pressure_max_pa/a,"
+              "friction_force_n/a,normal_force_t_n/a,pairs_stick/a,pairs_slip/a,pairs_open/a,"
+              "contact_impulse_n_s/a,friction_impulse_n_s/a,normal_impulse_t_n_s/a,gap_min_m/b,"),
+          testing::EndsWith(",nan,0,0,0,0,0,0,0,0,0,0,0,0,1.5,0,0,0,0,0,0,0,0,2.5,0\n")));
   const auto of_solids = history_columns({.solid = true, .contacts = {"a"}});
-  EXPECT_THAT(of_solids, testing::IsSupersetOf({"friction_force_b_n/a", "friction_impulse_b_n_s/a"}));
+  EXPECT_THAT(of_solids,
+              testing::IsSupersetOf({"friction_force_b_n/a", "friction_impulse_b_n_s/a", "normal_force_b_n/a"}));
 }
 
 TEST(HistoryFile, UnwritableFolderIsNamed) {

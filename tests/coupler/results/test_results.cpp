@@ -254,7 +254,10 @@ TEST(Summary, TellsOfEachOfSeveralContacts) {
     tally.add(row);
   }
   const auto json = nlohmann::json::parse(to_json(finished(), tally));
-  EXPECT_EQ(json["friction_impulse_b_n_s"], 1.0);
+  for (const char* of_one : {"peak_contact_force_n", "contact_impulse_n_s", "friction_impulse_n_s"})
+    EXPECT_TRUE(json[of_one].is_null()) << of_one << ": forces in series are not added";
+  EXPECT_FALSE(json.contains("friction_impulse_b_n_s"));
+  EXPECT_THAT(to_table(finished(), tally), testing::Not(HasSubstr("peak contact force")));
   const auto &hit = json["contacts"]["hit"], &missed = json["contacts"]["missed"];
   EXPECT_EQ(hit["first_contact_s"], 1.0);
   EXPECT_EQ(hit["separation_time_s"], 3.0);
