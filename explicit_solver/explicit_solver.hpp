@@ -41,6 +41,9 @@ class ExplicitSolver : public participant::Participant {
   void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
+  void contact_forces(std::vector<double>& row) override {
+    if (const auto* c = contact()) c->append_forces(row);
+  }
   void axial_stress(std::vector<double>& row) override { axial_stress_.append(reported(), window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }

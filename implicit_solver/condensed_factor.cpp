@@ -19,6 +19,9 @@ extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
 namespace ricochet::implicit_solver {
 namespace {
 
+/// Of CHOLMOD's dense blocks, and of what follows, in operations that CHOLMOD counts for the factor: to tell how far a
+/// factorisation is, not how long it takes.
+constexpr double flops_per_s = 6e9, arranged_flops_per_s = 2e10;
 /// Entries of a block that are worth a thread.
 constexpr double least_entries_of_part = 1e4;
 
@@ -136,7 +139,7 @@ class Supernodes {
 };
 
 CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& active, const std::vector<int>& root,
-                                 std::shared_ptr<Parallel> parallel)
+                                 std::shared_ptr<Parallel> parallel, participant::Heartbeat* heart)
     : parallel_(std::move(parallel)) {
   const auto dofs = static_cast<std::size_t>(a.rows());
   std::vector<int> unknown_of(dofs, -1), dof_of_unknown;
@@ -160,15 +163,21 @@ CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& a
 
   std::vector<int> root_unknowns;
   for (const int dof : root) root_unknowns.push_back(unknown_of[static_cast<std::size_t>(dof)]);
+  const auto begins = [heart](const char* doing, double expected_s) {
+    if (heart) heart->begin(doing, expected_s);
+  };
+  begins("ordering", 0.0);
   const EliminationOrder plan = elimination_order(cholmod.matrix, root_unknowns, common);
   std::vector<int> order = plan.order;
   common.supernodal = CHOLMOD_SUPERNODAL;
   cholmod.factor = cholmod_analyze_p(cholmod.matrix, order.data(), nullptr, 0, &common);
   if (!cholmod.factor) refuse_cholmod(common, "analyse");
+  begins("factorising", common.fl / flops_per_s);
   if (!cholmod_factorize(cholmod.matrix, cholmod.factor, &common)) refuse_cholmod(common, "factorise");
   if (common.status != CHOLMOD_OK || cholmod.factor->minor < cholmod.factor->n) refuse_indefinite();
   cholmod_free_sparse(&cholmod.matrix, &common);
 
+  begins("arranging the factor", common.fl / arranged_flops_per_s);
   const Supernodes factor(*cholmod.factor);
   for (int j = 0; j < interior_; ++j) inverse_diagonal_.push_back(1.0 / (factor.diagonal(j) * factor.diagonal(j)));
   for (const int unknown : order) dof_of_.push_back(dof_of_unknown[static_cast<std::size_t>(unknown)]);

@@ -6,6 +6,7 @@
 
 #include "common/base/parallel.hpp"
 #include "common/fem/part.hpp"
+#include "common/participant/heartbeat.hpp"
 #include "implicit_solver/elimination_order.hpp"
 #include "implicit_solver/subtrees.hpp"
 
@@ -28,7 +29,7 @@ class CondensedFactor {
   /// root, all active; `parallel`: the threads to compute with (null: the caller alone). Throws SolverError if A is not
   /// positive definite.
   CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& active, const std::vector<int>& root,
-                  std::shared_ptr<Parallel> parallel = nullptr);
+                  std::shared_ptr<Parallel> parallel = nullptr, participant::Heartbeat* heart = nullptr);
 
   /// Loads b (full length, inactive entries ignored) and eliminates; afterwards root_rhs() holds z.
   void forward(const Eigen::VectorXd& b);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/participant/heartbeat.hpp"
 #include "common/solver/describe.hpp"
 #include "common/solver/free_motion.hpp"
 
@@ -73,9 +74,12 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
   const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
-  newmark_.emplace(parts_, contact,
-                   Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
-                   setup_.window_size_s);
+  {
+    participant::Heartbeat heart(setup_.progress);
+    newmark_.emplace(parts_, contact,
+                     Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
+                     setup_.window_size_s, &heart);
+  }
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);

@@ -37,6 +37,9 @@ class ImplicitSolver final : public participant::Participant {
   void work_ahead() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
   void record(std::vector<double>& row) override;
+  void contact_forces(std::vector<double>& row) override {
+    if (contact_) contact_->append_forces(row);
+  }
   void axial_stress(std::vector<double>& row) override { axial_stress_.append(states_, window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }

@@ -22,12 +22,12 @@ constexpr std::size_t most_contact_dofs_in_root = 800;
 }  // namespace
 
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
-                             double dt)
+                             double dt, participant::Heartbeat* heart)
     : parts_(parts), contact_(contact), dt_(dt), interface_stiffness_(std::move(interface_stiffness)) {
   for (auto* vector : {&rhs_, &mean_velocity_}) vector->setZero(parts_.dofs());
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
-  factorise();
+  factorise(heart);
 }
 
 /// Adds scale S to the shared dofs of a matrix.
@@ -47,7 +47,7 @@ void NewmarkWindow::add_interface_stiffness(double scale, fem::SparseMatrix& a) 
 }
 
 /// A = M + dt/2 C + dt^2/4 (K + S) on the dofs that are free.
-void NewmarkWindow::factorise() {
+void NewmarkWindow::factorise(participant::Heartbeat* heart) {
   const double dt = dt_;
   fem::SparseMatrix a = parts_.stiffness();
   a *= 0.25 * dt * dt;
@@ -73,8 +73,9 @@ void NewmarkWindow::factorise() {
     shared_roots_.emplace_back(dof, found - root.begin());
     if (found == root.end()) root.push_back(dof);
   }
-  factor_.emplace(std::move(a), active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel);
+  factor_.emplace(std::move(a), active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel, heart);
   if (!contact_) return;
+  if (heart) heart->begin("preparing the contact");
   const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
   if (contact_in_root_) {
     contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/participant/heartbeat.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/condensed_factor.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
@@ -25,8 +26,9 @@ namespace ricochet::implicit_solver {
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
-  /// dofs, or empty.
-  NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness, double dt);
+  /// dofs, or empty. `heart`: hears how far it is.
+  NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness, double dt,
+                participant::Heartbeat* heart = nullptr);
 
   /// The right-hand side without the link's change, and as much of the solve as does not need that. Does nothing if it
   /// is done already.
@@ -48,7 +50,7 @@ class NewmarkWindow {
     std::size_t part;
     int local;
   };
-  void factorise();
+  void factorise(participant::Heartbeat* heart);
   void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
   template <class Displacement>
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);

@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "common/check/check_bodies.hpp"
 #include "common/check/check_contact.hpp"
 #include "common/check/check_model.hpp"
 #include "common/check/check_reach.hpp"
@@ -111,6 +112,23 @@ void check_materials(const Problem& problem, std::vector<std::string>& warnings)
           body.name, body.material.poisson_ratio, fem::longitudinal_wave_speed(problem.scene.model, body.material)));
 }
 
+/// Its extent along x, y, z, or r and z.
+std::string extent_text(Model model, const Eigen::Vector3d& extent_m) {
+  if (model == Model::bar) return fmt::format("{:.4g}", extent_m[0]);
+  if (model == Model::axisymmetric) return fmt::format("r {:.4g}, z {:.4g}", extent_m[0], extent_m[1]);
+  if (model == Model::plane_strain) return fmt::format("{:.4g} x {:.4g}", extent_m[0], extent_m[1]);
+  return fmt::format("{:.4g} x {:.4g} x {:.4g}", extent_m[0], extent_m[1], extent_m[2]);
+}
+
+std::string body_rows(Model model, const Plan& plan) {
+  std::string text = fmt::format("{:<16} {:>24} {:>12} {:>12} {:>12} {:>12}\n", "body", "extent [m]", "volume [m^3]",
+                                 "mass [kg]", "speed [m/s]", "energy [J]");
+  for (const BodyPlan& body : plan.bodies)
+    text += fmt::format("{:<16} {:>24} {:>12.4g} {:>12.4g} {:>12.4g} {:>12.4g}\n", body.name,
+                        extent_text(model, body.extent_m), body.volume_m3, body.mass_kg, body.speed_m_s, body.energy_j);
+  return text;
+}
+
 }  // namespace
 
 std::vector<ParticipantPlan> plan_participants(const Problem& problem) {
@@ -148,6 +166,8 @@ Plan plan(const Problem& problem) {
   if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
   plan.participants = plan_participants(problem);
   for (const ParticipantPlan& participant : plan.participants) check_critical_step(problem, participant, plan.warnings);
+  plan.bodies = plan_bodies(problem);
+  check_units(problem, plan);
   check_materials(problem, plan.warnings);
   check_penalty(problem, plan);
   check_supports(problem);
@@ -183,6 +203,7 @@ std::string to_text(const Problem& problem, const Plan& plan) {
     text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, name_of(p.role), p.nodes, p.elements,
                         p.unknowns, p.interface_nodes, critical);
   }
+  text += body_rows(problem.scene.model, plan);
   text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", problem.window_size_s, plan.windows,
                       plan.contact_pairs);
   if (plan.penalty_step_ratio > 0.0)

@@ -15,7 +15,14 @@ struct ParticipantPlan {
   int unknowns = 0;                 ///< free degrees of freedom that it integrates
   double critical_time_step_s = 0;  ///< infinity for an implicit participant
 };
+struct BodyPlan {
+  std::string name;
+  Eigen::Vector3d extent_m{0.0, 0.0, 0.0};
+  double mass_kg = 0.0, volume_m3 = 0.0;   ///< axisymmetric: of the whole ring; plane strain: of its thickness
+  double speed_m_s = 0.0, energy_j = 0.0;  ///< of the initial velocity
+};
 struct Plan {
+  std::vector<BodyPlan> bodies;
   std::vector<ParticipantPlan> participants;
   long long windows = 0;
   int contact_pairs = 0;

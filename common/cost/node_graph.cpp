@@ -30,8 +30,8 @@ NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element)
   return graph;
 }
 
-double factor_entries(const NodeGraph& graph, int components) {
-  if (graph.node.empty()) return 0.0;
+FactorSize factor_size(const NodeGraph& graph, int components) {
+  if (graph.node.empty()) return {};
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;
@@ -40,7 +40,7 @@ double factor_entries(const NodeGraph& graph, int components) {
   // The columns of the upper triangle: of node i its neighbours up to i.
   cholmod_sparse* pattern =
       cholmod_allocate_sparse(nodes, nodes, graph.neighbours.node.size(), 1, 1, 1, CHOLMOD_PATTERN, &common);
-  double entries = 0.0;
+  FactorSize size;
   if (pattern) {
     auto* start = static_cast<int*>(pattern->p);
     auto* row = static_cast<int*>(pattern->i);
@@ -53,14 +53,14 @@ double factor_entries(const NodeGraph& graph, int components) {
     cholmod_factor* symbolic = cholmod_analyze(pattern, &common);
     // An entry between two nodes is a block, of a node with itself half a one.
     const double c = components, n = static_cast<double>(nodes);
-    entries = c * c * (common.lnz - n) + 0.5 * c * (c + 1.0) * n;
+    size = {c * c * (common.lnz - n) + 0.5 * c * (c + 1.0) * n, c * c * c * common.fl};
     if (symbolic) cholmod_free_factor(&symbolic, &common);
     cholmod_free_sparse(&pattern, &common);
   }
   const bool analysed = common.status == CHOLMOD_OK;
   cholmod_finish(&common);
   if (!analysed) throw std::bad_alloc();
-  return entries;
+  return size;
 }
 
 double reached_share(const NodeGraph& graph, const std::vector<int>& driven, double steps) {

@@ -17,9 +17,19 @@ struct NodeGraph {
 
 [[nodiscard]] NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element);
 
-/// Entries of the Cholesky factor of a matrix with `components` rows a node, after CHOLMOD's own order. Symbolic: it
-/// takes some microseconds a node and no matrix. Throws std::bad_alloc.
-[[nodiscard]] double factor_entries(const NodeGraph& graph, int components);
+/// Of the Cholesky factor of a matrix with `components` rows a node, after CHOLMOD's own order.
+struct FactorSize {
+  double entries = 0.0;
+  double flops = 0.0;  ///< to find it, as CHOLMOD counts them: the sum of the squares of the columns' entries
+
+  FactorSize& operator+=(const FactorSize& other) {
+    entries += other.entries;
+    flops += other.flops;
+    return *this;
+  }
+};
+/// Symbolic: it takes some microseconds a node and no matrix. Throws std::bad_alloc.
+[[nodiscard]] FactorSize factor_size(const NodeGraph& graph, int components);
 
 /// Mean share of the nodes that a wave has reached in `steps` steps from nodes of the body that are `driven`: one
 /// neighbour further in every step, as the explicit solver's front goes.

@@ -9,6 +9,7 @@
 #include "common/check/check_switch.hpp"
 #include "common/cost/node_graph.hpp"
 #include "common/fem/stiffness_product.hpp"
+#include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/scene/protocols.hpp"
 
@@ -36,6 +37,9 @@ constexpr double coupler_s = 3.0e-6, exchange_s = 4.0e-6, exchange_value_s = 6e-
 /// Share of the shorter of explicit and implicit window that is computed beside the longer.
 constexpr double overlap = 0.7;
 constexpr double bytes_of_entry = 17.0;  // of the factor: CHOLMOD's and ours are there at once
+
+// Of set-up: an element, an entry of the factor (ordering it, writing it as blocks), an operation of the factorisation:
+constexpr double setup_element_s = 4e-6, setup_entry_s = 15e-9, setup_flop_s = 0.17e-9;
 
 constexpr int sample_elements = 8000;
 
@@ -176,10 +180,29 @@ class Predictor {
   double slowness_;
 };
 
-double entries_of(const std::vector<Share>& shares) {
-  double entries = 0.0;
-  for (const Share& share : shares) entries += factor_entries(share.graph, fem::components(share.body->section.model));
-  return entries;
+FactorSize factor_of(const std::vector<Share>& shares) {
+  FactorSize factor;
+  for (const Share& share : shares) factor += factor_size(share.graph, fem::components(share.body->section.model));
+  return factor;
+}
+
+/// Of a participant's file of fields.
+double field_bytes(scene::Model model, const std::vector<Share>& shares) {
+  double nodes = 0.0, elements = 0.0, corners = 0.0;
+  for (const Share& share : shares) {
+    nodes += share.graph.nodes();
+    elements += share.elements();
+    for (std::size_t e = 0; e < share.owned.size(); ++e)
+      if (share.owned[e]) corners += static_cast<double>(share.body->mesh.elements[e].size());
+  }
+  return fem::vtu_bytes(model, nodes, elements, corners);
+}
+
+/// Of a participant, until it is initialized: its elements, their stiffness and, of the implicit one, the factor [s].
+double setup_s(const std::vector<Share>& shares, const FactorSize& factor) {
+  double elements = 0.0;
+  for (const Share& share : shares) elements += share.elements();
+  return setup_element_s * elements + setup_entry_s * factor.entries + setup_flop_s * factor.flops;
 }
 
 std::vector<Share> shares_of(const scene::Problem& problem, const scene::ParticipantSpec& owner) {
@@ -238,12 +261,15 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
     const auto& spec = scene.participants[p];
     const double interface = plan.participants[p].interface_nodes * scene.components();
     const auto shares = shares_of(problem, spec);
+    cost.field_bytes += field_bytes(scene.model, shares);
     double window_s = 0.0;
     if (spec.role == Role::implicit_solver) {
-      const double entries = entries_of(shares);
-      cost.factor_bytes += bytes_of_entry * entries;
-      window_s = predictor.implicit_window_s(shares, entries, interface);
+      const FactorSize factor = factor_of(shares);
+      cost.factor_bytes += bytes_of_entry * factor.entries;
+      cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, factor));
+      window_s = predictor.implicit_window_s(shares, factor.entries, interface);
     } else {
+      cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));
       const double substeps = scene.coupling.substeps;
       window_s =
           predictor.explicit_window_s(shares, substeps * cost.windows, substeps, !scene.coupling.protocol.coupled());
@@ -264,7 +290,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   cost.all_implicit_s =
       layout == scene::Layout::all_implicit
           ? cost.stepping_s()
-          : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, entries_of(whole), 0.0));
+          : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, factor_of(whole).entries, 0.0));
   if (layout == scene::Layout::all_explicit) {
     cost.all_explicit_step_s = problem.window_size_s;
     cost.all_explicit_s = cost.stepping_s();

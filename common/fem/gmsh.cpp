@@ -170,6 +170,7 @@ void take_surfaces(const GmshFile& file, const std::vector<const GmshElement*>& 
   const bool bar = mesh.model == Model::bar;
   const std::map<Face, int> behind = elements_behind_faces(file, kept, mesh);
   const std::vector<int> elements_at = bar ? elements_at_nodes(mesh) : std::vector<int>{};
+  std::map<std::pair<std::string, Face>, GmshTag> taken;
   for (const GmshElement& source : file.elements) {
     if (source.entity.first != components(mesh.model) - 1) continue;
     const std::optional<Face> face = face_of(source, local);
@@ -184,7 +185,17 @@ void take_surfaces(const GmshFile& file, const std::vector<const GmshElement*>& 
     if (inside && !names.empty()) {
       fail(file, source, fmt::format("of \"{}\" lies inside the body, not on its surface", names[0]));
     }
-    for (const std::string& name : names) mesh.surfaces[name].push_back(forward ? *face : turned);
+    for (const std::string& name : names) {
+      const Face& outward = forward ? *face : turned;
+      const auto [other, fresh] = taken.insert({{name, from_smallest(outward)}, source.tag});
+      if (!fresh) {
+        fail(file, source,
+             fmt::format("is the same face of \"{}\" as element {}: loads and contact would act there twice; leave one "
+                         "out",
+                         name, other->second));
+      }
+      mesh.surfaces[name].push_back(outward);
+    }
   }
 }
 

@@ -142,4 +142,12 @@ void write_vtu(const std::string& path, const Parts& parts, const Fields& displa
   write_atomically(path, text);
 }
 
+double vtu_bytes(Model model, double nodes, double elements, double corners) {
+  constexpr double in_base64 = 4.0 / 3.0, texts = 3000.0;
+  const double of_node = 9.0 * sizeof(double);  // place, displacement, velocity
+  const double of_element =
+      sizeof(double) * (static_cast<double>(stress_names(model).size()) + 3.0) + 3.0 * sizeof(std::int32_t) + 1.0;
+  return texts + in_base64 * (of_node * nodes + of_element * elements + sizeof(std::int32_t) * corners);
+}
+
 }  // namespace ricochet::fem

@@ -19,4 +19,7 @@ void write_vtu(const std::string& path, const std::vector<const Part*>& parts,
                const std::vector<const Eigen::VectorXd*>& displacement,
                const std::vector<const Eigen::VectorXd*>& velocity);
 
+/// Bytes of such a file, to some hundred: `corners` of all elements together.
+[[nodiscard]] double vtu_bytes(Model model, double nodes, double elements, double corners);
+
 }  // namespace ricochet::fem

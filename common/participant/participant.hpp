@@ -53,6 +53,9 @@ struct Description {
   bool contact_owner = false;  ///< true: enforces the scene's contact and reports its states
 };
 
+/// Tells the coupler and its user what is being done, and which share of it is done, 0 to 1 (< 0: nobody knows).
+using TellProgress = std::function<void(std::string_view doing, double share_done)>;
+
 struct Setup {
   std::string run_id, protocol, output_directory;
   double window_size_s = 0;               ///< Delta t of one window
@@ -70,6 +73,9 @@ struct Setup {
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
   std::int64_t last_window = 0;             ///< the run ends here at the latest
+  /// To be called as often as it likes by an `initialize` that takes long, by one thread at a time: who is silent for
+  /// longer than the scene's timeout is taken for dead. Empty: nobody listens.
+  TellProgress progress;
 };
 
 /// LinkOutput output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by
@@ -103,13 +109,13 @@ enum class DepartureKind {
 /// Something that has left the model, so far.
 struct Departure {
   DepartureKind kind = DepartureKind::strain;
-  int body = 0;                   ///< index into Description::bodies
-  std::int64_t last_without = 0;  ///< window of the last look that did not find it
-  std::int64_t first = 0;         ///< window of the first look that did
-  std::int64_t looks = 0;         ///< that found it
-  double largest = 0;             ///< size
-  std::int64_t window = 0;        ///< of the largest
-  double x_m = 0, y_m = 0;        ///< its place in the reference configuration
+  int body = 0;                      ///< index into Description::bodies
+  std::int64_t last_without = 0;     ///< window of the last look that did not find it
+  std::int64_t first = 0;            ///< window of the first look that did
+  std::int64_t looks = 0;            ///< that found it
+  double largest = 0;                ///< size
+  std::int64_t window = 0;           ///< of the largest
+  double x_m = 0, y_m = 0, z_m = 0;  ///< its place in the reference configuration
 
   void archive(Archive& a);
 };
@@ -153,6 +159,10 @@ class Participant {
   /// the last accepted window [Pa], tension positive: the sum over its elements of their integral, over the volume of
   /// the whole layer. Called every `axial_stress_every` accepted windows and at the start.
   virtual void axial_stress(std::vector<double>& /*row*/) {}
+  /// Contact owner: appends the force of each contact of the scene along its normal [N], the impulse over the last
+  /// accepted window divided by its size. Called for every window, whatever history rows there are. (May stay empty:
+  /// the history rows stand for it then.)
+  virtual void contact_forces(std::vector<double>& /*row*/) {}
   /// What has left the model up to the last accepted window. (May stay empty: nobody looks for it then.)
   [[nodiscard]] virtual std::vector<Departure> departures() { return {}; }
   /// After the last accepted window; which nodes is the participant's choice.

@@ -42,15 +42,23 @@ std::optional<wire::ParticipantKey> key_of(const ServeOptions& options) {
   return wire::read_key(options.key, options.timeout_s);
 }
 
+constexpr double while_others_start_s = 1e8;
+
 /// One request after the other, until the run is over.
 void converse(Session& session, wire::Channel& channel, const ServeOptions& options, wire::Message& reply) {
-  wire::Message request;
+  wire::Message request, progress;
+  session.on_progress([&](std::string_view doing, double share_done) {
+    session.progress(doing, share_done, progress);
+    channel.send(progress);
+  });
   session.hello(reply);
   channel.offer_shared_memory(reply.as<wire::Hello>());
   channel.send(reply);
   while (!session.over()) {
     const auto begin = wire::Clock::now();
-    const double timeout_s = session.timeout_s() > 0 ? session.timeout_s() : options.timeout_s;
+    double timeout_s = session.timeout_s() > 0 ? session.timeout_s() : options.timeout_s;
+    // While another participant prepares itself, however long, only the end of the coupler ends this one.
+    if (session.timeout_s() > 0 && !session.started() && options.watch_stdin) timeout_s = while_others_start_s;
     channel.receive(request, wire::deadline_in(timeout_s), options.watch_stdin);
     session.add_wait(std::chrono::duration<double>(wire::Clock::now() - begin).count());
     if (session.handle(request, reply)) channel.send(reply);

@@ -83,6 +83,13 @@ void Session::failure(ExitCode code, const std::string& text, Message& message) 
   send(message);
 }
 
+void Session::progress(std::string_view doing, double share_done, Message& message) {
+  auto& progress = message.make<wire::Progress>();
+  progress.doing = doing;
+  progress.share_done = share_done;
+  send(message);
+}
+
 /// Completes a message of this end.
 void Session::send(Message& message) {
   message.version = wire::protocol_version;

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -32,6 +34,10 @@ class Session {
   /// To be called when a reply has been sent: finishes what the reply did not have to wait for (accepting a window that
   /// has no contact to report, history rows, fields) and lets the participant work ahead. Throws what those throw.
   void work_ahead();
+  /// Where what the participant says of its progress in `initialize` goes; called before the conversation begins.
+  void on_progress(TellProgress tell) { setup_.progress = std::move(tell); }
+  /// Fills in the message that tells the coupler of progress.
+  void progress(std::string_view doing, double share_done, wire::Message& message);
   /// Fills in the message that tells the coupler why this end stops; ends the conversation.
   void failure(ExitCode code, const std::string& text, wire::Message& message);
 
@@ -40,6 +46,8 @@ class Session {
   [[nodiscard]] bool over() const { return lifecycle_.done(); }
   /// Longest wait for the coupler [s]; < 0: it has not said yet.
   [[nodiscard]] double timeout_s() const { return timeout_s_; }
+  /// Everybody is initialized; before that one of the others may need long for it.
+  [[nodiscard]] bool started() const { return synchronised_; }
   /// The window that was computed last, or is being computed.
   [[nodiscard]] std::int64_t window() const { return window_; }
   /// Notes time spent waiting for the coupler [s], for the `finished` message.
@@ -79,6 +87,7 @@ class Session {
   using Tell = void (Participant::*)(std::vector<double>&);
   void record();
   void record_axial_stress();
+  void record_contact_forces();
   void append_row(Tell tell, std::size_t columns, std::vector<double>& rows);
   [[nodiscard]] bool wants_axial_stress(std::int64_t window) const;
   void write_fields();
@@ -108,8 +117,9 @@ class Session {
        fields_due_ = false;  ///< put off
   bool moves_ = false;       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
-  std::vector<double> rows_, stress_rows_;  ///< of history and of axial stress, not sent yet
-  std::vector<double> spans_;               ///< window, begin, end of each computing span
+  std::vector<double> rows_, stress_rows_, force_rows_;  ///< of history, axial stress, contact forces; not sent yet
+  std::int64_t force_columns_ = -1;                      ///< contacts whose forces it tells; < 0: not known yet
+  std::vector<double> spans_;                            ///< window, begin, end of each computing span
   double compute_s_ = 0.0, wait_s_ = 0.0;
 };
 

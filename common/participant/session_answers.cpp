@@ -23,9 +23,10 @@ void Session::put_departures(wire::Array& array) {
   array.resize(static_cast<int>(found.size()), wire::departure_columns);
   auto out = array.data.begin();
   for (const auto& d : found) {
-    for (const double value : {static_cast<double>(d.kind), static_cast<double>(d.body),
-                               static_cast<double>(d.last_without), static_cast<double>(d.first),
-                               static_cast<double>(d.looks), d.largest, static_cast<double>(d.window), d.x_m, d.y_m}) {
+    for (const double value :
+         {static_cast<double>(d.kind), static_cast<double>(d.body), static_cast<double>(d.last_without),
+          static_cast<double>(d.first), static_cast<double>(d.looks), d.largest, static_cast<double>(d.window), d.x_m,
+          d.y_m, d.z_m}) {
       *out++ = value;
     }
   }
@@ -46,6 +47,20 @@ void Session::record() { append_row(&Participant::record, description_.record_co
 
 void Session::record_axial_stress() {
   append_row(&Participant::axial_stress, description_.axial_stress_columns.size(), stress_rows_);
+}
+
+/// Of every window of the contact's owner; the first tells how many numbers a row has.
+void Session::record_contact_forces() {
+  if (!description_.contact_owner) return;
+  force_rows_.push_back(static_cast<double>(accepted_window_));
+  const auto before = force_rows_.size();
+  participant_.contact_forces(force_rows_);
+  const auto told = force_rows_.size() - before;
+  if (told == 0) force_rows_.pop_back();
+  if (force_columns_ < 0) force_columns_ = static_cast<std::int64_t>(told);
+  if (static_cast<std::int64_t>(told) == force_columns_) return;
+  throw ParticipantError(fmt::format("participant '{}' told the forces of {} contacts, it told those of {} before",
+                                     description_.name, told, force_columns_));
 }
 
 bool Session::wants_axial_stress(std::int64_t window) const {
@@ -73,6 +88,7 @@ void Session::put_records(bool requested, wire::Records& reply) {
   };
   put(reply.records, description_.record_columns.size(), rows_);
   put(reply.axial_stress, description_.axial_stress_columns.size(), stress_rows_);
+  put(reply.contact_forces, static_cast<std::size_t>(1 + std::max<std::int64_t>(force_columns_, 0)), force_rows_);
   reply.departures.resize(0, wire::departure_columns);
   if (requested) put_departures(reply.departures);
 }

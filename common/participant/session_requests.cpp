@@ -209,6 +209,7 @@ void Session::accept() {
   if (!std::exchange(accept_due_, false)) return;
   participant_.accept();
   contact_ = participant_.contact_status();
+  if (accepted_substep_ == 0) record_contact_forces();
 }
 
 void Session::finish_window() {
@@ -251,13 +252,14 @@ void Session::read_state(wire::State& reply) {
 void Session::archive(Archive& a) {
   a(accepted_window_, fields_window_);
   a.same_size(link_);
-  a(contact_, rows_, stress_rows_);
+  a(contact_, rows_, stress_rows_, force_rows_, force_columns_);
   const auto whole = [](const std::vector<double>& rows, std::size_t columns) {
     return columns == 0 ? rows.empty() : rows.size() % columns == 0;
   };
   if (accepted_window_ < 0 || accepted_window_ > setup_.last_window ||
       !whole(rows_, description_.record_columns.size()) ||
-      !whole(stress_rows_, description_.axial_stress_columns.size()))
+      !whole(stress_rows_, description_.axial_stress_columns.size()) || force_columns_ < -1 ||
+      !whole(force_rows_, static_cast<std::size_t>(1 + std::max<std::int64_t>(force_columns_, 0))))
     a.refuse("it is of another run");
   window_ = accepted_window_;
 }

@@ -82,6 +82,8 @@ CouplingSettings load_coupling(TableReader& table, bool has_contact) {
   load_transport(table, coupling);
   coupling.energy_growth_limit = table.number("energy_growth_limit", above(0.0), coupling.energy_growth_limit);
   if (table.has("energy_loss_limit")) coupling.energy_loss_limit = table.number("energy_loss_limit", above(0.0));
+  coupling.outside_model = table.choice<OutsideModel>(
+      "outside_model", {{"stop", OutsideModel::stop}, {"go_on", OutsideModel::go_on}}, coupling.outside_model);
   table.finish();
   return coupling;
 }

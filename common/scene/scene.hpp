@@ -164,6 +164,8 @@ struct Time {
   std::optional<double> until_separated_plus_s;
 };
 
+/// What a run does that turns a body by 10 degrees or strains it by 10 %.
+enum class OutsideModel { stop, go_on };
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
 /// What starts the participants.
@@ -190,6 +192,7 @@ struct CouplingSettings {
   /// Relative loss that does. Empty: 0.3 if a participant is a program of somebody else's, else any may be lost:
   /// shipped solvers and protocols lose what they are known to.
   std::optional<double> energy_loss_limit;
+  OutsideModel outside_model = OutsideModel::stop;
 };
 
 enum class Start { launch, by_hand };

@@ -27,7 +27,7 @@ const Schema& scene_schema() {
       {"coupling",
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations", "resynchronise_every",
         "after_separation", "separation_windows", "timeout_s", "start_timeout_s", "launcher", "transport", "address",
-        "port", "energy_growth_limit", "energy_loss_limit"}},
+        "port", "energy_growth_limit", "energy_loss_limit", "outside_model"}},
       {"participant",
        {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},

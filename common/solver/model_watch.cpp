@@ -294,6 +294,7 @@ void ModelWatch::report(Kind kind, int part, std::int64_t last_without, std::int
   found->window = window;
   found->x_m = worst.place[0];
   found->y_m = worst.place[1];
+  found->z_m = worst.place[2];
 }
 
 }  // namespace ricochet::solver

@@ -15,7 +15,7 @@
 /// tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 5;
+inline constexpr std::int64_t protocol_version = 6;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -46,6 +46,7 @@ enum class Kind {
   describe,     ///< coupler asks
   description,  ///< participant: interface nodes, masses, capabilities, critical time step
   initialize,   ///< coupler: window size, summed masses, output
+  progress,     ///< participant: still at work on what `initialize` asks for
   initialized,  ///< participant: link values at t = 0
   synchronise,  ///< coupler: absolute link values; recompute accelerations here; integrate implicitly | explicitly from
                 ///< here on
@@ -68,7 +69,7 @@ enum class Kind {
 };
 
 /// Numbers in a row of `departures`.
-inline constexpr int departure_columns = 9;
+inline constexpr int departure_columns = 10;
 
 struct Header {
   Kind kind = Kind::failure;
@@ -127,6 +128,13 @@ struct Initialize {
   std::int64_t separation_windows = 0, last_window = 0;
 };
 
+/// Not an answer: that follows.
+struct Progress {
+  static constexpr Kind kind = Kind::progress;
+  std::string doing;
+  double share_done = -1.0;  ///< < 0: nobody knows
+};
+
 struct Initialized {
   static constexpr Kind kind = Kind::initialized;
   double setup_s = 0;
@@ -160,10 +168,11 @@ struct Advance {
 
 /// Rows that were not sent before.
 struct Records {
-  Array records;       ///< history, rows x record_columns
-  Array axial_stress;  ///< rows x axial_stress_columns
-  Array departures;    ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
-                       ///< window, x, y
+  Array records;         ///< history, rows x record_columns
+  Array axial_stress;    ///< rows x axial_stress_columns
+  Array departures;      ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
+                         ///< window, x, y, z
+  Array contact_forces;  ///< rows x (1 + contacts): window, force of each contact [N]
 };
 
 /// State of the contact after the last accepted window, as its owner reports it.
@@ -279,9 +288,9 @@ struct Message : Header {
   }
   [[noreturn]] void refuse(Kind wanted) const;
 
-  std::tuple<Hello, Welcome, Describe, Description, Initialize, Initialized, Synchronise, Synchronised, Advance,
-             Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState, RestoreState,
-             StateRestored, Finish, Finished, Failure>
+  std::tuple<Hello, Welcome, Describe, Description, Initialize, Progress, Initialized, Synchronise, Synchronised,
+             Advance, Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState,
+             RestoreState, StateRestored, Finish, Finished, Failure>
       bodies_;
 };
 

@@ -64,10 +64,16 @@ std::vector<Field> records() {
           "axial_stress", "Pa", "rows not sent before, rows x axial stress columns; the first number is the window"),
       field<&Body::departures, Body>(
           "departures", "",
-          "what has left the model so far, rows x 9: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 node "
+          "what has left the model so far, rows x 10: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 node "
           "off its partner, 6 penetration: docs/limits.md), index into `bodies`, last window without it, first window "
-          "with it, how many looks found it, largest size, its window, its place x and y; 0 rows: nothing, or not "
-          "looked for")};
+          "with it, how many looks found it, largest size, its window, its place x, y and z; 0 rows: nothing, or "
+          "not looked for"),
+      field<&Body::contact_forces, Body>(
+          "contact_forces", "N",
+          "contact owner: rows not sent before, rows x (1 + contacts of the scene), of every accepted window from the "
+          "first on: the window, then the force of each contact along its normal, the impulse over the window divided "
+          "by "
+          "its size; 0 rows: it does not tell")};
 }
 
 /// Outline and contact after the last accepted window; all zero, and -1 for the time, from who does not own the
@@ -183,6 +189,10 @@ const std::vector<KindEntry>& schema() {
         field<&Initialize::separation_windows>("separation_windows", "windows",
                                                "contact owner: this long open with growing gaps is separated"),
         field<&Initialize::last_window>("last_window", "", "the run ends here at the latest")}},
+      {Kind::progress,
+       "progress",
+       {field<&Progress::doing>("doing", "", "what it is doing, for the user"),
+        field<&Progress::share_done>("share_done", "", "how much of that is done, 0 to 1; < 0: nobody knows")}},
       {Kind::initialized,
        "initialized",
        {field<&Initialized::setup_s>("setup_s", "s", "wall time it took"), absolute_output<Initialized>()}},

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "common/check/check_reach.hpp"
 #include "common/cost/predicted_cost.hpp"
 #include "coupler/processes/machine_check.hpp"
+#include "coupler/results/history_file.hpp"
 #include "coupler/results/theory.hpp"
 
 namespace ricochet::coupler {
@@ -18,6 +22,33 @@ double expected_end_s(const scene::Problem& problem) {
   return std::min(time.end_s,
                   scene::first_contact_s(problem) + theory->contact_duration_s + *time.until_separated_plus_s);
 }
+
+namespace {
+
+std::string bytes_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.2g} MB", 1e-6 * bytes) : fmt::format("{:.3g} GB", 1e-9 * bytes);
+}
+
+/// What the results of so many windows take, and whether the disk of the present folder has it.
+std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& cost) {
+  const auto& output = problem.scene.output;
+  const double row_bytes = 20.0 * static_cast<double>(history_columns(history_shape(problem)).size());
+  const double times = output.fields_every > 0 ? std::floor(cost.windows / output.fields_every) + 1.0 : 0.0;
+  const double files = times * static_cast<double>(cost.participants.size()), of_fields = times * cost.field_bytes;
+  const double need_bytes = row_bytes * cost.windows / output.history_every + of_fields;
+  std::string text = fmt::format("disk: about {}", bytes_text(need_bytes));
+  if (files > 0.0) text += fmt::format(", of it {} in {:.0f} files of fields", bytes_text(of_fields), files);
+  std::error_code error;
+  const auto space = std::filesystem::space(".", error);
+  if (error) return text + "\n";
+  const auto free_bytes = static_cast<double>(space.available);
+  text += fmt::format("; {} free here\n", bytes_text(free_bytes));
+  if (need_bytes > free_bytes)
+    text += "warning: that is more than is free: fewer fields by a larger output.fields_every\n";
+  return text;
+}
+
+}  // namespace
 
 std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   const auto known = [](const auto& participant) { return !participant.foreign(); };
@@ -42,7 +73,8 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   if (layout != scene::Layout::all_explicit)
     text += fmt::format("\n  all_explicit would take {:.2g} s, {:.2g} times as long, in steps of {:.3g} s",
                         cost.all_explicit_s, cost.all_explicit_s / cost.stepping_s(), cost.all_explicit_step_s);
-  return text + "\n";
+  return text + "\n" + fmt::format("set-up before the first step: about {:.2g} s\n", cost.setup_s) +
+         disk_text(problem, cost);
 }
 
 }  // namespace ricochet::coupler

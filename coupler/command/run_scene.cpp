@@ -12,7 +12,9 @@
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
+#include "coupler/command/announcer.hpp"
 #include "coupler/command/cost_text.hpp"
+#include "coupler/command/impact_text.hpp"
 #include "coupler/processes/executable.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
@@ -125,9 +127,29 @@ std::string programs_text(const scene::Scene& scene, const std::vector<std::stri
 
 }  // namespace
 
-void run_scene(const std::string& scene_path, const std::string& out) {
+namespace {
+
+struct Planned {
+  scene::Problem problem;
+  scene::Plan plan;
+};
+
+/// Says meanwhile what takes long of it.
+Planned plan_scene(const std::string& scene_path, Announcer& announcer) {
+  announcer.begin("reading the scene and its meshes, pairing the contact");
   auto problem = load_problem(scene_path);
+  announcer.begin("finding critical steps, and what can be refused");
   auto plan = scene::plan(problem);
+  return {std::move(problem), std::move(plan)};
+}
+
+}  // namespace
+
+void run_scene(const std::string& scene_path, const std::string& out) {
+  auto [problem, plan] = [&] {
+    Announcer announcer;
+    return plan_scene(scene_path, announcer);
+  }();
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out, files_of_run(problem.scene), {problem.scene.path});
@@ -181,10 +203,11 @@ void request_checkpoint(const std::string& folder) {
 }
 
 void check_scene(const std::string& scene_path) {
-  const auto problem = load_problem(scene_path);
-  const auto plan = scene::plan(problem);
-  fmt::print("{}", printable(scene::to_text(problem, plan)));
+  Announcer announcer;
+  const auto [problem, plan] = plan_scene(scene_path, announcer);
+  fmt::print("{}{}", printable(scene::to_text(problem, plan)), printable(impact_text(problem, plan)));
   std::fflush(stdout);
+  announcer.begin("predicting what a run costs: factors, fronts of waves");
   fmt::print("{}", cost_text(problem, plan));
   if (const auto warning = address_warning(problem.scene); !warning.empty())
     fmt::print("warning: {}\n", printable(warning));

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/participant/session.hpp"
 #include "common/problem/problem.hpp"
@@ -19,6 +20,8 @@ class Inside {
   /// Asks it for its description: Session.
   explicit Inside(std::unique_ptr<participant::Participant> participant);
 
+  /// See Session.
+  void on_progress(participant::TellProgress tell) { session_.on_progress(std::move(tell)); }
   /// What it is to do next; swapped with what it was asked before.
   void take(wire::Message& request);
   /// Does what it was asked, and is still to be done; true if `answer` then holds an answer. Throws nothing: what goes

@@ -43,6 +43,9 @@ void Peers::enter(std::size_t index, std::unique_ptr<participant::Participant> p
   wire::Message message;
   message.make<wire::Hello>();
   peer.lifecycle.step(wire::Side::participant, message, peer.expected.name);
+  peer.inside->on_progress([this, index](std::string_view doing, double share_done) {
+    if (on_progress_) on_progress_(name(index), doing, share_done);
+  });
   auto& welcome = message.make<wire::Welcome>();
   welcome.participant = peer.expected.name;
   welcome.timeout_s = run_.timeout_s;
@@ -85,11 +88,13 @@ wire::Message& Peers::wait(std::size_t index) {
   auto& peer = peers_[index];
   if (!peer.inside) work_inside();  // which is no waiting
   const auto begin = Clock::now();
-  const auto deadline = begin + seconds(starts(peer) ? run_.start_wait_s() : run_.timeout_s);
+  const auto patience = seconds(starts(peer) ? run_.start_wait_s() : run_.timeout_s);
   if (peer.inside) work_inside();
   while (!peer.has_message) {
-    if (!receive_one(deadline, peer.identity)) throw_silent(peer);
+    // Who has said that it works is waited for anew.
+    if (!receive_one(std::max(begin, peer.last_heard) + patience, peer.identity)) throw_silent(peer);
   }
+  peer.doing.clear();
   peer.has_message = false;
   note_wait(index, begin);
   return *peer.inbox;
@@ -182,10 +187,18 @@ void Peers::take_answer(Remote& peer) {
     throw ProtocolError(fmt::format("participant '{}' sent a message of run '{}', this is run '{}'", peer.expected.name,
                                     scratch_->run_id, run_.run_id));
   }
-  std::swap(peer.inbox, scratch_);
   peer.last_heard = Clock::now();
+  if (scratch_->kind == wire::Kind::progress) return take_progress(peer);
+  std::swap(peer.inbox, scratch_);
   if (peer.inbox->kind == wire::Kind::failure) throw_failure(peer);
   peer.has_message = true;
+}
+
+void Peers::take_progress(Remote& peer) {
+  const auto& progress = scratch_->as<wire::Progress>();
+  peer.doing = fmt::format("{}{}", progress.doing,
+                           progress.share_done < 0.0 ? "" : fmt::format(", {:.0f} %", 100.0 * progress.share_done));
+  if (on_progress_) on_progress_(peer.expected.name, progress.doing, progress.share_done);
 }
 
 Peers::Remote* Peers::find(const std::string& identity) {
@@ -250,7 +263,7 @@ void Peers::limit(std::size_t index, const wire::Description& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
   constexpr std::size_t most_rows = 4200;  // of each kind in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() +
-                       most_rows * (description.record_columns.size() + description.axial_stress_columns.size());
+                       most_rows * (2 * description.record_columns.size() + description.axial_stress_columns.size());
   const bool tells_state = description.has(Capability::load_state) || description.has(Capability::save_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   if (peers_[index].inside) return;
@@ -299,12 +312,13 @@ void Peers::throw_failure(const Remote& peer) const {
 void Peers::throw_silent(const Remote& peer) const {
   const double silent_s = std::chrono::duration<double>(Clock::now() - peer.last_heard).count();
   const bool start = run_.start_timeout_s && starts(peer);
-  throw ParticipantError(
-      fmt::format("{} has been silent for {:.1f} s {} (asked to '{}', coupling.{} = {} s): it hangs, "
-                  "is stopped, or "
-                  "needs a longer timeout{}",
-                  who(peer), silent_s, place(peer), peer.asked, start ? "start_timeout_s" : "timeout_s",
-                  start ? run_.start_wait_s() : run_.timeout_s, log_tail(peer)));
+  throw ParticipantError(fmt::format(
+      "{} has been silent for {:.1f} s {} (asked to '{}', coupling.{} = {} s{}): it hangs, "
+      "is stopped, or "
+      "needs a longer timeout{}",
+      who(peer), silent_s, place(peer), peer.asked, start ? "start_timeout_s" : "timeout_s",
+      start ? run_.start_wait_s() : run_.timeout_s,
+      peer.doing.empty() ? "" : fmt::format("; the last it said: {}", printable(peer.doing)), log_tail(peer)));
 }
 
 /// With its machine, if that is another one.

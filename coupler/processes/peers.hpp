@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -55,6 +58,9 @@ class Peers {
 
   /// Who is expected to be `inside` is there.
   void enter(std::size_t index, std::unique_ptr<participant::Participant> participant);
+  /// Called with what a participant says of its progress before it is initialized; `share_done` < 0: it does not know.
+  using OnProgress = std::function<void(const std::string& name, std::string_view doing, double share_done)>;
+  void on_progress(OnProgress tell) { on_progress_ = std::move(tell); }
   /// Waits until every expected participant has said hello and welcomes it.
   void handshake();
   /// Takes no message from the participant that is larger than what it has described of itself needs.
@@ -89,6 +95,7 @@ class Peers {
     wire::Lifecycle lifecycle;
     std::unique_ptr<wire::Message> inbox = std::make_unique<wire::Message>();
     std::string asked;  ///< what it was asked last, for error texts
+    std::string doing;  ///< what it said last that it does
     std::optional<Transport> transport;
     std::string refusal;  ///< why a peer of this name was turned away
     std::int64_t process_id = 0;
@@ -129,6 +136,9 @@ class Peers {
   [[nodiscard]] std::string refusal_text(const Remote& peer) const;
   [[nodiscard]] std::string log_tail(const Remote& peer) const;
 
+  void take_progress(Remote& peer);
+
+  OnProgress on_progress_;
   wire::Listener& listener_;
   Launcher& launcher_;
   RunIdentity run_;

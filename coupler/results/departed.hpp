@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -16,12 +17,12 @@ struct Departed {
   double size = 0.0;                   ///< largest; what it is in `text`
   double first_s = 0.0, time_s = 0.0;  ///< of the first look that found it; of the largest
   double within_s = 0.0;               ///< of the last look that did not find it
-  double x_m = 0.0, y_m = 0.0;         ///< place of the largest, in the reference configuration
+  std::array<double, 3> place_m{};     ///< of the largest, in the reference configuration
   std::int64_t looks = 0;              ///< that found it
   bool wrong = false;                  ///< results are wrong from then on; else they have an error, which `text` says
   std::string text;
 
-  void archive(Archive& a) { a(kind, body, size, first_s, time_s, within_s, x_m, y_m, looks, wrong, text); }
+  void archive(Archive& a) { a(kind, body, size, first_s, time_s, within_s, place_m, looks, wrong, text); }
 };
 
 }  // namespace ricochet::coupler

@@ -53,7 +53,8 @@ double EnergyBalance::created_j(const HistoryRow& row) {
 void Errors::add(HistoryRow& row) {
   const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
   const double created = energy_.created_j(row);
-  row.energy_error = ratio(created, energy_.reference_j());
+  row.energy_reference_j = energy_.reference_j();
+  row.energy_error = ratio(created, row.energy_reference_j);
 
   const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
     return d.n * n + d.t * t + d.b * b;
@@ -95,6 +96,10 @@ History::History(const std::vector<Source>& sources, const std::vector<std::stri
     : bodies_(bodies), contacts_(contacts) {
   if (!tell_angular_momentum(sources, conserved)) conserved.arm_m = 0;
   errors_ = Errors(std::move(conserved));
+  tells_interface_ = std::all_of(sources.begin(), sources.end(), [](const Source& source) {
+    return std::any_of(source.columns.begin(), source.columns.end(),
+                       [](const std::string& column) { return column.rfind("energy_interface_j", 0) == 0; });
+  });
   for (const auto& source : sources) {
     auto& stream = streams_.emplace_back();
     stream.participant = source.participant;

@@ -24,7 +24,8 @@ struct HistoryRow {
   /// E - E_0 + friction - external - interface. Zero for an exact method; says where energy is made when a run blows
   /// up.
   std::vector<double> created_j;
-  double energy_error = 0;  ///< see Errors
+  double energy_error = 0;        ///< see Errors
+  double energy_reference_j = 0;  ///< what energy_error is relative to
   double momentum_error = 0;
   double momentum_reference_kg_m_s = 0;            ///< what momentum_error is relative to
   std::optional<double> angular_momentum_error{};  ///< empty: it is not balanced, or somebody does not tell it
@@ -98,6 +99,8 @@ class History {
   void add(std::size_t participant, const std::vector<double>& values);
   /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
   std::optional<HistoryRow> next(double window_size_s);
+  /// Every participant tells the work that its link did on it, so that what the interface itself makes is known.
+  [[nodiscard]] bool tells_interface() const { return tells_interface_; }
   /// Rows that wait for others, and what the errors refer to.
   void archive(Archive& a);
 
@@ -126,6 +129,7 @@ class History {
   std::vector<std::string> bodies_, contacts_;
   std::vector<Stream> streams_;
   Errors errors_;
+  bool tells_interface_ = false;
 };
 
 /// Names of the contacts that the columns of a participant are of, where there are several.

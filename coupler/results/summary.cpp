@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace ricochet::coupler {
@@ -33,24 +34,41 @@ Json process_json(const ProcessTimes& process) {
           {"waited_for_s", waited}};
 }
 
-Json departed_json(const Departed& d) {
+/// `solid`: with its z.
+Json departed_json(const Departed& d, bool solid) {
+  Json place = {number(d.place_m[0]), number(d.place_m[1])};
+  if (solid) place.push_back(number(d.place_m[2]));
   return {{"kind", d.kind},
           {"body", d.body},
           {"size", number(d.size)},
           {"first_s", number(d.first_s)},
           {"time_s", number(d.time_s)},
-          {"place_m", {number(d.x_m), number(d.y_m)}},
+          {"place_m", place},
           {"looks", d.looks},
           {"results_wrong", d.wrong},
           {"text", d.text}};
 }
 
-Json theory_json(const Tally& tally) {
-  if (!tally.theory()) return nullptr;
-  return {{"contact_duration_s", number(tally.theory()->contact_duration_s)},
-          {"contact_duration_body", tally.theory()->body},
-          {"contact_stress_pa", number(tally.theory()->stress_pa)},
-          {"first_step_s", number(tally.theory()->first_step_s)}};
+Json theory_json(const ImpactTheory& theory) {
+  return {{"contact_duration_s", number(theory.contact_duration_s)},
+          {"contact_duration_body", theory.body},
+          {"contact_stress_pa", number(theory.stress_pa)},
+          {"first_step_s", number(theory.first_step_s)}};
+}
+
+/// The force to quote: that after 2h/c, or the largest there is.
+ForceTally::Peak headline(const ForceTally& forces) { return forces.settled().value_or(forces.largest()); }
+
+/// Of one contact, or of all together.
+void put_forces(const ForceTally& forces, Json& json) {
+  json["first_contact_s"] = number(forces.first_contact_s());
+  json["separation_time_s"] = number(forces.separation_time_s());
+  json["peak_contact_force_n"] = number(headline(forces).force_n);
+  json["peak_contact_force_s"] = number(forces.time_s(headline(forces).window));
+  json["first_window_force_n"] = number(forces.first_window_n());
+  json["gauge_peak_force_n"] = number(forces.gauge_n());
+  json["rise_time_s"] = number(forces.rise_time_s());
+  json["contact_level_n"] = number(forces.level_n());
 }
 
 Json contact_json(const ContactTally& contact) {
@@ -64,14 +82,13 @@ Json contact_json(const ContactTally& contact) {
 Json radius(double largest_m) { return largest_m > 0 ? number(largest_m) : Json(nullptr); }
 
 Json result_json(const ContactResult& contact, bool solid) {
-  Json json = {{"first_contact_s", number(contact.first_contact_s())},
-               {"separation_time_s", number(contact.separation_time_s())},
-               {"peak_contact_force_n", number(contact.peak_force_n())},
-               {"peak_contact_pressure_pa", number(contact.peak_pressure_pa())},
-               {"largest_contact_radius_m", radius(contact.largest_radius_m())},
-               {"contact_impulse_n_s", number(contact.last().contact_impulse_n_s)},
-               {"friction_impulse_n_s", number(contact.last().friction_impulse_n_s)}};
-  if (solid) json["friction_impulse_b_n_s"] = number(contact.last().friction_impulse_b_n_s);
+  Json json;
+  put_forces(contact.forces, json);
+  json["peak_contact_pressure_pa"] = number(contact.peak_pressure_pa);
+  json["largest_contact_radius_m"] = radius(contact.largest_radius_m);
+  json["contact_impulse_n_s"] = number(contact.last.contact_impulse_n_s);
+  json["friction_impulse_n_s"] = number(contact.last.friction_impulse_n_s);
+  if (solid) json["friction_impulse_b_n_s"] = number(contact.last.friction_impulse_b_n_s);
   return json;
 }
 
@@ -89,18 +106,43 @@ std::string named_contact_row(const ContactResult& contact) {
   const auto time = [](const std::optional<double>& time_s, const char* otherwise) {
     return time_s ? duration(*time_s) : std::string(otherwise);
   };
-  return row(
-      fmt::format("contact '{}'", contact.name()),
-      fmt::format("first {}, separation {}, impulse {:.6g} N s, peak {:.6g} N",
-                  time(contact.first_contact_s(), "never"), time(contact.separation_time_s(), "not within this run"),
-                  contact.last().contact_impulse_n_s, contact.peak_force_n()));
+  return row(fmt::format("contact '{}'", contact.name),
+             fmt::format("first {}, separation {}, impulse {:.6g} N s, peak {:.6g} N",
+                         time(contact.forces.first_contact_s(), "never"),
+                         time(contact.forces.separation_time_s(), "not within this run"),
+                         contact.last.contact_impulse_n_s, headline(contact.forces).force_n));
 }
 
-std::string contact_rows(const Summary& summary, const Tally& tally) {
+/// Peaks, each with what it is of, and what counts as contact.
+std::string force_rows(const ForceTally& forces) {
+  const auto peak = headline(forces);
+  const std::string when = fmt::format("{:.6g} N at {}", peak.force_n, duration(forces.time_s(peak.window)));
+  const std::string after = duration(forces.rise_time_s());
+  std::string text =
+      row("peak contact force", forces.settled() ? fmt::format("{}, after the first 2h/c = {} of contact", when, after)
+                                                 : fmt::format("{}, in a contact shorter than 2h/c = {}", when, after));
+  text += row("", fmt::format("{:.6g} N in the first window; {:.6g} N for a gauge that means over 2h/c",
+                              forces.first_window_n(), forces.gauge_n()));
+  return text + row("in contact", fmt::format("from {} on: force above {:.3g} N, {:g} of the largest",
+                                              duration(forces.first_contact_s().value_or(0.0)), forces.level_n(),
+                                              ForceTally::level_share));
+}
+
+/// Of a run in which nothing was in contact.
+std::string no_contact_row(const Tally& tally) {
+  if (!tally.forces) return row("contact", "none in this scene");
+  const bool gap_known = tally.gap_smallest_m < std::numeric_limits<double>::max();
+  return row("contact", "none in this run: the bodies never met" +
+                            (gap_known ? fmt::format("; smallest gap {:.4g} m", tally.gap_smallest_m) : ""));
+}
+
+std::string contact_rows(const Tally& tally) {
+  if (!tally.first_contact_s()) return no_contact_row(tally);
   std::string text;
   const auto& theory = tally.theory();
-  const double first = tally.first_contact_s.value_or(0.0);
-  std::string separation = summary.separation_time_s ? duration(*summary.separation_time_s) : "not within this run";
+  const double first = tally.first_contact_s().value_or(0.0);
+  const auto separation_s = tally.forces->separation_time_s();
+  std::string separation = separation_s ? duration(*separation_s) : "not within this run";
   if (theory) {
     separation += fmt::format("   (first contact + 2L/c of '{}': {})", theory->body,
                               duration(first + theory->contact_duration_s));
@@ -110,8 +152,7 @@ std::string contact_rows(const Summary& summary, const Tally& tally) {
     text += row("mean interface stress", fmt::format("{:.2f} MPa   (impedance theory: {:.2f} MPa)",
                                                      1e-6 * *tally.plateau_stress_pa(), 1e-6 * theory->stress_pa));
   }
-  if (tally.each_contact.empty())
-    text += row("peak contact force", fmt::format("{:.6g} N", tally.peak_contact_force_n));
+  if (tally.each_contact.empty()) text += force_rows(*tally.forces);
   if (tally.each_contact.empty() && tally.largest_contact_radius_m > 0)
     text += row("largest pressure",
                 fmt::format("{:.4g} MPa, on a circle of at most {:.4g} mm radius",
@@ -155,6 +196,15 @@ std::string contact_warning(const Tally& tally) {
       tally.contact.windows_unconverged, tally.contact.windows_unconverged == 1 ? "" : "s", tally.contact.residual_max);
 }
 
+std::string substeps_warning(const Summary& summary, const Tally& tally) {
+  const bool known = summary.interface_known && summary.substeps > 1;
+  if (!known || tally.interface_energy_max < largest_interface_energy) return "";
+  return fmt::format(
+      "the interface made or lost up to {:.2g} % of the energy: windows of {} substeps are too long for the waves that "
+      "cross it, expect errors of forces and rebound of that size; fewer coupling.substeps have less",
+      100.0 * tally.interface_energy_max, summary.substeps);
+}
+
 std::string to_json(const Summary& s, const Tally& tally) {
   Json json = {{"status", name_of(s.status)},
                {"error", s.error},
@@ -162,7 +212,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"protocol", s.protocol},
                {"transport", name_of(s.transport)},
                {"steps", s.steps},
-               {"windows", s.windows},
+               {"windows", s.steps},
+               {"windows_planned", s.windows_planned},
                {"window_size_s", number(s.window_size_s)},
                {"end_time_s", number(static_cast<double>(s.steps) * s.window_size_s)},
                {"wall_s", number(s.wall_s)},
@@ -172,33 +223,33 @@ std::string to_json(const Summary& s, const Tally& tally) {
                  {"setup_s", number(s.phases.setup_s)},
                  {"stepping_s", number(s.phases.stepping_s)},
                  {"finish_s", number(s.phases.finish_s)}}},
-               {"first_contact_s", number(tally.first_contact_s)},
-               {"separation_time_s", number(s.separation_time_s)},
                {"energy_error_max", number(tally.energy_error_max())},
                {"energy_error_lowest", number(tally.energy_error_lowest)},
                {"energy_error_highest", number(tally.energy_error_highest)},
                {"energy_error_last", number(tally.energy_error_last)},
                {"momentum_error_max", number(tally.momentum_error_max)},
                {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
-               {"peak_contact_force_n", number(tally.peak_contact_force_n)},
                {"peak_contact_pressure_pa", number(tally.peak_contact_pressure_pa)},
                {"largest_contact_radius_m", radius(tally.largest_contact_radius_m)},
                {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
                {"friction_impulse_n_s", number(tally.friction_impulse_n_s)}};
+  put_forces(tally.forces.value_or(ForceTally{}), json);
   if (tally.solid()) json["friction_impulse_b_n_s"] = number(tally.friction_impulse_b_n_s);
   if (!tally.each_contact.empty()) {  // in series they hand on one force, which a sum would count twice
-    for (const char* of_one : {"peak_contact_force_n", "contact_impulse_n_s", "friction_impulse_n_s"})
+    for (const char* of_one : {"peak_contact_force_n", "peak_contact_force_s", "first_window_force_n",
+                               "gauge_peak_force_n", "contact_impulse_n_s", "friction_impulse_n_s"})
       json[of_one] = nullptr;
     json.erase("friction_impulse_b_n_s");
   }
   json["contact"] = contact_json(tally.contact);
-  for (const auto& contact : tally.each_contact) json["contacts"][contact.name()] = result_json(contact, tally.solid());
+  for (const auto& contact : tally.each_contact) json["contacts"][contact.name] = result_json(contact, tally.solid());
   json["plateau_stress_pa"] = number(tally.plateau_stress_pa());
-  json["theory"] = theory_json(tally);
+  if (tally.theory()) json["theory"] = theory_json(*tally.theory());
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
+  json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
   json["outside_model"] = Json::array();
-  for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed));
+  for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed, tally.solid()));
   json["valid_until_s"] = number(s.valid_until_s);
   json["switches"] = Json::array();
   for (const auto& event : s.switches)
@@ -214,9 +265,10 @@ std::string to_json(const Summary& s, const Tally& tally) {
 }
 
 std::string to_table(const Summary& s, const Tally& tally) {
-  std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", name_of(s.status), s.steps,
+  const std::string status = s.status == RunStatus::left_model ? "left the model" : std::string(name_of(s.status));
+  std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", status, s.steps,
                                  s.window_size_s, s.protocol, s.wall_s);
-  if (tally.first_contact_s) text += contact_rows(s, tally);
+  text += contact_rows(tally);
   text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
                                           tally.energy_error_lowest, tally.energy_error_highest));
   text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
@@ -227,7 +279,9 @@ std::string to_table(const Summary& s, const Tally& tally) {
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
   text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
-  if (const auto warning = contact_warning(tally); !warning.empty()) text += row("warning", warning);
+  for (const auto& warning : {contact_warning(tally), substeps_warning(s, tally)}) {
+    if (!warning.empty()) text += row("warning", warning);
+  }
   for (const auto& departed : s.outside_model) text += row("outside the model", departed.text);
   return text + process_rows(s);
 }

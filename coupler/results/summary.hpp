@@ -45,13 +45,14 @@ struct Summary {
   int exit_code = 0;
   std::string scene_path, scene_sha256, protocol, run_id;
   Transport transport = Transport::automatic;
-  std::int64_t steps = 0;    ///< windows computed
-  std::int64_t windows = 0;  ///< windows up to the latest end
+  std::int64_t steps = 0;            ///< windows computed
+  std::int64_t windows_planned = 0;  ///< up to the latest end
   double window_size_s = 0, wall_s = 0;
   double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
   Phases phases;
-  std::optional<double> separation_time_s;
   double largest_drift = 0;
+  int substeps = 1;              ///< explicit steps in a window of a dual protocol
+  bool interface_known = false;  ///< every participant tells the work of its link
   double interface_drift_m = 0;  ///< dual protocols: largest difference of the displacements of one shared node
   std::vector<Departed> outside_model;
   std::optional<double> valid_until_s;  ///< what was written after it is wrong
@@ -64,6 +65,12 @@ struct Summary {
 [[nodiscard]] std::string to_json(const Summary& summary, const Tally& tally);
 /// What the user is told of contact forces that were not found; empty if all were.
 [[nodiscard]] std::string contact_warning(const Tally& tally);
+/// What the user is told of windows that are too long for their substeps: dual protocols tie velocities at the end of a
+/// window, and within it the two sides of the interface go apart, against the forces there. What that makes or loses of
+/// the energy is about the error of forces and rebound; from `largest_interface_energy` on it is said. Empty if less,
+/// with one substep, and where not everybody tells.
+inline constexpr double largest_interface_energy = 0.015;
+[[nodiscard]] std::string substeps_warning(const Summary& summary, const Tally& tally);
 /// The table at the end of a run.
 [[nodiscard]] std::string to_table(const Summary& summary, const Tally& tally);
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -40,9 +42,21 @@ struct ContactTally {
 /// from 15 % to 65 % of 2L/c after the first contact, and not beyond the first step of the stress.
 class Tally {
  public:
-  /// `solid`: friction has a component along the binormal. `contacts`: each of several.
-  explicit Tally(std::optional<ImpactTheory> theory, bool solid = false, std::vector<ContactResult> contacts = {})
-      : each_contact(std::move(contacts)), solid_(solid), theory_(std::move(theory)) {}
+  /// `solid`: friction has a component along the binormal. `of_all`: for the sum of all contacts; empty: there is none.
+  /// `contacts`: each of several.
+  explicit Tally(std::optional<ImpactTheory> theory, bool solid = false, std::optional<ForceTally> of_all = {},
+                 std::vector<ContactResult> contacts = {})
+      : forces(std::move(of_all)), each_contact(std::move(contacts)), solid_(solid), theory_(std::move(theory)) {}
+
+  /// Of each contact over a window [N]; windows ascend.
+  void add_forces(std::int64_t window, const double* force_n) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < std::max<std::size_t>(each_contact.size(), 1); ++i) {
+      if (i < each_contact.size()) each_contact[i].forces.add(window, force_n[i]);
+      sum += force_n[i];
+    }
+    if (forces) forces->add(window, sum);
+  }
 
   void add(const HistoryRow& row) {
     ++rows;
@@ -50,22 +64,25 @@ class Tally {
     contact_impulse_n_s = row.contact.contact_impulse_n_s;
     friction_impulse_n_s = row.contact.friction_impulse_n_s;
     friction_impulse_b_n_s = row.contact.friction_impulse_b_n_s;
-    for (std::size_t i = 0; i < each_contact.size(); ++i) each_contact[i].add(row.window, row.contact.contacts[i]);
+    for (std::size_t i = 0; i < each_contact.size(); ++i) each_contact[i].add(row.contact.contacts[i]);
+    gap_smallest_m = std::min(gap_smallest_m, row.contact.gap_min_m);
+    if (row.energy_reference_j > 0)
+      interface_energy_max =
+          std::max(interface_energy_max, std::abs(row.sum.energy_interface_j) / row.energy_reference_j);
     energy_error_last = row.energy_error;
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
     momentum_error_max = std::max(momentum_error_max, row.momentum_error);
     if (row.angular_momentum_error)
       angular_momentum_error_max = std::max(angular_momentum_error_max.value_or(0.0), *row.angular_momentum_error);
-    peak_contact_force_n = std::max(peak_contact_force_n, row.contact.contact_force_n);
     peak_contact_pressure_pa = std::max(peak_contact_pressure_pa, row.contact.contact_pressure_max_pa);
     largest_contact_radius_m = std::max(largest_contact_radius_m, row.contact.contact_radius_m);
-    if (!first_contact_s && row.contact.contact_force_n > 0) first_contact_s = row.time_s;
-    if (!theory_ || !first_contact_s) return;
+    const auto first_s = first_contact_s();
+    if (!theory_ || !first_s) return;
     // With a body whose wave returns before the contact's end, the plateau is the first step of a staircase.
     const double end_s = std::min(0.65 * theory_->contact_duration_s, 0.9 * theory_->first_step_s),
                  begin_s = 0.15 / 0.65 * end_s;
-    const double since_s = row.time_s - *first_contact_s;
+    const double since_s = row.time_s - *first_s;
     if (since_s < begin_s || since_s > end_s) return;
     plateau_sum_pa_ += row.contact.contact_pressure_mean_pa;
     ++plateau_rows_;
@@ -77,24 +94,31 @@ class Tally {
     if (plateau_rows_ == 0) return std::nullopt;
     return plateau_sum_pa_ / static_cast<double>(plateau_rows_);
   }
+  [[nodiscard]] std::optional<double> first_contact_s() const {
+    return forces ? forces->first_contact_s() : std::nullopt;
+  }
   [[nodiscard]] const std::optional<ImpactTheory>& theory() const { return theory_; }
   [[nodiscard]] bool solid() const { return solid_; }
   void archive(Archive& a) {
-    a(rows, energy_error_last, energy_error_lowest, energy_error_highest, momentum_error_max, peak_contact_force_n,
-      contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact, angular_momentum_error_max,
-      first_contact_s, plateau_sum_pa_, plateau_rows_, peak_contact_pressure_pa, largest_contact_radius_m);
+    a(rows, energy_error_last, energy_error_lowest, energy_error_highest, momentum_error_max, gap_smallest_m,
+      interface_energy_max, contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact,
+      angular_momentum_error_max, plateau_sum_pa_, plateau_rows_, peak_contact_pressure_pa, largest_contact_radius_m);
+    if (forces) a(*forces);
     for (auto& result : each_contact) a(result);
   }
 
   std::int64_t rows = 0;
   double energy_error_last = 0, energy_error_lowest = 0, energy_error_highest = 0, momentum_error_max = 0;
-  double peak_contact_force_n = 0, contact_impulse_n_s = 0, friction_impulse_n_s = 0, friction_impulse_b_n_s = 0;
+  double contact_impulse_n_s = 0, friction_impulse_n_s = 0, friction_impulse_b_n_s = 0;
   double peak_contact_pressure_pa = 0;
   double largest_contact_radius_m = 0;  ///< 0: it has none
+  /// Largest energy that the coupling itself has made or lost so far, over the reference of energy_error.
+  double interface_energy_max = 0;
+  double gap_smallest_m = std::numeric_limits<double>::max();
   ContactTally contact;
+  std::optional<ForceTally> forces;  ///< of all contacts together
   std::vector<ContactResult> each_contact;
   std::optional<double> angular_momentum_error_max;  ///< empty: it is not computed
-  std::optional<double> first_contact_s;
 
  private:
   bool solid_;
@@ -102,5 +126,8 @@ class Tally {
   double plateau_sum_pa_ = 0;
   std::int64_t plateau_rows_ = 0;
 };
+
+/// Before the first row of a run of the scene.
+[[nodiscard]] Tally tally_of(const scene::Problem& problem);
 
 }  // namespace ricochet::coupler

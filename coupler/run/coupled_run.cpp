@@ -27,18 +27,10 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.protocol = scene.coupling.protocol.name;
   summary.transport = scene.coupling.transport;
   summary.run_id = make_run_id();
-  summary.windows = plan.windows;
+  summary.windows_planned = plan.windows;
+  if (scene.coupling.protocol.dual) summary.substeps = scene.coupling.substeps;
   summary.window_size_s = problem.window_size_s;
   return summary;
-}
-
-/// Of several contacts.
-std::vector<ContactResult> each_contact(const scene::Problem& problem) {
-  const auto& scene = problem.scene;
-  std::vector<ContactResult> results;
-  for (const auto& name : scene.contact_names())
-    results.emplace_back(name, scene.output.history_every, problem.window_size_s, scene.coupling.separation_windows);
-  return results;
 }
 
 }  // namespace
@@ -53,7 +45,7 @@ CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
       results_(results),
       from_(from),
       summary_(first_summary(problem, plan)),
-      tally_(impact_theory(problem), scene_.components() == 3, each_contact(problem)),
+      tally_(tally_of(problem)),
       history_file_(results.file("history.csv"), history_shape(problem), from ? from->history : Beginning{}),
       progress_(plan.windows, !problem.contacts.empty()),
       set_(make_process_set(problem, plan.participants, executables, results, summary_.run_id)),
@@ -90,11 +82,14 @@ void CoupledRun::phases() {
   mark = Clock::now();
   finish();
   lap(summary_.phases.finish_s);
-  summary_.status = RunStatus::done;
+  summary_.status = outside_.found().empty() ? RunStatus::done : RunStatus::left_model;
   write_files();
 }
 
 void CoupledRun::start() {
+  set_.peers().on_progress([this](const std::string& name, std::string_view doing, double share_done) {
+    progress_.show_start(name, doing, share_done);
+  });
   set_.launch();
   set_.meet();
 }
@@ -111,6 +106,7 @@ void CoupledRun::setup() {
   }
   prepare_watch(descriptions);
   history_ = std::make_unique<History>(sources, scene_.body_names(), conserved_by(problem_), scene_.contact_names());
+  summary_.interface_known = history_->tells_interface();
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
   }
@@ -162,7 +158,7 @@ void CoupledRun::prepare_checkpoints(const std::vector<PeerDescription>& descrip
 /// What this process goes on from between windows; the participants' own is beside it.
 void CoupledRun::archive(Archive& a) {
   a(*coupling_, *protocol_, *loop_, *history_, tally_, *watch_, outside_, since_last_row_.contact_iterations,
-    since_last_row_.contact_residual);
+    since_last_row_.contact_residual, forces_told_);
   if (axial_stress_) a(*axial_stress_);
 }
 
@@ -282,11 +278,13 @@ void CoupledRun::take_records(std::int64_t window) {
   }
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
+  for (auto& link : links) take_contact_forces(link.take_contact_forces(), valid_until_s);
   while (auto row = history_->next(problem_.window_size_s)) {
     count_contact(*row);
     since_last_row_.contact_iterations += row->contact.contact_iterations;
     since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
     const bool valid = !valid_until_s || row->time_s <= *valid_until_s;
+    if (valid && !forces_told_) add_forces(*row);
     if (valid && row->window % scene_.output.history_every == 0) {
       row->contact.contact_iterations = std::exchange(since_last_row_.contact_iterations, 0.0);
       row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
@@ -297,6 +295,24 @@ void CoupledRun::take_records(std::int64_t window) {
     watch_->check(*row);
   }
   outside_.stop_if_wrong();
+}
+
+/// Of every window, whatever rows there are.
+void CoupledRun::take_contact_forces(const std::vector<double>& rows, std::optional<double> valid_until_s) {
+  const std::size_t width = 1 + std::max<std::size_t>(tally_.each_contact.size(), 1);
+  forces_told_ = forces_told_ || !rows.empty();
+  for (std::size_t row = 0; row + width <= rows.size(); row += width) {
+    if (valid_until_s && rows[row] * problem_.window_size_s > *valid_until_s) return;
+    tally_.add_forces(static_cast<std::int64_t>(rows[row]), &rows[row + 1]);
+  }
+}
+
+/// Of an owner of the contact that does not tell every window's.
+void CoupledRun::add_forces(const HistoryRow& row) {
+  std::vector<double> forces;
+  for (const auto& contact : row.contact.contacts) forces.push_back(contact.contact_force_n);
+  if (forces.empty()) forces.push_back(row.contact.contact_force_n);
+  tally_.add_forces(row.window, forces.data());
 }
 
 void CoupledRun::note_departures(std::int64_t window) {

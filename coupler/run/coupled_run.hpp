@@ -61,6 +61,8 @@ class CoupledRun {
   void save_if_due(std::int64_t window);
   void save(std::int64_t window);
   void take_records(std::int64_t window);
+  void take_contact_forces(const std::vector<double>& rows, std::optional<double> valid_until_s);
+  void add_forces(const HistoryRow& row);
   void count_contact(const HistoryRow& row);
   void note_departures(std::int64_t window);
   void finish();
@@ -95,6 +97,7 @@ class CoupledRun {
   std::vector<std::optional<SceneComparison>> comparisons_;  ///< per participant, until its first row has come
   OutsideModel outside_;
   ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
+  bool forces_told_ = false;      ///< by the contact's owner, of every window
   std::unique_ptr<TimeLoop> loop_;
   std::optional<Checkpoints> checkpoints_;  ///< of participants that can all save their state
   std::vector<Program> programs_;           ///< of the same

@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "common/base/process.hpp"
+
 namespace ricochet::coupler {
 
 Progress::Progress(std::int64_t last_window, bool has_contact)
@@ -14,11 +16,29 @@ Progress::Progress(std::int64_t last_window, bool has_contact)
       begin_(Clock::now()),
       shown_(begin_) {}
 
-void Progress::show(std::int64_t window, double window_size_s, const HistoryRow& row) {
+bool Progress::due() {
   const auto now = Clock::now();
-  if (now - shown_ < (terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(2000))) return;
+  if (now - shown_ < (terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(2000))) return false;
   shown_ = now;
-  const double elapsed = std::chrono::duration<double>(now - begin_).count();
+  return true;
+}
+
+void Progress::put(const std::string& line) {
+  open_ = terminal_;
+  std::fputs(terminal_ ? ("\r\033[K" + line).c_str() : (line + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void Progress::show_start(const std::string& name, std::string_view doing, double share_done) {
+  if (!due()) return;
+  std::string line = fmt::format("set-up: '{}' {}", name, printable(std::string(doing)));
+  if (share_done >= 0.0) line += fmt::format(", {:.0f} %", 100.0 * share_done);
+  put(line);
+}
+
+void Progress::show(std::int64_t window, double window_size_s, const HistoryRow& row) {
+  if (!due()) return;
+  const double elapsed = std::chrono::duration<double>(shown_ - begin_).count();
   const double left =
       window > 0 ? elapsed * static_cast<double>(last_window_ - window) / static_cast<double>(window) : 0.0;
   std::string line = fmt::format("step {}/{}  t {:.4g} s  dt {:.4g} s", window, last_window_,
@@ -28,9 +48,7 @@ void Progress::show(std::int64_t window, double window_size_s, const HistoryRow&
                         row.contact.pairs_open);
   }
   line += fmt::format("  energy {:+.2e}  at most {:.0f} s left", row.energy_error, left);
-  open_ = terminal_;
-  std::fputs(terminal_ ? ("\r\033[K" + line).c_str() : (line + "\n").c_str(), stderr);
-  std::fflush(stderr);
+  put(line);
 }
 
 void Progress::close() {

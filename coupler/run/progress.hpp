@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
+#include <string_view>
 
 #include "coupler/results/history.hpp"
 
@@ -13,6 +15,8 @@ class Progress {
   Progress(std::int64_t last_window, bool has_contact);
   /// After `window` windows of `window_size_s` each; `row`: the newest merged history row.
   void show(std::int64_t window, double window_size_s, const HistoryRow& row);
+  /// Before the first window: what a participant is doing; `share_done` < 0: it does not know.
+  void show_start(const std::string& name, std::string_view doing, double share_done);
   /// Ends a line that was rewritten in place, so that what follows starts on a new one.
   void close();
 
@@ -20,6 +24,8 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::int64_t last_window_;
   bool has_contact_, terminal_, open_ = false;
+  [[nodiscard]] bool due();
+  void put(const std::string& line);
   Clock::time_point begin_, shown_;
 };
 

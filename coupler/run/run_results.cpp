@@ -102,8 +102,6 @@ void CoupledRun::write_files() {
   if (coupling_) {
     summary_.largest_drift = coupling_->largest_drift();
     summary_.interface_drift_m = coupling_->interface_drift_m();
-    const double separation = coupling_->contact().separation_time_s;
-    if (separation >= 0) summary_.separation_time_s = separation;
   }
   std::exception_ptr first;
   const auto attempt = [&first](const auto& write) {
@@ -126,8 +124,9 @@ void CoupledRun::write_fields_and_trace() {
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   if (axial_stress_ && axial_stress_->told())
     write_atomically(results_.file("axial_stress.csv"), axial_stress_->csv(problem_.window_size_s));
-  if (const auto warning = contact_warning(tally_); !warning.empty())
-    fmt::print(stderr, "warning: {}: {}\n", printable(scene_.path), warning);
+  for (const auto& warning : {contact_warning(tally_), substeps_warning(summary_, tally_)}) {
+    if (!warning.empty()) fmt::print(stderr, "warning: {}: {}\n", printable(scene_.path), warning);
+  }
 }
 
 /// How the run ended is written down on a full disk, too: in the place that `reserve_summary` took.

@@ -79,17 +79,20 @@ bool StudyCase::read_repeat(int repeat) {
   if (!scene::is_file(path)) return false;
   const auto summary = report::read_summary(path);
   const auto status = find_named<RunStatus>(summary.value("status", ""));
-  if (status == RunStatus::unstable || status == RunStatus::left_model) {
+  // Who left the model but by so much that the run stopped has its results; its own page says what they are worth.
+  const bool ended =
+      status == RunStatus::done || (status == RunStatus::left_model && summary.value("exit_code", 0) == 0);
+  if (status == RunStatus::unstable || (status == RunStatus::left_model && !ended)) {
     fail(*status, summary.value("exit_code", 0), summary.value("error", std::string(name_of(*status))));
     return false;
   }
-  if (status != RunStatus::done) return false;
+  if (!ended) return false;
   const auto value = [](const report::Json& json, const char* key) { return report::number(json, key).value_or(0.0); };
   const auto& phases = summary.at("phases");
   costs_.push_back({value(summary, "wall_s"), value(summary, "cpu_s"), value(phases, "start_s"),
                     value(phases, "setup_s"), value(phases, "stepping_s")});
   steps_ = summary.value("steps", 0LL);
-  status_ = status;
+  status_ = RunStatus::done;
   return true;
 }
 

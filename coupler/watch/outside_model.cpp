@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include "common/base/error.hpp"
@@ -23,11 +24,24 @@ constexpr std::array<Kind, 6> kinds = {{{"strain", false},
                                         {"off_partner", true},
                                         {"penetration", true}}};
 
-std::string place(const Departed& d) {
-  return fmt::format("in body '{}' at ({:.6g}, {:.6g}) m, t = {:.6g} s", d.body, d.x_m, d.y_m, d.time_s);
+constexpr const char* go_on = "coupling.outside_model = \"go_on\"";
+
+std::array<double, 3> numbers(const Eigen::Vector3d& place) { return {place[0], place[1], place[2]}; }
+
+}  // namespace
+
+std::string OutsideModel::place(const Departed& d) const {
+  return fmt::format("in body '{}' at {}, t = {:.6g} s", d.body,
+                     fem::place_text(problem_.scene.model, Eigen::Vector3d(d.place_m.data())), d.time_s);
 }
 
-std::string text_of(const Departed& d) {
+/// By more than an error that can be told.
+bool OutsideModel::too_far(const Departed& d) const {
+  if (problem_.scene.coupling.outside_model == scene::OutsideModel::go_on) return false;
+  return (d.kind == "strain" && d.size >= strain_limit) || (d.kind == "rotation" && d.size >= rotation_limit);
+}
+
+std::string OutsideModel::text_of(const Departed& d) const {
   if (d.kind == "strain") {
     return fmt::format(
         "strain of {:.3g} % {}: strain is small no more, expect errors of stresses and forces of "
@@ -36,9 +50,10 @@ std::string text_of(const Departed& d) {
   }
   if (d.kind == "rotation") {
     return fmt::format(
-        "rotation of {:.3g} degrees {}: small strain sees in it a strain of {:.2g} that is not "
-        "there, and the stress of that",
-        d.size * 180.0 / std::numbers::pi, place(d), 0.5 * d.size * d.size);
+        "rotation of {:.3g} degrees {}: small displacement knows no turning, so the body grows there by {:.2g} % of "
+        "its "
+        "size, with no stress of it, and its stresses keep the directions of the start",
+        d.size * 180.0 / std::numbers::pi, place(d), 100.0 * (1.0 / std::cos(std::min(d.size, 1.5)) - 1.0));
   }
   if (d.kind == "slip") {
     return fmt::format(
@@ -60,8 +75,6 @@ std::string text_of(const Departed& d) {
       place(d), d.size);
 }
 
-}  // namespace
-
 std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, std::int64_t window) {
   std::vector<std::string> news;
   for (const auto& link : links) take(link, news);
@@ -72,16 +85,16 @@ std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, st
          .first_s = overlap.time_s,
          .time_s = overlap.time_s,
          .within_s = overlap.within_s,
-         .x_m = overlap.place[0],
-         .y_m = overlap.place[1],
+         .place_m = numbers(overlap.place),
          .looks = 1,
          .wrong = true,
-         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at ({:.6g}, {:.6g}) m, t = {:.6g} s, with no "
+         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at {}, t = {:.6g} s, with no "
                              "contact between them",
-                             overlap.body, overlap.other, overlap.depth_m, overlap.place[0], overlap.place[1],
-                             overlap.time_s)},
+                             overlap.body, overlap.other, overlap.depth_m,
+                             fem::place_text(problem_.scene.model, overlap.place), overlap.time_s)},
         news);
   }
+  last_update_s_ = static_cast<double>(window) * problem_.window_size_s;
   return news;
 }
 
@@ -96,11 +109,11 @@ void OutsideModel::take(const Link& link, std::vector<std::string>& news) {
                       .first_s = v[3] * problem_.window_size_s,
                       .time_s = v[6] * problem_.window_size_s,
                       .within_s = v[2] * problem_.window_size_s,
-                      .x_m = v[7],
-                      .y_m = v[8],
+                      .place_m = {v[7], v[8], v[9]},
                       .looks = static_cast<std::int64_t>(v[4]),
                       .wrong = kind.wrong,
                       .text = {}};
+    departed.wrong = departed.wrong || too_far(departed);
     departed.text = text_of(departed);
     add(std::move(departed), news);
   }
@@ -117,13 +130,15 @@ void OutsideModel::add(Departed departed, std::vector<std::string>& news) {
     return;
   }
   departed.first_s = std::min(departed.first_s, known->first_s);
-  departed.within_s = std::min(departed.within_s, known->within_s);
+  // What has only now become wrong was none at the last look.
+  const bool now_wrong = departed.wrong && !known->wrong;
+  departed.within_s = now_wrong ? last_update_s_ : std::min(departed.within_s, known->within_s);
+  departed.wrong = departed.wrong || known->wrong;
   departed.looks = std::max(departed.looks, known->looks);
   if (departed.size < known->size) {
     departed.size = known->size;
     departed.time_s = known->time_s;
-    departed.x_m = known->x_m;
-    departed.y_m = known->y_m;
+    departed.place_m = known->place_m;
     departed.text = known->text;
   }
   *known = std::move(departed);
@@ -140,10 +155,11 @@ std::optional<double> OutsideModel::valid_until_s() const {
 void OutsideModel::stop_if_wrong() const {
   const auto first = std::find_if(found_.begin(), found_.end(), [](const Departed& d) { return d.wrong; });
   if (first == found_.end()) return;
+  const bool by_choice = first->kind == "strain" || first->kind == "rotation";
   throw ModelError(
       fmt::format("left the model: {}; what was written up to t = {:.6g} s is valid, later rows and "
-                  "fields are not",
-                  first->text, *valid_until_s()));
+                  "fields are not{}",
+                  first->text, *valid_until_s(), by_choice ? fmt::format("; to go on for all that: {}", go_on) : ""));
 }
 
 }  // namespace ricochet::coupler

@@ -174,7 +174,9 @@ RunResult wolff_bucher(const std::string& protocol, const std::string& law, int 
   text +=
       "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\nmultiplier_update = \"" + law +
       "\"\n[partition]\nimplicit_length_m = { left = 2.0, right = 2.0 }\n[time]\nsafety_factor = 0.9\nend_s = 30.0\n";
-  return run_text(with_protocol_of_two_steps(text, protocol), folder);
+  text =
+      with_key(with_protocol_of_two_steps(text, protocol), "coupling", "outside_model", "\"go_on\"");  // strains of 0.1
+  return run_text(text, folder);
 }
 
 /// The law that stops contact nodes loses at most 1/(2 * 5n) of the energy; without mass at the contact the baselines

@@ -41,7 +41,7 @@ std::string number(double value) {
 }
 
 std::string coupling(const std::string& protocol, int substeps = 0) {
-  return "[coupling]\nprotocol = \"" + protocol + "\"\n" +
+  return "[coupling]\noutside_model = \"go_on\"\nprotocol = \"" + protocol + "\"\n" +
          (substeps > 0 ? "substeps = " + std::to_string(substeps) + "\n" : "");
 }
 

@@ -194,6 +194,7 @@ TEST(KimImpactPenalty, ThePapersUpdateTamesAPenaltyThatExplodesWithoutIt) {
     std::string text = with_key(kim("all_implicit", 0.0), "contact", "enforcement", "\"penalty\"");
     text = with_key(text, "contact", "penalty_pa_m", "1e16");
     text = with_key(text, "contact", "impact_update", "\"" + update + "\"");
+    text = with_key(text, "coupling", "outside_model", "\"go_on\"");
     return with_key(text, "coupling", "energy_growth_limit", "100.0");
   };
   const RunResult none = run_text(penalty("none"), folder, "none");

@@ -6,6 +6,7 @@
 namespace ricochet::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -198,7 +199,79 @@ TEST(Rotation, AboveTwoDegreesIsSaid) {
   ASSERT_TRUE(find(run, "rotation")) << run.summary.at("outside_model");
   EXPECT_NEAR(find(run, "rotation")->at("size").get<double>(), 0.16,
               0.03);  // nearly twice the static 6 p L^2 (1 - nu^2)/(E h^2)
-  EXPECT_THAT(run.outcome.error, HasSubstr("a strain of 0.0"));
+  EXPECT_THAT(run.outcome.error, HasSubstr("the body grows there by "));
+}
+
+/// A free block that a couple sets turning for 4 ms: then every node goes straight on, so that w = tan(angle) grows
+/// evenly and the block with it, by 1/cos - 1. It turns by 10 degrees in 10 ms.
+std::string turning_rod(const std::string& model, double end_s, const std::string& more = "") {
+  const bool solid = model == "solid";
+  const auto ends = [&](const std::string& surface, const std::string& sign) {
+    return "{ surface = \"" + surface + "\", traction_pa = [" + sign + "4e4, 0.0" + (solid ? ", 0.0" : "") +
+           "], amplitude = { time_s = [0.0, 2e-3, 4e-3], factor = [0.0, 1.0, 0.0] } }";
+  };
+  return "model = \"" + model + "\"\n" +
+         body("rod",
+              solid ? "height_m = 0.05, width_m = 0.05, length_m = 0.2, elements = [2, 2, 8]"
+                    : "height_m = 0.05, length_m = 0.2, elements = [2, 8]",
+              solid ? "[0.0, 0.0, 0.0]" : "[0.0, 0.0]",
+              "traction = [" + ends("start", "-") + ", " + ends("end", "") + "]\n") +
+         settings(1.2e-5, end_s, "all_explicit") + more;
+}
+
+class TurningRod : public testing::TestWithParam<std::string> {};
+
+TEST_P(TurningRod, GrowsByOneOverTheCosineAndHasNoStress) {
+  const TemporaryFolder folder;
+  const auto run = run_text(turning_rod(GetParam(), 0.02, "outside_model = \"go_on\"\n"), folder);
+  EXPECT_EQ(run.summary.at("status"), "left_model");
+  EXPECT_EQ(run.summary.at("exit_code"), 0);
+  const auto* rotation = find(run, "rotation");
+  ASSERT_TRUE(rotation);
+  EXPECT_GT(rotation->at("size").get<double>(), 15.0 * 3.14159 / 180.0);
+  EXPECT_FALSE(rotation->at("results_wrong").get<bool>());
+  const double w = std::tan(rotation->at("size").get<double>());
+  char grows[64];
+  std::snprintf(grows, sizeof grows, "grows there by %.2g %%", 100.0 * (std::sqrt(1.0 + w * w) - 1.0));
+  EXPECT_THAT(rotation->at("text").get<std::string>(), AllOf(HasSubstr(grows), HasSubstr("no stress of it")));
+  EXPECT_EQ(rotation->at("place_m").size(), GetParam() == "solid" ? 3U : 2U);
+  EXPECT_LT(run.last("energy_strain_j"), 1e-3 * run.last("energy_kinetic_j"));
+  EXPECT_THAT(run.outcome.out, HasSubstr("left the model: "));
+  EXPECT_THAT(file_text(run.folder + "/report.html"), HasSubstr("<strong>left the model</strong>"));
+}
+
+TEST_P(TurningRod, FromTenDegreesOnTheRunStops) {
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(turning_rod(GetParam(), 0.1)), folder);
+  EXPECT_EQ(run.outcome.code, 6);
+  EXPECT_THAT(run.outcome.error, AllOf(HasSubstr("left the model: rotation of "),
+                                       HasSubstr("to go on for all that: coupling.outside_model = \"go_on\"")));
+  ASSERT_TRUE(find(run, "rotation"));
+  EXPECT_TRUE(find(run, "rotation")->at("results_wrong").get<bool>());
+  EXPECT_GT(find(run, "rotation")->at("size").get<double>(), 10.0 * 3.14159 / 180.0);
+  const double valid_s = run.summary.at("valid_until_s");
+  EXPECT_GT(valid_s, find(run, "rotation")->at("first_s").get<double>()) << "from 2 to 10 degrees it is";
+  EXPECT_LT(valid_s, 0.0105);
+  EXPECT_LE(run.last("time_s"), valid_s + 1e-9);
+}
+
+TEST_P(TurningRod, BelowItIsNotDoneEither) {
+  const TemporaryFolder folder;
+  const auto run = run_text(turning_rod(GetParam(), 0.006), folder);
+  ASSERT_TRUE(find(run, "rotation"));
+  EXPECT_EQ(run.summary.at("status"), "left_model");
+  EXPECT_THAT(run.outcome.out, AllOf(HasSubstr("left the model: "), Not(HasSubstr("done"))));
+}
+
+INSTANTIATE_TEST_SUITE_P(Outside, TurningRod, testing::Values("plane_strain", "solid"),
+                         [](const auto& test) { return test.param; });
+
+TEST(Strain, FromTenPercentOnTheRunStopsUnlessItIsToGoOn) {
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(bars(240.0, 1.2e-5)), folder);
+  expect_left(run, "strain", "coupling.outside_model = \"go_on\"");
+  const auto on = run_text(bars(240.0, 1.2e-5) + "outside_model = \"go_on\"\n", folder, "on");
+  EXPECT_FALSE(find(on, "strain")->at("results_wrong").get<bool>());
 }
 
 }  // namespace

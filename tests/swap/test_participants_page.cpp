@@ -76,7 +76,7 @@ TEST(ParticipantsPage, ShowsAForeignBodyThatRuns) {
                             folder);
   EXPECT_NEAR(run.last("velocity_mean_tail_m_s"), -5.13588, 0.5) << "the bars rebound";
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
-  EXPECT_TRUE(run.summary.at("theory").is_null());
+  EXPECT_FALSE(run.summary.contains("theory"));
 }
 
 TEST(ParticipantsPage, ListsTheClausesOfTheContract) {

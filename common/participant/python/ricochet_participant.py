@@ -71,6 +71,10 @@ class Participant:
         """One history row after the last accepted window, in the order of `record_columns`."""
         return []
 
+    def progress(self, doing, share_done=-1.0):
+        """To be called by an `initialize` that takes long: what it does, for the user, and the share of it that is done
+        (< 0: unknown). Who says nothing for longer than the scene's timeout is taken for dead."""
+
     def axial_stress(self):
         """Its share of the mean axial stress of each layer [Pa], in the order of `axial_stress_columns`."""
         return []
@@ -142,6 +146,7 @@ def reason(error):
 
 
 def converse(session, channel):
+    session.send = channel.send
     channel.send(session.hello())
     while session.state != "finished":
         begin = time.monotonic()

@@ -29,6 +29,7 @@ class Session:
         self.rates, self.rows, self.stresses, self.spans = (EMPTY, EMPTY), [], [], []
         self.drift = self.compute_s = self.wait_s = 0.0
         self.fields_window, self.timeout_s, self.setup = -1, 60.0, {}
+        self.send, self.initializing = None, False  # where what is no answer goes, and when it may
 
     def message(self, kind, **fields):
         fields |= {"kind": kind, "version": VERSION, "run_id": self.run_id, "sequence": self.sequence,
@@ -92,8 +93,14 @@ class Session:
                      f"an interface stiffness of shape {stiffness}, which this participant cannot do")
         self.require(request["interface_mass_kg"].shape == (self.shape[0], 1), "masses of another number of nodes")
         self.setup, self.state, self.moves, begin = request, "initialized", drive == "force", time.monotonic()
+        self.participant.progress, self.initializing = self.progress, True
         self.take(self.participant.initialize(request))
+        self.initializing = False
         return self.message("initialized", setup_s=time.monotonic() - begin, absolute=self.full(self.value))
+
+    def progress(self, doing, share_done=-1.0):
+        if self.send and self.initializing:
+            self.send(self.message("progress", doing=doing, share_done=float(share_done)))
 
     def synchronise(self, request):
         self.require(request["integration"] in ("implicit_newmark", "explicit_central"), "an unknown integration")
@@ -189,7 +196,7 @@ class Session:
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
                             spans_s=array(self.spans, 3), records=self.records(True),
-                            axial_stress=self.axial_stress(True), departures=array([], 9))
+                            axial_stress=self.axial_stress(True), departures=array([], 10), contact_forces=array([], 1))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -269,5 +276,5 @@ class Session:
 
     def answer(self, records_requested):  # it does not look for what leaves the model
         return {"records": self.records(records_requested), "axial_stress": self.axial_stress(records_requested),
-                "departures": array([], 9),
+                "departures": array([], 10), "contact_forces": array([], 1),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

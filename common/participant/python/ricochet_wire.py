@@ -6,9 +6,9 @@ import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 5
+VERSION = 6
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
-ANSWER = ("records:array axial_stress:array departures:array outline:array pairs_closed:integer gap_min_m:float "
+ANSWER = ("records:array axial_stress:array departures:array contact_forces:array outline:array pairs_closed:integer gap_min_m:float "
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
     "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
@@ -22,6 +22,7 @@ FIELDS = {  # every message of docs/wire.md
                   "interface_mass_kg:array interface_stiffness:array "
                   "history_every:integer fields_every:integer axial_stress_every:integer until_separated_plus_s:float "
                   "separation_windows:integer last_window:integer",
+    "progress": "doing:text share_done:float",
     "initialized": "setup_s:float absolute:array",
     "synchronise": "integration:text link_absolute:array",
     "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array",
@@ -40,7 +41,7 @@ FIELDS = {  # every message of docs/wire.md
     "state_restored": "",
     "finish": "",
     "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array "
-                "axial_stress:array departures:array",
+                "axial_stress:array departures:array contact_forces:array",
     "failure": "error_code:integer error_culprit:text error_text:text",
 }
 FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) for kind, own in FIELDS.items()}

@@ -60,8 +60,13 @@ std::string named_contact_row(const std::string& name, const Json& contact) {
 
 std::string contact_rows(const Json& summary) {
   const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
-  if (!first) return "";
-  std::string text = row("first contact", quantity(*first, "s"));
+  if (!first) {
+    // Of a scene without contact the run has no level of forces, either.
+    const bool none = number(summary, "rise_time_s").value_or(0.0) == 0.0;
+    return row("contact", none ? "none in this scene" : "none in this run: the bodies never met");
+  }
+  std::string text = row("first contact", fmt::format("{} (force above {}, 1e-3 of the largest)", quantity(*first, "s"),
+                                                      shown(number(summary, "contact_level_n"), "N")));
   const Json theory = summary.value("theory", Json());
   if (theory.is_null()) {
     text += row("separation", separation ? quantity(*separation, "s") : "not within this run");
@@ -77,7 +82,13 @@ std::string contact_rows(const Json& summary) {
   }
   const Json contacts = summary.value("contacts", Json::object());
   if (contacts.empty()) {
-    text += row("peak contact force", shown(number(summary, "peak_contact_force_n"), "N")) +
+    text += row("peak contact force, after the first 2h/c",
+                fmt::format("{} at {}", shown(number(summary, "peak_contact_force_n"), "N"),
+                            shown(number(summary, "peak_contact_force_s"), "s"))) +
+            row("force in the first window", shown(number(summary, "first_window_force_n"), "N")) +
+            row("peak of a gauge that means over 2h/c",
+                fmt::format("{} (2h/c = {})", shown(number(summary, "gauge_peak_force_n"), "N"),
+                            shown(number(summary, "rise_time_s"), "s"))) +
             row("contact impulse", shown(number(summary, "contact_impulse_n_s"), "N s")) +
             row("largest contact pressure", shown(number(summary, "peak_contact_pressure_pa"), "Pa"));
     if (const auto radius = number(summary, "largest_contact_radius_m"))
@@ -99,6 +110,8 @@ std::string balance_rows(const Json& summary) {
   const auto angular = number(summary, "angular_momentum_error_max"), drift = number(summary, "interface_drift_m");
   if (angular) text += row("angular momentum error", fmt::format("{:.3e}", *angular));
   if (drift && *drift > 0) text += row("interface drift", quantity(*drift, "m"));
+  if (const auto share = number(summary, "interface_energy_max"); drift && *drift > 0 && share)
+    text += row("energy that the interface made or lost", fmt::format("up to {:.2g} %", 100.0 * *share));
   return text;
 }
 
@@ -166,13 +179,24 @@ std::string scene_name(const Json& summary) {
   return std::filesystem::path(summary.value("scene", "")).stem().string();
 }
 
+namespace {
+
+/// Style of the status: a run that left the model, but not by so much that it stopped, has results to be read with
+/// care.
+const char* badge_of(const std::string& status, int exit_code) {
+  if (status == name_of(RunStatus::done)) return "done";
+  return status == name_of(RunStatus::left_model) && exit_code == 0 ? "warned" : "failed";
+}
+
+}  // namespace
+
 std::string header_html(const Json& summary) {
   const std::string status = summary.value("status", ""), error = summary.value("error", "");
-  std::string words = status;
+  std::string words = status == name_of(RunStatus::left_model) ? "left the model" : status;
   if (status == name_of(RunStatus::running)) words = "running, or its coupler was killed";
   std::string text =
       fmt::format("<h1>{}</h1>\n<p class=\"status {}\"><strong>{}</strong></p>\n", escape_html(scene_name(summary)),
-                  status == name_of(RunStatus::done) ? "done" : "failed", escape_html(words));
+                  badge_of(status, summary.value("exit_code", 0)), escape_html(words));
   if (!error.empty()) text += fmt::format("<pre class=\"error\">{}</pre>\n", escape_html(error));
   text += fmt::format(
       "<dl><dt>scene</dt><dd>{} <small>(SHA-256 {}…)</small></dd>\n<dt>protocol</dt><dd>{} over {}</dd>\n"
@@ -185,8 +209,9 @@ std::string header_html(const Json& summary) {
 
 std::string tables_html(const Json& summary) {
   std::string text =
-      "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n"
-      "<tbody>\n";
+      summary.contains("theory")
+          ? "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n<tbody>\n"
+          : "<table>\n<thead><tr><th></th><th colspan=\"3\">computed</th></tr></thead>\n<tbody>\n";
   text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n";
   text +=
       "<table class=\"processes\">\n<thead><tr><th>process</th><th>role</th><th>transport</th><th>wall [s]</th>"

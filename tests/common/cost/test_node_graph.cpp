@@ -24,10 +24,10 @@ TEST(NodeGraph, HasTheNodesOfTheElementsAndTheirNeighbours) {
 }
 
 TEST(NodeGraph, FactorHasTheEntriesOfADenseElementAndOfATridiagonalBar) {
-  EXPECT_EQ(factor_entries(whole(bar_of(50)), 1), 51 + 50);
+  EXPECT_EQ(factor_size(whole(bar_of(50)), 1).entries, 51 + 50);
   const fem::Mesh element = fem::quadrilateral_mesh(fem::Model::plane_strain, {0.0, 1.0}, {0.0, 1.0});
-  EXPECT_EQ(factor_entries(whole(element), 2), 8 * 9 / 2);
-  EXPECT_EQ(factor_entries(NodeGraph{}, 2), 0);
+  EXPECT_EQ(factor_size(whole(element), 2).entries, 8 * 9 / 2);
+  EXPECT_EQ(factor_size(NodeGraph{}, 2).entries, 0);
 }
 
 TEST(NodeGraph, AWaveReachesOneMoreNodeInEveryStep) {

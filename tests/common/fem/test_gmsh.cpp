@@ -291,6 +291,11 @@ INSTANTIATE_TEST_SUITE_P(
                "\n28 17 6 18 32 ",
                "\n28 17 18 6 32 ",
                {":180: element 28 is inverted, not convex", "(r, z) ="}},
+        Broken{"same_face_twice",
+               "\n2 12 2 \n",
+               "\n2 12 1 \n",
+               {":145: element 2 is the same face of \"striker_face\" as element 1: loads and contact would act there "
+                "twice"}},
         Broken{"same_element_twice", "\n29 17 32 15 4 ", "\n29 17 6 18 32 ", {":181: element 29 overlaps element 28"}},
         Broken{"off_the_plane",
                "0.00250000000000661 -0.004 0",

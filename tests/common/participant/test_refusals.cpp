@@ -325,12 +325,12 @@ struct KeptSpring : SpringMass {
 
 /// What a session of one node would have kept.
 std::string kept(std::int64_t window, std::vector<double> link, std::vector<double> rows,
-                 std::vector<double> stress_rows) {
+                 std::vector<double> stress_rows, std::vector<double> force_rows = {}, std::int64_t contacts = -1) {
   Archive out;
   ContactStatus contact;
   std::string own;
   double drift = 0.0;
-  out(window, window, link, link, drift, contact, rows, stress_rows, own);
+  out(window, window, link, link, drift, contact, rows, stress_rows, force_rows, contacts, own);
   return out.take();
 }
 
@@ -350,6 +350,8 @@ TEST(Refusals, OfStatesThatCannotBe) {
   EXPECT_EQ(refused(kept(-1, {0.0}, {}, {})), of_another_run);
   EXPECT_EQ(refused(kept(2, {0.0}, {2.0, 1.0}, {})), of_another_run) << "a part of a row";
   EXPECT_EQ(refused(kept(2, {0.0}, {}, {2.0})), of_another_run) << "rows of a table without columns";
+  EXPECT_EQ(refused(kept(2, {0.0}, {}, {}, {2.0}, 1)), of_another_run) << "a contact without its force";
+  EXPECT_EQ(refused(kept(2, {0.0}, {}, {}, {}, -2)), of_another_run);
   EXPECT_THAT(refused(kept(2, {0.0, 1.0}, {}, {})), HasSubstr("it is of another scene: a list of 2, expected 1"));
 }
 

@@ -127,7 +127,7 @@ TEST_P(EveryState, NamesWhatWouldBeLegal) {
       text = error.what();
     }
     for (const auto& row : transitions()) {
-      if (row.state == GetParam() && row.sender == sender) {
+      if (row.state == GetParam() && row.sender == sender && row.kind != Kind::progress) {  // which is no answer
         EXPECT_THAT(text, HasSubstr(fmt::format("'{}'", name(row.kind))));
       }
     }

@@ -1,0 +1,73 @@
+#include "common/check/check_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/fem/element.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// From foams to osmium, and to diamond [kg/m^3, m/s].
+constexpr double least_density = 0.5, largest_density = 3e4, largest_speed = 3e4;
+/// What has a solid's density is not so soft; model problems have neither [kg/m^3, m/s].
+constexpr double solid_density = 100.0, least_speed = 10.0;
+/// A body of this size that no wave crosses so far of in the run, and what a mesh of tens of tonnes is [m, kg].
+constexpr double large_m = 0.5, least_crossing = 0.05, huge_m = 5.0, huge_kg = 2e4;
+
+Eigen::Vector3d extent_of(const fem::Mesh& mesh) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Eigen::Vector3d& x : mesh.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return high - low;
+}
+
+}  // namespace
+
+std::vector<BodyPlan> plan_bodies(const Problem& problem) {
+  std::vector<BodyPlan> plans;
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    const BodyProblem& body = problem.bodies[b];
+    BodyPlan plan;
+    plan.name = body.name;
+    plan.extent_m = extent_of(body.mesh);
+    plan.mass_kg = body_lumped_mass(body).sum();
+    plan.volume_m3 = plan.mass_kg / body.material.density_kg_m3;
+    for (const double v : problem.scene.bodies[b].initial_velocity_m_s) plan.speed_m_s = std::hypot(plan.speed_m_s, v);
+    plan.energy_j = 0.5 * plan.mass_kg * plan.speed_m_s * plan.speed_m_s;
+    plans.push_back(std::move(plan));
+  }
+  return plans;
+}
+
+void check_units(const Problem& problem, Plan& plan) {
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    const BodyProblem& body = problem.bodies[b];
+    const BodyPlan& of = plan.bodies[b];
+    const double density = body.material.density_kg_m3;
+    const double speed = fem::longitudinal_wave_speed(body.section.model, body.material);
+    const bool too_soft = density > solid_density && speed < least_speed;
+    if (density < least_density || density > largest_density || too_soft || speed > largest_speed)
+      plan.warnings.push_back(fmt::format(
+          "body \"{}\": a density of {:.4g} kg/m^3 and a wave speed of {:.4g} m/s are those of no material; "
+          "is it in another unit than youngs_modulus_pa [Pa] and density_kg_m3 [kg/m^3]?",
+          of.name, density, speed));
+    const double largest_m = of.extent_m.maxCoeff(), crossed_m = speed * problem.scene.time.end_s;
+    const bool gmsh = std::holds_alternative<GmshMesh>(problem.scene.bodies[b].mesh);
+    const bool uncrossed = largest_m > large_m && crossed_m < least_crossing * largest_m;
+    if (uncrossed || (gmsh && largest_m > huge_m && of.mass_kg > huge_kg))
+      plan.warnings.push_back(fmt::format(
+          "body \"{}\" is {:.4g} m large and has {:.4g} kg; a wave runs {:.3g} m until {:.3g} s: is it in millimetres? "
+          "Lengths are metres, those of {} too",
+          of.name, largest_m, of.mass_kg, crossed_m, problem.scene.time.end_s, gmsh ? "a Gmsh file" : "a [mesh]"));
+  }
+}
+
+}  // namespace ricochet::scene

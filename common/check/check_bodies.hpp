@@ -1,0 +1,16 @@
+#pragma once
+
+#include "common/check/check.hpp"
+
+/// What `plan` says of each body as a whole. Internal to common/check.
+namespace ricochet::scene {
+
+/// Mass, size, speed and energy of each body at the start.
+[[nodiscard]] std::vector<BodyPlan> plan_bodies(const Problem& problem);
+
+/// Warns of bodies that look as if they were given in another unit than SI's: materials with the wave speed or the
+/// density of none, and bodies so large that no wave crosses a twentieth of them in the run, or of tens of tonnes from
+/// a Gmsh file.
+void check_units(const Problem& problem, Plan& plan);
+
+}  // namespace ricochet::scene

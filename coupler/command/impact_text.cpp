@@ -1,0 +1,140 @@
+#include "coupler/command/impact_text.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "coupler/results/theory.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+struct Impact {
+  double force_n = 0.0, duration_s = 0.0;
+};
+
+std::string line(const scene::ContactGeometry& contact, const scene::Problem& problem, double speed_m_s,
+                 const Impact& impact, const std::string& by) {
+  const auto& a = problem.bodies[static_cast<std::size_t>(contact.body_a)].name;
+  const std::string b =
+      contact.body_b < 0 ? "what is rigid" : problem.bodies[static_cast<std::size_t>(contact.body_b)].name;
+  return fmt::format("impact of \"{}\" on {}{}{} at {:.4g} m/s: about {:.4g} N for {:.4g} s, by {}\n", a,
+                     contact.body_b < 0 ? "" : "\"", b, contact.body_b < 0 ? "" : "\"", speed_m_s, impact.force_n,
+                     impact.duration_s, by);
+}
+
+/// With which the bodies of a contact approach at the start [m/s].
+double closing_speed(const scene::Problem& problem, const scene::ContactGeometry& contact) {
+  double speed = 0.0;
+  for (const auto& [body, sign] : {std::pair{contact.body_a, 1.0}, std::pair{contact.body_b, -1.0}}) {
+    if (body < 0) continue;
+    const auto& velocity = problem.scene.bodies[static_cast<std::size_t>(body)].initial_velocity_m_s;
+    for (std::size_t c = 0; c < velocity.size(); ++c)
+      speed += sign * contact.normal[static_cast<Eigen::Index>(c)] * velocity[c];
+  }
+  return speed;
+}
+
+bool held(const scene::Body& body, const Eigen::Vector3d& normal) {
+  return std::any_of(body.supports.begin(), body.supports.end(), [&](const scene::Support& support) {
+    return std::any_of(support.components.begin(), support.components.end(), [&](int c) { return normal[c] != 0.0; });
+  });
+}
+
+/// Of the gap g0 + r^2/(2R) near the first place of contact, and which share of the round patch there is: in a solid
+/// that is cut along its planes of symmetry a half or a quarter.
+struct Curvature {
+  double radius_m = 0.0, share = 1.0;
+};
+
+std::optional<Curvature> curvature(const scene::Problem& problem, const scene::ContactGeometry& contact) {
+  const auto& mesh = problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh;
+  const auto first = std::min_element(contact.pairs.begin(), contact.pairs.end(),
+                                      [](const auto& p, const auto& q) { return p.gap0_m < q.gap0_m; });
+  const auto& apex = mesh.position[static_cast<std::size_t>(first->node_a)];
+  const Eigen::Vector3d tangent = scene::tangent_of(contact.normal), binormal = contact.normal.cross(tangent);
+  double farthest_m = 0.0;
+  Eigen::Vector4d reach = Eigen::Vector4d::Zero();  // along +-t, +-b
+  const auto lateral = [&](const auto& pair) {
+    const Eigen::Vector3d x = mesh.position[static_cast<std::size_t>(pair.node_a)] - apex;
+    return Eigen::Vector2d(x.dot(tangent), x.dot(binormal));
+  };
+  for (const auto& pair : contact.pairs) {
+    const Eigen::Vector2d x = lateral(pair);
+    farthest_m = std::max(farthest_m, x.norm());
+    reach = reach.cwiseMax(Eigen::Vector4d(x[0], -x[0], x[1], -x[1]));
+  }
+  double squares = 0.0, products = 0.0;  // of r^2 and g - g0, near the apex
+  for (const auto& pair : contact.pairs) {
+    const double r2 = lateral(pair).squaredNorm(), near = 0.35 * farthest_m;
+    if (r2 > near * near) continue;
+    squares += r2 * r2;
+    products += r2 * (pair.gap0_m - first->gap0_m);
+  }
+  if (!(products > 1e-9 * squares / farthest_m)) return std::nullopt;  // flat
+  Curvature found{0.5 * squares / products, 1.0};
+  for (int direction = 0; problem.scene.components() == 3 && direction < 2; ++direction) {
+    const double low = reach[2 * direction], high = reach[2 * direction + 1];
+    if (std::min(low, high) < 1e-6 * std::max(low, high)) found.share *= 0.5;
+  }
+  return found;
+}
+
+/// Hertz' law knows no waves: they must have gone to and fro in either body, but where it absorbs them, before the end.
+bool is_slow(const scene::Problem& problem, const scene::Plan& plan, const scene::ContactGeometry& contact,
+             double duration_s) {
+  constexpr double times = 2.0;
+  for (const int body : {contact.body_a, contact.body_b}) {
+    if (body < 0 || !problem.scene.bodies[static_cast<std::size_t>(body)].absorbing.empty()) continue;
+    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    const double length_m = plan.bodies[static_cast<std::size_t>(body)].extent_m.dot(contact.normal.cwiseAbs());
+    const double transit_s = 2.0 * length_m / std::sqrt(material.youngs_modulus_pa / material.density_kg_m3);
+    if (duration_s < times * transit_s) return false;
+  }
+  return true;
+}
+
+std::optional<Impact> hertz(const scene::Problem& problem, const scene::Plan& plan,
+                            const scene::ContactGeometry& contact, double speed_m_s) {
+  const bool round = problem.scene.model == scene::Model::axisymmetric || problem.scene.components() == 3;
+  const auto shape = round ? curvature(problem, contact) : std::nullopt;
+  if (!shape) return std::nullopt;
+  double compliance = 0.0, inverse_mass = 0.0;
+  for (const int body : {contact.body_a, contact.body_b}) {
+    if (body < 0) continue;
+    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    compliance += (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
+    if (!held(problem.scene.bodies[static_cast<std::size_t>(body)], contact.normal))
+      inverse_mass += 1.0 / plan.bodies[static_cast<std::size_t>(body)].mass_kg;
+  }
+  if (inverse_mass == 0.0) return std::nullopt;
+  const double k = shape->share * 4.0 / 3.0 / compliance * std::sqrt(shape->radius_m);
+  const double approach_m = std::pow(1.25 * speed_m_s * speed_m_s / (inverse_mass * k), 0.4);
+  const Impact impact{k * std::pow(approach_m, 1.5), 2.9432 * approach_m / speed_m_s};
+  return is_slow(problem, plan, contact, impact.duration_s) ? std::optional(impact) : std::nullopt;
+}
+
+}  // namespace
+
+std::string impact_text(const scene::Problem& problem, const scene::Plan& plan) {
+  std::string text;
+  const auto theory = impact_theory(problem);
+  for (const auto& contact : problem.contacts) {
+    const double speed_m_s = closing_speed(problem, contact);
+    if (speed_m_s <= 0.0 || contact.pairs.empty()) continue;
+    if (theory) {
+      double area_m2 = 0.0;
+      for (const auto& pair : contact.pairs) area_m2 += pair.area_m2;
+      text += line(contact, problem, speed_m_s, {theory->stress_pa * area_m2, theory->contact_duration_s},
+                   "impedance theory");
+    } else if (const auto impact = hertz(problem, plan, contact, speed_m_s)) {
+      text += line(contact, problem, speed_m_s, *impact, "Hertz' theory");
+    }
+  }
+  return text;
+}
+
+}  // namespace ricochet::coupler

@@ -1,0 +1,20 @@
+#include "coupler/results/tally.hpp"
+
+#include "common/problem/rise_time.hpp"
+
+namespace ricochet::coupler {
+
+Tally tally_of(const scene::Problem& problem) {
+  const auto forces = [&](double rise_time_s) {
+    return ForceTally(problem.window_size_s, rise_time_s, problem.scene.coupling.separation_windows);
+  };
+  std::vector<ContactResult> each;  // of several
+  const auto names = problem.scene.contact_names();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    each.push_back({names[i], forces(scene::rise_time_s(problem, problem.contacts[i])), {}});
+  std::optional<ForceTally> all;
+  if (!problem.contacts.empty()) all = forces(scene::rise_time_s(problem));
+  return Tally(impact_theory(problem), problem.scene.components() == 3, std::move(all), std::move(each));
+}
+
+}  // namespace ricochet::coupler
