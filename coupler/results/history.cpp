@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -47,7 +48,7 @@ double EnergyBalance::created_j(const HistoryRow& row) {
 void Errors::add(HistoryRow& row) {
   const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
   const double created = energy_.created_j(row);
-  row.energy_error = ratio(created, energy_.reference_j());
+  row.energy_error = told_.energy ? ratio(created, energy_.reference_j()) : std::numeric_limits<double>::quiet_NaN();
 
   const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
     return d.n * n + d.t * t + d.b * b;
@@ -73,7 +74,7 @@ void Errors::add(HistoryRow& row) {
   }
   double lost = 0;
   for (std::size_t i = 0; i < balance.size(); ++i) lost = std::max(lost, std::abs(balance[i] - first_[i]));
-  row.momentum_error = ratio(lost, largest_momentum_);
+  row.momentum_error = told_.momentum ? ratio(lost, largest_momentum_) : std::numeric_limits<double>::quiet_NaN();
   row.momentum_reference_kg_m_s = largest_momentum_;
   if (conserved_.arm_m > 0) {
     row.angular_momentum_error = ratio(std::abs(angular - first_angular_), conserved_.arm_m * largest_momentum_);
@@ -81,10 +82,10 @@ void Errors::add(HistoryRow& row) {
 }
 
 History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved,
-                 const std::vector<std::string>& contacts)
+                 const std::vector<std::string>& contacts, ToldBalances told)
     : bodies_(bodies), contacts_(contacts) {
   if (!tell_angular_momentum(sources)) conserved.arm_m = 0;
-  errors_ = Errors(std::move(conserved));
+  errors_ = Errors(std::move(conserved), told);
   for (const auto& source : sources) {
     auto& stream = streams_.emplace_back();
     stream.participant = source.participant;

@@ -146,6 +146,10 @@ std::string contact_warning(const Tally& tally) {
 }
 
 std::string to_json(const Summary& s, const Tally& tally) {
+  const auto of_energy = [&s](double value) { return s.energy_not_told_by.empty() ? number(value) : Json(nullptr); };
+  const auto of_momentum = [&s](double value) {
+    return s.momentum_not_told_by.empty() ? number(value) : Json(nullptr);
+  };
   Json json = {{"status", name_of(s.status)},
                {"error", s.error},
                {"exit_code", s.exit_code},
@@ -164,12 +168,12 @@ std::string to_json(const Summary& s, const Tally& tally) {
                  {"finish_s", number(s.phases.finish_s)}}},
                {"first_contact_s", number(tally.first_contact_s)},
                {"separation_time_s", number(s.separation_time_s)},
-               {"energy_error_max", number(tally.energy_error_max())},
-               {"energy_error_lowest", number(tally.energy_error_lowest)},
-               {"energy_error_highest", number(tally.energy_error_highest)},
-               {"energy_error_last", number(tally.energy_error_last)},
-               {"momentum_error_max", number(tally.momentum_error_max)},
-               {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
+               {"energy_error_max", of_energy(tally.energy_error_max())},
+               {"energy_error_lowest", of_energy(tally.energy_error_lowest)},
+               {"energy_error_highest", of_energy(tally.energy_error_highest)},
+               {"energy_error_last", of_energy(tally.energy_error_last)},
+               {"momentum_error_max", of_momentum(tally.momentum_error_max)},
+               {"angular_momentum_error_max", of_momentum(tally.angular_momentum_error_max)},
                {"peak_contact_force_n", number(tally.peak_contact_force_n)},
                {"contact_impulse_n_s", number(tally.contact_impulse_n_s)},
                {"friction_impulse_n_s", number(tally.friction_impulse_n_s)}};
@@ -180,6 +184,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
   json["theory"] = theory_json(tally);
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
+  json["energy_not_told_by"] = s.energy_not_told_by;
+  json["momentum_not_told_by"] = s.momentum_not_told_by;
   json["outside_model"] = Json::array();
   for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed));
   json["valid_until_s"] = number(s.valid_until_s);
@@ -200,9 +206,14 @@ std::string to_table(const Summary& s, const Tally& tally) {
   std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", name_of(s.status), s.steps,
                                  s.window_size_s, s.protocol, s.wall_s);
   if (tally.first_contact_s) text += contact_rows(s, tally);
-  text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
-                                          tally.energy_error_lowest, tally.energy_error_highest));
-  text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
+  const auto balance = [](const std::vector<std::string>& not_told_by, const std::string& error) {
+    return not_told_by.empty() ? error : fmt::format("not told by {}", fmt::join(not_told_by, ", "));
+  };
+  text +=
+      row("energy drift", balance(s.energy_not_told_by, fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way",
+                                                                    tally.energy_error_last, tally.energy_error_lowest,
+                                                                    tally.energy_error_highest)));
+  text += row("momentum error", balance(s.momentum_not_told_by, fmt::format("{:.3e}", tally.momentum_error_max)));
   if (tally.angular_momentum_error_max > 0) {
     text += row("angular momentum error", fmt::format("{:.3e}", tally.angular_momentum_error_max));
   }

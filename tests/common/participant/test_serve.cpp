@@ -167,7 +167,7 @@ TEST_F(Serve, RefusesAnotherVersion) {
   const auto message = failure();
   EXPECT_EQ(message.as<wire::Failure>().error_code, 5);
   EXPECT_THAT(message.as<wire::Failure>().error_text,
-              HasSubstr("the coupler speaks version 6 of the wire protocol, this program speaks version 5"));
+              HasSubstr("the coupler speaks version 7 of the wire protocol, this program speaks version 6"));
   EXPECT_EQ(end(), 5);
 }
 
