@@ -149,7 +149,7 @@ class Wrong : public Participant {
     if (still_) solver_->synchronise(Integration::explicit_central, link_input, output);
     if (!still_) solver_->advance(window, link_input, output);
     change(output);
-    if (flaw_ == "turns_wrong" && window > 74) scale(output.value, -1.0);
+    if ((flaw_ == "turns_wrong" || flaw_ == "tells_no_link") && window > 74) scale(output.value, -1.0);
     if (flaw_ == "leaks" && window > 74) output.value.front() += 5.0;  // which nothing gives
   }
   void accept() override {
