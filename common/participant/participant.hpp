@@ -68,6 +68,11 @@ struct Setup {
   /// on the interface nodes at the end of a window is link input + S u, u their displacement there. Only while
   /// integrating by `implicit_newmark`.
   std::vector<double> interface_stiffness;
+  /// n, t and, of solids, b, components x components, one a row: along which momenta, impulses and contact forces are
+  /// told. n is that of the scene's first contact, out of its first body, or without a contact the last axis.
+  std::vector<double> directions;
+  /// Nodes x components, where the scene has the interface nodes: within rounding where this participant has them [m].
+  std::vector<double> scene_position_m;
   int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
   int axial_stress_every = 0;               ///< windows; 0: none
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <new>
 #include <optional>
 #include <system_error>
@@ -43,6 +44,18 @@ std::optional<wire::ParticipantKey> key_of(const ServeOptions& options) {
 }
 
 constexpr double while_others_start_s = 1e8;
+/// mpirun or srun in front of a program (key `launch`) starts it several times: a participant is one of these.
+void require_first_process(const ServeOptions& options) {
+  if (!options.watch_stdin) return;  // started by hand, perhaps beside other participants
+  for (const char* variable : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"}) {
+    const char* rank = std::getenv(variable);
+    if (!rank || std::strtol(rank, nullptr, 10) <= 0) continue;
+    throw ConfigError(fmt::format(
+        "found process {} ({}) of those that `launch` starts taking part, allowed: process 0 alone; the others are to "
+        "compute for it, without the SDK",
+        rank, variable));
+  }
+}
 
 /// One request after the other, until the run is over.
 void converse(Session& session, wire::Channel& channel, const ServeOptions& options, wire::Message& reply) {
@@ -87,6 +100,7 @@ Reason reason_in(const Session& session) {
 int serve(Participant& participant, const ServeOptions& options) {
   std::string name = "participant";
   try {
+    require_first_process(options);
     Session session(participant);
     name = session.name();
     wire::Channel channel(options.endpoint, key_of(options));

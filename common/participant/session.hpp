@@ -78,6 +78,7 @@ class Session {
   void finish(wire::Finished& reply);
 
   void take_interface_stiffness(const wire::Array& stiffness);
+  void take_places(const wire::Initialize& request);
   [[nodiscard]] bool can(Capability capability) const;
   void check_advance(const wire::Header& header, const wire::Advance& request) const;
   void check_substep(const wire::Header& header, std::int64_t windows) const;

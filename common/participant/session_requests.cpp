@@ -81,6 +81,7 @@ void Session::initialize(const wire::Initialize& request, wire::Initialized& rep
   setup_.driven_by = drive_of(request.driven_by, description_, can(Capability::driven_by_force));
   moves_ = setup_.driven_by == Drive::force;
   take_interface_stiffness(request.interface_stiffness);
+  take_places(request);
   setup_.history_every = static_cast<int>(request.history_every);
   setup_.fields_every = static_cast<int>(request.fields_every);
   setup_.axial_stress_every = static_cast<int>(request.axial_stress_every);
@@ -104,6 +105,16 @@ void Session::take_interface_stiffness(const wire::Array& stiffness) {
           "the coupler sent an interface stiffness, but participant '{}' lacks the capability 'interface_stiffness'",
           description_.name);
   setup_.interface_stiffness = stiffness.data;
+}
+
+void Session::take_places(const wire::Initialize& request) {
+  const int components = description_.components;
+  require(request.directions.rows == components && request.directions.columns == components,
+          "the coupler sent 'directions' with {} x {} numbers, expected {} x {}", request.directions.rows,
+          request.directions.columns, components, components);
+  require_rows(request.scene_position_m, "scene_position_m", components);
+  setup_.directions = request.directions.data;
+  setup_.scene_position_m = request.scene_position_m.data;
 }
 
 void Session::synchronise(const wire::Synchronise& request, wire::Synchronised& reply) {

@@ -5,10 +5,7 @@
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
-namespace {
 
-/// Nodes of a body that explicit participants and the implicit one share: touched by explicit elements, or by those of
-/// a foreign body, and integrated implicitly. None in the baselines.
 std::vector<bool> shared_nodes(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   if (problem.scene.coupling.protocol.layout != Layout::hybrid)
@@ -20,6 +17,8 @@ std::vector<bool> shared_nodes(const Problem& problem, int index) {
     shared[i] = (shared[i] || body.joined_node[i]) && body.implicit_node[i];
   return shared;
 }
+
+namespace {
 
 ParticipantPart make_part(const Problem& problem, int index, const std::vector<int>& elements,
                           const std::vector<int>& extra_nodes) {

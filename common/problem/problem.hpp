@@ -103,6 +103,10 @@ struct Problem {
 [[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);
 [[nodiscard]] std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int body);
 
+/// Per node of a body: explicit participants and the implicit one share it. Explicit elements, or those of a foreign
+/// body, touch it, and it is integrated implicitly. None in the baselines.
+[[nodiscard]] std::vector<bool> shared_nodes(const Problem& problem, int body);
+
 /// The parts a participant owns, in the scene's order of bodies; a body without elements (and, for the implicit side,
 /// without contact nodes) of this participant is left out.
 struct ParticipantPart {

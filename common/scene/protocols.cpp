@@ -11,7 +11,7 @@ namespace ricochet::scene {
 const std::vector<ProtocolTraits>& protocols() {
   static const std::vector<ProtocolTraits> table{
       {.name = "hughes_liu", .may_switch = true},
-      {.name = "kim", .may_switch = true, .explicit_capabilities = {Capability::repeat_window}},
+      {.name = "kim", .may_switch = true, .exact_up_to_substeps = 0, .explicit_capabilities = {Capability::repeat_window}},
       {.name = "kim_predicted",
        .may_switch = true,
        .trouble = "is unstable at almost any time step; use hughes_liu or kim",
@@ -27,6 +27,7 @@ const std::vector<ProtocolTraits>& protocols() {
        .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "gravouil_combescure",
        .dual = true,
+       .exact_up_to_substeps = 1,
        .explicit_capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep},
        .implicit_capabilities = {Capability::repeat_window, Capability::interface_stiffness},
        .warning =

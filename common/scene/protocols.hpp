@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct ProtocolTraits {
   bool dual = false;        ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
   bool iterated = false;    ///< repeats a window until the interface agrees
   bool may_switch = false;  ///< goes on with an implicit participant that integrates explicitly after separation
+  /// Momentum is exact with that many substeps or fewer; of an iterated one to its tolerance.
+  int exact_up_to_substeps = std::numeric_limits<int>::max();
   std::vector<Capability> explicit_capabilities = {};  ///< every explicit participant must have them
   std::vector<Capability> implicit_capabilities = {};
   std::string trouble =

@@ -123,6 +123,8 @@ struct Initialize {
   std::string driven_by;
   Array interface_mass_kg;    ///< n x 1: the mass to integrate with
   Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
+  Array directions;           ///< components x components: n, t and b of the scene, one a row
+  Array scene_position_m;     ///< n x components: where the scene has the interface nodes
   std::int64_t history_every = 1, fields_every = 0, axial_stress_every = 0;
   double until_separated_plus_s = 0;
   std::int64_t separation_windows = 0, last_window = 0;

@@ -178,6 +178,11 @@ const std::vector<KindEntry>& schema() {
                                                 "implicit participant: S, (n x components) x (n x components), "
                                                 "symmetric; the force that acts on the shared "
                                                 "nodes at the end of a window is link input + S u; 0 rows: none"),
+        field<&Initialize::directions>("directions", "",
+                                       "components x components: the unit vectors n, t and, of solids, b, one a row, "
+                                       "along which momenta, impulses and contact forces are told"),
+        field<&Initialize::scene_position_m>("scene_position_m", "m",
+                                             "n x components: the scene's places of its interface nodes"),
         field<&Initialize::history_every>("history_every", "windows", "one history row each so many windows, >= 1"),
         field<&Initialize::fields_every>("fields_every", "windows", "result fields each so many windows; 0: none"),
         field<&Initialize::axial_stress_every>(

@@ -3,12 +3,14 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "coupler/command/command_line.hpp"
 #include "coupler/processes/inside.hpp"
 #include "coupler/run/compute_scene.hpp"
+#include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
 
 namespace {
@@ -27,8 +29,11 @@ int main(int argc, char** argv) {
   using namespace ricochet;
   hold_requests();
   prepare_process();
-  coupler::let_inside([](const scene::Problem& problem, const std::string& name, double critical_step_s) {
-    return std::make_unique<implicit_solver::ImplicitSolver>(problem, name, critical_step_s);
+  coupler::let_inside([](const scene::Problem& problem, const std::string& name,
+                         std::optional<double> critical_step_s) -> std::unique_ptr<participant::Participant> {
+    if (problem.scene.participant(name).role == Role::implicit_solver)
+      return std::make_unique<implicit_solver::ImplicitSolver>(problem, name, critical_step_s);
+    return std::make_unique<explicit_solver::ExplicitSolver>(problem, name, critical_step_s);
   });
   try {
     return coupler::run_command_line(argc, argv);

@@ -41,19 +41,31 @@ std::vector<std::size_t> probed_rows(std::size_t size) {
   return rows;
 }
 
-/// Of a matrix that should be one of unit responses.
-void check_symmetry(const ContractRun& run, const std::vector<std::size_t>& rows, const Eigen::MatrixXd& matrix,
-                    const std::string& answer, const std::string& sign) {
+/// Unit responses of some rows, and what another input shows of them.
+struct UnitResponses {
+  Eigen::MatrixXd matrix;
+  double nonlinear = 0.0;  ///< change by all inputs at once, twice as large and turned round: off by so much of it
+};
+
+/// Of a matrix that should be one of unit responses. Returns what is worth saying of a body that is not linear.
+std::string check_symmetry(const ContractRun& run, const std::vector<std::size_t>& rows, const UnitResponses& responses,
+                           const std::string& answer, const std::string& sign) {
+  const auto& matrix = responses.matrix;
   const double size = matrix.cwiseAbs().maxCoeff();
   if (!(size > 0.0)) fail(fmt::format("{} does not depend on its link input", answer));
   Eigen::Index i = 0, j = 0;
   const double skew = (matrix - matrix.transpose()).cwiseAbs().maxCoeff(&i, &j);
+  const bool linear = responses.nonlinear <= rounding;
+  const auto not_linear = fmt::format(
+      "{} is not linear, by {:.2g} where the input is turned round and doubled{}", answer, responses.nonlinear,
+      run.implicit() ? "" : ": belytschko_mullen and dual protocols with substeps > 1 will refuse it");
+  if (skew > rounding * size && !linear) throw NotApplicable{not_linear};
   if (skew > rounding * size) {
     const auto at = [&](Eigen::Index k) { return place(run, rows[static_cast<std::size_t>(k)]); };
     fail(
         fmt::format("{} at {} is {:.6g} for a unit input at {}, and {:.6g} the other way round, expected the same: its "
                     "rows are in another order than the nodes that it describes (reversed, or by component in place of "
-                    "by node), or it is not linear",
+                    "by node)",
                     answer, at(i), matrix(i, j), at(j), matrix(j, i)));
   }
   if (matrix.diagonal().maxCoeff() <= 0.0) fail(fmt::format("{} has the wrong sign: {}", answer, sign));
@@ -61,10 +73,15 @@ void check_symmetry(const ContractRun& run, const std::vector<std::size_t>& rows
   if (modes.eigenvalues()[0] < -rounding * size)
     fail(fmt::format("{} is not positive: some input meets a resistance of {:.3g}, in units of the largest entry, {}",
                      answer, modes.eigenvalues()[0] / size, sign));
+  return linear ? "" : not_linear;
 }
 
 std::string probes_text(std::size_t probed, std::size_t size) {
   return probed == size ? "" : fmt::format("{} of {} unit inputs tried", probed, size);
+}
+
+std::string joined_texts(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + "; " + b;
 }
 
 /// Displacement of a unit response [m], or force [N], as the contract's link inputs are sized.
@@ -77,7 +94,7 @@ double probe_size(const ContractRun& run, std::size_t row) {
 
 /// Column by column, of some rows, what `answer(input)` changes by.
 template <class Answer>
-Eigen::MatrixXd unit_responses(const ContractRun& run, const std::vector<std::size_t>& rows, const Answer& answer) {
+UnitResponses unit_responses(const ContractRun& run, const std::vector<std::size_t>& rows, const Answer& answer) {
   const Values zero(run.size(), 0.0);
   const Values before = answer(zero);
   const auto count = static_cast<Eigen::Index>(rows.size());
@@ -92,7 +109,19 @@ Eigen::MatrixXd unit_responses(const ContractRun& run, const std::vector<std::si
       matrix(i, j) = (after[to] - before[to]) / input[row];
     }
   }
-  return matrix;
+  Values all = zero;
+  for (const auto row : rows) all[row] = -2.0 * probe_size(run, row);
+  const Values after = answer(all);
+  Eigen::VectorXd found(count), probes(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto row = rows[static_cast<std::size_t>(i)];
+    found[i] = after[row] - before[row];
+    probes[i] = all[row];
+  }
+  const Eigen::VectorXd expected = matrix * probes;
+  const double scale =
+      std::max(expected.cwiseAbs().maxCoeff(), matrix.cwiseAbs().maxCoeff() * probes.cwiseAbs().maxCoeff());
+  return {matrix, scale > 0.0 ? (found - expected).cwiseAbs().maxCoeff() / scale : 0.0};
 }
 
 ContractDrive forced(ContractDrive drive) {
@@ -116,10 +145,11 @@ std::string accelerate_as_pushed(const ContractCommand& command, const ContractD
     for (double& value : rate) value *= sign;
     return rate;
   });
-  check_symmetry(run, rows, mobility, run.implicit() ? "minus its acceleration" : "its acceleration",
-                 run.implicit() ? "the link input L acts with a minus, M a = f - K u - L"
-                                : "driven by force, M a = f - K u + lambda, lambda the link input");
-  return probes_text(rows.size(), first.size());
+  return joined_texts(
+      check_symmetry(run, rows, mobility, run.implicit() ? "minus its acceleration" : "its acceleration",
+                     run.implicit() ? "the link input L acts with a minus, M a = f - K u - L"
+                                    : "driven by force, M a = f - K u + lambda, lambda the link input"),
+      probes_text(rows.size(), first.size()));
 }
 
 /// Names the first window, row and quantity in which b differs from a by more than rounding; window n of a is n times
@@ -173,9 +203,9 @@ std::string respond_like_an_elastic_body(const ContractCommand& command, const C
   const auto stiffness = unit_responses(run, rows, [&](const Values& input) {
     return synchronise(peer, run, input, Integration::explicit_central).output;
   });
-  check_symmetry(run, rows, stiffness, "its internal force",
-                 "P = K u is positive where it resists a positive displacement");
-  return probes_text(rows.size(), first.size());
+  return joined_texts(check_symmetry(run, rows, stiffness, "its internal force",
+                                     "P = K u is positive where it resists a positive displacement"),
+                      probes_text(rows.size(), first.size()));
 }
 
 std::string take_substeps(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {

@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "coupler/processes/participants.hpp"
 #include "coupler/results/axial_stress.hpp"
 #include "coupler/results/history.hpp"
 
@@ -125,6 +126,9 @@ wire::Initialize initialize_request(const ContractRun& run, const ContractDrive&
   message.driven_by = name_of(run.by_force ? Drive::force : Drive::displacement);
   message.substeps = drive.substeps;
   message.interface_mass_kg = run.description.interface_mass_kg;
+  message.scene_position_m = run.description.interface_position_m;
+  const auto components = static_cast<int>(run.description.components);
+  message.directions = directions_along(Eigen::Vector3d::Unit(components - 1), components);  // as without a contact
   if (!drive.by_force) {
     for (double& mass : message.interface_mass_kg.data) mass *= 2.0;  // as if another of its kind shared the nodes
   }
@@ -203,12 +207,6 @@ void one_window(ContractPeer& peer, const ContractDrive& drive, int window, Cont
 }  // namespace
 
 void fail(const std::string& text) { throw ProtocolError(text); }
-
-double largest(const std::vector<double>& values) {
-  double result = 0.0;
-  for (const double value : values) result = std::max(result, std::abs(value));
-  return result;
-}
 
 std::vector<double> ContractRun::column(const std::string& name) const {
   const auto& columns = description.record_columns;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/contract/contract_peer.hpp"
+#include "coupler/watch/tried_causes.hpp"
 
 namespace ricochet::coupler {
 
@@ -44,8 +45,6 @@ struct ContractRun {
 
 /// A clause that is not kept.
 [[noreturn]] void fail(const std::string& text);
-/// Largest |value|; 0 of none.
-[[nodiscard]] double largest(const std::vector<double>& values);
 
 /// Runs the program through its windows to `finished`. The link input oscillates and grows over the windows, other in
 /// each component; displacements are some 1e-6 of the interface's extent, forces of the size that moves the interface

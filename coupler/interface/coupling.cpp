@@ -33,6 +33,12 @@ std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
   return link.rows().per_node(map_.mass_kg());
 }
 
+std::vector<double> Coupling::summed_mass_kg(const Link& link) const {
+  std::vector<double> masses;
+  for (const double mass : link.rows().per_node(map_.mass_kg())) masses.insert(masses.end(), map_.components(), mass);
+  return masses;
+}
+
 void Coupling::initialize_explicit(const wire::Initialize& request, Masses masses) {
   for (auto& link : links_) {
     if (!link.implicit()) link.post_initialize(request, masses_of(link, masses));

@@ -48,6 +48,10 @@ class Coupling {
   [[nodiscard]] const std::vector<double>& displacement() const { return displacement_; }
   [[nodiscard]] const std::vector<double>& velocity() const { return velocity_; }
   [[nodiscard]] double window_size_s() const { return window_size_s_; }
+  /// Per row of a link and component, summed over all participants [kg].
+  [[nodiscard]] std::vector<double> summed_mass_kg(const Link& link) const;
+  /// S of initialize_implicit; empty: none [N/m].
+  [[nodiscard]] const Eigen::MatrixXd& interface_stiffness() const { return interface_stiffness_; }
 
   /// Every explicit participant at once: all are asked before the first is awaited. Returns the sum of their internal
   /// forces at the shared nodes [N], added in the scene's order.

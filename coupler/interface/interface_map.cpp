@@ -12,7 +12,6 @@
 namespace ricochet::coupler {
 namespace {
 
-constexpr double relative_tolerance = 1e-9;
 constexpr double largest_mass_kg = InterfaceMap::largest_mass_kg;
 
 /// One interface node of one participant.
@@ -273,7 +272,8 @@ InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) {
     components_ = static_cast<int>(descriptions[p].components);
     shared[p].resize(static_cast<std::size_t>(descriptions[p].interface_position_m.rows));
   }
-  Matcher matcher(relative_tolerance * extent(nodes));
+  extent_m_ = extent(nodes);
+  Matcher matcher(same_place * extent_m_);
   std::vector<std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < nodes.size(); ++i) groups[matcher.place(nodes[i], nodes, groups)].push_back(i);
   mass_kg_.assign(groups.size(), 0.0);

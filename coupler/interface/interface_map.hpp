@@ -74,11 +74,15 @@ class InterfaceMap {
   /// order. The mass of a shared node is its row of Pi^T m.
   InterfaceMap(const std::vector<PeerDescription>& descriptions, std::vector<InterfaceRows> rows);
 
+  /// Nodes this close are one, in shares of the largest extent or coordinate of all interface nodes.
+  static constexpr double same_place = 1e-9;
   /// Sums of more, and what is divided by them, leave the range of numbers.
   static constexpr double largest_mass_kg = 1e30;
 
   [[nodiscard]] int nodes() const { return static_cast<int>(mass_kg_.size()); }
   [[nodiscard]] int components() const { return components_; }
+  /// Largest extent of all nodes along a coordinate, or largest coordinate, if that is more [m].
+  [[nodiscard]] double extent_m() const { return extent_m_; }
   [[nodiscard]] const InterfaceRows& rows(std::size_t participant) const { return rows_[participant]; }
   [[nodiscard]] const std::vector<double>& mass_kg() const { return mass_kg_; }
 
@@ -86,6 +90,7 @@ class InterfaceMap {
   std::vector<InterfaceRows> rows_;
   std::vector<double> mass_kg_;
   int components_ = 1;
+  double extent_m_ = 0.0;
 };
 
 }  // namespace ricochet::coupler

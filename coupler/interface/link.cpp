@@ -73,6 +73,8 @@ void Link::post_initialize(wire::Initialize request, const std::vector<double>& 
   if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
   driven_by_force_ = request.driven_by == name_of(Drive::force);
   set(request.interface_mass_kg, own_masses, 1);
+  const auto& places = description_.scene_position_m;
+  set(request.scene_position_m, places.empty() ? description_.interface_position_m.data : places, rows_.components());
   request_.make<wire::Initialize>() = std::move(request);
   peer_.post(request_);
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/wire/message.hpp"
 
@@ -11,6 +12,8 @@ namespace ricochet::coupler {
 struct PeerDescription : wire::Description {
   std::string participant;
   Role role = Role::explicit_solver;
+  std::vector<double>
+      scene_position_m{};  ///< the scene's places of its interface nodes; empty: its own are the scene's
 };
 
 /// The other end of one link, wherever it runs: another process behind a socket, or an object in this one. At most one

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -36,10 +37,10 @@ class Inside {
   wire::Clock::time_point idle_since_ = wire::Clock::now();
 };
 
-/// How the shipped solver of a participant is made in this process; `critical_step_s`: what it is told of its elements,
-/// see participant::Arguments.
+/// How the shipped solver of a participant, explicit or implicit, is made in this process; `critical_step_s`: what it
+/// is told of its elements, see participant::Arguments.
 using MakeInside = std::function<std::unique_ptr<participant::Participant>(
-    const scene::Problem&, const std::string& name, double critical_step_s)>;
+    const scene::Problem&, const std::string& name, std::optional<double> critical_step_s)>;
 /// Told once by the program, which has the solvers: the rooms of the coupler know none. Without it every participant is
 /// a process.
 void let_inside(MakeInside make);

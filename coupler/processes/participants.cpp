@@ -65,11 +65,23 @@ ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling) {
   return {coupling.substeps, coupling.acceleration, coupling.relaxation, coupling.tolerance, coupling.max_iterations};
 }
 
+wire::Array directions_along(const Eigen::Vector3d& normal, int components) {
+  const Eigen::Vector3d tangent = scene::tangent_of(normal), binormal = normal.cross(tangent);
+  wire::Array directions;
+  directions.resize(components, components);
+  auto out = directions.data.begin();
+  for (const auto* direction : {&normal, &tangent, &binormal}) {
+    if (out != directions.data.end()) out = std::copy_n(direction->data(), components, out);
+  }
+  return directions;
+}
+
 wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t last_window,
                                     const std::string& output_directory) {
   const auto& scene = problem.scene;
   wire::Initialize request;
   request.window_size_s = problem.window_size_s;
+  request.directions = directions_along(scene::momentum_normal(problem), scene.components());
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol.name;
   request.substeps = scene.coupling.substeps;
@@ -121,6 +133,20 @@ void check_capabilities(const scene::ProtocolTraits& protocol, const std::vector
   if (protocol.coupled() && implicit != 1) {
     throw ConfigError(
         fmt::format("protocol {} needs exactly one implicit participant, the scene has {}", protocol.name, implicit));
+  }
+}
+
+void check_contact_owner(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
+  if (problem.contacts.empty()) return;
+  const bool hybrid = problem.scene.coupling.protocol.coupled();
+  for (const auto& description : descriptions) {
+    const bool integrates_contact = description.role == Role::implicit_solver || !hybrid;
+    if (description.contact_owner == integrates_contact) continue;
+    throw ConfigError(fmt::format(
+        "participant '{}' ({}) described 'contact_owner' = {}, allowed: {}; of the contact of this scene {}",
+        description.participant, name_of(description.role), description.contact_owner, integrates_contact,
+        integrates_contact ? "it integrates the nodes, and nobody else would keep the surfaces apart"
+                           : "the implicit participant integrates the nodes, and enforces it"));
   }
 }
 

@@ -39,8 +39,14 @@ namespace ricochet::coupler {
                                           const std::vector<std::string>& executables, const ResultsDirectory& results,
                                           const std::string& run_id);
 
+/// n, t and, of solids, b, one a row.
+[[nodiscard]] wire::Array directions_along(const Eigen::Vector3d& normal, int components);
+
 /// ConfigError naming the participant and the capability it lacks; `activity`: what it cannot take part in.
 void require_capability(const PeerDescription& description, Capability needed, const std::string& activity);
+
+/// Refuses a scene with a contact that nobody, or the wrong one, enforces: ConfigError.
+void check_contact_owner(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions);
 
 /// Refuses a step above the critical one that an explicit participant declares: ConfigError.
 void check_declared_steps(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions);

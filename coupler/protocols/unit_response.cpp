@@ -8,17 +8,32 @@
 namespace ricochet::coupler {
 namespace {
 
-constexpr double symmetry_tolerance = 1e-6;
+/// Of the largest answer: rounding is far below, what is not linear far above.
+constexpr double tolerance = 1e-6;
 
 void require_symmetric(const std::string& participant, const Eigen::MatrixXd& matrix) {
   if (matrix.size() == 0) return;
   const double largest = matrix.cwiseAbs().maxCoeff();
   const double difference = (matrix - matrix.transpose()).cwiseAbs().maxCoeff();
-  if (difference <= symmetry_tolerance * largest) return;
+  if (difference <= tolerance * largest) return;
   throw ConfigError(fmt::format(
-      "participant '{}' answers unit link inputs with a matrix that is not symmetric (by {:.3g} of its largest entry): "
-      "it is not linear, or a repeated window does not start from the same state; use the protocol fixed_point for it",
+      "participant '{}' answers unit link inputs with a matrix that is not symmetric (by {:.3g} of its largest entry), "
+      "linear as it is: its rows are not its nodes, or its elements are not elastic; use the protocol fixed_point for "
+      "it",
       participant, difference / largest));
+}
+
+/// Names the row whose answer is furthest from the expected one.
+void require_same(const Link& link, const Eigen::VectorXd& found, const Eigen::VectorXd& expected, double scale,
+                  const std::string& what, const std::string& allowed) {
+  if (found.size() == 0) return;
+  Eigen::Index row = 0;
+  if ((found - expected).cwiseAbs().maxCoeff(&row) <= tolerance * scale) return;
+  const int components = link.rows().components();
+  throw ConfigError(
+      fmt::format("participant '{}', interface node {}, component {}: {}: found a change of {:.6g}, "
+                  "expected {:.6g}; allowed: {}",
+                  link.name(), row / components, row % components, what, found[row], expected[row], allowed));
 }
 
 }  // namespace
@@ -37,6 +52,20 @@ Eigen::MatrixXd unit_response(Link& link, Response response, const Step& step, c
     input[j] += probes[j];
     matrix.col(static_cast<Eigen::Index>(j)) = (answer_to(input) - base) / probes[j];
   }
+  // All inputs at once, of another size and sign.
+  Eigen::VectorXd change = -2.0 * view(probes);
+  for (Eigen::Index j = 1; j < change.size(); j += 2) change[j] *= 0.75;
+  const Eigen::VectorXd expected = matrix * change, found = answer_to(to_vector(view(base_input) + change)) - base,
+                        again = answer_to(base_input) - base;
+  const double scale = change.size() > 0 ? expected.cwiseAbs().maxCoeff() : 0.0;
+  require_same(link, again, Eigen::VectorXd::Zero(again.size()), scale,
+               "it does not answer the same link input alike, tried again after others",
+               "a repeated window that starts from the accepted state");
+  require_same(
+      link, found, expected, scale, "it does not answer its link input linearly",
+      "under this protocol, which takes the answer of the start for the whole run, linear bodies; any body under "
+      "hughes_liu, kim, kim_predicted and fixed_point, and under prakash_hjelmstad and gravouil_combescure with "
+      "coupling.substeps = 1");
   require_symmetric(link.name(), matrix);
   return 0.5 * (matrix + matrix.transpose());
 }

@@ -14,7 +14,8 @@ enum class Response { output, velocity };
 /// answer per unit of link input j, by one trial window each; as wide as the link. `probes`: the change that
 /// is tried, per input, large enough to stand out of the rounding of the answer itself. Needs the capability
 /// "repeat_window" and a synchronised link; leaves a trial behind, so synchronise again. Throws ConfigError naming the
-/// participant if the response is not symmetric: it would not be that of a linear, conservative solver.
+/// participant if a trial again of the first input, or of all inputs at once with another size and sign, gives another
+/// answer than the matrix does, or if that is not symmetric: it would not be that of a linear, conservative solver.
 [[nodiscard]] Eigen::MatrixXd unit_response(Link& link, Response response, const Step& step,
                                             const std::vector<double>& probes);
 

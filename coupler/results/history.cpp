@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -54,7 +55,8 @@ void Errors::add(HistoryRow& row) {
   const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
   const double created = energy_.created_j(row);
   row.energy_reference_j = energy_.reference_j();
-  row.energy_error = ratio(created, row.energy_reference_j);
+  row.energy_error =
+      told_.energy ? ratio(created, row.energy_reference_j) : std::numeric_limits<double>::quiet_NaN();
 
   const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
     return d.n * n + d.t * t + d.b * b;
@@ -82,7 +84,7 @@ void Errors::add(HistoryRow& row) {
   }
   double lost = 0;
   for (std::size_t i = 0; i < balance.size(); ++i) lost = std::max(lost, std::abs(balance[i] - first_[i]));
-  row.momentum_error = ratio(lost, largest_momentum_);
+  row.momentum_error = told_.momentum ? ratio(lost, largest_momentum_) : std::numeric_limits<double>::quiet_NaN();
   row.momentum_reference_kg_m_s = largest_momentum_;
   if (conserved_.arm_m > 0) {
     const double turned =
@@ -92,10 +94,10 @@ void Errors::add(HistoryRow& row) {
 }
 
 History::History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved,
-                 const std::vector<std::string>& contacts)
+                 const std::vector<std::string>& contacts, ToldBalances told)
     : bodies_(bodies), contacts_(contacts) {
   if (!tell_angular_momentum(sources, conserved)) conserved.arm_m = 0;
-  errors_ = Errors(std::move(conserved));
+  errors_ = Errors(std::move(conserved), told);
   tells_interface_ = std::all_of(sources.begin(), sources.end(), [](const Source& source) {
     return std::any_of(source.columns.begin(), source.columns.end(),
                        [](const std::string& column) { return column.rfind("energy_interface_j", 0) == 0; });

@@ -59,6 +59,11 @@ struct Conserved {
   double arm_m = 0;
 };
 
+/// Which balances everybody tells of; the errors of others are nan.
+struct ToldBalances {
+  bool energy = true, momentum = true;
+};
+
 /// Relative errors of the balances, from row to row.
 ///   energy_error   = EnergyBalance::created_j / reference_j
 ///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, largest over the conserved
@@ -66,12 +71,13 @@ struct Conserved {
 /// Zero where the reference is zero.
 class Errors {
  public:
-  explicit Errors(Conserved conserved = {}) : conserved_(std::move(conserved)) {}
+  explicit Errors(Conserved conserved = {}, ToldBalances told = {}) : conserved_(std::move(conserved)), told_(told) {}
   void add(HistoryRow& row);
   void archive(Archive& a) { a(energy_, first_, first_angular_, largest_momentum_); }
 
  private:
   Conserved conserved_;
+  ToldBalances told_;
   EnergyBalance energy_;
   std::vector<double> first_;  ///< per direction
   std::array<double, 3> first_angular_{};
@@ -93,7 +99,7 @@ class History {
   /// `contacts`: names of several. Throws ProtocolError naming the participant and the column if a column is unknown,
   /// given twice or missing. Without the angular momenta of everyone that balance is none.
   History(const std::vector<Source>& sources, const std::vector<std::string>& bodies, Conserved conserved = {},
-          const std::vector<std::string>& contacts = {});
+          const std::vector<std::string>& contacts = {}, ToldBalances told = {});
 
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);

@@ -206,6 +206,10 @@ std::string substeps_warning(const Summary& summary, const Tally& tally) {
 }
 
 std::string to_json(const Summary& s, const Tally& tally) {
+  const auto of_energy = [&s](double value) { return s.energy_not_told_by.empty() ? number(value) : Json(nullptr); };
+  const auto of_momentum = [&s](double value) {
+    return s.momentum_not_told_by.empty() ? number(value) : Json(nullptr);
+  };
   Json json = {{"status", name_of(s.status)},
                {"error", s.error},
                {"exit_code", s.exit_code},
@@ -223,11 +227,11 @@ std::string to_json(const Summary& s, const Tally& tally) {
                  {"setup_s", number(s.phases.setup_s)},
                  {"stepping_s", number(s.phases.stepping_s)},
                  {"finish_s", number(s.phases.finish_s)}}},
-               {"energy_error_max", number(tally.energy_error_max())},
-               {"energy_error_lowest", number(tally.energy_error_lowest)},
-               {"energy_error_highest", number(tally.energy_error_highest)},
-               {"energy_error_last", number(tally.energy_error_last)},
-               {"momentum_error_max", number(tally.momentum_error_max)},
+               {"energy_error_max", of_energy(tally.energy_error_max())},
+               {"energy_error_lowest", of_energy(tally.energy_error_lowest)},
+               {"energy_error_highest", of_energy(tally.energy_error_highest)},
+               {"energy_error_last", of_energy(tally.energy_error_last)},
+               {"momentum_error_max", of_momentum(tally.momentum_error_max)},
                {"angular_momentum_error_max", number(tally.angular_momentum_error_max)},
                {"peak_contact_pressure_pa", number(tally.peak_contact_pressure_pa)},
                {"largest_contact_radius_m", radius(tally.largest_contact_radius_m)},
@@ -248,6 +252,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
   json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
+  json["energy_not_told_by"] = s.energy_not_told_by;
+  json["momentum_not_told_by"] = s.momentum_not_told_by;
   json["outside_model"] = Json::array();
   for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed, tally.solid()));
   json["valid_until_s"] = number(s.valid_until_s);
@@ -269,9 +275,14 @@ std::string to_table(const Summary& s, const Tally& tally) {
   std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", status, s.steps,
                                  s.window_size_s, s.protocol, s.wall_s);
   text += contact_rows(tally);
-  text += row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", tally.energy_error_last,
-                                          tally.energy_error_lowest, tally.energy_error_highest));
-  text += row("momentum error", fmt::format("{:.3e}", tally.momentum_error_max));
+  const auto balance = [](const std::vector<std::string>& not_told_by, const std::string& error) {
+    return not_told_by.empty() ? error : fmt::format("not told by {}", fmt::join(not_told_by, ", "));
+  };
+  text +=
+      row("energy drift", balance(s.energy_not_told_by, fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way",
+                                                                    tally.energy_error_last, tally.energy_error_lowest,
+                                                                    tally.energy_error_highest)));
+  text += row("momentum error", balance(s.momentum_not_told_by, fmt::format("{:.3e}", tally.momentum_error_max)));
   if (tally.angular_momentum_error_max) {
     text += row("angular momentum error", fmt::format("{:.3e}", *tally.angular_momentum_error_max));
   }

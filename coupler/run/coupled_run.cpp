@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <utility>
@@ -95,17 +96,21 @@ void CoupledRun::start() {
 }
 
 void CoupledRun::setup() {
-  const auto descriptions = set_.describe();
+  auto descriptions = set_.describe();
+  check_contact_owner(problem_, descriptions);
   check_capabilities(scene_.coupling.protocol, descriptions);
-  check_declared_steps(problem_, descriptions);
   compare_with_scene(descriptions);
+  check_declared_steps(problem_, descriptions);
   std::vector<History::Source> sources, stress_sources;
   for (const auto& description : descriptions) {
     sources.push_back({description.participant, description.record_columns});
     stress_sources.push_back({description.participant, description.axial_stress_columns});
   }
-  prepare_watch(descriptions);
-  history_ = std::make_unique<History>(sources, scene_.body_names(), conserved_by(problem_), scene_.contact_names());
+  const auto left_out = untold(problem_, descriptions);
+  note_untold(left_out);
+  prepare_watch(descriptions, left_out);
+  history_ = std::make_unique<History>(sources, scene_.body_names(), conserved_by(problem_), scene_.contact_names(),
+                                       ToldBalances{left_out.energy.empty(), left_out.momentum.empty()});
   summary_.interface_known = history_->tells_interface();
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
@@ -118,18 +123,26 @@ void CoupledRun::setup() {
                               may_switch(),  outside_.watches_overlaps(),         scene_.checkpoint.every_windows};
   loop_ = std::make_unique<TimeLoop>(
       *coupling_, *protocol_, settings, [this](std::int64_t window) { take_records(window); },
-      [this](std::int64_t window) { save_if_due(window); });
+      [this](std::int64_t window) {
+        compare_first_windows();
+        save_if_due(window);
+      });
   prepare_checkpoints(descriptions);
-  if (from_) restore();
+  if (from_) {
+    restore();
+  } else {
+    prepare_first_windows();
+  }
 }
 
 /// Programs of somebody else's only: shipped solvers read what this would compare them with.
-void CoupledRun::compare_with_scene(const std::vector<PeerDescription>& descriptions) {
+void CoupledRun::compare_with_scene(std::vector<PeerDescription>& descriptions) {
   comparisons_.resize(descriptions.size());
   for (std::size_t p = 0; p < descriptions.size(); ++p) {
     if (!scene_.participants[p].foreign() || !SceneComparison::possible(problem_, descriptions[p])) continue;
     comparisons_[p].emplace(problem_, descriptions[p]);
     comparisons_[p]->check_description();
+    descriptions[p].scene_position_m = comparisons_[p]->scene_places();
   }
 }
 
@@ -138,6 +151,25 @@ void CoupledRun::try_links() {
     if (comparisons_[p]) comparisons_[p]->try_link(coupling_->links()[p], scene_.coupling.substeps);
     if (from_) comparisons_[p].reset();  // its first row was looked at by the run before
   }
+}
+
+void CoupledRun::prepare_first_windows() {
+  if (!scene_.coupling.protocol.coupled()) return;
+  for (std::size_t p = 0; p < comparisons_.size(); ++p) {
+    if (!comparisons_[p]) continue;
+    const double critical_s = plan_.participants[p].critical_time_step_s;
+    auto beside =
+        FirstWindows::of(problem_, *coupling_, coupling_->links()[p], std::isfinite(critical_s) ? critical_s : 0.0);
+    if (beside) first_windows_.push_back(std::move(beside));
+  }
+}
+
+/// Until the implicit participant goes on explicitly: what it is asked then the shipped solver is not.
+void CoupledRun::compare_first_windows() {
+  if (!loop_->switches().empty()) first_windows_.clear();
+  for (const auto& beside : first_windows_) beside->look();
+  const auto over = [](const auto& beside) { return beside->over(); };
+  first_windows_.erase(std::remove_if(first_windows_.begin(), first_windows_.end(), over), first_windows_.end());
 }
 
 /// Those of the shipped solvers need nothing; of others it is enough to know it before it matters.
@@ -216,12 +248,43 @@ void CoupledRun::save(std::int64_t window) {
   checkpoints_->begin(std::move(checkpoint));
 }
 
-void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions) {
+void CoupledRun::warn(const std::string& text) {
+  progress_.close();
+  fmt::print(stderr, "warning: {}: {}\n", scene_.path, printable(text));
+  summary_.notes.push_back(text);
+}
+
+/// A balance without somebody's columns would accuse whoever is right.
+void CoupledRun::note_untold(const Untold& untold) {
+  summary_.energy_not_told_by = untold.energy;
+  summary_.momentum_not_told_by = untold.momentum;
+  if (!untold.energy.empty())
+    warn(fmt::format("energy is not told by {}: its drift is none, and the energy watch does not run",
+                     fmt::join(untold.energy, ", ")));
+  if (!untold.momentum.empty())
+    warn(fmt::format("momentum is not told by {}: its error is none", fmt::join(untold.momentum, ", ")));
+}
+
+void CoupledRun::note_lost_momentum() {
+  constexpr double rounding = 1e-6, tight_iteration = 1e-8;
+  const auto& coupling = scene_.coupling;
+  const bool exact = coupling.substeps <= coupling.protocol.exact_up_to_substeps &&
+                     (!coupling.protocol.iterated || coupling.tolerance <= tight_iteration);
+  if (!exact || watch_->momentum_lost() <= rounding) return;
+  std::string text =
+      fmt::format("{:.3g} % of the momentum came from nowhere or got lost, protocol {} keeps it to rounding",
+                  100 * watch_->momentum_lost(), coupling.protocol.name);
+  for (const auto& name : suspicion_.foreign) text += "; " + check_advice(name, scene_.path);
+  warn(text);
+}
+
+void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
   suspicion_.step_s = problem_.window_size_s / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
+  suspicion_.links_told = untold.interface.empty();
   for (const auto& participant : scene_.participants) {
     if (participant.foreign()) suspicion_.foreign.push_back(participant.name);
   }
@@ -231,9 +294,9 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions)
     if (description.role == Role::explicit_solver)
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
-  watch_ = std::make_unique<EnergyWatch>(scene_.coupling.energy_growth_limit, energy_floor_j(problem_), suspicion_,
-                                         names, scene_.body_names(), EnergyWatch::every_of(plan_.windows),
-                                         loss_limits(problem_, descriptions));
+  const double growth = untold.energy.empty() ? scene_.coupling.energy_growth_limit : HUGE_VAL;
+  watch_ = std::make_unique<EnergyWatch>(growth, energy_floor_j(problem_), suspicion_, names, scene_.body_names(),
+                                         EnergyWatch::every_of(plan_.windows), loss_limits(problem_, untold));
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.
@@ -335,6 +398,7 @@ void CoupledRun::count_contact(const HistoryRow& row) {
 void CoupledRun::finish() {
   const auto last_words = coupling_->finish();
   take_records(loop_->window());
+  note_lost_momentum();
   set_.check_exit_codes();
   take_times(last_words);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/check/check.hpp"
+#include "coupler/processes/first_windows.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/results/axial_stress.hpp"
 #include "coupler/results/history_file.hpp"
@@ -50,9 +51,15 @@ class CoupledRun {
   void phases();
   void start();
   void setup();
-  void compare_with_scene(const std::vector<PeerDescription>& descriptions);
+  void compare_with_scene(std::vector<PeerDescription>& descriptions);
   void try_links();
-  void prepare_watch(const std::vector<PeerDescription>& descriptions);
+  void prepare_first_windows();
+  void compare_first_windows();
+  void prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold);
+  /// Says it now, and in the summary.
+  void warn(const std::string& text);
+  void note_untold(const Untold& untold);
+  void note_lost_momentum();
   [[nodiscard]] bool may_switch();
   void prepare_checkpoints(const std::vector<PeerDescription>& descriptions);
   void restore();
@@ -94,7 +101,8 @@ class CoupledRun {
   std::unique_ptr<History> history_;
   std::unique_ptr<AxialStress> axial_stress_;  ///< null if the scene does not ask
   std::unique_ptr<EnergyWatch> watch_;
-  std::vector<std::optional<SceneComparison>> comparisons_;  ///< per participant, until its first row has come
+  std::vector<std::optional<SceneComparison>> comparisons_;   ///< per participant, until its first row has come
+  std::vector<std::unique_ptr<FirstWindows>> first_windows_;  ///< of foreign participants, as far as they are looked at
   OutsideModel outside_;
   ContactRecord since_last_row_;  ///< iterations and residual of rows that the watch alone has looked at
   bool forces_told_ = false;      ///< by the contact's owner, of every window

@@ -31,6 +31,7 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   set.meet();
   const auto descriptions = set.describe();
   const auto& traits = problem.scene.coupling.protocol;
+  check_contact_owner(problem, descriptions);
   check_capabilities(traits, descriptions);
   for (const auto& description : descriptions) {
     require_capability(description, Capability::load_state, "`ricochet stability`");

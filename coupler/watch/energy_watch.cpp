@@ -25,10 +25,16 @@ bool finite(const HistoryRow& row) {
   double sum = energy(row.sum) + row.sum.energy_external_j + row.sum.energy_interface_j + row.sum.momentum_n_kg_m_s +
                row.sum.momentum_t_kg_m_s + c.gap_min_m + c.contact_force_n + c.energy_contact_j + c.energy_friction_j;
   for (const auto& body : row.bodies) sum += energy(body);
-  return std::isfinite(sum) && std::isfinite(row.energy_error) && std::isfinite(row.momentum_error);
+  return std::isfinite(sum) && !std::isinf(row.energy_error) && !std::isinf(row.momentum_error);  // nan: not told
 }
 
 }  // namespace
+
+std::string check_advice(const std::string& participant, const std::string& scene_path) {
+  return fmt::format(
+      "participant '{0}', a program of your own: `{1} check-participant --scene {2} --name {0}` compares it with ours",
+      participant, command_name, scene_path);
+}
 
 std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j) {
   std::vector<std::string> causes;
@@ -48,12 +54,7 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
                     suspicion.penalty_step_ratio));
   }
   for (const auto& name : suspicion.foreign) {
-    causes.push_back(fmt::format(
-        "participant '{0}', a program of your own: a force of the wrong sign, rows in another order, another "
-        "mass or stiffness, steps that it does not take look like this; `{1} check-participant --scene {2} --name {0}` "
-        "compares it with "
-        "ours",
-        name, command_name, suspicion.scene_path));
+    causes.push_back(check_advice(name, suspicion.scene_path));
   }
   if (!suspicion.protocol_trouble.empty()) {
     causes.push_back(fmt::format("protocol {} {}", suspicion.protocol, suspicion.protocol_trouble));
@@ -69,47 +70,15 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
   return fmt::format("likely cause: {}", fmt::join(causes, "; or "));
 }
 
-namespace {
-
-bool all_tell(const std::vector<PeerDescription>& descriptions, std::initializer_list<const char*> quantities) {
-  for (const auto& description : descriptions) {
-    const auto& told = description.record_columns;
-    for (const auto& body : description.bodies) {
-      for (const char* quantity : quantities) {
-        if (std::find(told.begin(), told.end(), fmt::format("{}/{}", quantity, body)) == told.end()) return false;
-      }
-    }
-  }
-  return true;
-}
-
-/// Nothing but the bodies themselves has momentum; of a foreign one nobody knows what holds and loads it.
-bool is_free(const scene::Scene& scene) {
-  const bool alone = std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const scene::Body& body) {
-    const bool weightless =
-        std::all_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), [](double g) { return g == 0.0; });
-    return weightless && body.supports.empty() && body.tractions.empty() && body.prescribed.empty() &&
-           body.absorbing.empty();
-  });
-  return alone && scene.foreign_bodies.empty() &&
-         std::all_of(scene.contacts.begin(), scene.contacts.end(),
-                     [](const scene::Contact& contact) { return contact.second.has_value(); });
-}
-
-}  // namespace
-
-LossLimits loss_limits(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
+LossLimits loss_limits(const scene::Problem& problem, const Untold& untold) {
   const auto& scene = problem.scene;
   LossLimits limits;
   const bool foreign = std::any_of(scene.participants.begin(), scene.participants.end(),
                                    [](const scene::ParticipantSpec& participant) { return participant.foreign(); });
-  if (foreign && all_tell(descriptions, {"energy_kinetic_j", "energy_strain_j"})) limits.energy = energy_loss;
+  if (untold.momentum.empty()) limits.momentum = momentum_loss;
+  if (!untold.energy.empty()) return limits;
+  if (foreign) limits.energy = energy_loss;
   if (scene.coupling.energy_loss_limit) limits.energy = *scene.coupling.energy_loss_limit;
-  const bool along = all_tell(descriptions, {"momentum_n_kg_m_s"}) &&
-                     (scene.model == scene::Model::bar || scene.model == scene::Model::axisymmetric ||
-                      all_tell(descriptions, {"momentum_t_kg_m_s"}));
-  const bool given = is_free(scene) || all_tell(descriptions, {"impulse_n_kg_m_s"});
-  if (along && given) limits.momentum = momentum_loss;
   return limits;
 }
 
@@ -161,6 +130,7 @@ void EnergyWatch::check_losses(const HistoryRow& row, double lost_j, double refe
   const double reference_kg_m_s =
       std::max(row.momentum_reference_kg_m_s, least_moving * std::sqrt(2.0 * row.sum.mass_kg * reference_j));
   const double lost_kg_m_s = row.momentum_error * row.momentum_reference_kg_m_s;
+  if (reference_kg_m_s > 0.0) momentum_lost_ = std::max(momentum_lost_, lost_kg_m_s / reference_kg_m_s);
   if (counts(lost_kg_m_s > losses_.momentum * reference_kg_m_s, row.window, drifting_since_)) {
     stop_for(fmt::format("{:.3g} % of the momentum came from nowhere or got lost, allowed are {:.3g} %",
                          100 * lost_kg_m_s / reference_kg_m_s, 100 * losses_.momentum));
@@ -172,9 +142,9 @@ void EnergyWatch::check_losses(const HistoryRow& row, double lost_j, double refe
 }
 
 void EnergyWatch::stop(const HistoryRow& row, const std::string& what, double growth_j) const {
-  throw EnergyGrowth(fmt::format("unstable in window {} (t = {:.6g} s): {}; {}; {}", row.window, row.time_s, what,
-                                 culprit(row, growth_j),
-                                 likely_cause(suspicion_, row.sum.energy_interface_j, growth_j)));
+  throw EnergyGrowth(fmt::format(
+      "unstable in window {} (t = {:.6g} s): {}; {}; {}", row.window, row.time_s, what, culprit(row, growth_j),
+      likely_cause(suspicion_, suspicion_.links_told ? row.sum.energy_interface_j : 0.0, growth_j)));
 }
 
 /// Where the energy was made: a participant's own balance tells, since loads and link are accounted for; the body only
@@ -191,6 +161,7 @@ std::string EnergyWatch::culprit(const HistoryRow& row, double growth_j) const {
     }
   }
   std::string text = row.bodies.empty() ? "" : fmt::format("it grows most in body '{}'", bodies_[body]);
+  if (!suspicion_.links_told) return text;
   const auto made = std::max_element(row.created_j.begin(), row.created_j.end(), [](double a, double b) {
     return (std::isnan(a) ? HUGE_VAL : a) < (std::isnan(b) ? HUGE_VAL : b);
   });

@@ -10,6 +10,7 @@
 #include "common/check/check.hpp"
 #include "coupler/interface/peer.hpp"
 #include "coupler/results/history.hpp"
+#include "coupler/watch/untold.hpp"
 
 namespace ricochet::coupler {
 
@@ -26,6 +27,7 @@ struct Suspicion {
   std::vector<Step> steps;
   std::vector<std::string> foreign;  ///< participants that are programs of somebody else's
   std::string scene_path;
+  bool links_told = true;  ///< everyone tells the work of its link, by which it is known who makes energy
 };
 
 /// How much of a balance may be lost before a run is stopped; infinite: as much as there is.
@@ -33,6 +35,9 @@ struct LossLimits {
   double energy = std::numeric_limits<double>::infinity();    ///< of EnergyBalance::reference_j
   double momentum = std::numeric_limits<double>::infinity();  ///< HistoryRow::momentum_error
 };
+
+/// "participant 'x', a program of your own: ...", and how to find out more.
+[[nodiscard]] std::string check_advice(const std::string& participant, const std::string& scene_path);
 
 /// "likely cause: ..." for a run that became unstable. `interface_j`: energy the coupling made so far.
 [[nodiscard]] std::string likely_cause(const Suspicion& suspicion, double interface_j, double growth_j);
@@ -56,7 +61,8 @@ class EnergyWatch {
   static constexpr std::int64_t patience =
       32;  ///< windows that growth must last where most of the energy comes from outside
 
-  /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`.
+  /// `limit`: largest growth of the energy balance, relative to its reference or, if that is more, `floor_j`; infinite
+  /// where not everybody tells of its energy.
   /// `participants`, `bodies`: names for the texts.
   EnergyWatch(double limit, double floor_j, Suspicion suspicion, std::vector<std::string> participants,
               std::vector<std::string> bodies, std::int64_t look_every = every, LossLimits losses = {});
@@ -64,7 +70,11 @@ class EnergyWatch {
   /// Throws EnergyGrowth naming window, time, where energy was made and the likely cause, if the energy balance has
   /// grown by more than the limit, more energy or momentum was lost than may be, or anything in the row is not finite.
   void check(const HistoryRow& row);
-  void archive(Archive& a) { a(balance_, last_energy_j_, growing_since_, losing_since_, drifting_since_); }
+  /// Largest share of the momentum so far that came from nowhere or got lost; 0 where it is not told.
+  [[nodiscard]] double momentum_lost() const { return momentum_lost_; }
+  void archive(Archive& a) {
+    a(balance_, last_energy_j_, growing_since_, losing_since_, drifting_since_, momentum_lost_);
+  }
 
  private:
   [[noreturn]] void stop(const HistoryRow& row, const std::string& what, double growth_j) const;
@@ -79,12 +89,13 @@ class EnergyWatch {
   Suspicion suspicion_;
   std::vector<std::string> participants_, bodies_;
   EnergyBalance balance_;
+  double momentum_lost_ = 0.0;
   std::vector<double> last_energy_j_;                                          ///< per body
   std::optional<std::int64_t> growing_since_, losing_since_, drifting_since_;  ///< window
 };
 
 /// What may be lost in a run of these participants: nothing is limited that not everybody tells of.
-[[nodiscard]] LossLimits loss_limits(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions);
+[[nodiscard]] LossLimits loss_limits(const scene::Problem& problem, const Untold& untold);
 
 /// Energy below which round-off decides: that of strains of 1e-12, 1e-24 m c^2 of all bodies [J].
 [[nodiscard]] double energy_floor_j(const scene::Problem& problem);

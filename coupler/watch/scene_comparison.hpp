@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -8,15 +9,19 @@
 
 namespace ricochet::coupler {
 
+/// Some participant may have another model of that body: `differing_bodies`.
+[[nodiscard]] bool may_differ(const scene::Scene& scene, const std::string& body);
+
 /// What the scene's own mesh, elements and densities say of a participant, against what a program of somebody else's
 /// declares and answers in its place. It finds out other masses, other places, another order of the nodes, another
-/// stiffness, force of another sign, and substeps that are not taken, before the first window.
+/// stiffness, force of another sign, and substeps that are not taken, before the first window. (What time brings to
+/// light, FirstWindows finds.)
 ///
 /// Numbers may differ by 1e-3: other quadrature and rounding pass, one percent does not. A body that the scene lists
-/// under `differing_bodies` of any participant is left out; of a foreign one there is nothing to compare with but the
-/// places where it is joined and, if the scene gives it, its whole mass. Vectors are in the rows of the participant's
-/// interface. Every refusal is a ConfigError that names participant, body and node, what was found, what was expected
-/// and, if it is cheap to recognise, what went wrong.
+/// under `differing_bodies` of any participant is left out but for its places; of a foreign one there is nothing to
+/// compare with but the places where it is joined and, if the scene gives it, its whole mass. Vectors are in the rows
+/// of the participant's interface. Every refusal is a ConfigError that names participant, body and node, what was
+/// found, what was expected, and a cause if trying it explains all numbers.
 class SceneComparison {
  public:
   /// It describes rows that are as many as they should be, of bodies that it has and with the scene's components. Who
@@ -27,6 +32,8 @@ class SceneComparison {
 
   /// Places and own masses of the interface nodes.
   void check_description() const;
+  /// Per row the place of the scene's node, n x components [m].
+  [[nodiscard]] std::vector<double> scene_places() const;
 
   /// A change of the link input that is tried, of displacement [m] or force [N]; no two rows are alike.
   [[nodiscard]] std::vector<double> probe(Drive drive) const;
@@ -56,8 +63,17 @@ class SceneComparison {
   [[nodiscard]] Response internal_force(const std::vector<double>& probe) const;
   [[nodiscard]] Response velocity(const std::vector<double>& probe, int substeps) const;
   [[nodiscard]] Response acceleration(const std::vector<double>& probe) const;
-  /// Each of its nodes of a foreign body is where that is joined, and each of those it has.
-  void check_joint(const scene::Joint& joint) const;
+  /// A node of the scene and how far it is.
+  struct Near {
+    Node node;
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+    double distance_m = HUGE_VAL;
+  };
+  template <class Respond>
+  [[nodiscard]] std::string arrangement_cause(const std::vector<double>& found, const std::vector<std::size_t>& rows,
+                                              const std::vector<double>& probe, const Respond& respond) const;
+  void check_place(std::size_t row) const;
+  void check_all_are_there() const;
   void check_whole_mass(const scene::ForeignBody& body, const std::vector<double>& row, Drive drive) const;
   [[nodiscard]] std::vector<std::size_t> rows_of(const std::string& body) const;
   [[nodiscard]] Eigen::Vector3d place_of(std::size_t row) const;
@@ -65,12 +81,14 @@ class SceneComparison {
   void check_masses_of(std::size_t part, const std::vector<std::size_t>& rows) const;
   void check_body(std::size_t part, const std::string& quantity, double found, double expected, double scale,
                   const char* unit) const;
-  [[nodiscard]] Node find(std::size_t row) const;
+  /// Of the nodes of a body that it shares.
+  [[nodiscard]] Near nearest(const std::string& body, const Eigen::Vector3d& x) const;
+  [[nodiscard]] const std::string& body_of(std::size_t row) const;
   [[nodiscard]] bool left_out(std::size_t row) const;
-  [[nodiscard]] bool differs(int body) const;
   /// By a support, or by the contact; or its mass, summed with that of a foreign body, is not known.
   [[nodiscard]] bool held(std::size_t row, int component) const;
   [[nodiscard]] bool integrates(std::size_t part, int local, Drive drive) const;
+  [[nodiscard]] std::string place_text(const Eigen::Vector3d& x) const;
   [[nodiscard]] std::string where(std::size_t row) const;
   [[nodiscard]] std::string advice(int body) const;
 
@@ -80,11 +98,9 @@ class SceneComparison {
   std::vector<Eigen::VectorXd> integrated_mass_kg_;  ///< per part and node: own, or summed over participants
   std::vector<std::vector<int>> contact_nodes_;      ///< per part, of an implicit participant: nodes of the whole body
   std::vector<Node> nodes_;                          ///< per interface node
+  std::vector<std::string> axes_;                    ///< "x", "y"
   std::size_t components_;
+  double place_tolerance_m_;
 };
-
-/// What a number looks like that is `ratio` times the right one: "it is per radian ...", "a factor 2", ...; empty: like
-/// nothing known.
-[[nodiscard]] std::string known_slip(double ratio);
 
 }  // namespace ricochet::coupler

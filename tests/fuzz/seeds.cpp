@@ -82,6 +82,8 @@ void begin(Said& said, int nodes, int components, const std::string& driven_by, 
   initialize.driven_by = driven_by;
   initialize.substeps = substeps;
   initialize.interface_mass_kg.resize(nodes, 1);
+  initialize.directions.resize(components, components);
+  initialize.scene_position_m.resize(nodes, components);
   initialize.last_window = 50;
   initialize.fields_every = initialize.axial_stress_every = 2;
   auto& synchronise = said.next<wire::Synchronise>();

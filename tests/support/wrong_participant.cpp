@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <map>
@@ -38,7 +40,21 @@ void make_slower(Problem& problem) {
   for (auto& body : problem.bodies) body.initial_velocity_m_s *= 0.99;
 }
 
+void without_gravity(scene::Scene& scene) {
+  for (auto& body : scene.bodies) body.gravity_m_s2.assign(body.gravity_m_s2.size(), 0.0);
+}
+
+void without_supports(scene::Scene& scene) {
+  for (auto& body : scene.bodies) body.supports.clear();
+}
+
+const std::map<std::string, std::function<void(scene::Scene&)>> wrong_scenes = {
+    {"without_gravity", without_gravity},
+    {"without_supports", without_supports},
+};
+
 const std::map<std::string, std::function<void(Problem&)>> wrong_bodies = {
+    {"lighter", [](Problem& problem) { scale_mass(problem, 0.5); }},
     {"stiffer", [](Problem& problem) { scale_stiffness(problem, 1.01); }},
     {"heavier", [](Problem& problem) { scale_mass(problem, 1.01); }},
     {"per_radian", make_per_radian},
@@ -88,6 +104,20 @@ class Wrong : public Participant {
       std::copy(second.begin(), second.end(), std::copy(first.begin(), first.end(), all.begin()));
     }
     if (flaw_ == "far_place") d.interface_position_m.back() += 1e-4;
+    if (flaw_ == "near_place") d.interface_position_m.back() += 1e-9;
+    if (flaw_ == "in_millimetres") scale(d.interface_position_m, 1e3);
+    if (flaw_ == "swapped_columns" || flaw_ == "turned") {
+      auto& x = d.interface_position_m;
+      for (std::size_t i = 0; i < x.size(); i += 2) std::swap(x[i], x[i + 1]);
+      for (std::size_t i = 0; flaw_ == "turned" && i < x.size(); i += 2) x[i] *= -1.0;
+    }
+    if (flaw_ == "short_of_a_node") {
+      d.interface_body.pop_back();
+      d.interface_mass_kg.pop_back();
+      d.interface_position_m.resize(d.interface_position_m.size() - components_);
+    }
+    if (flaw_ == "owns_nothing") d.contact_owner = false;
+    leave_out_columns(d.record_columns);
     return d;
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
@@ -97,7 +127,17 @@ class Wrong : public Participant {
       mine.window_size_s /= setup.substeps;
       mine.substeps = 1;
     }
+    if (flaw_ == "short_steps") mine.window_size_s *= 0.9;
+    if (flaw_ == "long_steps" || flaw_ == "two_long_steps") mine.window_size_s *= 1.1;
+    if (flaw_ == "two_long_steps") mine.substeps = 2;
     if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
+    if (flaw_ == "tells_what_it_is_told") {
+      std::fprintf(stderr, "directions");
+      for (const double value : setup.directions) std::fprintf(stderr, " %g", value);
+      std::fprintf(stderr, "; places");
+      for (const double value : setup.scene_position_m) std::fprintf(stderr, " %g", value);
+      std::fprintf(stderr, "\n");
+    }
     solver_->initialize(mine, output);
     change(output);
   }
@@ -108,18 +148,22 @@ class Wrong : public Participant {
     change(output);
   }
   void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
-    solver_->advance(window, link_input, output);
+    still_ = flaw_ == "never_moves";
+    if (still_) solver_->synchronise(Integration::explicit_central, link_input, output);
+    if (!still_) solver_->advance(window, link_input, output);
     change(output);
-    if (flaw_ == "turns_wrong" && window > 40) scale(output.value, -1.0);
+    if ((flaw_ == "turns_wrong" || flaw_ == "tells_no_link") && window > 74) scale(output.value, -1.0);
+    if (flaw_ == "leaks" && window > 74) output.value.front() += 5.0;  // which nothing gives
   }
   void accept() override {
-    solver_->accept();
+    if (!still_) solver_->accept();
     advanced_ = true;
   }
   [[nodiscard]] ContactStatus contact_status() const override { return solver_->contact_status(); }
   void record(std::vector<double>& row) override {
     solver_->record(row);
     if (flaw_ == "tells_more_energy") row[1] *= 1.01;
+    for (std::size_t i = left_out_.size(); i-- > 0;) row.erase(row.end() - static_cast<std::ptrdiff_t>(left_out_[i]));
   }
   void axial_stress(std::vector<double>& row) override { solver_->axial_stress(row); }
   void load_state(const std::vector<double>& state, FrozenContact contact) override {
@@ -140,11 +184,25 @@ class Wrong : public Participant {
   void finish() override { solver_->finish(); }
 
  private:
+  /// And notes where they stand, counted from the end of a row, the last one first.
+  void leave_out_columns(std::vector<std::string>& columns) {
+    const std::map<std::string, std::string> quantities = {{"tells_no_strain", "energy_strain_j/"},
+                                                           {"tells_no_momentum", "momentum_n_kg_m_s/"},
+                                                           {"tells_no_link", "energy_interface_j/"}};
+    const auto quantity = quantities.find(flaw_);
+    if (quantity == quantities.end()) return;
+    for (std::size_t i = columns.size(); i-- > 0;) {
+      if (columns[i].rfind(quantity->second, 0) != 0) continue;
+      left_out_.insert(left_out_.begin(), columns.size() - i);
+      columns.erase(columns.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
   static void scale(std::vector<double>& values, double factor) {
     for (double& value : values) value *= factor;
   }
   void change(LinkOutput& output) const {
     if (flaw_ == "wrong_sign") scale(output.value, -1.0);
+    if (flaw_ == "is_not_linear") output.value.back() += 1e3 * std::abs(output.value.front());
     if (flaw_ == "one_pulls") output.value.front() *= -1.0;
     if (flaw_ == "reversed_rows") output.value = reversed(output.value, components_);
     if (flaw_ == "rows_by_component") output.value = by_component(output.value, components_);
@@ -153,10 +211,15 @@ class Wrong : public Participant {
   std::size_t components_ = 1;
   std::unique_ptr<Participant> solver_;
   bool advanced_ = false;  ///< since a state was loaded
+  bool still_ = false;     ///< it never moves
+  std::vector<std::size_t> left_out_;
 };
 
 std::unique_ptr<Participant> make(Arguments& arguments) {
-  auto problem = scene::build_problem(scene::load_scene(arguments.scene));
+  auto scene = scene::load_scene(arguments.scene);
+  const auto wrong_scene = wrong_scenes.find(arguments.name);
+  if (wrong_scene != wrong_scenes.end()) wrong_scene->second(scene);
+  auto problem = scene::build_problem(scene);
   const auto wrong = wrong_bodies.find(arguments.name);
   if (wrong != wrong_bodies.end()) wrong->second(problem);
   if (const char* factor = std::getenv("WRONG_STIFFNESS")) scale_stiffness(problem, std::strtod(factor, nullptr));

@@ -169,6 +169,20 @@ int ricochet_interface_mass(const ricochet_loop* loop, double* mass) {
   });
 }
 
+int ricochet_directions(const ricochet_loop* loop, double* directions) {
+  return guarded(loop, [&] {
+    const auto& given = running(loop, "ricochet_directions").setup().directions;
+    std::copy(given.begin(), given.end(), directions);
+  });
+}
+
+int ricochet_scene_position(const ricochet_loop* loop, double* position) {
+  return guarded(loop, [&] {
+    const auto& given = running(loop, "ricochet_scene_position").setup().scene_position_m;
+    std::copy(given.begin(), given.end(), position);
+  });
+}
+
 int ricochet_ongoing(const ricochet_loop* loop) { return loop && loop->loop && loop->loop->ongoing() ? 1 : 0; }
 double ricochet_max_time_step(const ricochet_loop* loop) {
   return loop && loop->loop ? loop->loop->max_time_step() : 0.0;

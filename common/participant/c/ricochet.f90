@@ -94,6 +94,20 @@ module ricochet
       integer(c_int) :: error
     end function
 
+    function ricochet_directions(loop, directions) bind(c) result(error)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: loop
+      real(c_double), intent(out) :: directions(*)
+      integer(c_int) :: error
+    end function
+
+    function ricochet_scene_position(loop, position) bind(c) result(error)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: loop
+      real(c_double), intent(out) :: position(*)
+      integer(c_int) :: error
+    end function
+
     function ricochet_ongoing(loop) bind(c) result(ongoing)
       import :: c_int, c_ptr
       type(c_ptr), value :: loop

@@ -76,6 +76,12 @@ int ricochet_driven_by_force(const ricochet_loop* loop);
  * under a dual protocol. Return: int error. */
 int ricochet_interface_mass(const ricochet_loop* loop, double* mass);
 
+/* The unit vectors n, t and, of solids, b along which momenta, impulses and contact forces are told, components x
+ * components numbers, one vector after the other. Return: int error. */
+int ricochet_directions(const ricochet_loop* loop, double* directions);
+/* Where the scene has the interface nodes [m], nodes x components. Return: int error. */
+int ricochet_scene_position(const ricochet_loop* loop, double* position);
+
 /* The time loop. */
 
 /* 1: there is a window to compute. */

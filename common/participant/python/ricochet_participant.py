@@ -157,10 +157,19 @@ def converse(session, channel):
             channel.send(reply)
 
 
+def require_first_process(options):
+    """mpirun or srun in front of a program (key `launch`) starts it several times: a participant is one of these."""
+    for variable in ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"] if options.watch_stdin else []:
+        if int(os.environ.get(variable) or 0) > 0:
+            raise ConfigError(f"found process {os.environ[variable]} ({variable}) of those that `launch` starts taking "
+                              "part, allowed: process 0 alone; the others are to compute for it, without the SDK")
+
+
 def serve(make, options):
     """Makes the participant, make(scene, name), and runs it until the coupler says finish; returns the exit code."""
     session = channel = None
     try:
+        require_first_process(options)
         session = Session(make(options.scene, options.name))
         channel = Channel(options.connect, options.watch_stdin, options.key)
         converse(session, channel)

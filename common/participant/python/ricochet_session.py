@@ -92,6 +92,8 @@ class Session:
         self.require(stiffness[0] == 0 or self.can("interface_stiffness") and stiffness == (size, size),
                      f"an interface stiffness of shape {stiffness}, which this participant cannot do")
         self.require(request["interface_mass_kg"].shape == (self.shape[0], 1), "masses of another number of nodes")
+        self.require(request["scene_position_m"].shape == self.shape, "places of another number of nodes")
+        self.require(request["directions"].shape == (self.shape[1], self.shape[1]), "directions of another model")
         self.setup, self.state, self.moves, begin = request, "initialized", drive == "force", time.monotonic()
         self.participant.progress, self.initializing = self.progress, True
         self.take(self.participant.initialize(request))

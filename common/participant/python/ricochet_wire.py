@@ -19,7 +19,7 @@ FIELDS = {  # every message of docs/wire.md
                    "interface_mass_kg:array critical_time_step_s:float capabilities:texts record_columns:texts axial_stress_columns:texts "
                    "contact_owner:boolean",
     "initialize": "protocol:text output_directory:text window_size_s:float substeps:integer driven_by:text "
-                  "interface_mass_kg:array interface_stiffness:array "
+                  "interface_mass_kg:array interface_stiffness:array directions:array scene_position_m:array "
                   "history_every:integer fields_every:integer axial_stress_every:integer until_separated_plus_s:float "
                   "separation_windows:integer last_window:integer",
     "progress": "doing:text share_done:float",

@@ -102,6 +102,11 @@ std::string balance_rows(const Json& summary) {
   const auto last = number(summary, "energy_error_last"), lowest = number(summary, "energy_error_lowest"),
              highest = number(summary, "energy_error_highest"), momentum = number(summary, "momentum_error_max");
   std::string text;
+  for (const auto& [label, key] :
+       {std::pair{"energy drift", "energy_not_told_by"}, std::pair{"momentum error", "momentum_not_told_by"}}) {
+    const auto names = summary.value(key, std::vector<std::string>());
+    if (!names.empty()) text += row(label, fmt::format("not told by {}", fmt::join(names, ", ")));
+  }
   if (last && lowest && highest) {
     text +=
         row("energy drift", fmt::format("{:+.3e} at the end, {:+.3e} to {:+.3e} on the way", *last, *lowest, *highest));

@@ -42,6 +42,9 @@ class ScriptedCoupler {
     message.as<wire::Initialize>().driven_by = driven_by;
     message.as<wire::Initialize>().interface_mass_kg.resize(nodes_, 1);
     message.as<wire::Initialize>().interface_mass_kg.data.assign(static_cast<std::size_t>(nodes_), 2.5);
+    message.as<wire::Initialize>().directions.resize(1, 1);
+    message.as<wire::Initialize>().directions.data = {1.0};
+    message.as<wire::Initialize>().scene_position_m.resize(nodes_, 1);
     message.as<wire::Initialize>().history_every = history_every;
     message.as<wire::Initialize>().fields_every = fields_every;
     message.as<wire::Initialize>().last_window = last_window;

@@ -156,8 +156,9 @@ TEST(UnitResponses, OfASolverThatDoesNotStartAgainAreRefused) {
     make_protocol("prakash_hjelmstad", {})->start(*coupling, request);
     FAIL();
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("'forgetful'"), testing::HasSubstr("not symmetric"),
-                                             testing::HasSubstr("fixed_point")));
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("'forgetful'"),
+                                             testing::HasSubstr("does not answer the same link input alike"),
+                                             testing::HasSubstr("allowed: a repeated window that starts from")));
   }
 }
 
@@ -173,7 +174,7 @@ TEST(BelytschkoMullen, ConservesMomentumAndIsWhatFixedPointConvergesTo) {
     iterated.step();
     lost = std::max(lost, std::abs(direct.momentum() - before));
   }
-  EXPECT_LT(lost / before, 1e-11);
+  EXPECT_LT(lost / before, 1e-10);
   EXPECT_LT((direct.implicit_side.u - iterated.implicit_side.u).norm() / direct.implicit_side.u.norm(), 1e-9);
 }
 

@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/problem/problem.hpp"
 #include "coupler/watch/scene_comparison.hpp"
+#include "coupler/watch/tried_causes.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -21,8 +22,7 @@ TEST(KnownSlip, IsRecognisedByItsFactor) {
   EXPECT_THAT(known_slip(-1.0), HasSubstr("its sign is wrong"));
   EXPECT_THAT(known_slip(1.0 / (2.0 * M_PI)), HasSubstr("it is per radian"));
   EXPECT_THAT(known_slip(2.0 * M_PI), HasSubstr("2 pi was multiplied twice"));
-  EXPECT_THAT(known_slip(2.0), HasSubstr("a factor 2: "));
-  EXPECT_THAT(known_slip(0.5), HasSubstr("half an element is missing"));
+  EXPECT_EQ(known_slip(2.0), "") << "a guess at why would be one";
   EXPECT_THAT(known_slip(1e3), HasSubstr("a factor 1000: everything is in SI units"));
   EXPECT_THAT(known_slip(1e-9), HasSubstr("a factor 1e-09: everything is in SI units"));
 }
@@ -58,8 +58,8 @@ TEST(SceneComparison, NamesANodeThatIsNotInTheMesh) {
   DescribedBars bars;
   bars.description.interface_position_m.data[1] += 1e-4;
   EXPECT_THAT(bars.refusal(), AllOf(HasSubstr("participant 'explicit', body 'right', interface node 1 at (0.064108) m"),
-                                    HasSubstr("the scene's mesh has no interface node there"),
-                                    HasSubstr("add differing_bodies = [\"right\"] to its [[participant]]")));
+                                    HasSubstr("the scene's mesh has no interface node there; the nearest is at "
+                                              "(0.064008) m, 0.0001 m away, allowed are 1.28e-10 m")));
 }
 
 TEST(SceneComparison, NamesTheOneNodeWhoseMassIsWrong) {
@@ -82,6 +82,25 @@ TEST(SceneComparison, LeavesWhatIsNoDescriptionToTheInterfaceMap) {
   EXPECT_FALSE(possible([](PeerDescription& d) { d.interface_mass_kg.data.pop_back(); }));
   EXPECT_FALSE(possible([](PeerDescription& d) { d.interface_mass_kg.data[0] = 1e300; }));
   EXPECT_FALSE(possible([](PeerDescription& d) { d.interface_body.data[0] = 2; }));
+}
+
+TEST(TriedCauses, TurnAndScaleAllPlacesTogether) {
+  const std::vector<Eigen::Vector3d> scene{{1.0, 2.0, 3.0}, {4.0, 5.0, 7.0}};
+  const auto cause = [&](std::vector<Eigen::Vector3d> places, std::size_t turned = 2) {
+    for (std::size_t i = 0; i < turned; ++i) places[i] = {-1e3 * places[i][2], 1e3 * places[i][0], 1e3 * places[i][1]};
+    return places_cause(places, {"x", "y", "z"},
+                        [&](std::size_t i, const Eigen::Vector3d& x) { return (x - scene[i]).norm() <= 1e-6; });
+  };
+  EXPECT_EQ(cause(scene), "0.001 times (y, z, -x) of all 2 nodes are places of the scene, which has metres");
+  EXPECT_EQ(cause(scene, 1), "") << "it explains one of two";
+}
+
+TEST(TriedCauses, ArrangementsAreAppliedAndUndone) {
+  const std::vector<double> values{1.0, 2.0, 3.0, 4.0};
+  for (const auto& other : other_arrangements({0.0, 0.0}, {"x", "y"})) {
+    EXPECT_EQ(other.undone(other.applied(values)), values) << other.name;
+    EXPECT_NE(other.applied(values), values) << other.name;
+  }
 }
 
 /// A window of so many steps, by a force on both interface nodes, against itself and against another number of steps.
