@@ -47,7 +47,11 @@ class MotionDriven {
     std::optional<ExplicitContact::State> contact;
     bool contact_started = false;  ///< the contact has made the accelerations of the first window
 
-    void archive(Archive& a) { a(parts, elements, contact, contact_started); }
+    void archive(Archive& a) {
+      a(parts);
+      for (auto& kept : elements) a.any_size(kept);
+      a(contact, contact_started);
+    }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);

@@ -44,7 +44,10 @@ class SubcycledWindow {
     Eigen::VectorXd internal, external, force;  ///< P(u); f with reactions; lambda per shared dof [N]
     std::string elements;                       ///< what the part's InternalForce keeps
 
-    void archive(Archive& a) { a(internal, external, force, elements); }
+    void archive(Archive& a) {
+      a(internal, external, force);
+      a.any_size(elements);
+    }
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);

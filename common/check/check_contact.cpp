@@ -299,6 +299,7 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
 }  // namespace
 
 void check_impact(const Problem& problem, Plan& plan) {
+  if (problem.contacts.empty()) return;
   const Contact& law = problem.scene.contact_law();
   const bool resets = law.enforcement == Enforcement::multiplier &&
                       law.multiplier_update == MultiplierUpdate::trapezoidal_reset &&

@@ -99,12 +99,11 @@ void ContactSurface::report(const std::vector<BodyState>& states, const std::vec
   record.energy_friction_j = account.dissipated_friction_j;
 }
 
-void ContactSurface::append_forces(const std::vector<PairForce>& forces, double factor,
-                                   std::vector<double>& row) const {
+void ContactSurface::append_forces(const std::vector<PairForce>& forces, std::vector<double>& row) const {
   const std::size_t first = row.size();
   row.resize(first + contact_keys.size(), 0.0);
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    row[first + pairs[i].contact] += factor * pairs[i].to_contact(forces[i].normal, forces[i].tangential)[0];
+    row[first + pairs[i].contact] += pairs[i].to_contact(forces[i].normal, forces[i].tangential)[0];
 }
 
 ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,

@@ -63,8 +63,8 @@ struct ContactSurface {
   /// Energies are the account's, and what the forces took to find, which is counted anew from here.
   void report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces, ContactAccount& account,
               ContactRecord& record) const;
-  /// Appends `factor` times the sum of each contact's forces along its normal.
-  void append_forces(const std::vector<PairForce>& forces, double factor, std::vector<double>& row) const;
+  /// Appends the sum of each contact's forces along its normal [N].
+  void append_forces(const std::vector<PairForce>& forces, std::vector<double>& row) const;
 
   /// Throws ConfigError unless so many numbers, of a state that was read, are one a pair, or as many as a pair has.
   void require_one_a_pair(std::size_t count, std::size_t of_a_pair = 1) const;

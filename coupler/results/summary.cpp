@@ -158,6 +158,9 @@ std::string contact_rows(const Tally& tally) {
                 fmt::format("{:.4g} MPa, on a circle of at most {:.4g} mm radius",
                             1e-6 * tally.peak_contact_pressure_pa, 1e3 * tally.largest_contact_radius_m));
   for (const auto& contact : tally.each_contact) text += named_contact_row(contact);
+  if (!tally.each_contact.empty())
+    text +=
+        row("in contact", fmt::format("by a force above {:g} of the largest of that contact", ForceTally::level_share));
   return text;
 }
 

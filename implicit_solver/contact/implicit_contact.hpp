@@ -111,7 +111,7 @@ class ImplicitContact {
 
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   /// See participant::Participant::contact_forces.
-  void append_forces(std::vector<double>& row) const { surface_.append_forces(state_.impulse, 1.0 / dt_, row); }
+  void append_forces(std::vector<double>& row) const { surface_.append_forces(state_.mean_forces, row); }
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 

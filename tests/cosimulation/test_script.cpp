@@ -15,7 +15,7 @@ Outcome script(const TemporaryFolder& folder, const std::string& arguments, int 
         program);
     std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   }
-  return run_command({"sh", "-c",
+  return run_command({"/bin/sh", "-c",
                       "PATH=" + folder.path().string() + ":$PATH RICOCHET_BUILD_DIR=" + folder.path().string() +
                           "/build " RICOCHET_SOURCE "/ricochet test " + arguments},
                      folder.path().string());

@@ -82,7 +82,7 @@ TEST_P(Symmetry, AQuarterHasAQuarterOfTheForceAndOfTheWorkOfFriction) {
 }
 
 /// Obliquely along the plane of symmetry that is left. The implicit side's impulses of sticking and slipping pairs that
-/// share nodes are found one pair after the other, which the order of the whole's pairs does not leave symmetric: 6e-8.
+/// share nodes are found one pair after the other, which the order of the whole's pairs does not leave symmetric: 2e-7.
 TEST_P(Symmetry, AHalfHasHalfOfTheForcesOfAnObliqueImpact) {
   const TemporaryFolder folder;
   Domes of = domes();
@@ -92,7 +92,7 @@ TEST_P(Symmetry, AHalfHasHalfOfTheForcesOfAnObliqueImpact) {
   const RunResult half = of.run(folder, "half");
   const double force = whole.largest("contact_force_n");
   EXPECT_GT(std::abs(whole.last("friction_impulse_n_s")), 0.05 * whole.last("contact_impulse_n_s"));
-  const double tolerance = of.protocol == "all_explicit" ? 1e-9 : 2e-7;
+  const double tolerance = of.protocol == "all_explicit" ? 1e-9 : 5e-7;
   for (const char* column : {"contact_force_n", "friction_force_n", "normal_force_t_n"})
     expect_share(half, whole, 2.0, column, tolerance, force);
   expect_share(half, whole, 2.0, "energy_friction_j", 5.0 * tolerance, whole.last("energy_friction_j"));

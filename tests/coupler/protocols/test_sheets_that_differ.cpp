@@ -97,9 +97,9 @@ struct Sheets {
   std::int64_t window = 0;
 };
 
-class MeshesThatDiffer : public testing::TestWithParam<std::pair<const char*, int>> {};
+class SheetsThatDiffer : public testing::TestWithParam<std::pair<const char*, int>> {};
 
-TEST_P(MeshesThatDiffer, KeepMomentumAndOneMotionAndStayBounded) {
+TEST_P(SheetsThatDiffer, KeepMomentumAndOneMotionAndStayBounded) {
   const std::string protocol = GetParam().first;
   Sheets run(protocol, 0.7, GetParam().second);
   run.start();
@@ -120,7 +120,7 @@ TEST_P(MeshesThatDiffer, KeepMomentumAndOneMotionAndStayBounded) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Protocols, MeshesThatDiffer,
+INSTANTIATE_TEST_SUITE_P(Protocols, SheetsThatDiffer,
                          testing::Values(std::pair{"hughes_liu", 1}, std::pair{"kim", 1},
                                          std::pair{"belytschko_mullen", 1}, std::pair{"prakash_hjelmstad", 1},
                                          std::pair{"prakash_hjelmstad", 3}, std::pair{"gravouil_combescure", 1},
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, MeshesThatDiffer,
                          });
 
 /// Both sheets stretched evenly, with one force per width: nothing accelerates at the interface.
-TEST(MeshesThatDiffer, PassOnAConstantForcePerWidth) {
+TEST(SheetsThatDiffer, PassOnAConstantForcePerWidth) {
   Sheets run("hughes_liu", 0.5);
   for (auto* side : {&run.explicit_side, &run.implicit_side}) {
     side->v.setZero();
