@@ -11,7 +11,10 @@ namespace ricochet::scene {
 const std::vector<ProtocolTraits>& protocols() {
   static const std::vector<ProtocolTraits> table{
       {.name = "hughes_liu", .may_switch = true},
-      {.name = "kim", .may_switch = true, .exact_up_to_substeps = 0, .explicit_capabilities = {Capability::repeat_window}},
+      {.name = "kim",
+       .may_switch = true,
+       .exact_up_to_substeps = 0,
+       .explicit_capabilities = {Capability::repeat_window}},
       {.name = "kim_predicted",
        .may_switch = true,
        .trouble = "is unstable at almost any time step; use hughes_liu or kim",

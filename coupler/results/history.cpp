@@ -55,8 +55,7 @@ void Errors::add(HistoryRow& row) {
   const auto ratio = [](double part, double whole) { return whole > 0 ? part / whole : part; };
   const double created = energy_.created_j(row);
   row.energy_reference_j = energy_.reference_j();
-  row.energy_error =
-      told_.energy ? ratio(created, row.energy_reference_j) : std::numeric_limits<double>::quiet_NaN();
+  row.energy_error = told_.energy ? ratio(created, row.energy_reference_j) : std::numeric_limits<double>::quiet_NaN();
 
   const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
     return d.n * n + d.t * t + d.b * b;

@@ -58,7 +58,7 @@ struct Summary {
   std::optional<double> valid_until_s;  ///< what was written after it is wrong
   std::vector<SwitchEvent> switches;
   std::vector<std::string> energy_not_told_by, momentum_not_told_by;  ///< then those errors are none
-  std::vector<std::string> notes;  ///< decisions of the run worth knowing
+  std::vector<std::string> notes;                                     ///< decisions of the run worth knowing
   std::vector<ProcessTimes> processes;
 };
 

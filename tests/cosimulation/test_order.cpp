@@ -66,8 +66,8 @@ std::vector<double> momentum(const std::string& scene, const std::string& protoc
                              const TemporaryFolder& folder) {
   std::ostringstream step;
   step << std::setprecision(17) << 2.0 / windows;
-  const std::string text =
-      scene + "[time]\nstep_s = " + step.str() + "\nend_s = 2.0\n[coupling]\nprotocol = \"" + protocol + "\"\n";
+  const std::string text = scene + "[time]\nstep_s = " + step.str() +
+                           "\nend_s = 2.0\n[coupling]\noutside_model = \"go_on\"\nprotocol = \"" + protocol + "\"\n";
   const RunResult run = run_text(text, folder, protocol + std::to_string(windows));
   EXPECT_EQ(run.summary.at("steps").get<int>(), windows);
   const auto& all = run.column("momentum_n_kg_m_s");
