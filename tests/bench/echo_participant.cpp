@@ -25,6 +25,7 @@ class Echo : public Participant {
     d.name = name_;
     d.role = role_;
     d.solver = "echo_participant";
+    d.contact_owner = role_ == Role::implicit_solver;
     d.components = 2;
     d.bodies = {"steel"};
     d.critical_time_step_s = role_ == Role::explicit_solver ? 1.0 : 0.0;

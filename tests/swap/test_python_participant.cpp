@@ -360,7 +360,8 @@ class Stub(Participant):
 def drive(able, substep=0, **change):
     session, none = Session(Stub(able)), np.zeros((0, 0))
     session.initialize(dict(window_size_s=1.0, history_every=1, substeps=2, driven_by='force',
-                            interface_mass_kg=np.ones((1, 1)), interface_stiffness=none) | change)
+                            interface_mass_kg=np.ones((1, 1)), interface_stiffness=none,
+                            scene_position_m=np.zeros((1, 1)), directions=np.ones((1, 1))) | change)
     session.check_substep(dict(substep=substep))
 
 
