@@ -42,6 +42,20 @@ std::vector<std::string> axes_of(scene::Model model) {
 
 }  // namespace
 
+namespace {
+
+/// Everyone who computes the body has another model than the scene's: they agree on its nodes among themselves.
+bool is_nobodys(const scene::Scene& scene, const std::string& body) {
+  return std::all_of(scene.participants.begin(), scene.participants.end(), [&](const scene::ParticipantSpec& one) {
+    const auto has = [&](const std::vector<std::string>& names) {
+      return std::find(names.begin(), names.end(), body) != names.end();
+    };
+    return has(one.differing_bodies) || (one.role == Role::explicit_solver && !has(one.bodies));
+  });
+}
+
+}  // namespace
+
 bool may_differ(const scene::Scene& scene, const std::string& body) {
   const auto lists = [&](const scene::ParticipantSpec& participant) {
     const auto& listed = participant.differing_bodies;
@@ -169,6 +183,7 @@ void SceneComparison::check_place(std::size_t row) const {
   const auto is = [&](const scene::BodyProblem& body) { return body.name == name; };
   if (!foreign && std::none_of(problem_.bodies.begin(), problem_.bodies.end(), is))
     throw ConfigError(fmt::format("{}: the scene has no such body", where(row)));
+  if (is_nobodys(problem_.scene, name)) return;
   const auto near = nearest(name, place_of(row));
   if (near.distance_m <= place_tolerance_m_) return;
   if (near.distance_m == HUGE_VAL)
@@ -200,6 +215,7 @@ void SceneComparison::check_all_are_there() const {
         description_.participant, body, place_text(missing.front()), why, missing.size(), places.size(), allowed));
   };
   for (const auto& part : parts_) {
+    if (is_nobodys(problem_.scene, part.part.body)) continue;
     std::vector<Eigen::Vector3d> places;
     for (const int local : part.shared) places.push_back(part.part.mesh.position[fem::at(local)]);
     check(part.part.body, places, "where the scene's mesh has a shared one", "all of them");
