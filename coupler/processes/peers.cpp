@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/process.hpp"
 #include "coupler/processes/interrupted.hpp"
 
 namespace ricochet::coupler {
