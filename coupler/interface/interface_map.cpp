@@ -162,7 +162,7 @@ InterfaceRows::InterfaceRows(std::vector<int> shared, int components)
   }
 }
 
-InterfaceRows InterfaceRows::of_operator(Eigen::SparseMatrix<double, Eigen::RowMajor> pi, int components) {
+InterfaceRows InterfaceRows::of_operator(const Eigen::SparseMatrix<double, Eigen::RowMajor>& pi, int components) {
   constexpr double round_off = 1e-12;
   const Eigen::VectorXd sums = pi * Eigen::VectorXd::Ones(pi.cols());
   for (Eigen::Index i = 0; i < sums.size(); ++i) {
@@ -172,7 +172,7 @@ InterfaceRows InterfaceRows::of_operator(Eigen::SparseMatrix<double, Eigen::RowM
   }
   InterfaceRows rows({}, components);
   rows.nodes_ = static_cast<std::size_t>(pi.rows());
-  rows.pi_ = std::move(pi);
+  rows.pi_ = pi;
   return rows;
 }
 

@@ -18,7 +18,8 @@ class InterfaceRows {
   /// `shared`: per own interface node its shared node.
   explicit InterfaceRows(std::vector<int> shared = {}, int components = 1);
   /// Pi, own nodes x shared nodes. Throws std::invalid_argument if the sum of a row is not 1 to round-off.
-  [[nodiscard]] static InterfaceRows of_operator(Eigen::SparseMatrix<double, Eigen::RowMajor> pi, int components);
+  [[nodiscard]] static InterfaceRows of_operator(const Eigen::SparseMatrix<double, Eigen::RowMajor>& pi,
+                                                 int components);
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  ///< own ones
   [[nodiscard]] int components() const { return components_; }
   /// Whether own nodes are shared ones.
