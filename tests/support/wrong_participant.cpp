@@ -202,7 +202,7 @@ class Wrong : public Participant {
   }
   void change(LinkOutput& output) const {
     if (flaw_ == "wrong_sign") scale(output.value, -1.0);
-    if (flaw_ == "is_not_linear") output.value.back() += 1e3 * std::abs(output.value.front());
+    if (flaw_ == "is_not_linear") output.value[output.value.size() / 2] += 1e3 * std::abs(output.value.front());
     if (flaw_ == "one_pulls") output.value.front() *= -1.0;
     if (flaw_ == "reversed_rows") output.value = reversed(output.value, components_);
     if (flaw_ == "rows_by_component") output.value = by_component(output.value, components_);
