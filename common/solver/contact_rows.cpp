@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -171,21 +169,6 @@ bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& st
       for (const auto& e : row->entries) {
         if (states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)]) continue;
         if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) > 1) return true;
-      }
-    }
-  }
-  return false;
-}
-
-bool share_nodes(const std::vector<Pair>& pairs) {
-  std::map<std::pair<int, int>, std::size_t> contact_of;  // with a force there
-  for (const auto row : {&Pair::normal, &Pair::tangent}) {
-    std::set<std::pair<int, int>> known;
-    for (const auto& pair : pairs) {
-      for (const auto& e : (pair.*row).entries) {
-        if (!known.emplace(e.part, e.dof).second) return true;
-        if (row == &Pair::tangent && pair.friction_coefficient == 0.0) continue;
-        if (contact_of.emplace(std::pair(e.part, e.dof), pair.contact).first->second != pair.contact) return true;
       }
     }
   }

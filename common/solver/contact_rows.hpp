@@ -121,11 +121,6 @@ struct PartNodes {
 /// plane of symmetry of curved surfaces: then what the pair gets along one of them moves it along the other.
 [[nodiscard]] bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
 
-/// Whether a degree of freedom is in the normal rows, or in the tangential ones, of two pairs, or along the
-/// tangent of one with friction and the normal of another contact's, as in a corner: then what a law gives one of them
-/// moves the other.
-[[nodiscard]] bool share_nodes(const std::vector<Pair>& pairs);
-
 /// What a contact has been given so far, along n, t and b of its own [N s].
 struct ContactImpulse {
   Eigen::Vector3d of_normal{0.0, 0.0, 0.0}, of_friction{0.0, 0.0, 0.0};

@@ -38,7 +38,6 @@ ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<
     : components(problem.scene.components()),
       round(components == 3 || problem.scene.model == scene::Model::axisymmetric),
       pairs(contact_rows(problem, states)),
-      askew(held_askew(pairs, states)),
       stress(problem, states) {
   for (const auto& contact : problem.scene.contacts) contact_keys.push_back(contact.key());
   std::set<std::pair<int, int>> paired;

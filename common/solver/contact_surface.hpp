@@ -46,7 +46,6 @@ struct ContactSurface {
   bool round;                             ///< a contact has a radius: axisymmetric or solid
   std::vector<std::string> contact_keys;  ///< in the scene file, per contact
   std::vector<Pair> pairs;
-  bool askew;  ///< held_askew, by the rows of the start
   /// A node of surfaces that slide which lies opposite nothing yet.
   struct IdleNode {
     int part, node;

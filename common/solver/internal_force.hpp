@@ -13,7 +13,7 @@ struct Rows {
   int first = 0, last = 0;
 };
 
-/// What the elements of one part answer to a displacement u [m] of its degrees of freedom: the force P(u) [N] in M a =
+/// The answer of one part's elements to a displacement u [m] of its degrees of freedom: the force P(u) [N] in M a =
 /// f - P(u), and the energy they store. An integrator knows no more of a part than this; of linear elements P = K u
 /// (explicit_solver::LinearForce).
 ///
