@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
-#include "coupler/results/history_file.hpp"
+#include "common/base/write_file.hpp"
 
 namespace ricochet::coupler {
 namespace {
