@@ -4,8 +4,8 @@
     tests/digests/physics.py --build before/build --write FOLDER     # keeps history.csv and summary.json of each run
     tests/digests/physics.py --build build --against FOLDER          # exit code 1 and a list if any number differs
 
-Numbers of a column of history.csv may differ by 1e-9 of the column's largest magnitude, which of energies is that of all energies and of
-momenta that of all momenta and impulses; numbers of summary.json by 1e-9 of their own, or of what the history has of their unit. Counts of pairs and exit
+Numbers of a column of history.csv may differ by 1e-9 (--tolerance) of the column's largest magnitude, which of energies is that of all
+energies and of momenta that of all momenta and impulses; numbers of summary.json by 1e-9 of their own, or of what the history has of their unit. Counts of pairs and exit
 codes are equal. What it took to find the forces (iterations, residuals) and times of the computer are not compared. Where a byte may not
 change, digests.py tells.
 """
@@ -20,7 +20,6 @@ import tempfile
 
 from digests import OF_THIS_RUN, PROTOCOLS, ROOT, with_protocol
 
-TOLERANCE = 1e-9
 OF_THE_METHOD = {"contact_iterations", "contact_residual", "coupling_residual", "coupling_iterations"}
 # Differences of numbers that are larger by far: their round-off is that of those.
 SCALE_OF = {"energy_error": 1.0, "energy_drift": 1.0, "momentum_error": 1.0, "angular_momentum_error": 1.0}
@@ -81,7 +80,7 @@ def scale_of_number(name, value, of_columns):
     return max([abs(value)] + [scale for column, scale in of_columns.items() if kind and kind in column])
 
 
-def differences(before, after):
+def differences(before, after, tolerance):
     """Name and difference over its scale of all that is not the same."""
     if (before / "exit_code").read_text() != (after / "exit_code").read_text():
         yield "exit code", float("inf")
@@ -93,7 +92,7 @@ def differences(before, after):
             yield f"rows of {name}", float("inf")
             continue
         worst = max((0.0 if x == y or (x != x and y != y) else abs(x - y) for x, y in zip(old[name], new[name])), default=0.0)
-        if worst > TOLERANCE * scale[name]:
+        if worst > tolerance * scale[name]:
             yield name, worst / scale[name] if scale[name] > 0.0 else float("inf")
     old, new = summary(before), summary(after)
     for name in sorted(set(old) | set(new)):
@@ -101,7 +100,7 @@ def differences(before, after):
             continue
         if name not in old or name not in new:
             yield name, float("inf")
-        elif abs(old[name] - new[name]) > TOLERANCE * scale_of_number(name, old[name], scale):
+        elif abs(old[name] - new[name]) > tolerance * scale_of_number(name, old[name], scale):
             yield name, abs(old[name] - new[name]) / scale_of_number(name, old[name], scale)
 
 
@@ -117,6 +116,7 @@ def main():
     options.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     options.add_argument("--scenes", nargs="*", default=[], help="names in configs/; without it, all")
     options.add_argument("--protocols", nargs="*", default=[], help="without it, all")
+    options.add_argument("--tolerance", type=float, default=1e-9, help="of a number's scale; without it, 1e-9")
     task = options.add_mutually_exclusive_group(required=True)
     task.add_argument("--write", type=pathlib.Path)
     task.add_argument("--against", type=pathlib.Path)
@@ -137,7 +137,7 @@ def main():
             run(asked.build.resolve(), scene, into)
             if asked.write:
                 continue
-            found = list(differences(kept, into))
+            found = list(differences(kept, into, asked.tolerance))
             compared += 1
             differ += bool(found)
             for what, by in found:
