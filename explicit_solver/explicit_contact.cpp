@@ -55,7 +55,7 @@ void ExplicitContact::settle(const std::vector<BodyState>& states, const std::ve
 }
 
 /// In a window a force r changes the rates by acting_time N M^-1 N^T r and the gaps by dt times that: x = dt
-/// acting_time r are the forces of the root problem. What it calls a slip is dt times a rate, and its v is 2/dt slip.
+/// acting_time r are the forces of the root problem. Its slip is dt times a rate, and its v is 2/dt slip.
 void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   const auto friction = [](const Pair& pair) { return pair.friction_coefficient > 0.0; };
   const bool any = std::any_of(surface_.pairs.begin(), surface_.pairs.end(), friction);

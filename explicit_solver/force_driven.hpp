@@ -24,7 +24,7 @@ class ForceDriven {
   void synchronise(std::int64_t window, const std::vector<double>& force);
   void advance(std::int64_t window, const std::vector<double>& force);
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& force);
-  /// With the multiplier held. Who asks for single substeps holds none over the window.
+  /// With the multiplier held. A coupler that asks for single substeps holds none over the window.
   void work_ahead(std::int64_t window);
   /// Returns whether that completes a window.
   bool accept(std::int64_t window);

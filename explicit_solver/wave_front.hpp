@@ -29,7 +29,7 @@ class WaveFront {
   /// The rows to compute, ascending, none touching the next; all others have no force and no acceleration.
   [[nodiscard]] const std::vector<Rows>& rows() const { return rows_; }
 
-  /// force = K u [N] of the part in these rows; the others are left alone. Of a share of a part `u` of other ranks'
+  /// force = K u [N] of the part in these rows; the others are left alone. In a share of a part `u` of other ranks'
   /// nodes is written: it comes in while rows are computed that do not read it.
   void multiply(const solver::BodyState& state, Eigen::VectorXd& u, Eigen::VectorXd& force) const;
   /// Moves the front on to the neighbours of the rows where K u has become other than zero.

@@ -60,8 +60,8 @@ class CondensedFactor {
   std::vector<int> dof_of_;    ///< factor order -> dof
   std::vector<Block> blocks_;  ///< of the interior
   std::vector<int> row_;
-  /// Where `forward` subtracts what belongs into row_: there, but for rows outside of a block's subtree. What is to be
-  /// added to those is collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
+  /// Where `forward` subtracts what belongs into row_: there, but for rows outside of a block's subtree. The numbers to
+  /// be added to those are collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
   /// subtree's last block, which has all of them.
   std::vector<int> target_;
   /// Of a block with the columns (T over R) of L, T the unit lower triangle of its own rows: (T^-1 over -R T^-1), in

@@ -76,6 +76,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
   {
     participant::Heartbeat heart(setup_.progress);
+    heart.begin("assembling");
     newmark_.emplace(parts_, contact,
                      Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
                      setup_.window_size_s, &heart);

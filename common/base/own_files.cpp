@@ -41,16 +41,7 @@ bool matches(std::string_view pattern, std::string_view name, std::size_t most =
 
 /// A name in the list, whose lines and columns it must not break: "\\t" stands for a tab, and so on.
 std::string listed_form(const std::string& name) {
-  std::string text;
-  for (const char c : name) {
-    switch (c) {
-      case '\\': text += "\\\\"; break;
-      case '\t': text += "\\t"; break;
-      case '\n': text += "\\n"; break;
-      default: text += c;
-    }
-  }
-  return text;
+  return with_replaced(name, {{'\\', "\\\\"}, {'\t', "\\t"}, {'\n', "\\n"}});
 }
 
 std::string name_of_listed(std::string_view text) {

@@ -6,9 +6,9 @@
 
 namespace ricochet {
 
-/// The files that this program wrote into a folder, known by a list that it keeps there (`.ricochet-files`). What is
-/// not on the list, or was changed since it was written, belongs to somebody else: it is never removed nor written
-/// over.
+/// The files that this program wrote into a folder, known by a list that it keeps there (`.ricochet-files`). A file
+/// that is not on the list, or was changed since it was written, belongs to somebody else: it is never removed nor
+/// written over.
 class OwnFiles {
  public:
   static constexpr const char* list_name = ".ricochet-files";

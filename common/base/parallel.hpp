@@ -40,9 +40,9 @@ class Parallel {
 
   const int threads_;
   std::vector<std::thread> others_;
-  // One work is a round. Who takes a part takes one off those that are left in `ticket_`, which fails if somebody else
-  // was faster. While some are left the caller waits, so that work, call and number that were read before belong to
-  // them.
+  // One work is a round. Whoever takes a part takes one off those that are left in `ticket_`, which fails if somebody
+  // else was faster. While some are left the caller waits, so that work, call and number that were read before belong
+  // to them.
   std::atomic<const void*> work_{nullptr};
   std::atomic<Call> call_{nullptr};
   std::atomic<int> parts_{0};

@@ -76,4 +76,13 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
+std::string with_replaced(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> by) {
+  std::string result;
+  for (const char c : text) {
+    const auto* found = std::find_if(by.begin(), by.end(), [c](const auto& each) { return each.first == c; });
+    result += found == by.end() ? std::string_view(&c, 1) : found->second;
+  }
+  return result;
+}
+
 }  // namespace ricochet

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 /// What this process has from the machine, and what it shows of texts by others.
 namespace ricochet {
@@ -26,5 +28,9 @@ void require_proc();
 /// For a terminal: control characters, with which a text could take it over, and marks of direction, with which it
 /// could be read as another, become '?'; lines stay lines.
 [[nodiscard]] std::string printable(std::string_view text);
+
+/// The text with each of these characters replaced by its text.
+[[nodiscard]] std::string with_replaced(std::string_view text,
+                                        std::initializer_list<std::pair<char, std::string_view>> by);
 
 }  // namespace ricochet

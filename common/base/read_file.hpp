@@ -7,7 +7,7 @@
 
 namespace ricochet {
 
-/// The bytes of a file that others may have put there. What is no regular file (a FIFO, a device, a folder) is refused
+/// The bytes of a file that others may have put there. One that is not regular (a FIFO, a device, a folder) is refused
 /// without being opened: reading it might never end. Throws ConfigError that names the file, MachineError where the
 /// machine is at fault.
 [[nodiscard]] std::string read_file(const std::string& path);

@@ -8,7 +8,7 @@
 namespace ricochet::fem {
 
 /// What is computed from an element's matrix_places alone, once for all copies of an element. `Make` is called with the
-/// geometry of the first of them. Of more than some thousand different elements only the first are kept: such a mesh is
+/// geometry of the first of them. From some thousand different elements only the first are kept: such a mesh is
 /// not made of copies, and what is kept of every element would take more than K.
 template <class Value>
 class ElementCopies {

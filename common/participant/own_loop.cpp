@@ -19,6 +19,7 @@ class OwnLoop::Relay : public Participant {
   Description describe() override { return description_; }
   void initialize(const Setup& given, LinkOutput& output) override {
     setup = given;
+    hand_over();
     output = written;
   }
   void synchronise(Integration given, const std::vector<double>& link_input, LinkOutput& output) override {
@@ -47,10 +48,15 @@ class OwnLoop::Relay : public Participant {
       to_loop_.release();
     });
     wait();
+    setting_up = true;
   }
   void resume() {
     to_coupler_.release();
     wait();
+  }
+  /// The first question about a window is asked when the solver is ready for it.
+  void end_setup() {
+    if (std::exchange(setting_up, false)) resume();
   }
   void leave() {
     if (!thread_.joinable()) return;
@@ -62,7 +68,7 @@ class OwnLoop::Relay : public Participant {
   Setup setup;
   Integration integration = Integration::implicit_newmark;
   double time_step = 0.0;
-  bool save = false, restore = false, over = false;
+  bool setting_up = false, save = false, restore = false, over = false;
   std::vector<double> input, recorded;
   LinkOutput written;
   int exit_code = static_cast<int>(ExitCode::participant);
@@ -70,10 +76,13 @@ class OwnLoop::Relay : public Participant {
  private:
   void pass(const std::vector<double>& link_input, LinkOutput& output) {
     input = link_input;
+    hand_over();
+    output = written;
+  }
+  void hand_over() {
     to_loop_.release();
     to_coupler_.acquire();
     if (left_) throw ParticipantError("the solver left its time loop before the run was over");
-    output = written;
   }
   void wait() {
     to_loop_.acquire();
@@ -99,19 +108,30 @@ void OwnLoop::initialize(LinkOutput output, std::vector<double> record) {
 }
 
 const Setup& OwnLoop::setup() const { return relay_->setup; }
-Integration OwnLoop::integration() const { return relay_->integration; }
-bool OwnLoop::ongoing() const { return !relay_->over; }
-double OwnLoop::max_time_step() const { return relay_->time_step; }
-bool OwnLoop::must_save() const { return relay_->save; }
-bool OwnLoop::must_restore() const { return relay_->restore && ongoing(); }
-const std::vector<double>& OwnLoop::read() const { return relay_->input; }
+
+void OwnLoop::progress(std::string_view doing, double share_done) {
+  if (!relay_->setting_up) throw ConfigError("progress is told between initialize and the first turn of the time loop");
+  if (relay_->setup.progress) relay_->setup.progress(doing, share_done);
+}
+
+OwnLoop::Relay& OwnLoop::ready() const {
+  relay_->end_setup();
+  return *relay_;
+}
+
+Integration OwnLoop::integration() const { return ready().integration; }
+bool OwnLoop::ongoing() const { return !ready().over; }
+double OwnLoop::max_time_step() const { return ready().time_step; }
+bool OwnLoop::must_save() const { return ready().save; }
+bool OwnLoop::must_restore() const { return ready().restore && ongoing(); }
+const std::vector<double>& OwnLoop::read() const { return ready().input; }
 
 void OwnLoop::write(const LinkOutput& output, const std::vector<double>& record) {
   relay_->written = output;
   relay_->recorded = record;
 }
 
-void OwnLoop::advance() { relay_->resume(); }
+void OwnLoop::advance() { ready().resume(); }
 
 int OwnLoop::finalize() {
   relay_->leave();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "common/participant/participant.hpp"
@@ -33,10 +34,15 @@ class OwnLoop {
   /// A loop that is left before its end, by an exception for example, ends the run: the coupler is told.
   ~OwnLoop();
 
-  /// Meets the coupler; `output` and `record`: link output and history row at t = 0. Throws Error if the run failed.
+  /// Meets the coupler, and returns when it has set `setup()`; `output` and `record`: link output and history row at t
+  /// = 0. Throws Error if the run failed.
   void initialize(LinkOutput output, std::vector<double> record = {});
   /// What the coupler set; after `initialize`.
   [[nodiscard]] const Setup& setup() const;
+  /// What a long set-up is doing, and the share of it that is done (< 0: nobody knows): between `initialize` and the
+  /// first question about the time loop, while the coupler still waits for an answer to its `initialize`. Throws
+  /// ConfigError at any other time.
+  void progress(std::string_view doing, double share_done = -1.0);
   /// By which integration an implicit participant is to go on from here.
   [[nodiscard]] Integration integration() const;
 
@@ -59,6 +65,9 @@ class OwnLoop {
 
  private:
   class Relay;
+  /// The relay, with a window to compute. Throws Error if the run failed.
+  [[nodiscard]] Relay& ready() const;
+
   std::unique_ptr<Relay> relay_;
 };
 

@@ -222,7 +222,7 @@ struct Arguments {
 using MakeParticipant = std::function<std::unique_ptr<Participant>(Arguments&)>;
 
 /// The main program of a participant: parses the command line, makes the participant and serves it; returns the exit
-/// code. What `make` throws is reported as `serve` reports it. Never throws.
+/// code. Exceptions of `make` are reported as `serve` reports it. Never throws.
 int participant_main(int argc, const char* const* argv, const MakeParticipant& make);
 
 }  // namespace ricochet::participant

@@ -14,8 +14,8 @@
 namespace ricochet::participant {
 namespace {
 
-/// Call in a catch block. What a solver throws without a code of its own is a computation that went wrong, unless it is
-/// the machine that refuses memory, files or the like.
+/// Call in a catch block. An exception of a solver without a code of its own is a computation that went wrong, unless
+/// it is the machine that refuses memory, files or the like.
 Reason current_reason() {
   try {
     throw;

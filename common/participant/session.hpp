@@ -129,8 +129,8 @@ struct Reason {
   ExitCode code;
   std::string text;
 };
-/// Call in a catch block: the reason, with the window that was being computed. What a solver throws without a code of
-/// its own is a computation that went wrong, unless it is the machine that refuses memory, files or the like.
+/// Call in a catch block: the reason, with the window that was being computed. An exception of a solver without a code
+/// of its own is a computation that went wrong, unless it is the machine that refuses memory, files or the like.
 [[nodiscard]] Reason reason_in(const Session& session);
 
 }  // namespace ricochet::participant

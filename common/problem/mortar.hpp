@@ -18,7 +18,7 @@
 /// test). A node j of the first surface then has one row,
 ///   gap_j = n_j . (sum_k weight_jk x_k - x_j),   weight_jk = integral psi_j phi_k / area_j,   area_j = integral phi_j
 /// with k the nodes of the second surface. Weights sum to one and, where the surfaces touch, to the place of j: forces
-/// and moments are in balance. What lies opposite is found in the plane of each face of the first surface, to which
+/// and moments are in balance. The opposite faces are found in the plane of each face of the first surface, to which
 /// those of the second are projected and by which they are cut (Puso, Laursen 2004).
 namespace ricochet::scene {
 

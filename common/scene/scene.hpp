@@ -101,7 +101,7 @@ struct Body {
 };
 
 /// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not
-/// mesh, material, supports and loads. What it shares with that body are nodes of that body's mesh.
+/// mesh, material, supports and loads. The nodes that it shares with that body are nodes of that body's mesh.
 struct ForeignBody {
   std::string name;
   std::string joined_to;                     ///< one of Scene::bodies

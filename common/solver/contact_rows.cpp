@@ -156,25 +156,6 @@ int ContactRow::part_of(Side side) const {
   return -1;
 }
 
-bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states) {
-  constexpr double round_off = 1e-9;
-  const auto has = [](const ContactRow& row, const RowEntry& e) {
-    return std::any_of(row.entries.begin(), row.entries.end(), [&](const RowEntry& other) {
-      return other.part == e.part && other.dof == e.dof && std::abs(other.coefficient) > round_off;
-    });
-  };
-  for (const auto& pair : pairs) {
-    if (pair.friction_coefficient == 0.0) continue;
-    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
-      for (const auto& e : row->entries) {
-        if (states[static_cast<std::size_t>(e.part)].free[static_cast<std::size_t>(e.dof)]) continue;
-        if (has(pair.normal, e) + has(pair.tangent, e) + has(pair.binormal, e) > 1) return true;
-      }
-    }
-  }
-  return false;
-}
-
 namespace {
 
 /// What a support is booked with is the force on its node, of the contact, too: that is taken back.

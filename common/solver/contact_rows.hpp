@@ -100,7 +100,7 @@ struct Pair {
     tangent.push(force[0], states, of_part);
     binormal.push(force[1], states, of_part);
   }
-  /// The diagonal of T M^-1 T^T [1/kg], which is all of it unless the pair is `held_askew`
+  /// The diagonal of T M^-1 T^T [1/kg], which is all of it unless a support is askew to the pair
   [[nodiscard]] Eigen::Matrix2d inverse_mass_along(const std::vector<BodyState>& states) const;
 };
 
@@ -116,10 +116,6 @@ struct PartNodes {
 /// The rows of a scene's contact pairs (all contact nodes must be among the parts).
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
-
-/// Whether a support holds a node with friction along a coordinate that is in two of a pair's directions, as off a
-/// plane of symmetry of curved surfaces: then what the pair gets along one of them moves it along the other.
-[[nodiscard]] bool held_askew(const std::vector<Pair>& pairs, const std::vector<BodyState>& states);
 
 /// What a contact has been given so far, along n, t and b of its own [N s].
 struct ContactImpulse {

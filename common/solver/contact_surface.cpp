@@ -137,7 +137,7 @@ ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const
 }
 
 /// The radius is that of one contact: of pi a^2 = sum of the areas of the closed pairs, with what lies beyond planes of
-/// symmetry. Of several the largest is told.
+/// symmetry. The largest of several is told.
 void ContactSurface::measure_pressure(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
                                       std::optional<std::size_t> contact, ContactTotals& totals) const {
   const auto counts = [&](std::size_t i) { return !contact || pairs[i].contact == *contact; };

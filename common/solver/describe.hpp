@@ -10,7 +10,7 @@ namespace ricochet::solver {
 /// What every solver of ours says of itself: interface nodes body by body with positions and own lumped masses, scene
 /// hash, and the history columns: `<quantity>/<body>` for each body, and the contact columns if it owns the contact.
 /// The critical step of its elements is the one that it was told [s], 0 if it needs none; one that they cannot have is
-/// refused by ConfigError. Who was not told finds it.
+/// refused by ConfigError. A solver that was not told finds it.
 [[nodiscard]] participant::Description describe(const scene::Problem& problem,
                                                 const scene::ParticipantSpec& participant,
                                                 const std::vector<BodyState>& states, bool contact_owner,

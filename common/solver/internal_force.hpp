@@ -23,7 +23,7 @@ class InternalForce {
  public:
   virtual ~InternalForce() = default;
 
-  /// force = P(u) in `rows`; other rows are left alone. Of a share of a part u of other ranks' nodes is written.
+  /// force = P(u) in `rows`; other rows are left alone. In a share of a part u of other ranks' nodes is written.
   virtual void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) = 0;
   /// The halves of `evaluate`: u with the shared nodes where they were, then where they are.
   virtual void before_link(Eigen::VectorXd& u, Eigen::VectorXd& force);

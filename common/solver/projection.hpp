@@ -37,8 +37,8 @@ struct PairRows {
   [[nodiscard]] bool idle(int row) const;
 };
 
-/// The conditions of one pair (RootProblem) as projections, and their derivatives. Of a pair x = (lambda, tau) are the
-/// forces, `moved` = D x along normal, tangent and binormal.
+/// The conditions of one pair (RootProblem) as projections, and their derivatives. x = (lambda, tau) are the
+/// forces of a pair, `moved` = D x along normal, tangent and binormal.
 ///   lambda = max(0, lambda - rho gap)
 ///   tau = P(tau - rho slip), P the projection to the disc of radius mu lambda: inside it the pair sticks
 class Projection {

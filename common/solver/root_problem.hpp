@@ -26,7 +26,7 @@ namespace ricochet::solver {
 ///
 /// These are equations between x and projections of it (Projection), solved by a semismooth Newton method (Alart,
 /// Curnier 1991), which starts from the forces and states of the last window. Where it does not settle, projected
-/// Gauss-Seidel goes on, and Newton from there. What is left undone stands in Solution::residual.
+/// Gauss-Seidel goes on, and Newton from there. The rest that is not solved stands in Solution::residual.
 class RootProblem {
  public:
   /// What is a pair's own: w and mu.

@@ -13,12 +13,12 @@ namespace ricochet::solver {
 /// Writes the rows of contacts anew whose bodies slide along each other (ContactGeometry::sliding), from the place that
 /// the second body has got to against the first:
 ///   s = (I - n n^T) (d_B - d_A),   d = sum m u / sum m over the nodes of the body that are here
-/// with n the contact's normal. So a body slides as a whole, in its reference shape: a flat surface stays flat, and
-/// with all of both bodies here the forces keep sum m (x + d) x v, the angular momentum of small strain. (A participant
-/// that has a layer of a body alone takes that layer's mean.) Along a coordinate in which a support holds nodes of its
-/// surface, as at a plane of symmetry, a body does not slide: its mean displacement there is strain. Rows stay as they
-/// were until some pair has slid by `start_share` of the shortest edge of the first surface, as in most impacts none
-/// does; from then on they follow.
+/// with n the contact's normal. A body therefore slides as a whole, in its reference shape: a flat surface stays flat,
+/// and with all of both bodies here the forces keep sum m (x + d) x v, the angular momentum of small strain. (A
+/// participant that has a layer of a body alone takes that layer's mean.) Along a coordinate in which a support holds
+/// nodes of its surface, as at a plane of symmetry, a body does not slide: its mean displacement there is strain. Rows
+/// stay as they were until some pair has slid by `start_share` of the shortest edge of the first surface, as in most
+/// impacts none does; from then on they follow.
 class SlidingRows {
  public:
   static constexpr double start_share = 0.01;

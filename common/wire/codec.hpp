@@ -16,7 +16,7 @@ namespace ricochet::wire {
 inline constexpr std::size_t max_array_bytes = std::size_t{1} << 30;
 inline constexpr std::size_t max_message_bytes = 2 * max_array_bytes;
 
-/// A message in bytes, in the pieces in which they lie in memory. What is large is not copied: it stays in the message,
+/// A message in bytes, in the pieces in which they lie in memory. A large array is not copied: it stays in the message,
 /// which therefore must stay as it is as long as the pieces are used.
 class Pieces {
  public:

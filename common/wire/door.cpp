@@ -17,8 +17,8 @@ namespace {
 constexpr const char* key_requests = "inproc://zeromq.zap.01";  // where ZeroMQ asks
 constexpr const char* connection_events = "inproc://door";
 constexpr std::chrono::milliseconds longest_handshake{5000};
-/// Connections that have said nothing yet; the oldest one beyond is closed. So many that a participant has said hello
-/// on a busy machine before others have come in such numbers.
+/// Connections that have said nothing yet; the oldest one beyond is closed. There are so many that a participant
+/// has said hello on a busy machine before others have come in such numbers.
 constexpr std::size_t most_silent = 128;
 /// Connections that are taken in `pause`, to be closed at once, when the door is closed; after them none are.
 constexpr int most_newcomers = 16;

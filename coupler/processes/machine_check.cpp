@@ -17,8 +17,8 @@ namespace ricochet::coupler {
 namespace {
 
 /// Bytes of a process without a scene, and per node, from the peak resident memory of runs with 2e5 nodes in two
-/// dimensions, 1e6 in one and 1.3e5 in three, where the assembled stiffness takes most. What a factor of many implicit
-/// unknowns takes comes on top.
+/// dimensions, 1e6 in one and 1.3e5 in three, where the assembled stiffness takes most. The factor of many implicit
+/// unknowns comes on top.
 constexpr double coupler_bytes = 25e6, participant_bytes = 12e6;
 struct PerNode {
   double everywhere;    ///< in every process, the coupler among them

@@ -38,8 +38,8 @@ Member member_of(const scene::Scene& scene, const scene::ParticipantSpec& partic
   return member;
 }
 
-/// Two hand-overs a window less are worth more than a processor that is not there. Who names a transport wants
-/// processes.
+/// Two hand-overs a window less are worth more than a processor that is not there. A scene that names a transport
+/// wants processes.
 bool pays_inside(const scene::Scene& scene, const scene::ParticipantSpec& participant) {
   const auto processes = static_cast<int>(scene.participants.size()) + 1;
   return make_inside() && scene.coupling.protocol.coupled() && participant.role == Role::implicit_solver &&

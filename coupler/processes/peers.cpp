@@ -243,20 +243,26 @@ void Peers::hear_last_words(Remote& peer) {
 }
 
 /// Of a process that was launched here more can be told when it has ended; of others the connection is all there is.
-/// Who launched one on another machine may know why it ended, but not if that machine is gone.
+/// Whoever launched one on another machine may know why it ended, but not if that machine is gone. A message beyond
+/// the limit is not received: ZeroMQ closes its connection.
 void Peers::check_connections() {
   seen_closings_ = listener_.closings();
   for (auto& peer : peers_) {
     const bool launched = launcher_.launched(peer.expected.name);
-    if (peer.identity.empty() || peer.lifecycle.done() || (launched && !peer.expected.through_another)) continue;
-    if (!listener_.gone(peer.identity)) continue;
+    if (peer.identity.empty() || peer.lifecycle.done() || !listener_.gone(peer.identity)) continue;
+    if (launched && launcher_.wait_for(peer.expected.name, until_told_why)) check_end(peer);
     hear_last_words(peer);
     if (peer.lifecycle.done()) continue;
-    if (launched && launcher_.wait_for(peer.expected.name, until_told_why)) check_end(peer);
+    if (launched && !peer.expected.through_another)
+      throw ProtocolError(fmt::format(
+          "{} has no connection any more {}, though its process runs: it closed it, or sent a message of more than {} "
+          "bytes, which are allowed{}",
+          who(peer), place(peer), run_.largest_message, log_tail(peer)));
     throw ParticipantError(fmt::format(
-        "{} is gone {}: its connection was closed, the process ({}, {} on its machine) ended or was killed{}",
+        "{} is gone {}: its connection was closed, the process ({}, {} on its machine) ended or was killed, or sent a "
+        "message of more than {} bytes, which are allowed{}",
         who(peer), place(peer), launched ? "what launched it still runs" : "started by hand", peer.process_id,
-        log_tail(peer)));
+        run_.largest_message, log_tail(peer)));
   }
 }
 

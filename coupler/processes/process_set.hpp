@@ -41,8 +41,8 @@ struct Member {
 ///
 /// Each member has a key of its own, by which the listener knows it; nobody without one is heard. A launched program
 /// finds it in an open file, one that is started by hand or by another program in a file that only this user may read
-/// and that is gone when everybody has come, or with this object. What ends a run early is told to everyone by `fail`;
-/// whoever still runs is ended with this object.
+/// and that is gone when everybody has come, or with this object. The reason of an early end is told to everyone by
+/// `fail`; whoever still runs is ended with this object.
 class ProcessSet {
  public:
   /// Listens at `endpoint` (wire::Listener), starts nothing.

@@ -1,12 +1,34 @@
 #include "coupler/protocols/belytschko_mullen.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/archive.hpp"
+#include "common/base/error.hpp"
+#include "coupler/interface/vectors.hpp"
 #include "coupler/protocols/unit_response.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
+double sum_of_magnitudes(const Eigen::VectorXd& weights, const std::vector<double>& values) {
+  return weights.cwiseAbs().dot(view(values).cwiseAbs());
+}
+
 /// Displacement that is tried, in extents of the interface: small strains, which a body that is not linear has, too.
 constexpr double probe_share = 1e-6;
+/// Of the largest force so far: an error of the interface that shows in results.
+constexpr double linear_tolerance = 1e-3;
+/// Of the terms of K u, which cancel where a body moves as a whole: far above what rounding leaves.
+constexpr double rounding = 1e-9;
+
+/// Weights of which no two are alike and none is small.
+Eigen::VectorXd different_weights(Eigen::Index count) {
+  return Eigen::VectorXd::LinSpaced(count, 1.0, 2.0)
+      .cwiseProduct(Eigen::VectorXd::NullaryExpr(count, [](Eigen::Index i) { return i % 3 == 1 ? -1.0 : 1.0; }));
+}
 
 }  // namespace
 
@@ -16,13 +38,18 @@ void BelytschkoMullen::start(Coupling& coupling, const wire::Initialize& request
   const double extent_m = coupling.map().extent_m();
   const double probe_m = probe_share * (extent_m > 0.0 ? extent_m : 1.0);  // one node in the origin has no extent
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
-  for (auto& link : coupling.links()) {
+  sums_.assign(coupling.links().size(), {});
+  for (std::size_t l = 0; l < sums_.size(); ++l) {
+    auto& link = coupling.links()[l];
     if (link.implicit()) continue;
     // Only the implicit participant knows the displacement at t = 0; K does not depend on it.
     const std::vector<double> zero(link.input().size(), 0.0), probes(link.input().size(), probe_m);
     link.post_synchronise(Integration::explicit_central, zero);
     link.wait_synchronised();
-    link.rows().add_matrix(unit_response(link, Response::output, Step{}, probes), stiffness);
+    const Eigen::MatrixXd own = unit_response(link, Response::output, Step{}, probes);
+    link.rows().add_matrix(own, stiffness);
+    sums_[l].weights = different_weights(own.rows());
+    sums_[l].row = own * sums_[l].weights;
   }
   coupling.initialize_implicit(request, Masses::summed, stiffness);
   coupling.synchronise(Integration::implicit_newmark);
@@ -32,9 +59,45 @@ void BelytschkoMullen::step(Coupling& coupling, const Step& step) {
   Step trial = step;
   trial.absolute = trial.records = false;
   force_ = coupling.advance_explicit(trial, coupling.displacement(), Acceptance::trial);
+  note_first_answers(coupling);
   coupling.subtract_stiffness_force(force_);
   coupling.advance_implicit(step, force_);
   coupling.advance_explicit(step, coupling.displacement(), Acceptance::at_once);
+  require_linear(coupling, step);
+}
+
+void BelytschkoMullen::archive(Archive& a) {
+  for (auto& sum : sums_) a(sum.largest);
+}
+
+void BelytschkoMullen::note_first_answers(const Coupling& coupling) {
+  for (std::size_t l = 0; l < sums_.size(); ++l) {
+    auto& sum = sums_[l];
+    if (sum.row.size() == 0) continue;
+    const auto& link = coupling.links()[l];
+    sum.of_input = sum.row.dot(view(link.input()));
+    sum.of_output = sum.weights.dot(view(link.output()));
+    sum.largest = std::max(sum.largest, sum_of_magnitudes(sum.weights, link.output()));
+  }
+}
+
+void BelytschkoMullen::require_linear(const Coupling& coupling, const Step& step) {
+  for (std::size_t l = 0; l < sums_.size(); ++l) {
+    auto& sum = sums_[l];
+    if (sum.row.size() == 0) continue;
+    const auto& link = coupling.links()[l];
+    sum.largest = std::max(sum.largest, sum_of_magnitudes(sum.weights, link.output()));
+    const double expected = sum.row.dot(view(link.input())) - sum.of_input;
+    const double off = std::abs(sum.weights.dot(view(link.output())) - sum.of_output - expected);
+    const double rounded = rounding * sum_of_magnitudes(sum.row, link.input());
+    if (off <= linear_tolerance * sum.largest + rounded) continue;
+    throw ConfigError(fmt::format(
+        "participant '{}' is not linear any more: in window {} its force changed with the shared nodes by {:.3g} of "
+        "its largest force otherwise than at the start, allowed are {:g}; belytschko_mullen takes the answer of the "
+        "start for the whole run; use hughes_liu, kim, kim_predicted, fixed_point, or prakash_hjelmstad or "
+        "gravouil_combescure with coupling.substeps = 1",
+        link.name(), step.accepted_window + 1, off / sum.largest, linear_tolerance));
+  }
 }
 
 }  // namespace ricochet::coupler

@@ -45,7 +45,7 @@ struct Summary {
   int exit_code = 0;
   std::string scene_path, scene_sha256, protocol, run_id;
   Transport transport = Transport::automatic;
-  std::int64_t steps = 0;            ///< windows computed
+  std::int64_t windows = 0;          ///< computed
   std::int64_t windows_planned = 0;  ///< up to the latest end
   double window_size_s = 0, wall_s = 0;
   double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
@@ -67,8 +67,8 @@ struct Summary {
 /// What the user is told of contact forces that were not found; empty if all were.
 [[nodiscard]] std::string contact_warning(const Tally& tally);
 /// What the user is told of windows that are too long for their substeps: dual protocols tie velocities at the end of a
-/// window, and within it the two sides of the interface go apart, against the forces there. What that makes or loses of
-/// the energy is about the error of forces and rebound; from `largest_interface_energy` on it is said. Empty if less,
+/// window, and within it the two sides of the interface go apart, against the forces there. The energy that this makes
+/// or loses is about the error of forces and rebound; from `largest_interface_energy` on it is said. Empty if less,
 /// with one substep, and where not everybody tells.
 inline constexpr double largest_interface_energy = 0.015;
 [[nodiscard]] std::string substeps_warning(const Summary& summary, const Tally& tally);

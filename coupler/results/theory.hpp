@@ -11,7 +11,7 @@ namespace ricochet::coupler {
 ///   c = sqrt(E/rho); plane strain sqrt(E/(rho(1-nu^2))), on a periodic mesh (no lateral strain) Eq. 26;
 ///   Z = rho c A (A = 1 but for bars),  contact stress = Z_1 Z_2/(Z_1 + Z_2) v / A,  v closing velocity before impact;
 ///   separation 2L/c after the first contact, of the body of lower impedance: the wave that returns in the other one
-///   first leaves the contact under pressure. Of equal impedances the shorter time counts.
+///   first leaves the contact under pressure. For equal impedances the shorter time counts.
 /// Exact for bars; for an axisymmetric cylinder the mean over the surface, without lateral inertia.
 struct ImpactTheory {
   double contact_duration_s = 0.0;  ///< 2L/c

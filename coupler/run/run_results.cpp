@@ -96,7 +96,7 @@ void CoupledRun::write_files() {
   summary_.wall_s = wall_s();
   summary_.cpu_s = cpu_spent_s();
   if (loop_) {
-    summary_.steps = loop_->window();
+    summary_.windows = loop_->window();
     summary_.switches = loop_->switches();
   }
   if (coupling_) {

@@ -46,7 +46,7 @@ class TimeLoop {
   std::function<void(std::int64_t)> on_records_, on_window_;
   SeparationSwitch separation_;
   std::vector<SwitchEvent> switches_;
-  std::int64_t window_ = 0, chunk_ = 16, records_window_ = 0;
+  std::int64_t window_ = 0, chunk_ = 1, records_window_ = 0;
   Clock::time_point records_time_ = Clock::now();
 };
 

@@ -34,7 +34,8 @@ struct SpectralRadius {
 
 /// T column by column, then all eigenvalues. A stable scheme has every eigenvalue on the unit circle, and rigid motion
 /// a 2 x 2 Jordan block at 1. A perturbation e splits the eigenvalues of a block with the coupling c by sqrt(c e); c is
-/// |T| (the 2-norm) at most, and e what T is not linear by, measured on a random x, or eps |T|. So the resolution is
+/// |T| (the 2-norm) at most, and e what T is not linear by, measured on a random x, or eps |T|. The resolution
+/// therefore is
 ///   10 sqrt(|T| max(|T x - sum_i x_i T e_i|, eps |T|)).
 [[nodiscard]] SpectralRadius exact_spectral_radius(const LinearMap& map);
 

@@ -91,7 +91,7 @@ bool StudyCase::read_repeat(int repeat) {
   const auto& phases = summary.at("phases");
   costs_.push_back({value(summary, "wall_s"), value(summary, "cpu_s"), value(phases, "start_s"),
                     value(phases, "setup_s"), value(phases, "stepping_s")});
-  steps_ = summary.value("steps", 0LL);
+  steps_ = summary.value("windows", 0LL);
   status_ = RunStatus::done;
   return true;
 }

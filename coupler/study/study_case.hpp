@@ -27,7 +27,7 @@ class StudyCase {
   /// it; one that is refused has the status `scene_wrong`.
   StudyCase(const std::string& scene_path, std::vector<scene::Override> changes, const std::string& folder);
 
-  /// Computes one more repeat, or takes one that is there by now. What ends it early becomes the status, but
+  /// Computes one more repeat, or takes one that is there by now. The reason of an early end becomes the status, but
   /// Interrupted goes through.
   void compute();
   [[nodiscard]] bool failed() const { return !error_.empty(); }

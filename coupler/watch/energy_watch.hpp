@@ -52,7 +52,7 @@ struct EnergyGrowth : SolverError {
 /// It looks every so many windows, whatever rows the history file keeps, so that `output.history_every` changes no
 /// verdict. Where most of the energy comes from outside (loads, prescribed motion), growth counts only once it has
 /// lasted: a jump of a prescribed velocity is resolved by the step to half a window's work, which is much of the work
-/// done so far at first and little later. What is lost counts in the same way.
+/// done so far at first and little later. A loss counts in the same way.
 class EnergyWatch {
  public:
   static constexpr std::int64_t every = 8;  ///< windows from look to look

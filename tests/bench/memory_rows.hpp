@@ -8,9 +8,9 @@
 
 namespace ricochet::bench {
 
-/// What a run needs of memory, all its processes together, at the peak. Of two bodies of 102 400 quadrilaterals; and of
-/// a hybrid of a million unknowns, two blocks of hexahedra with friction, 2025 pairs of contact nodes, the layer at the
-/// contact implicit. Measured once, however many repeats are asked for.
+/// What a run needs of memory, all its processes together, at the peak. For two bodies of 102 400 quadrilaterals, and
+/// for a hybrid of a million unknowns, two blocks of hexahedra with friction, 2025 pairs of contact nodes, the layer at
+/// the contact implicit. Measured once, however many repeats are asked for.
 class Memory {
  public:
   explicit Memory(std::string folder) : folder_(std::move(folder)) {}

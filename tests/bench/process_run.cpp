@@ -123,7 +123,7 @@ SceneRun run_scene(const std::string& scene, int substeps, const std::string& ou
   run.stepping_s = phases.at("stepping_s").get<double>();
   run.wall_s = summary.at("wall_s").get<double>();
   run.peak_force_n = summary.at("peak_contact_force_n").get<double>();
-  run.window_s = run.stepping_s / summary.at("steps").get<double>();
+  run.window_s = run.stepping_s / summary.at("windows").get<double>();
   run.step_s = run.window_s / substeps;
   run.setup_s = phases.at("start_s").get<double>() + phases.at("setup_s").get<double>();
   run.speed_change_m_s = change(out + "/history.csv", "velocity_mean_steel_m_s");

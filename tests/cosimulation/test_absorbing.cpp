@@ -195,7 +195,7 @@ TEST(AbsorbingPlate, IsAsGoodAsABarsEndWithPressureAndShear) {
 }
 
 // -- a slender cylinder and a thin strip with free sides: their long waves run at the bar speed, of the strip in plane
-// strain at sqrt(E/(rho (1 - nu^2))). What else is in the front, lateral inertia, meets another impedance: that part
+// strain at sqrt(E/(rho (1 - nu^2))). The rest of the front, lateral inertia, meets another impedance: that part
 // does not vanish with the mesh.
 
 std::string cylinders(const std::string& protocol, int along) {

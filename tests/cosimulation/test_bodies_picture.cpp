@@ -29,7 +29,7 @@ TEST_P(PictureOfProtocols, IsOfTheFieldsOfTheRun) {
   const TemporaryFolder folder;
   const std::string text = with_protocol(config_text("two_bars"), GetParam());
   const RunResult run = run_text(with_key(text, "output", "fields_every", "1"), folder);
-  const int steps = run.summary.at("steps").get<int>();
+  const int steps = run.summary.at("windows").get<int>();
   std::vector<int> windows;
   for (const auto& process : run.summary.at("processes")) {
     const auto name = process.at("name").get<std::string>();

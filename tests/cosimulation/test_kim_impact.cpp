@@ -88,7 +88,7 @@ TEST(KimImpactHybrid, TheSwitchToAllExplicitComesAfterSeparationAndCostsNoEnergy
   EXPECT_EQ(run.summary.at("switches")[0].at("to"), "explicit");
   const double switched_s = run.summary.at("switches")[0].at("time_s").get<double>();
   EXPECT_GT(switched_s, run.summary.at("separation_time_s").get<double>());
-  // A stale contact force would cost 1.2-2.4 %, a wrong half velocity 0.4-0.8 %. What is left is the change of the
+  // A stale contact force would cost 1.2-2.4 %, a wrong half velocity 0.4-0.8 %. The rest is the change of the
   // energy metric, dt^2/8 a^T M a; afterwards central difference conserves its energy to round-off.
   const auto& time = run.column("time_s");
   const auto& error = run.column("energy_error");

@@ -103,7 +103,7 @@ TEST(InterfaceDrift, IsThatOfTheDisplacementsWhereOnlyVelocitiesAreTied) {
   text = with_key(with_key(text, "output", "fields_every", "1"), "coupling", "after_separation", "\"implicit\"");
   const auto run = run_text(replaced(text, "step_s = 2.226e-6", "step_s = 8e-6"), folder);
   double largest = 0.0;
-  for (int window = 0; window <= run.summary.at("steps").get<int>(); ++window) {
+  for (int window = 0; window <= run.summary.at("windows").get<int>(); ++window) {
     std::map<double, double> of_explicit;
     for (const std::string participant : {"explicit", "implicit"}) {
       char name[40];
@@ -132,7 +132,8 @@ TEST(Fields, TellTheVelocityOfSharedNodesFromEitherSide) {
     int shared = 0;
     for (const std::string participant : {"explicit", "implicit"}) {
       char name[40];
-      std::snprintf(name, sizeof name, "/fields/%s_%08d.vtu", participant.c_str(), run.summary.at("steps").get<int>());
+      std::snprintf(name, sizeof name, "/fields/%s_%08d.vtu", participant.c_str(),
+                    run.summary.at("windows").get<int>());
       const auto x = vtu_array(run.folder + name, "Points"), v = vtu_array(run.folder + name, "velocity");
       for (std::size_t i = 0; i < x.size(); i += 3) {
         if (participant == "explicit") of_explicit[x[i]] = v[i];

@@ -47,7 +47,7 @@ double surface_velocity_m_s(const RunResult& run) {
 class ObliqueBall : public testing::TestWithParam<const char*> {};
 
 /// It slips all the time: friction is mu times the force in every window but the last few, where the ball rolls off.
-/// beta is -v_s/v_t after against before. What it lacks is the mesh's, whose lumped masses turn less easily than a
+/// beta is -v_s/v_t after against before. Its deficit is the mesh's, whose lumped masses turn less easily than a
 /// ball: 2.3, 1.8 and 1.1 % of 1 + beta with tetrahedra of 2.5, 1.5 (these) and 0.8 mm inside the ball.
 TEST_P(ObliqueBall, ThatSlipsLeavesWithTheVelocityOfTheory) {
   const TemporaryFolder folder;

@@ -69,7 +69,7 @@ std::vector<double> momentum(const std::string& scene, const std::string& protoc
   const std::string text = scene + "[time]\nstep_s = " + step.str() +
                            "\nend_s = 2.0\n[coupling]\noutside_model = \"go_on\"\nprotocol = \"" + protocol + "\"\n";
   const RunResult run = run_text(text, folder, protocol + std::to_string(windows));
-  EXPECT_EQ(run.summary.at("steps").get<int>(), windows);
+  EXPECT_EQ(run.summary.at("windows").get<int>(), windows);
   const auto& all = run.column("momentum_n_kg_m_s");
   std::vector<double> sampled;
   for (int i = 1; i <= samples; ++i) sampled.push_back(all.at(static_cast<std::size_t>(i * windows / samples)));

@@ -104,8 +104,8 @@ RunResult run_wide(const std::string& scene, int count, const char* protocol, co
   return run_text(replaced(text, "end_s = 600e-6", "end_s = 60e-6"), folder);  // they have parted by then
 }
 
-/// The plates are periodic: however many pairs of them are looked at, each has the same force. Of 300 pairs the contact
-/// problem is too large for a dense inverse.
+/// The plates are periodic: however many pairs of them are looked at, each has the same force. With 300 pairs the
+/// contact problem is too large for a dense inverse.
 TEST(WidePlates, HaveTheForcesOfNarrowOnesPerArea) {
   for (const char* scene : {"sticking_plates", "slipping_plates"}) {
     for (const char* protocol : {"hughes_liu", "all_implicit"}) {

@@ -29,7 +29,7 @@ struct Measured {
 };
 Measured measure(const std::string& text, const TemporaryFolder& folder, const std::string& name) {
   const RunResult run = run_text(text, folder, name);
-  return {run.summary.at("steps").get<double>(), run.summary.at("phases").at("stepping_s").get<double>()};
+  return {run.summary.at("windows").get<double>(), run.summary.at("phases").at("stepping_s").get<double>()};
 }
 
 TEST(PredictedCostOfShippedScenes, TableBesideWhatIsMeasured) {

@@ -199,7 +199,7 @@ TEST(Checkpoint, IsMadeByWallTime) {
   const RunResult run = run_text(with_key(long_run(), "checkpoint", "every_s", "0.1"), folder);
   const auto windows = checkpoints_in(run.folder);
   ASSERT_EQ(windows.size(), 2U);  // the last two are kept
-  EXPECT_EQ(windows.back(), run.summary.at("steps"));
+  EXPECT_EQ(windows.back(), run.summary.at("windows"));
 }
 
 TEST(Resume, GoesOnToALaterEnd) {

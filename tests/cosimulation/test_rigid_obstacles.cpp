@@ -128,8 +128,8 @@ TEST(RigidSphere, PressesAQuarterWithAQuarterOfTheForce) {
   EXPECT_LT(quarter.summary.at("momentum_error_max").get<double>(), 1e-11);
 }
 
-/// Off the middle of the block, which it turns and pushes aside, with and without friction. What it pushes aside by is,
-/// without friction, all of normal forces: no column of friction has any of it, and both together are the change of
+/// Off the middle of the block, which it turns and pushes aside, with and without friction. The push aside comes,
+/// without friction, from normal forces alone: no column of friction has any of it, and both together are the change of
 /// momentum.
 TEST(RigidSphere, KeepsTheBalancesOfABlockThatItHitsOffItsMiddle) {
   for (const std::string friction : {"", "friction_coefficient = 0.3\n"}) {

@@ -62,7 +62,7 @@ TEST_P(RodOnStop, StaysWithinItsLevelsOverFourImpacts) {
   const RunResult run = run_text(
       with_key(with_protocol(config_text("rod_on_stop"), level.protocol), "output", "fields_every", "1"), folder);
   const double window_s = run.summary.at("window_size_s").get<double>();
-  const int windows = run.summary.at("steps").get<int>();
+  const int windows = run.summary.at("windows").get<int>();
   EXPECT_NEAR(windows * window_s, 12.0, 2.0 * window_s);
   EXPECT_NEAR(window_s, 0.009, 1e-4) << "Courant 0.9";
   const double error = displacement_error(run, level.participants, window_s, windows);

@@ -31,16 +31,20 @@ std::string steel_blocks(int substeps) {
 
 TEST(Substeps, ThatAreTooManyAreWarnedOfByWhatTheInterfaceMakesOfTheEnergy) {
   const TemporaryFolder folder;
-  double exact_n_s = 0.0, exact_m_s = 0.0;
-  std::printf("%-8s %14s %14s %14s\n", "substeps", "impulse", "rebound", "interface");
+  double exact_n_s = 0.0, exact_m_s = 0.0, exact_kept_m_s = 0.0;
+  std::printf("%-8s %14s %14s %14s %14s\n", "substeps", "impulse", "rebound", "striker keeps", "interface");
   for (const int m : {1, 2, 4, 8}) {
     const auto run = run_text(steel_blocks(m), folder, "m" + std::to_string(m));
-    const double impulse_n_s = run.summary.at("contact_impulse_n_s"), rebound_m_s = run.last("velocity_mean_b_m_s");
+    const double impulse_n_s = run.summary.at("contact_impulse_n_s"), rebound_m_s = run.last("velocity_mean_b_m_s"),
+                 kept_m_s = run.last("velocity_mean_a_m_s");
     const double share = run.summary.at("interface_energy_max");
-    if (m == 1) exact_n_s = impulse_n_s, exact_m_s = rebound_m_s;
+    if (m == 1) exact_n_s = impulse_n_s, exact_m_s = rebound_m_s, exact_kept_m_s = kept_m_s;
     const double error = std::abs(rebound_m_s / exact_m_s - 1.0);
-    std::printf("%-8d %+13.2f%% %+13.2f%% %13.2f%%\n", m, 100.0 * (impulse_n_s / exact_n_s - 1.0),
-                100.0 * (rebound_m_s / exact_m_s - 1.0), 100.0 * share);
+    const double of_impulse = impulse_n_s / exact_n_s - 1.0, of_kept = kept_m_s / exact_kept_m_s - 1.0;
+    std::printf("%-8d %+13.2f%% %+13.2f%% %+13.2f%% %13.2f%%\n", m, 100.0 * of_impulse,
+                100.0 * (rebound_m_s / exact_m_s - 1.0), 100.0 * of_kept, 100.0 * share);
+    // M v = M V - J: as much of M V - M v as of J.
+    EXPECT_NEAR(of_kept, -of_impulse * (10.0 - exact_kept_m_s) / exact_kept_m_s, 1e-8) << m;
     EXPECT_LT(error, 0.8 * share + 0.002) << m;
     const auto warned = HasSubstr("windows of " + std::to_string(m) + " substeps are too long");
     if (m >= 4) {

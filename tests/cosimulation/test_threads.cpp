@@ -13,7 +13,7 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out) { *out << c.protocol; }
 
 /// Two cylinders of so many elements that a factor has several subtrees, and that the waves of contact soon reach rows
-/// for several threads. Of one the half at the contact is implicit, of the other a thin layer.
+/// for several threads. One is implicit in the half at the contact, the other in a thin layer.
 std::string cylinders(const std::string& protocol) {
   const std::string coarse = "elements = [10, 160]", fine = "elements = [40, 160]";
   const std::string text = with_key(replaced(replaced(config_text("kim_impact"), coarse, fine), coarse, fine),

@@ -10,6 +10,7 @@ scene refuses has the digest of the message. Digests hold for one machine and on
 """
 
 import argparse
+import contextlib
 import hashlib
 import json
 import pathlib
@@ -68,15 +69,22 @@ def of_one_process(build, scene, folder):
         yield "message", digest(without_paths(run.stderr, folder))
 
 
+@contextlib.contextmanager
+def folder_with_scene(config, protocol):
+    """A folder of its own with the scene under that protocol, and the meshes beside it."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for mesh in (ROOT / "configs").glob("*.msh"):
+            (folder / mesh.name).symlink_to(mesh)
+        scene = folder / config.name
+        scene.write_text(with_protocol(config.read_text(), protocol))
+        yield folder, scene
+
+
 def lines(build):
     for config in sorted((ROOT / "configs").glob("*.toml")):
         for protocol in PROTOCOLS:
-            with tempfile.TemporaryDirectory() as name:
-                folder = pathlib.Path(name)
-                for mesh in (ROOT / "configs").glob("*.msh"):
-                    (folder / mesh.name).symlink_to(mesh)
-                scene = folder / config.name
-                scene.write_text(with_protocol(config.read_text(), protocol))
+            with folder_with_scene(config, protocol) as (folder, scene):
                 for how, found in (("processes", of_run(build, scene, folder)), ("one", of_one_process(build, scene, folder))):
                     for what, value in found:
                         yield f"{config.stem} {protocol} {how} {what.replace(' ', '_')} {value}"

@@ -5,9 +5,9 @@
     tests/digests/physics.py --build build --against FOLDER          # exit code 1 and a list if any number differs
 
 Numbers of a column of history.csv may differ by 1e-9 (--tolerance) of the column's largest magnitude, which of energies is that of all
-energies and of momenta that of all momenta and impulses; numbers of summary.json by 1e-9 of their own, or of what the history has of their unit. Counts of pairs and exit
-codes are equal. What it took to find the forces (iterations, residuals) and times of the computer are not compared. Where a byte may not
-change, digests.py tells.
+energies and of momenta that of all momenta and impulses; numbers of summary.json by 1e-9 of their own, or of what the history has of their
+unit. Counts of pairs and exit codes are equal. The effort of finding the forces (iterations, residuals) and times of the computer are not
+compared. Where a byte may not change, digests.py tells.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 
-from digests import OF_THIS_RUN, PROTOCOLS, ROOT, with_protocol
+from digests import OF_THIS_RUN, PROTOCOLS, ROOT, folder_with_scene
 
 OF_THE_METHOD = {"contact_iterations", "contact_residual", "coupling_residual", "coupling_iterations"}
 # Differences of numbers that are larger by far: their round-off is that of those.
@@ -123,15 +123,10 @@ def main():
     asked = options.parse_args()
     differ = compared = 0
     for config, protocol in cases(asked.scenes, asked.protocols):
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            for mesh in (ROOT / "configs").glob("*.msh"):
-                (folder / mesh.name).symlink_to(mesh)
-            scene = folder / config.name
-            scene.write_text(with_protocol(config.read_text(), protocol))
-            kept = (asked.write or asked.against) / f"{config.stem}-{protocol}"
-            if asked.against and not kept.exists():
-                continue
+        kept = (asked.write or asked.against) / f"{config.stem}-{protocol}"
+        if asked.against and not kept.exists():
+            continue
+        with folder_with_scene(config, protocol) as (folder, scene):
             into = kept if asked.write else folder / "kept"
             into.mkdir(parents=True, exist_ok=True)
             run(asked.build.resolve(), scene, into)

@@ -288,5 +288,40 @@ TEST(RequestsBeforeTheRun, AreAnsweredAsSoonAsItCanBe) {
   EXPECT_EQ(checkpoints_in(out).size(), 1U);
 }
 
+/// While ./ricochet builds, and when its process has become the program, which is not loaded yet.
+TEST(RequestsBeforeTheRun, DoNotEndTheCommandThatStartsIt) {
+  const TemporaryFolder folder;
+  const auto write_program = [&](const std::string& name, const std::string& text) {
+    fs::permissions(folder.write("#!/bin/sh\n" + text, name), fs::perms::owner_all);
+  };
+  fs::create_directories(folder.path() / "build");
+  static_cast<void>(folder.write("", "build/build.ninja"));
+  write_program("ninja", "kill -USR1 $PPID\n");
+  write_program("dpkg-query", "echo ok installed\n");
+  write_program("build/ricochet", "kill -USR1 $$\nexec " + ricochet_binary() + " \"$@\"\n");
+  const auto scene = folder.write(bars(few_windows)), out = (folder.path() / "out").string();
+  const auto outcome = run_command({"/usr/bin/env", "PATH=" + folder.path().string() + ":/usr/bin:/bin",
+                                    "RICOCHET_BUILD_DIR=" + (folder.path() / "build").string(),
+                                    RICOCHET_SOURCE "/ricochet", "run", scene, "--out", out},
+                                   folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_TRUE(fs::exists(out + "/summary.json"));
+}
+
+/// As ./ricochet starts it: what is ignored until then is heard.
+TEST(RequestsBeforeTheRun, AreAnsweredThoughTheyWereIgnoredAtTheStart) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write(bars(few_windows)), out = (folder.path() / "out").string();
+  const std::string python =
+      "import os, signal, subprocess, sys, time\nsignal.signal(signal.SIGUSR1, signal.SIG_IGN)\n"
+      "run = subprocess.Popen(sys.argv[2:], restore_signals=False)\n"
+      "while not os.path.exists(sys.argv[1] + '/logs'): time.sleep(0.001)\n"
+      "run.send_signal(signal.SIGUSR1)\nsys.exit(run.wait())\n";
+  const auto outcome = run_command(
+      {"/usr/bin/python3", "-c", python, out, ricochet_binary(), "run", scene, "--out", out}, folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(checkpoints_in(out).size(), 1U);
+}
+
 }  // namespace
 }  // namespace ricochet::test

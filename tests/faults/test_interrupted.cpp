@@ -22,7 +22,7 @@ TEST_P(Interrupted, ends_in_order_with_the_results_so_far) {
   ASSERT_NO_FATAL_FAILURE(run.reach(2000));
   kill(request.whole_group ? -run.coupler().pid() : run.coupler().pid(), request.signal);
   expect_failure(run, 128 + request.signal, "interrupted", {request.words}, 5.0);
-  EXPECT_GE(run.summary().at("steps"), 1999);  // the snapshot is there before the coupler hears of the window
+  EXPECT_GE(run.summary().at("windows"), 1999);  // the snapshot is there before the coupler hears of the window
   expect_recovery(run, folder);
 }
 

@@ -58,7 +58,7 @@ class KilledOrStopped : public testing::TestWithParam<Fault> {
         stopped() ? "(has not said hello within|has been silent for)" : "was killed by signal 9 .SIGKILL";
     expect_failure(run_, 4, "participant_failed", {culprit}, stopped() ? deadline_s + slack_s : slack_s);
     EXPECT_THAT(run_.error_text(), testing::ContainsRegex(culprit + what));
-    const auto steps = run_.summary().at("steps").get<int>();
+    const auto steps = run_.summary().at("windows").get<int>();
     EXPECT_GE(steps, reached() - 1);  // the snapshot is there before the coupler hears of the window
     EXPECT_LT(steps, all_windows);
     const auto rows = static_cast<int>(lines_of(run_.out() + "/history.csv").size()) - 2;  // without names and t = 0

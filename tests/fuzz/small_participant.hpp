@@ -9,7 +9,7 @@
 
 namespace ricochet::fuzz {
 
-/// Keeps the promises of a participant and computes next to nothing. What it is depends on the bits of a byte.
+/// Keeps the promises of a participant and computes next to nothing. Its kind depends on the bits of a byte.
 class SmallParticipant : public participant::Participant {
  public:
   explicit SmallParticipant(unsigned bits) : bits_(bits), nodes_(bits & 3U) {}

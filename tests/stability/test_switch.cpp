@@ -59,7 +59,7 @@ TEST(Switch, CostsNothingInTheStaggeredMetric) {
   ASSERT_EQ(run.summary.at("switches").size(), 1U);
   const int switched =
       static_cast<int>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
-  ASSERT_LT(switched + 10, run.summary.at("steps").get<int>());
+  ASSERT_LT(switched + 10, run.summary.at("windows").get<int>());
   const Bars before(run.folder + "/fields", switched);
   ASSERT_EQ(before.x.size(), 42U);
   const double energy_j = before.staggered_energy_j(0.5);

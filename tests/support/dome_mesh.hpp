@@ -15,6 +15,7 @@ struct DomeMesh {
   double size_m = 0.004, radius_m = 0.4, length_m = 0.004, start_m = 0.0;
   bool up = true;
   bool half_x = true, half_y = true;  ///< from the plane of symmetry on; else from -size, twice as many elements
+  double slope_y = 0.0;               ///< of its ends, which rise along y
   int across = 4, along = 3;
 };
 
@@ -33,8 +34,9 @@ inline std::string dome_msh(const std::string& body, const DomeMesh& d) {
   for (int n = 0; n < nodes; ++n) {
     const double x = x0 + (d.size_m - x0) * (n % row) / nx, y = y0 + (d.size_m - y0) * (n % layer / row) / ny,
                  height = static_cast<double>(n / layer) / d.along, sag = (x * x + y * y) / (2.0 * d.radius_m);
-    text += fmt::format("{:.17g} {:.17g} {:.17g}\n", x, y,
-                        d.start_m + d.length_m * height + (d.up ? -sag * height : sag * (1.0 - height)));
+    text +=
+        fmt::format("{:.17g} {:.17g} {:.17g}\n", x, y,
+                    d.start_m + d.slope_y * y + d.length_m * height + (d.up ? -sag * height : sag * (1.0 - height)));
   }
   int tag = 0;
   std::array<std::string, 6> lines;

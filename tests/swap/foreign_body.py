@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """foreign_body.py --scene SCENE --name NAME --connect ENDPOINT: explicit participant whose body the scene does not know.
-What it is made of stands in NAME.toml beside this program, or beside the link by which it is started; of the scene it
+Its mesh and material stand in NAME.toml beside this program, or beside the link by which it is started; of the scene it
 reads nothing:
   body, model, material, section (area or thickness), start, size and elements per coordinate, velocity, and of the low
   and high side of the last coordinate which is `shared` and which is `held`.

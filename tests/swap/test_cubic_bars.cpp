@@ -108,6 +108,18 @@ TEST(CubicBars, AreRefusedByNameWhereTheAnswerOfTheStartServesForAllWindows) {
   }
 }
 
+/// At the start it is linear to the last digit that is compared; later it is not, and the shared node would be moved by
+/// a force that it does not have.
+TEST(CubicBars, ThatAreLinearAtTheStartAloneEndTheRunUnderBelytschkoMullen) {
+  const TemporaryFolder folder;
+  const RunResult run = run_file(folder.write(scene_with("belytschko_mullen", 4000)), folder);
+  EXPECT_EQ(run.outcome.code, 2) << run.outcome.error;
+  EXPECT_THAT(run.outcome.error, testing::AllOf(testing::HasSubstr("participant 'explicit' is not linear any more: in "
+                                                                   "window "),
+                                                testing::HasSubstr("use hughes_liu, kim")));
+  EXPECT_THAT(run.outcome.error, testing::Not(testing::HasSubstr("in window 1 "))) << "it begins";
+}
+
 TEST(CubicBars, AreNotWhatLinearBarsAre) { EXPECT_LT(quarter_period_s(), 0.65 * 0.5 * M_PI * std::sqrt(mass_kg)); }
 
 }  // namespace

@@ -74,19 +74,46 @@ participant::Description spring() {
 }
 
 TEST(OwnLoop, TellsTheCouplerIfItIsLeftEarly) {
+  for (const bool during_setup : {true, false}) {
+    participant::OverSocket run(private_endpoint());
+    std::thread solver([&] {
+      participant::OwnLoop loop(spring(), {run.listener.endpoint(), 10.0, false});
+      loop.initialize({{0.0}, {}, {}});
+      EXPECT_TRUE(during_setup || loop.ongoing());
+    });
+    run.meet();
+    run.coupler.ask(wire::Kind::describe);
+    auto answer = run.coupler.ask(run.coupler.initialize());
+    if (!during_setup) answer = run.coupler.ask(run.coupler.synchronise());
+    solver.join();
+    EXPECT_EQ(answer.kind, wire::Kind::failure);
+    EXPECT_THAT(answer.as<wire::Failure>().error_text,
+                testing::HasSubstr("the solver left its time loop before the run was over"));
+  }
+}
+
+/// Between `initialize` and the first question about a window; an answer to `initialize` waits for it.
+TEST(OwnLoop, TellsOfALongSetUp) {
   participant::OverSocket run(private_endpoint());
   std::thread solver([&] {
     participant::OwnLoop loop(spring(), {run.listener.endpoint(), 10.0, false});
+    EXPECT_THROW(loop.progress("too early"), ConfigError);
     loop.initialize({{0.0}, {}, {}});
+    EXPECT_GT(loop.setup().window_size_s, 0.0);
+    loop.progress("casting", 0.25);
+    EXPECT_TRUE(loop.ongoing());
+    EXPECT_THROW(loop.progress("too late"), ConfigError);
   });
   run.meet();
   run.coupler.ask(wire::Kind::describe);
-  run.coupler.ask(run.coupler.initialize());
-  const auto answer = run.coupler.ask(run.coupler.synchronise());
+  const auto told = run.coupler.ask(run.coupler.initialize());
+  const auto answer = run.hear();
+  run.coupler.ask(run.coupler.synchronise());
   solver.join();
-  EXPECT_EQ(answer.kind, wire::Kind::failure);
-  EXPECT_THAT(answer.as<wire::Failure>().error_text,
-              testing::HasSubstr("the solver left its time loop before the run was over"));
+  ASSERT_EQ(told.kind, wire::Kind::progress);
+  EXPECT_EQ(told.as<wire::Progress>().doing, "casting");
+  EXPECT_EQ(told.as<wire::Progress>().share_done, 0.25);
+  EXPECT_EQ(answer.kind, wire::Kind::initialized);
 }
 
 TEST(OwnLoop, ThrowsIfThereIsNoCoupler) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <iterator>
 #include <regex>
 #include <sstream>
 
@@ -266,6 +267,119 @@ role = "implicit"
   EXPECT_GT(c.largest("energy_strain_j"), 0.009);  // of 0.01 J
 }
 
+/// Masses at three nodes and nothing else, beside a body of which it knows no mesh. Its set-up takes 4 s and says so;
+/// it prints what the coupler tells it.
+const char* lump_in_c = R"(#define _POSIX_C_SOURCE 200112L
+#include <ricochet.h>
+#include <stdio.h>
+#include <time.h>
+
+int main(void) {
+  const double mass[] = {1, 2, 1}, position[] = {0, -0.04, 0.01, -0.04, 0.02, -0.04}, zero[6] = {0};
+  const int body[3] = {0};
+  const struct timespec half_a_second = {0, 500000000};
+  double n_t[4], place[6];
+  ricochet_loop* loop = ricochet_open("explicit", "lump.c", 2);
+  if (!loop) return 2;
+  int error = ricochet_add_body(loop, "tail") | ricochet_set_interface(loop, 3, body, position, mass);
+  if (error || (error = ricochet_initialize(loop, zero, zero))) return error;
+  for (int i = 0; i < 8; ++i) {
+    nanosleep(&half_a_second, NULL);
+    if ((error = ricochet_progress(loop, "casting", i / 8.0))) return error;
+  }
+  if ((error = ricochet_directions(loop, n_t) | ricochet_scene_position(loop, place))) return error;
+  for (int i = 0; i < 4; ++i) printf("%.15g ", n_t[i]);
+  for (int i = 0; i < 6; ++i) printf("%.15g ", place[i]);
+  fflush(stdout);
+  while (ricochet_ongoing(loop)) {
+    if (ricochet_progress(loop, "casting", 1) != 2) return 9;
+    if ((error = ricochet_write(loop, zero, NULL, NULL, zero) | ricochet_advance(loop))) return error;
+  }
+  return ricochet_close(loop);
+}
+)";
+
+/// The same, without a pause.
+const char* lump_in_fortran = R"f90(program lump
+  use, intrinsic :: iso_c_binding
+  use ricochet
+  implicit none
+  real(c_double) :: n_t(2, 2), place(2, 3), zero(6) = 0
+  type(c_ptr) :: loop
+  integer :: error
+  loop = ricochet_open("explicit" // c_null_char, "lump.f90" // c_null_char, 2_c_int)
+  if (.not. c_associated(loop)) call exit(2)
+  error = ricochet_add_body(loop, "tail" // c_null_char)
+  error = ricochet_set_interface(loop, 3_c_int, [0_c_int, 0_c_int, 0_c_int], &
+                                 [0d0, -0.04d0, 0.01d0, -0.04d0, 0.02d0, -0.04d0], [1d0, 2d0, 1d0])
+  if (error == 0) error = ricochet_initialize(loop, zero, zero)
+  if (error == 0) error = ricochet_progress(loop, "casting" // c_null_char, 0.5d0)
+  if (error == 0) error = ricochet_directions(loop, n_t)
+  if (error == 0) error = ricochet_scene_position(loop, place)
+  if (error /= 0) call exit(error)
+  print "(*(es24.16))", n_t, place
+  flush (6)
+  do while (ricochet_ongoing(loop) == 1 .and. error == 0)
+    error = ricochet_write(loop, zero, record=zero)
+    if (error == 0) error = ricochet_advance(loop)
+  end do
+  call exit(ricochet_close(loop))
+end program lump
+)f90";
+
+/// A block with that lump at its back flies onto a plane.
+std::string lumped_scene(const std::string& program) {
+  return R"(model = "plane_strain"
+[[body]]
+name = "tail"
+foreign = true
+joined_to = "block"
+surface = "end"
+[[body]]
+name = "block"
+material = { youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }
+mesh = { start_m = -0.08, length_m = 0.04, height_m = 0.02, elements = [2, 4] }
+initial_velocity_m_s = [0.0, -5.0]
+[contact]
+surfaces = ["block.start", "rigid_plane"]
+[partition]
+implicit_length_m = { block = 0.04 }
+[time]
+step_s = 5e-7
+end_s = 20e-6
+[coupling]
+timeout_s = 3.0
+start_timeout_s = 3.0
+[[participant]]
+name = "theirs"
+role = "explicit"
+bodies = ["tail"]
+executable = ")" +
+         program + R"("
+[[participant]]
+name = "implicit"
+role = "implicit"
+)";
+}
+
+void c_and_fortran_are_told_directions_and_places(const Package& package) {
+  const auto& folder = package.folder;
+  const auto include = package.prefix + "/include/ricochet", path = folder.path().string();
+  package.run(linked(package, {"cc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
+                               folder.write(lump_in_c, "lump.c"), "-o", path + "/lump_c", "-I" + include}));
+  package.run(linked(package, {"gfortran", "-O2", "-Wall", "-Werror", "-J", path, "-o", path + "/lump_f",
+                               include + "/ricochet.f90", folder.write(lump_in_fortran, "lump.f90")}));
+  for (const std::string language : {"c", "f"}) {
+    const auto run = run_text(lumped_scene(path + "/lump_" + language), folder, language);
+    std::istringstream log(file_text(run.folder + "/logs/theirs.log"));
+    const std::vector<double> told{std::istream_iterator<double>(log), {}};
+    EXPECT_EQ(told, (std::vector<double>{0, -1, 1, 0, 0, -0.04, 0.01, -0.04, 0.02, -0.04})) << language;
+    if (language == "f") continue;
+    EXPECT_THAT(run.outcome.error,
+                testing::AllOf(testing::HasSubstr("set-up: 'theirs' casting, "), testing::HasSubstr(" %")));
+  }
+}
+
 /// The header is plain C; calls that make no sense are named.
 void calls_from_c_that_are_wrong_are_named(const Package& package) {
   const auto source = package.folder.write(R"(#include <ricochet.h>
@@ -321,6 +435,7 @@ TEST(Package, IsFoundBuiltAgainstAndRun) {
   command_line_errors_name_what_is_wrong(package);
   fortran_participant_takes_part_in_runs(package);
   implicit_participant_in_c_takes_part_in_a_run(package);
+  c_and_fortran_are_told_directions_and_places(package);
   calls_from_c_that_are_wrong_are_named(package);
 }
 

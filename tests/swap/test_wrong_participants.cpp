@@ -1,5 +1,5 @@
 // A program in the place of a shipped solver with one thing about it that is wrong: a run of it is refused, or
-// stopped, with the name of who is wrong and of what. What each does is in tests/support/wrong_participant.cpp.
+// stopped, with the name of who is wrong and of what. Each one's fault is in tests/support/wrong_participant.cpp.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -69,6 +69,18 @@ auto& running(Loop* loop, const char* function) {
   return *loop->loop;
 }
 
+/// What the loop says of the window to compute. `otherwise`: there is none, or the run has failed, which
+/// ricochet_close tells.
+template <class T, class Ask>
+T asked(const ricochet_loop* loop, T otherwise, const Ask& ask) noexcept {
+  if (!loop || !loop->loop) return otherwise;
+  try {
+    return ask(*loop->loop);
+  } catch (const std::exception&) {
+    return otherwise;
+  }
+}
+
 /// The value of that name, of those that are allowed.
 template <class E>
 E named(const char* what, const char* name, const std::vector<std::string>& allowed) {
@@ -183,13 +195,21 @@ int ricochet_scene_position(const ricochet_loop* loop, double* position) {
   });
 }
 
-int ricochet_ongoing(const ricochet_loop* loop) { return loop && loop->loop && loop->loop->ongoing() ? 1 : 0; }
-double ricochet_max_time_step(const ricochet_loop* loop) {
-  return loop && loop->loop ? loop->loop->max_time_step() : 0.0;
+int ricochet_progress(ricochet_loop* loop, const char* doing, double share_done) {
+  return guarded(loop, [&] { running(loop, "ricochet_progress").progress(doing ? doing : "", share_done); });
 }
-int ricochet_must_save(const ricochet_loop* loop) { return loop && loop->loop && loop->loop->must_save() ? 1 : 0; }
+
+int ricochet_ongoing(const ricochet_loop* loop) {
+  return asked(loop, 0, [](const auto& running) { return running.ongoing() ? 1 : 0; });
+}
+double ricochet_max_time_step(const ricochet_loop* loop) {
+  return asked(loop, 0.0, [](const auto& running) { return running.max_time_step(); });
+}
+int ricochet_must_save(const ricochet_loop* loop) {
+  return asked(loop, 0, [](const auto& running) { return running.must_save() ? 1 : 0; });
+}
 int ricochet_must_restore(const ricochet_loop* loop) {
-  return loop && loop->loop && loop->loop->must_restore() ? 1 : 0;
+  return asked(loop, 0, [](const auto& running) { return running.must_restore() ? 1 : 0; });
 }
 
 int ricochet_read(const ricochet_loop* loop, double* link) {

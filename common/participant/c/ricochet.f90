@@ -108,6 +108,14 @@ module ricochet
       integer(c_int) :: error
     end function
 
+    function ricochet_progress(loop, doing, share_done) bind(c) result(error)
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: loop
+      character(kind=c_char), intent(in) :: doing(*)
+      real(c_double), value :: share_done
+      integer(c_int) :: error
+    end function
+
     function ricochet_ongoing(loop) bind(c) result(ongoing)
       import :: c_int, c_ptr
       type(c_ptr), value :: loop

@@ -82,9 +82,14 @@ int ricochet_directions(const ricochet_loop* loop, double* directions);
 /* Where the scene has the interface nodes [m], nodes x components. Return: int error. */
 int ricochet_scene_position(const ricochet_loop* loop, double* position);
 
+/* What a set-up that may take longer than the scene's timeout_s is doing, and the share of it that is done, 0 to 1
+ * (< 0: nobody knows). The coupler shows it and waits anew from then on. Only between ricochet_initialize and the first
+ * question about the time loop. Return: int error. */
+int ricochet_progress(ricochet_loop* loop, const char* doing, double share_done);
+
 /* The time loop. */
 
-/* 1: there is a window to compute. */
+/* 1: there is a window to compute. 0: the run is over or has failed, which ricochet_close tells. */
 int ricochet_ongoing(const ricochet_loop* loop);
 /* Size of the window to compute [s]. 0: new accelerations from the link values that are read, nothing else moves. */
 double ricochet_max_time_step(const ricochet_loop* loop);

@@ -73,7 +73,7 @@ class Participant:
 
     def progress(self, doing, share_done=-1.0):
         """To be called by an `initialize` that takes long: what it does, for the user, and the share of it that is done
-        (< 0: unknown). Who says nothing for longer than the scene's timeout is taken for dead."""
+        (< 0: unknown). One that says nothing for longer than the scene's timeout is taken for dead."""
 
     def axial_stress(self):
         """Its share of the mean axial stress of each layer [Pa], in the order of `axial_stress_columns`."""
@@ -195,18 +195,20 @@ def main(make):
 
 class Relay(Participant):
     """The participant that `serve` runs in a thread: it passes each window to the loop of another thread and sleeps until
-    that is done. Of the two threads only one is at work, so nothing else needs a lock."""
+    that is done. Only one of the two threads is at work, so nothing else needs a lock."""
 
     def __init__(self, description):
         self.description, self.to_loop, self.to_coupler = description, threading.Semaphore(0), threading.Semaphore(0)
         self.setup, self.integration, self.link, self.left, self.over = {}, "", None, None, False
         self.time_step, self.save, self.restore, self.tried = 0.0, False, False, False
+        self.setting_up = False
 
     def describe(self):
         return self.description
 
     def initialize(self, setup):
         self.setup = setup
+        self.hand_over()
         return [self.written] * 3 if setup["driven_by"] == "force" else self.written  # the rates are asked for later
 
     def synchronise(self, integration, link):
@@ -221,11 +223,14 @@ class Relay(Participant):
     def compute(self, time_step, may_repeat, link):
         self.time_step, self.restore, self.save = time_step, self.tried, may_repeat and not self.tried
         self.tried, self.link = False, link
+        self.hand_over()
+        return self.written
+
+    def hand_over(self):
         self.to_loop.release()
         self.to_coupler.acquire()
         if self.left:
             raise self.left
-        return self.written
 
     def accept(self):
         self.tried = False
@@ -249,8 +254,8 @@ class OwnLoop:
 
     Every turn computes one whole window, which ends when the time `max_time_step()` has passed. It may be 0: then the
     coupler synchronises, which is a window in which no time passes (new accelerations from the link values that are read,
-    nothing else moves). A run that fails ends the program by SystemExit with its exit code. What leaves the `with` as an
-    exception is told the coupler as the reason; a ConfigError or SolverError ends the program with its code.
+    nothing else moves). A run that fails ends the program by SystemExit with its exit code. An exception that leaves the `with`
+    is told the coupler as the reason; a ConfigError or SolverError ends the program with its code.
     """
 
     def __init__(self, description, options):
@@ -275,39 +280,58 @@ class OwnLoop:
         self.write(value, record)
         self.thread.start()
         self.wait()
+        self.relay.setting_up = True
 
     @property
     def setup(self):
         """What the coupler set, the fields of the message `initialize`; after `initialize`."""
         return self.relay.setup
 
+    def progress(self, doing, share_done=-1.0):
+        """What a long set-up is doing, and the share of it that is done (< 0: unknown): between `initialize` and the first
+        question about the time loop, while the coupler still waits for an answer to its `initialize`."""
+        if not self.relay.setting_up:
+            raise ConfigError("progress is told between initialize and the first turn of the time loop")
+        self.relay.progress(doing, share_done)
+
+    def ready(self):
+        """The relay, with a window to compute."""
+        if self.relay.setting_up:
+            self.relay.setting_up = False
+            self.resume()
+        return self.relay
+
     def integration(self):
         """By which integration an implicit participant is to go on: "implicit_newmark" | "explicit_central"."""
-        return self.relay.integration
+        return self.ready().integration
 
     def ongoing(self):
-        return not self.relay.over
+        return not self.ready().over
 
     def max_time_step(self):
-        return self.relay.time_step
+        return self.ready().time_step
 
     def must_save(self):
         """A new window begins, and the coupler may ask for it again."""
-        return self.relay.save
+        return self.ready().save
 
     def must_restore(self):
         """What was computed since `must_save` is void: go back to where that was true."""
-        return self.relay.restore and self.ongoing()
+        return self.ready().restore and self.ongoing()
 
     def read(self):
         """Link input at the end of the window, shape (n, components)."""
-        return self.relay.link
+        return self.ready().link
 
     def write(self, output, record=()):
         """Link output and history row at the end of the window."""
         self.relay.written, self.relay.recorded = output, list(record)
 
     def advance(self):
+        self.ready()
+        self.resume()
+
+    def resume(self):
         self.relay.to_coupler.release()
         self.wait()
 

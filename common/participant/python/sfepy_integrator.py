@@ -2,8 +2,8 @@
 """sfepy_integrator.py --scene SCENE --name NAME --connect ENDPOINT: explicit participant with the body of sfepy_body.py,
 stepped by a time integrator of SfePy in its own loop.
 
-SfePy's integrators solve M a + K u = f step by step and call back before and after each step. What it takes to let the
-coupler drive one, all of it in the call after a step:
+SfePy's integrators solve M a + K u = f step by step and call back before and after each step. Letting the coupler drive
+one takes the following, all of it in the call after a step:
   - the next step's size is `ts.dt`, which the loop reads before the call before a step;
   - back to the start of a window: the loop goes on from the vector [u, v, a] that is passed here, so that is overwritten;
   - matrices that are kept belong to one step size;

@@ -122,7 +122,7 @@ std::string balance_rows(const Json& summary) {
 
 std::string course_rows(const Json& summary) {
   std::string text = row(
-      "windows", fmt::format("{} of {} each, up to {}", summary.value("steps", 0LL),
+      "windows", fmt::format("{} of {} each, up to {}", summary.value("windows", 0LL),
                              shown(number(summary, "window_size_s"), "s"), shown(number(summary, "end_time_s"), "s")));
   std::string switches;
   for (const auto& event : summary.value("switches", Json::array())) {

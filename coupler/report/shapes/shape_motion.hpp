@@ -13,8 +13,8 @@ namespace ricochet::report {
                                                     std::size_t most);
 
 /// How displacements are drawn. Small ones cannot be seen to scale, and all of them enlarged would have bodies that fly
-/// towards each other pass through each other. So what is enlarged is the displacement beyond that of the free flight
-/// up to the first contact:
+/// towards each other pass through each other. The displacement that is enlarged is the one beyond that of the free
+/// flight up to the first contact:
 ///   x = X + u + (factor - 1) (u - v_0 min(t, first contact)),   v_0 of the body.
 /// Bodies that touch in the run touch in the picture.
 struct Magnification {

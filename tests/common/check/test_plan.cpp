@@ -7,6 +7,8 @@
 #include "common/check/check.hpp"
 #include "common/problem/critical_step.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/dome_mesh.hpp"
+#include "tests/support/scene_file.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -184,6 +186,46 @@ TEST(ExplicitPenalty, IsRefusedAboveAndWarnedAboveHalfOfIt) {
   EXPECT_THAT(close.warnings, testing::ElementsAre(HasSubstr("opens and closes")));
   EXPECT_NEAR(close.penalty_critical_s, limit, 1e-6 * limit);
   EXPECT_TRUE(plan_of(penalty_bars(2.0, 0.49 * limit, "all_explicit")).warnings.empty());
+}
+
+/// Two blocks that face each other node by node, with flat ends that rise along y; their far sides are held along one
+/// coordinate. `keys`: of the contact.
+std::string sloping_blocks(const test::TemporaryFolder& folder, const std::string& held, const std::string& keys) {
+  constexpr double flat_m = 1e9;
+  std::string text = "model = \"solid\"\n";
+  for (const bool lower : {true, false}) {
+    const std::string body = lower ? "lower" : "upper";
+    const test::DomeMesh block{.radius_m = flat_m, .start_m = lower ? -0.004 : 0.0, .up = lower, .slope_y = 0.2};
+    text += fmt::format(
+        "[[body]]\nname = \"{0}\"\nmaterial = {{ youngs_modulus_pa = 48e9, poisson_ratio = 0.2, density_kg_m3 = "
+        "2800.0 }}\nmesh = {{ gmsh = \"{1}\" }}\ninitial_velocity_m_s = [0.0, 0.0, {2:.1f}]\n[[body.support]]\n"
+        "surface = \"rest\"\nfixed = [\"{3}\"]\n",
+        body, folder.write(test::dome_msh(body, block), body + ".msh"), lower ? 2.0 : -2.0, held);
+  }
+  return text + "[contact]\nsurfaces = [\"lower.cap\", \"upper.cap\"]\n" + keys +
+         "[partition]\nimplicit_length_m = { lower = 0.0014, upper = 0.0014 }\n[time]\nstep_s = 1e-7\nend_s = 2e-6\n";
+}
+
+/// Laws by pairs of nodes do not know that such a pair's forces move each other.
+TEST(SupportsAskewToAContact, AreRefusedWithFrictionUnderLawsOfPairs) {
+  const test::TemporaryFolder folder;
+  const std::string friction = "friction_coefficient = 0.3\n", massless = "multiplier_update = \"massless\"\n",
+                    impedance = "enforcement = \"penalty\"\npenalty_pa_m = 1e12\nimpact_update = \"impedance\"\n";
+  for (const auto& law : {massless, impedance}) {
+    try {
+      (void)plan_of(sloping_blocks(folder, "y", law + friction));
+      ADD_FAILURE() << law;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(
+          std::string(error.what()),
+          testing::AllOf(HasSubstr("friction_coefficient: the contact node "), HasSubstr(" of body 'lower' at "),
+                         HasSubstr("is held along a coordinate that is neither along the normal nor along"),
+                         HasSubstr("multiplier_update = \"trapezoidal_reset\"")));
+    }
+    EXPECT_NO_THROW((void)plan_of(sloping_blocks(folder, "y", law))) << "no friction: " << law;
+    EXPECT_NO_THROW((void)plan_of(sloping_blocks(folder, "x", law + friction))) << "along the tangent: " << law;
+  }
+  EXPECT_NO_THROW((void)plan_of(sloping_blocks(folder, "y", friction)));
 }
 
 TEST(ImplicitPenalty, WarnsWhereTheTrapezoidalRuleGainsEnergy) {

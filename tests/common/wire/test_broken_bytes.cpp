@@ -1,8 +1,11 @@
 // Byte strings that are almost a message: each is refused with the name of the sender, the kind and the field.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
 
 #include "common/base/error.hpp"
@@ -254,6 +257,18 @@ TEST(Decode, RefusesWrongTypesOfTheOtherFields) {
   refused(Kind::welcome, "timeout_s", packed(nan_value), "is not finite: nan");
   refused(Kind::description, "bodies", packed("rod"), "is a text, expected an array of texts");
   refused(Kind::description, "bodies", packed(std::vector<int>{1}), "is an integer, expected a text");
+}
+
+/// A format that changes leaves seeds behind that are refused at once, and the fuzzer nothing to begin with.
+TEST(Decode, ReadsTheSeedsOfItsFuzzer) {
+  for (const Kind kind : all_kinds()) {
+    std::ifstream file(fmt::format("{}/tests/fuzz/seeds/wire/{}", RICOCHET_SOURCE, name(kind)), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    Message message;
+    EXPECT_NO_THROW(decode(bytes, "x", message)) << name(kind);
+    EXPECT_EQ(message.kind, kind);
+    EXPECT_EQ(message.version, protocol_version) << name(kind);
+  }
 }
 
 }  // namespace

@@ -93,8 +93,8 @@ TEST_F(Ring, JoinsPiecesOfAMessage) {
   EXPECT_EQ(receiver_.message(), head);
 }
 
-/// The receiver need not wait until the sender has copied the whole of a large message. Who runs when is chance: one of
-/// many messages shows it.
+/// The receiver need not wait until the sender has copied the whole of a large message. Which thread runs when is
+/// chance: one of many messages shows it.
 TEST_F(Ring, ShowsTheBeginningOfALargeMessageBeforeItsEnd) {
   const std::string large = text_of(RingMemory::capacity / 2, 1);
   std::atomic<bool> seen = false;

@@ -173,7 +173,7 @@ Summary finished() {
   Summary summary;
   summary.status = RunStatus::done;
   summary.protocol = "hughes_liu";
-  summary.steps = 42;
+  summary.windows = 42;
   summary.window_size_s = 1e-6;
   summary.scene_sha256 = "abc";
   summary.switches = {{32e-6, Role::explicit_solver}};
@@ -202,12 +202,12 @@ Tally tally_on_plateau(double window_s = 1e-6) {
 
 TEST(Summary, HasTheKeysOfTheIssue) {
   const auto json = nlohmann::json::parse(to_json(finished(), tally_on_plateau()));
-  for (const auto* key : {"status", "protocol", "steps", "wall_s", "separation_time_s", "energy_error_max",
+  for (const auto* key : {"status", "protocol", "windows", "wall_s", "separation_time_s", "energy_error_max",
                           "momentum_error_max", "peak_contact_force_n", "processes", "scene_sha256", "version",
-                          "phases", "largest_drift", "switches", "windows", "window_size_s", "error"}) {
+                          "phases", "largest_drift", "switches", "window_size_s", "error"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
-  EXPECT_EQ(json["steps"], 42);
+  EXPECT_EQ(json["windows"], 42);
   EXPECT_EQ(json["processes"][1]["transport"], "shm");
   EXPECT_DOUBLE_EQ(json["energy_error_max"], 2e-3);
   EXPECT_DOUBLE_EQ(json["peak_contact_force_n"], 130.0);
