@@ -36,6 +36,7 @@ class BelytschkoMullen final : public Protocol {
   void require_linear(const Coupling& coupling, const Step& step);
 
   std::vector<double> force_;      ///< P_Gamma - K u_Gamma [N]
+  std::vector<double> motion_;     ///< scratch: u_Gamma in rows of a link [m]
   std::vector<WeightedSum> sums_;  ///< per link; empty vectors: it is implicit
 };
 
