@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
 #include "common/solver/root_problem.hpp"
@@ -24,7 +25,7 @@ namespace ricochet::explicit_solver {
 class ExplicitContact {
  public:
   /// `law` must outlive it.
-  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
+  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, const WindowClock& clock,
                   std::optional<solver::SlidingRows> sliding = std::nullopt);
 
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
@@ -72,6 +73,7 @@ class ExplicitContact {
   void restore(const State& state);
 
  private:
+  [[nodiscard]] double dt() const { return clock_.size_s(); }  ///< of the window to come [s]
   [[nodiscard]] std::size_t pairs() const { return surface_.pairs.size(); }
   void make_root(const std::vector<solver::BodyState>& states);
   template <class Rate>
@@ -89,7 +91,7 @@ class ExplicitContact {
                                             const std::vector<solver::BodyState>& states) const;
 
   const scene::Contact* law_;
-  double dt_;
+  const WindowClock& clock_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
   std::optional<solver::SlidingRows> sliding_;

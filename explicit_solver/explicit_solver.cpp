@@ -48,7 +48,7 @@ participant::Description ExplicitSolver::describe() {
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
   if (!has_contact()) return std::nullopt;
   return ExplicitContact(problem_.scene.contact_law(), solver::ContactSurface(problem_, stepped()),
-                         setup_.window_size_s, solver::SlidingRows(problem_, stepped()));
+                         setup_.clock, solver::SlidingRows(problem_, stepped()));
 }
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
@@ -128,7 +128,7 @@ void ExplicitSolver::update_status() {
 
 /// Sums over the nodes, and that they are numbers.
 void ExplicitSolver::take_totals() {
-  const double dt = setup_.window_size_s / setup_.substeps;
+  const double dt = setup_.clock.size_s() / setup_.substeps;
   if (ranks_) {
     ranks_->take_totals(*stepping_, dt, states_);
     const auto finite = [](const solver::BodyState& state) {
@@ -166,7 +166,7 @@ void ExplicitSolver::load_state(const std::vector<double>& state, participant::F
 }
 
 void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
-  solver::read_motion(states_, setup_.window_size_s, state, scale);
+  solver::read_motion(states_, setup_.clock.size_s(), state, scale);
 }
 
 void ExplicitSolver::archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }

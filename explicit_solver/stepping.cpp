@@ -11,7 +11,7 @@ Drive drive_of(std::vector<solver::BodyState>& states, const participant::Setup&
                std::optional<ExplicitContact> contact, const MakeForce& make_force) {
   if (setup.driven_by == participant::Drive::force)
     return Drive(std::in_place_type<ForceDriven>, states, setup, make_force);
-  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.window_size_s, make_force);
+  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.clock, make_force);
 }
 
 }  // namespace

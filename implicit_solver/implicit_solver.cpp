@@ -67,7 +67,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     contact_->move_masses(states_);
   }
   ImplicitContact* const contact = contact_ ? &*contact_ : nullptr;
-  flight_.emplace(parts_, contact, setup_.window_size_s);
+  flight_.emplace(parts_, contact, setup_.clock);
   parts_.external_force(0.0, forces_.external);
   flight_->settle_at_start(forces_.external);
   for (const auto& state : states_) internal_.push_back(state.u);
@@ -78,7 +78,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     participant::Heartbeat heart(setup_.progress);
     newmark_.emplace(parts_, contact,
                      Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
-                     setup_.window_size_s, &heart);
+                     setup_.clock, &heart);
   }
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
@@ -105,7 +105,7 @@ void ImplicitSolver::put_output(LinkOutput& output) const {
 }
 
 void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) {
-  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
+  const double time_s = setup_.clock.time_s(window_);
   integration_ = integration;
   newmark_->forget();
   take_link(link_input, forces_.link);
@@ -122,8 +122,8 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
     }
     q = parts_.segment(forces_.external, b) - internal_[b] - parts_.segment(forces_.link, b);
     state.a = state.inverse_mass.cwiseProduct(q);
-    state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
-    state.constrain_velocity(time_s, setup_.window_size_s, state.v);
+    state.constrain_acceleration(time_s, setup_.clock.size_s(), state.a);
+    state.constrain_velocity(time_s, setup_.clock.size_s(), state.v);
     for (const auto& c : state.constrained) {  // reactions join f, so that q = M a there too
       const double inertia = state.mass[c.dof] * state.a[c.dof];
       forces_.external[parts_.offsets[b] + c.dof] += inertia - q[c.dof];
@@ -150,7 +150,7 @@ void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
   if (integration_ == Integration::implicit_newmark) {
     newmark_->advance(window, forces_, trial_);
   } else {
-    flight_->advance(static_cast<double>(window) * setup_.window_size_s, forces_, trial_);
+    flight_->advance(window, forces_, trial_);
   }
   put_output(output);
 }
@@ -194,7 +194,7 @@ void ImplicitSolver::resynchronise_residual() {
 }
 
 void ImplicitSolver::account() {
-  const double dt = setup_.window_size_s;
+  const double dt = setup_.clock.size_s();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto at = parts_.offsets[b];
     states_[b].account_external(
@@ -222,11 +222,12 @@ double ImplicitSolver::shared_staggered_energy(std::size_t part) const {
   const auto& state = states_[part];
   double sum = 0.0;
   for (const int dof : state.shared_dofs) sum += state.a[dof] * forces_.link[parts_.offsets[part] + dof];
-  return 0.125 * setup_.window_size_s * setup_.window_size_s * sum;
+  const double dt = setup_.clock.size_s();
+  return 0.125 * dt * dt * sum;
 }
 
 void ImplicitSolver::record(std::vector<double>& row) {
-  const double dt = setup_.window_size_s;
+  const double dt = setup_.clock.size_s();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     solver::require_finite(state, state.u, window_);
@@ -281,7 +282,7 @@ void ImplicitSolver::load_state(const std::vector<double>& state, participant::F
 }
 
 void ImplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
-  solver::read_motion(states_, setup_.window_size_s, state, scale);
+  solver::read_motion(states_, setup_.clock.size_s(), state, scale);
 }
 
 std::string ImplicitSolver::save_state() {

@@ -28,8 +28,8 @@ class OwnLoop::Relay : public Participant {
     save = false;
     pass(link_input, output);
   }
-  void advance(std::int64_t, const std::vector<double>& link_input, LinkOutput& output) override {
-    time_step = setup.window_size_s;
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
+    time_step = setup.clock.size_s(window);
     restore = std::exchange(tried_, true);
     const auto& capabilities = description_.capabilities;
     save = !restore &&

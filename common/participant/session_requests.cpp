@@ -75,7 +75,7 @@ void Session::initialize(const wire::Initialize& request, wire::Initialized& rep
   setup_.run_id = run_id_;
   setup_.protocol = request.protocol;
   setup_.output_directory = request.output_directory;
-  setup_.window_size_s = request.window_size_s;
+  setup_.clock = request.window_size_s;
   setup_.interface_mass_kg = request.interface_mass_kg.data;
   setup_.substeps = static_cast<int>(request.substeps);
   setup_.driven_by = drive_of(request.driven_by, description_, can(Capability::driven_by_force));

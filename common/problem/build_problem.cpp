@@ -43,7 +43,7 @@ void set_window_size(Problem& problem) {
   constexpr double largest_rough_share = 0.998;  // of a critical step that is known to 5e-4
   const Scene& scene = problem.scene;
   if (scene.time.step_s) {
-    problem.window_size_s = *scene.time.step_s;
+    problem.clock = *scene.time.step_s;
     return;
   }
   const bool dual = scene.coupling.protocol.dual;
@@ -59,7 +59,7 @@ void set_window_size(Problem& problem) {
   if (window > scene.time.end_s)
     throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
                                   scene.where("time.end_s"), scene.time.end_s, window));
-  problem.window_size_s = window;
+  problem.clock = window;
 }
 
 /// A step that is too long for every element would leave none explicit.

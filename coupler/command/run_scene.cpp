@@ -180,7 +180,7 @@ void resume_run(const std::string& folder, const std::string& scene_path, std::o
   const ResultsDirectory results(folder, files_of_run(problem.scene), {problem.scene.path}, Former::kept);
   results.go_on_from(from.window, participant_names(problem.scene));
   fmt::print(stderr, "going on from window {} (t = {:.6g} s) with the scene {}; {}\n", from.window,
-             static_cast<double>(from.window) * from.window_size_s, printable(problem.scene.path), printable(programs));
+             from.time_s, printable(problem.scene.path), printable(programs));
   run_accepted(problem, plan, executables, results, std::move(from));
 }
 

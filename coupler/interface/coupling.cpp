@@ -7,12 +7,12 @@
 
 namespace ricochet::coupler {
 
-Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s)
-    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), window_size_s) {}
+Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, WindowClock clock)
+    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), std::move(clock)) {}
 
 Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
-                   double window_size_s)
-    : map_(std::move(map)), window_size_s_(window_size_s) {
+                   WindowClock clock)
+    : map_(std::move(map)), clock_(std::move(clock)) {
   for (std::size_t p = 0; p < peers.size(); ++p)
     links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
   const std::size_t size = static_cast<std::size_t>(map_.nodes()) * map_.components();
@@ -97,7 +97,7 @@ void Coupling::synchronise_implicit(std::vector<double> force, Integration integ
 }
 
 const std::vector<double>& Coupling::predicted(double beta) {
-  const double dt = window_size_s_;
+  const double dt = window_size_s();
   const double factor = (0.5 - beta) * dt * dt;
   for (std::size_t i = 0; i < displacement_.size(); ++i) {
     prediction_[i] = displacement_[i] + dt * velocity_[i] + factor * acceleration_[i];
@@ -181,7 +181,7 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
     for (const double mass_kg : link.rows().per_node(map_.mass_kg())) {
       const double root = std::sqrt(mass_kg);
       const double of_input =
-          link.driven_by_force() ? window_size_s_ / root : root / window_size_s_;  // force, displacement
+          link.driven_by_force() ? window_size_s() / root : root / window_size_s();  // force, displacement
       scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components()), of_input);
     }
   }

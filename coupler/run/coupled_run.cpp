@@ -30,7 +30,7 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.run_id = make_run_id();
   summary.windows_planned = plan.windows;
   if (scene.coupling.protocol.dual) summary.substeps = scene.coupling.substeps;
-  summary.window_size_s = problem.window_size_s;
+  summary.clock = problem.clock;
   return summary;
 }
 
@@ -115,7 +115,7 @@ void CoupledRun::setup() {
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
   }
-  coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.clock);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
   try_links();
@@ -230,7 +230,7 @@ void CoupledRun::save(std::int64_t window) {
                         scene_.sha256,
                         scene_.coupling.protocol.name,
                         window,
-                        problem_.window_size_s,
+                        problem_.clock.time_s(window),
                         history_file_.so_far(),
                         {},
                         wall_s(),
@@ -281,7 +281,7 @@ void CoupledRun::note_lost_momentum() {
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
-  suspicion_.step_s = problem_.window_size_s / scene_.coupling.substeps;
+  suspicion_.step_s = problem_.clock.largest_size_s() / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
   suspicion_.links_told = untold.interface.empty();
@@ -313,9 +313,9 @@ bool CoupledRun::may_switch() {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
-  } else if (critical > 0 && critical < problem_.window_size_s) {  // of a solver that has elements we know nothing of
+  } else if (critical > 0 && critical < problem_.clock.largest_size_s()) {  // of a solver that has elements we know nothing of
     obstacle =
-        fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, problem_.window_size_s);
+        fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, problem_.clock.largest_size_s());
   }
   if (obstacle.empty()) return true;
   summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));
@@ -342,7 +342,7 @@ void CoupledRun::take_records(std::int64_t window) {
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
   for (auto& link : links) take_contact_forces(link.take_contact_forces(), valid_until_s);
-  while (auto row = history_->next(problem_.window_size_s)) {
+  while (auto row = history_->next(problem_.clock)) {
     count_contact(*row);
     since_last_row_.contact_iterations += row->contact.contact_iterations;
     since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
@@ -353,7 +353,7 @@ void CoupledRun::take_records(std::int64_t window) {
       row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
       history_file_.add(*row);
       tally_.add(*row);
-      progress_.show(window, problem_.window_size_s, *row);
+      progress_.show(window, problem_.clock, *row);
     }
     watch_->check(*row);
   }
@@ -365,7 +365,7 @@ void CoupledRun::take_contact_forces(const std::vector<double>& rows, std::optio
   const std::size_t width = 1 + std::max<std::size_t>(tally_.each_contact.size(), 1);
   forces_told_ = forces_told_ || !rows.empty();
   for (std::size_t row = 0; row + width <= rows.size(); row += width) {
-    if (valid_until_s && rows[row] * problem_.window_size_s > *valid_until_s) return;
+    if (valid_until_s && problem_.clock.time_s(static_cast<std::int64_t>(rows[row])) > *valid_until_s) return;
     tally_.add_forces(static_cast<std::int64_t>(rows[row]), &rows[row + 1]);
   }
 }

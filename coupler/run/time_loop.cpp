@@ -74,7 +74,7 @@ void TimeLoop::switch_integration() {
   const bool to_explicit = separation_.update(coupling_.contact(), coupling_.window_size_s());
   if (to_explicit == coupling_.all_explicit()) return;
   coupling_.synchronise(to_explicit ? Integration::explicit_central : Integration::implicit_newmark);
-  switches_.push_back({static_cast<double>(window_) * coupling_.window_size_s(),
+  switches_.push_back({coupling_.clock().time_s(window_),
                        to_explicit ? Role::explicit_solver : Role::implicit_solver});
 }
 

@@ -155,7 +155,7 @@ int ricochet_initialize(ricochet_loop* loop, const double* value, const double* 
 }
 
 double ricochet_window_size(const ricochet_loop* loop) {
-  return loop && loop->loop ? loop->loop->setup().window_size_s : 0.0;
+  return loop && loop->loop ? loop->loop->setup().clock.size_s() : 0.0;
 }
 int ricochet_substeps(const ricochet_loop* loop) { return loop && loop->loop ? loop->loop->setup().substeps : 0; }
 int ricochet_driven_by_force(const ricochet_loop* loop) {

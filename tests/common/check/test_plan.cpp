@@ -18,7 +18,7 @@ const double bar_element = 0.254 / 20.0;
 
 Plan plan_of(const std::string& text) { return plan(build_problem(load_text(text))); }
 
-double step_of(const std::string& text) { return build_problem(load_text(text)).window_size_s; }
+double step_of(const std::string& text) { return build_problem(load_text(text)).clock.size_s(); }
 
 std::string text_of_plan(const std::string& text) {
   const auto problem = build_problem(load_text(text));
@@ -46,7 +46,7 @@ TEST(Plan, FindsNoCriticalStepThatTheStepWasFoundFrom) {
   auto problem = build_problem(load_text(text));
   ASSERT_EQ(problem.critical_time_steps_s.size(), 2U);
   const double critical_s = critical_time_step(plan_participants(problem));
-  EXPECT_EQ(problem.window_size_s, 0.8 * critical_s);
+  EXPECT_EQ(problem.clock.size_s(), 0.8 * critical_s);
   problem.critical_time_steps_s[1] = 0.5 * critical_s;
   EXPECT_EQ(critical_time_step(plan_participants(problem)), 0.5 * critical_s) << "it was found anew";
   problem.critical_time_steps_s.clear();
