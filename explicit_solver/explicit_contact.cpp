@@ -30,8 +30,7 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 
 }  // namespace
 
-ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface,
-                                 const WindowClock& clock,
+ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, const WindowClock& clock,
                                  std::optional<solver::SlidingRows> sliding)
     : law_(&law), clock_(clock), surface_(std::move(surface)), sliding_(std::move(sliding)) {
   if (sliding_ && !sliding_->any()) sliding_.reset();
@@ -209,6 +208,15 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
     push(surface_.pairs[i], state_.forces[i], states);
     state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
   }
+}
+
+void ExplicitContact::reconfigure(std::vector<BodyState>& states) {
+  root_.reset();
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const Force& force = state_.forces[i];
+    push(surface_.pairs[i], {.normal = -force.normal, .tangential = -force.tangential}, states);
+  }
+  start(states);
 }
 
 /// Where the rows are written anew, the forces of n - 1 are accounted along those they acted along: half of the window

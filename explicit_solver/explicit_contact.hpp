@@ -37,6 +37,8 @@ class ExplicitContact {
   /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
   /// penetrate.
   void start(std::vector<solver::BodyState>& states);
+  /// Between windows: the forces that are to close the gaps at the end of the next one, which has another size now.
+  void reconfigure(std::vector<solver::BodyState>& states);
   /// From here on no contact force, or every pair held at zero gap, in tension, too.
   void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
   /// Adds the contact accelerations of window n to state.a, given u_n in state.u, u_{n-1} in `u_before` and the elastic

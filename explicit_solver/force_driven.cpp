@@ -48,6 +48,11 @@ void ForceDriven::run(double begin_s, int steps, const std::vector<double>& forc
   }
 }
 
+void ForceDriven::reconfigure() {
+  substep_ = 0;
+  for (auto& part : parts_) part.set_step(step_s());
+}
+
 void ForceDriven::advance(std::int64_t window, const std::vector<double>& force) {
   substep_ = 0;
   run(begin_s(window), substeps_, force);

@@ -23,6 +23,8 @@ class ForceDriven {
   void answer(participant::LinkOutput& output) const;
   /// `window`: the accepted one here, the one to come in all others.
   void synchronise(std::int64_t window, const std::vector<double>& force);
+  /// Between windows: the clock has another size from here on.
+  void reconfigure();
   void advance(std::int64_t window, const std::vector<double>& force);
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& force);
   /// With the multiplier held. Who asks for single substeps holds none over the window.

@@ -80,6 +80,11 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
   for (auto& state : states_) state.constrain_velocity(time_s, dt(), state.v);
 }
 
+void MotionDriven::reconfigure() {
+  predicted_ = answered_with_trial_ = false;
+  if (contact_ && state_.contact_started) contact_->reconfigure(states_);
+}
+
 void MotionDriven::advance(std::int64_t window, const std::vector<double>& link_input) {
   if (!predicted_) predict(window);
   std::size_t next = 0;
@@ -191,8 +196,8 @@ void MotionDriven::account() {
     const auto &before = state_.parts[b].external, &after = trials_[b].forces.external;
     const auto &u = states_[b].u, &u_before = trials_[b].u;
     states_[b].account_external(
-        dt(), [&](int dof) { return 0.5 * (before[dof] + after[dof]); }, [&](int dof) { return u[dof] - u_before[dof]; },
-        [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
+        dt(), [&](int dof) { return 0.5 * (before[dof] + after[dof]); },
+        [&](int dof) { return u[dof] - u_before[dof]; }, [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
     account_interface(b);
   }
 }

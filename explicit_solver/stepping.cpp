@@ -31,6 +31,10 @@ void Stepping::synchronise(std::int64_t window, const std::vector<double>& link_
   std::visit([&](auto& drive) { drive.synchronise(window, link_input); }, drive_);
 }
 
+void Stepping::reconfigure() {
+  std::visit([](auto& drive) { drive.reconfigure(); }, drive_);
+}
+
 void Stepping::advance(std::int64_t window, const std::vector<double>& link_input) {
   std::visit([&](auto& drive) { drive.advance(window, link_input); }, drive_);
 }

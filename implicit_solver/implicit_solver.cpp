@@ -47,6 +47,7 @@ participant::Description ImplicitSolver::describe() {
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
+  description.capabilities.push_back(Capability::reconfigure);
   description.capabilities.push_back(Capability::save_state);
   if (!problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
@@ -73,17 +74,30 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   for (const auto& state : states_) internal_.push_back(state.u);
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
-  const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
   {
     participant::Heartbeat heart(setup_.progress);
-    newmark_.emplace(parts_, contact,
-                     Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
-                     setup_.clock, &heart);
+    set_up_windows(&heart);
   }
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);
   put_output(output);
+}
+
+void ImplicitSolver::set_up_windows(participant::Heartbeat* heart) {
+  const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
+  newmark_.emplace(parts_, contact_ ? &*contact_ : nullptr,
+                   Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared), setup_.clock,
+                   heart);
+}
+
+/// The operator is another one; motion and forces are what they were.
+void ImplicitSolver::reconfigure(const participant::Setup& setup) {
+  setup_.clock = setup.clock;
+  setup_.interface_stiffness = setup.interface_stiffness;
+  const auto forces = contact_ ? std::optional(contact_->state()) : std::nullopt;
+  set_up_windows(nullptr);
+  if (contact_) contact_->restore(*forces, states_);
 }
 
 void ImplicitSolver::take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const {

@@ -23,7 +23,11 @@ constexpr std::size_t most_contact_dofs_in_root = 800;
 
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
                              const WindowClock& clock, participant::Heartbeat* heart)
-    : parts_(parts), contact_(contact), clock_(clock), dt_(clock.size_s()), interface_stiffness_(std::move(interface_stiffness)) {
+    : parts_(parts),
+      contact_(contact),
+      clock_(clock),
+      dt_(clock.size_s()),
+      interface_stiffness_(std::move(interface_stiffness)) {
   for (auto* vector : {&rhs_, &mean_velocity_}) vector->setZero(parts_.dofs());
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);

@@ -29,8 +29,7 @@ class NewmarkWindow {
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
   /// dofs, or empty. `heart`: hears how far it is.
   NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
-                const WindowClock& clock,
-                participant::Heartbeat* heart = nullptr);
+                const WindowClock& clock, participant::Heartbeat* heart = nullptr);
 
   /// The right-hand side without the link's change, and as much of the solve as does not need that. Does nothing if it
   /// is done already.

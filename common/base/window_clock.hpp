@@ -40,11 +40,12 @@ class WindowClock {
     segments_.push_back({window, time_s(window), size_s});
     if (window == 0) segments_.erase(segments_.begin());
   }
+  bool operator==(const WindowClock&) const = default;
   [[nodiscard]] bool changes() const { return segments_.size() > 1; }
-  /// The last window before another size follows on that of window `window`; < 0: none follows.
+  /// The first window after `window` whose successor has another size; < 0: none.
   [[nodiscard]] std::int64_t next_change(std::int64_t window) const {
     for (const auto& segment : segments_)
-      if (segment.window >= window && segment.window > 0) return segment.window;
+      if (segment.window > window) return segment.window;
     return -1;
   }
   /// The first window after the last change that ends at `time_s` or later, but for rounding.
@@ -57,16 +58,16 @@ class WindowClock {
     a.any_size(segments_);
     const auto wrong = [](const Segment& s) { return s.window < 0 || !(s.size_s > 0.0) || !std::isfinite(s.from_s); };
     const auto later = [](const Segment& x, const Segment& y) { return x.window >= y.window; };
-    if (segments_.empty() || segments_.front().window != 0 ||
-        std::any_of(segments_.begin(), segments_.end(), wrong) ||
+    if (segments_.empty() || segments_.front().window != 0 || std::any_of(segments_.begin(), segments_.end(), wrong) ||
         std::adjacent_find(segments_.begin(), segments_.end(), later) != segments_.end())
       a.refuse("a clock that goes wrong");
   }
 
  private:
   struct Segment {
-    std::int64_t window = 0;              ///< after which its windows come
-    double from_s = 0.0, size_s = 0.0;    ///< end of that window, size of those after it
+    std::int64_t window = 0;            ///< after which its windows come
+    double from_s = 0.0, size_s = 0.0;  ///< end of that window, size of those after it
+    bool operator==(const Segment&) const = default;
     void archive(Archive& a) { a(window, from_s, size_s); }
   };
   [[nodiscard]] const Segment& last_before(std::int64_t window) const {

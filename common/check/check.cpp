@@ -61,13 +61,15 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (!implicit)
-    plan.critical_time_step_s =
-        critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / problem.scene.coupling.substeps);
+    plan.critical_time_step_s = critical_time_step(problem, participant, assembled,
+                                                   problem.clock.largest_size_s() / problem.scene.coupling.substeps);
   return plan;
 }
 
-/// "time.step_s", or "time" if the step follows from the safety factor.
-std::string step_place(const Scene& scene) {
+/// "time.step_s", or "time" if the step follows from the safety factor, or where a longer one comes later.
+std::string step_place(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  if (problem.clock.largest_size_s() > problem.clock.size_s(1)) return scene.where("time.changes");
   return scene.where(scene.time.largest_step_s ? "time.largest_step_s" : scene.time.step_s ? "time.step_s" : "time");
 }
 
@@ -81,7 +83,7 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
     throw ConfigError(fmt::format(
         "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
         "step_s = {:.3g} or less, {}or a larger implicit part",
-        step_place(problem.scene), step, ratio, critical, participant.name, 0.9 * substeps * critical,
+        step_place(problem), step, ratio, critical, participant.name, 0.9 * substeps * critical,
         protocol.dual ? "more coupling.substeps, " : ""));
   const bool hybrid = protocol.layout == Layout::hybrid;
   if (ratio > (hybrid ? largest_quiet_share_hybrid : largest_quiet_share))

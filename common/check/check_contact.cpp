@@ -280,7 +280,8 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
   for (std::size_t side = 0; side < 2; ++side) {
     const BodyProblem& body = *sides.body[side];
     const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
-    windows[side] = problem.clock.largest_size_s() * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
+    windows[side] =
+        problem.clock.largest_size_s() * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
   }
   const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
   const double most = windows[stiff], ratio = most / windows[1 - stiff];

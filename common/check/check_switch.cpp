@@ -21,7 +21,8 @@ std::string switch_obstacle(const Problem& problem) {
     return fmt::format(
         "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
         "step of {:.6g} s",
-        body.name, critical_time_step(body, all, false, problem.clock.largest_size_s()), problem.clock.largest_size_s());
+        body.name, critical_time_step(body, all, false, problem.clock.largest_size_s()),
+        problem.clock.largest_size_s());
   }
   return "";
 }

@@ -228,8 +228,8 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
   if (scene::is_to_switch(problem) && plan.switch_obstacle.empty()) return own_s;
   double critical_s = std::numeric_limits<double>::infinity();
   for (const auto& share : whole)
-    critical_s =
-        std::min(critical_s, scene::critical_time_step(*share.body, share.owned, false, problem.clock.largest_size_s()));
+    critical_s = std::min(critical_s,
+                          scene::critical_time_step(*share.body, share.owned, false, problem.clock.largest_size_s()));
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 

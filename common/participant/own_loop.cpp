@@ -36,6 +36,7 @@ class OwnLoop::Relay : public Participant {
            std::find(capabilities.begin(), capabilities.end(), Capability::repeat_window) != capabilities.end();
     pass(link_input, output);
   }
+  void reconfigure(const Setup& given) override { setup = given; }
   void accept() override { tried_ = false; }
   void record(std::vector<double>& row) override { row.insert(row.end(), recorded.begin(), recorded.end()); }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -89,6 +90,8 @@ Problem build_bodies(const Scene& scene) {
 Problem build_problem(const Scene& scene) {
   Problem problem = build_bodies(scene);
   set_window_size(problem);
+  for (const StepChange& change : scene.time.changes)
+    problem.clock.change(static_cast<std::int64_t>(problem.clock.window_at(change.from_s)), change.step_s);
   return problem;
 }
 

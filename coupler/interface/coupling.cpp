@@ -52,14 +52,41 @@ void Coupling::initialize_implicit(wire::Initialize request, Masses masses, Eige
   if (!implicit_) return;
   interface_stiffness_ = std::move(interface_stiffness);
   if (interface_stiffness_.size() > 0) {
-    const auto dofs = implicit_->rows().dofs();
-    const Eigen::MatrixXd own = interface_stiffness_(dofs, dofs);
+    const Eigen::MatrixXd own = own_stiffness();
     request.interface_stiffness.resize(static_cast<int>(own.rows()), static_cast<int>(own.cols()));
     std::copy_n(own.data(), own.size(), request.interface_stiffness.data.begin());
   }
   implicit_->post_initialize(request, masses_of(*implicit_, masses));
   implicit_->wait_initialized();
   implicit_->rows().scatter(implicit_->output(), displacement_);
+}
+
+/// In the rows of the implicit participant.
+Eigen::MatrixXd Coupling::own_stiffness() const {
+  if (interface_stiffness_.size() == 0) return {};
+  const auto dofs = implicit_->rows().dofs();
+  return interface_stiffness_(dofs, dofs);
+}
+
+void Coupling::reconfigure() {
+  reconfigure_explicit();
+  reconfigure_implicit(interface_stiffness_);
+}
+
+void Coupling::reconfigure_explicit() {
+  for (auto& link : links_) {
+    if (!link.implicit()) link.post_reconfigure(window_size_s(), {});
+  }
+  for (auto& link : links_) {
+    if (!link.implicit()) link.wait_reconfigured();
+  }
+}
+
+void Coupling::reconfigure_implicit(Eigen::MatrixXd interface_stiffness) {
+  if (!implicit_) return;
+  interface_stiffness_ = std::move(interface_stiffness);
+  implicit_->post_reconfigure(window_size_s(), own_stiffness());
+  implicit_->wait_reconfigured();
 }
 
 std::vector<wire::Finished> Coupling::finish() {
@@ -203,6 +230,7 @@ void Coupling::archive(Archive& a) {
   const auto size = displacement_.size();
   for (auto& link : links_) a(link);
   a(displacement_, velocity_, acceleration_, all_explicit_, interface_drift_m_);
+  if (clock_.changes()) a(interface_stiffness_);  // else what the start makes
   if (displacement_.size() != size || velocity_.size() != size || acceleration_.size() != size)
     a.refuse("another interface");
 }

@@ -38,6 +38,11 @@ class Coupling {
   void synchronise(Integration integration);
   /// The implicit participant alone, given the whole force [N] of the others on the shared nodes.
   void synchronise_implicit(std::vector<double> force, Integration integration = Integration::implicit_newmark);
+  /// Between windows, where the clock has another size for the next one: everyone is told; nothing moves.
+  void reconfigure();
+  /// The two halves of it; `interface_stiffness`: as of initialize_implicit.
+  void reconfigure_explicit();
+  void reconfigure_implicit(Eigen::MatrixXd interface_stiffness);
   /// True while the implicit participant integrates as central difference.
   [[nodiscard]] bool all_explicit() const { return all_explicit_; }
 
@@ -108,6 +113,7 @@ class Coupling {
 
  private:
   [[nodiscard]] std::vector<double> masses_of(const Link& link, Masses masses) const;
+  [[nodiscard]] Eigen::MatrixXd own_stiffness() const;
   void take_motion();
   std::vector<Link> links_;
   Link* implicit_ = nullptr;  ///< into links_; null in `all_explicit`

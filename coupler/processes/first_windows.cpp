@@ -136,7 +136,7 @@ void FirstWindows::match_rows(const participant::Description& reference) {
 void FirstWindows::prepare_setup(const Coupling& coupling) {
   const auto& scene = problem_.scene;
   setup_.protocol = scene.coupling.protocol.name;
-  setup_.clock = coupling.clock();
+  setup_.clock = coupling.clock().size_s(1);
   setup_.substeps = scene.coupling.substeps;
   setup_.driven_by = link_.driven_by_force() ? Drive::force : Drive::displacement;
   setup_.separation_windows = scene.coupling.separation_windows;
@@ -242,7 +242,7 @@ std::string FirstWindows::cause() const {
     for (auto& body : scene.bodies) lack.take_away(body);
     try {
       auto other = scene::build_bodies(scene);
-      other.clock = problem_.clock;
+      other.clock = problem_.clock.size_s(1);
       if (explains(other)) return lack.what;
     } catch (const Error&) {  // a scene without it is none
     }

@@ -162,8 +162,8 @@ void write_pvd(const ResultsDirectory& results, const std::string& name, const s
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
   for (const auto& [key, file] : snapshots) {
-    text += fmt::format("    <DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n",
-                        clock.time_s(key.first), key.second, file);
+    text += fmt::format("    <DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", clock.time_s(key.first),
+                        key.second, file);
   }
   write_atomically(results.file("fields/" + name + ".pvd"), text + "  </Collection>\n</VTKFile>\n");
 }

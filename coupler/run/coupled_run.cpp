@@ -99,6 +99,9 @@ void CoupledRun::setup() {
   auto descriptions = set_.describe();
   check_contact_owner(problem_, descriptions);
   check_capabilities(scene_.coupling.protocol, descriptions);
+  for (const auto& description : descriptions)
+    if (problem_.clock.changes())
+      require_capability(description, Capability::reconfigure, "a run whose windows change their size");
   compare_with_scene(descriptions);
   check_declared_steps(problem_, descriptions);
   std::vector<History::Source> sources, stress_sources;
@@ -164,9 +167,11 @@ void CoupledRun::prepare_first_windows() {
   }
 }
 
-/// Until the implicit participant goes on explicitly: what it is asked then the shipped solver is not.
+/// Until the implicit participant goes on explicitly, or windows have another size: what it is asked then the shipped
+/// solver is not.
 void CoupledRun::compare_first_windows() {
-  if (!loop_->switches().empty()) first_windows_.clear();
+  const bool other_size = problem_.clock.size_s(loop_->window() + 1) != problem_.clock.size_s(1);
+  if (!loop_->switches().empty() || other_size) first_windows_.clear();
   for (const auto& beside : first_windows_) beside->look();
   const auto over = [](const auto& beside) { return beside->over(); };
   first_windows_.erase(std::remove_if(first_windows_.begin(), first_windows_.end(), over), first_windows_.end());
@@ -204,8 +209,9 @@ void CoupledRun::restore() {
     parts.push_back(part->bytes);
   }
   Archive in(from_->coupler, "the coupler's part of the checkpoint");
+  WindowClock clock;  // which resume_run has looked at
   std::vector<Program> began;
-  in(began);
+  in(clock, began);
   require_same(began, programs_);
   coupling_->restore_states(parts);
   archive(in);
@@ -242,7 +248,8 @@ void CoupledRun::save(std::int64_t window) {
   for (std::size_t p = 0; p < states.size(); ++p)
     checkpoint.parts.push_back({coupling_->links()[p].name(), std::move(states[p])});
   Archive out;
-  out(programs_);
+  WindowClock clock = problem_.clock;
+  out(clock, programs_);
   archive(out);
   checkpoint.coupler = out.take();
   checkpoints_->begin(std::move(checkpoint));
@@ -313,9 +320,10 @@ bool CoupledRun::may_switch() {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
-  } else if (critical > 0 && critical < problem_.clock.largest_size_s()) {  // of a solver that has elements we know nothing of
-    obstacle =
-        fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, problem_.clock.largest_size_s());
+  } else if (critical > 0 &&
+             critical < problem_.clock.largest_size_s()) {  // of a solver that has elements we know nothing of
+    obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical,
+                           problem_.clock.largest_size_s());
   }
   if (obstacle.empty()) return true;
   summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));

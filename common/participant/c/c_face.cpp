@@ -132,7 +132,8 @@ int ricochet_set_critical_time_step(ricochet_loop* loop, double step_s) {
 
 int ricochet_add_capability(ricochet_loop* loop, const char* capability) {
   return guarded(loop, [&] {
-    const std::vector<std::string> allowed{"repeat_window", "driven_by_force"};  // what the time loop can do
+    const std::vector<std::string> allowed{"repeat_window", "driven_by_force",
+                                           "reconfigure"};  // what the time loop can do
     description_of(loop, "ricochet_add_capability")
         .capabilities.push_back(named<Capability>("ricochet_add_capability: found", capability, allowed));
   });

@@ -168,7 +168,8 @@ Shapes merged_shapes(std::vector<ShapeFile>&& files) {
   const auto& of_first = files.front().windows;
   for (const auto window : windows)
     shapes.times_s.push_back(
-        files.front().times_s[static_cast<std::size_t>(std::find(of_first.begin(), of_first.end(), window) - of_first.begin())]);
+        files.front()
+            .times_s[static_cast<std::size_t>(std::find(of_first.begin(), of_first.end(), window) - of_first.begin())]);
   for (auto& file : files) {
     if (file.model != shapes.model || file.largest_window_s != shapes.largest_window_s)
       refuse_shapes(file.path, fmt::format("it is of another run than {}", files.front().path));

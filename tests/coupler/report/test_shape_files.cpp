@@ -104,7 +104,7 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
     leave("a", file);
     return config_error([this] { (void)read_shapes_of({"a"}); });
   };
-  EXPECT_THAT(refused("format", "ricochet shapes 2"),
+  EXPECT_THAT(refused("format", "ricochet shapes 3"),
               AllOf(HasSubstr("fields/a.shapes.json: found another format"), HasSubstr("delete it")));
   EXPECT_THAT(refused("model", "shell"), HasSubstr("found the model \"shell\""));
   EXPECT_THAT(refused("position_m", packed_floats({1, 2})), HasSubstr("\"position_m\" holds 2 numbers, expected 8"));
