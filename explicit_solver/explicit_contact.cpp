@@ -203,19 +203,21 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
     return row.times(velocity_of(states)) + 0.5 * dt() * row.times(acceleration_of(states));
   };
   find_forces(states, rate, 0.5 * dt());
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+  act(1.0, states);
+}
+
+void ExplicitContact::act(double share, std::vector<BodyState>& states) {
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const Force& force = state_.forces[i];
     const double before = staggered_correction(surface_.pairs[i], states);
-    push(surface_.pairs[i], state_.forces[i], states);
+    push(surface_.pairs[i], {.normal = share * force.normal, .tangential = share * force.tangential}, states);
     state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
   }
 }
 
 void ExplicitContact::reconfigure(std::vector<BodyState>& states) {
   root_.reset();
-  for (std::size_t i = 0; i < pairs(); ++i) {
-    const Force& force = state_.forces[i];
-    push(surface_.pairs[i], {.normal = -force.normal, .tangential = -force.tangential}, states);
-  }
+  act(-1.0, states);
   start(states);
 }
 

@@ -88,6 +88,8 @@ class ExplicitContact {
   double account(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states,
                  const std::vector<const Eigen::VectorXd*>& u_before);
   bool follow(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+  /// Adds a share of the forces to the accelerations, and books what that changes of the staggered kinetic energy.
+  void act(double share, std::vector<solver::BodyState>& states);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair,
                                             const std::vector<solver::BodyState>& states) const;

@@ -291,7 +291,7 @@ void Session::archive(Archive& a) {
   window_ = accepted_window_;
   const WindowClock before = setup_.clock;
   a(setup_.clock);
-  if (setup_.clock.changes()) a(setup_.interface_stiffness);
+  if (setup_.clock.changes()) a.same_size(setup_.interface_stiffness);
   if (setup_.clock == before) return;
   if (!can(Capability::reconfigure)) a.refuse("it is of windows whose size changed");
   participant_.reconfigure(setup_);

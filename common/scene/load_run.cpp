@@ -49,7 +49,7 @@ namespace {
 
 std::vector<StepChange> load_changes(TableReader& time, double end_s) {
   std::vector<StepChange> changes;
-  for (auto& table : time.tables("changes", "time_change")) {
+  for (auto& table : time.tables("changes", "changes")) {
     const StepChange change{table.number("from_s", above(0.0)), table.number("step_s", above(0.0))};
     if (!changes.empty() && change.from_s <= changes.back().from_s)
       table.refuse("from_s", fmt::format("{}, not later than the change before it", change.from_s),

@@ -24,7 +24,7 @@ const Schema& scene_schema() {
         "friction_regularisation_s_m"}},
       {"partition", {"implicit_length_m", "implicit_groups", "rule"}},
       {"time", {"step_s", "largest_step_s", "safety_factor", "changes", "end_s", "until_separated_plus_s"}},
-      {"time_change", {"from_s", "step_s"}},
+      {"changes", {"from_s", "step_s"}},
       {"coupling",
        {"protocol", "substeps", "acceleration", "relaxation", "tolerance", "max_iterations", "resynchronise_every",
         "after_separation", "separation_windows", "timeout_s", "start_timeout_s", "launcher", "transport", "address",

@@ -230,7 +230,7 @@ void Coupling::archive(Archive& a) {
   const auto size = displacement_.size();
   for (auto& link : links_) a(link);
   a(displacement_, velocity_, acceleration_, all_explicit_, interface_drift_m_);
-  if (clock_.changes()) a(interface_stiffness_);  // else what the start makes
+  if (clock_.changes()) archive_matrix(a, interface_stiffness_);  // else what the start makes
   if (displacement_.size() != size || velocity_.size() != size || acceleration_.size() != size)
     a.refuse("another interface");
 }

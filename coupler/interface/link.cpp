@@ -101,6 +101,7 @@ void Link::wait_synchronised() {
 
 void Link::post_reconfigure(double window_size_s, const Eigen::MatrixXd& stiffness) {
   auto& request = request_.make<wire::Reconfigure>();
+  request_.window = window_;
   request.window_size_s = window_size_s;
   request.interface_stiffness.resize(static_cast<int>(stiffness.rows()), static_cast<int>(stiffness.cols()));
   std::copy_n(stiffness.data(), stiffness.size(), request.interface_stiffness.data.begin());

@@ -76,8 +76,8 @@ void DualInterface::reconfigure(Coupling& coupling, const Step& probe) {
 void DualInterface::archive(Archive& a) {
   a(reconfigured_);
   if (!reconfigured_) return;
-  a(impedance_);
-  for (auto& side : sides_) a(side.impedance);
+  archive_matrix(a, impedance_);
+  for (auto& side : sides_) archive_matrix(a, side.impedance);
 }
 
 void DualInterface::measure(Side& side, const Step& probe, double step_s) {

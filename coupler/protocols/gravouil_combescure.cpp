@@ -88,7 +88,7 @@ void GravouilCombescure::factorise() {
 void GravouilCombescure::archive(Archive& a) {
   interface_.archive(a);
   if (!interface_.reconfigured()) return;
-  a(implicit_operator_);
+  archive_matrix(a, implicit_operator_);
   if (a.reading()) factorise();
 }
 
