@@ -56,7 +56,7 @@ void DualInterface::start(Coupling& coupling, const wire::Initialize& request, c
     side.acceleration = link.acceleration_m_s2();
     measure(side, probe, step_s(coupling, probe));
   }
-  coupling.initialize_implicit(by_force, Masses::own, (2.0 / coupling.window_size_s()) * impedance_);
+  coupling.initialize_implicit(by_force, Masses::own, stiffness(coupling));
   start_multipliers(coupling);
 }
 
@@ -65,11 +65,16 @@ double DualInterface::step_s(const Coupling& coupling, const Step& probe) const 
   return coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(substeps_));
 }
 
+/// S = 2/dt Z.
+Eigen::MatrixXd DualInterface::stiffness(const Coupling& coupling) const {
+  return (2.0 / coupling.window_size_s()) * impedance_;
+}
+
 void DualInterface::reconfigure(Coupling& coupling, const Step& probe) {
   coupling.reconfigure_explicit();
   impedance_.setZero();
   for (auto& side : sides_) measure(side, probe, step_s(coupling, probe));
-  coupling.reconfigure_implicit((2.0 / coupling.window_size_s()) * impedance_);
+  coupling.reconfigure_implicit(stiffness(coupling));
   reconfigured_ = true;
 }
 

@@ -60,6 +60,7 @@ class DualInterface {
   };
   void measure(Side& side, const Step& probe, double step_s);
   [[nodiscard]] double step_s(const Coupling& coupling, const Step& probe) const;
+  [[nodiscard]] Eigen::MatrixXd stiffness(const Coupling& coupling) const;
   void start_multipliers(Coupling& coupling);
   std::vector<Side> sides_;
   Eigen::MatrixXd impedance_;
