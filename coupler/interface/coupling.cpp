@@ -74,6 +74,7 @@ void Coupling::reconfigure() {
 }
 
 void Coupling::reconfigure_explicit() {
+  reconfigured_ = true;
   for (auto& link : links_) {
     if (!link.implicit()) link.post_reconfigure(window_size_s(), {});
   }
@@ -230,7 +231,8 @@ void Coupling::archive(Archive& a) {
   const auto size = displacement_.size();
   for (auto& link : links_) a(link);
   a(displacement_, velocity_, acceleration_, all_explicit_, interface_drift_m_);
-  if (clock_.changes()) archive_matrix(a, interface_stiffness_);  // else what the start makes
+  a(reconfigured_);
+  if (reconfigured_) archive_matrix(a, interface_stiffness_);  // else what the start makes
   if (displacement_.size() != size || velocity_.size() != size || acceleration_.size() != size)
     a.refuse("another interface");
 }

@@ -119,7 +119,7 @@ class Coupling {
   Link* implicit_ = nullptr;  ///< into links_; null in `all_explicit`
   InterfaceMap map_;
   WindowClock clock_;
-  bool all_explicit_ = false;
+  bool all_explicit_ = false, reconfigured_ = false;
   double interface_drift_m_ = 0.0;
   std::vector<std::size_t> state_sizes_;  ///< numbers of each participant's motion, from `read_state`
   std::vector<double> displacement_, velocity_, acceleration_, prediction_, force_, own_;

@@ -108,14 +108,15 @@ TEST_P(ImpactAcrossChanges, KeepsForceReleaseAndMomentum) {
 /// What it goes on from holds for the sizes, too, and for the operators that were measured for them.
 TEST_P(ImpactAcrossChanges, GoesOnToTheSameBytes) {
   const TemporaryFolder folder;
-  const auto text = with_key(two_bars_that_change(GetParam()), "checkpoint", "every_windows", "60");
+  auto text = with_key(two_bars_that_change(GetParam()), "checkpoint", "every_windows", "50");
+  text = with_key(text, "time", "end_s", "170e-6");  // window 90; they change after 36 and 63
   const RunResult whole = run_text(text, folder);
   const std::string half = (folder.path() / "half").string();
   std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
   std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, checkpoints_in(half).back()));
   const auto outcome = resume(half, folder);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_THAT(outcome.error, HasSubstr("going on from window 60 "));
+  EXPECT_THAT(outcome.error, HasSubstr("going on from window 50 "));
   expect_same_results(half, whole.folder);
 }
 
@@ -126,8 +127,9 @@ class AnotherStep : public testing::TestWithParam<const char*> {};
 /// To the bytes of the run whose scene says so.
 TEST_P(AnotherStep, OfAResumedRunIsThatOfAScene) {
   const TemporaryFolder folder;
-  const auto plain = with_key(with_protocol_of_two_steps(config_text("two_bars"), GetParam()), "checkpoint",
-                              "every_windows", "36");  // 80.1 us
+  auto plain = with_key(with_protocol_of_two_steps(config_text("two_bars"), GetParam()), "checkpoint", "every_windows",
+                        "36");  // 80.1 us, in contact
+  plain = with_key(plain, "time", "end_s", "130e-6");
   const RunResult whole = run_text(plain, folder, "plain");
   std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", whole.folder, checkpoints_in(whole.folder).back()));
   std::vector<std::string> command = {ricochet_binary(), "resume", whole.folder, "--step",

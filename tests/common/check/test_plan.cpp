@@ -121,6 +121,23 @@ TEST(CriticalStep, RefusalSaysBothTheRatioAndWhatToType) {
   }
 }
 
+TEST(CriticalStep, BindsStepsOfLater) {
+  const std::string changes = "step_s = 2.226e-6\nchanges = [{ from_s = 1e-5, step_s = 4.95322e-6 }]";
+  try {
+    (void)plan_of(replaced(bars, "step_s = 2.226e-6", changes));
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("time.changes: found a step of 4.95322e-06 s, 2 times the critical time step"));
+  }
+}
+
+TEST(Plan, CountsWindowsOfAllSizes) {
+  const auto windows = plan_of(bars).windows;  // 5 of 2.226e-6 end after 1e-5
+  const std::string halved = "step_s = 2.226e-6\nchanges = [{ from_s = 1e-5, step_s = 1.113e-6 }]";
+  EXPECT_NEAR(static_cast<double>(plan_of(replaced(bars, "step_s = 2.226e-6", halved)).windows),
+              2.0 * static_cast<double>(windows) - 5.0, 1.0);
+}
+
 TEST(CriticalStep, DoesNotBindTheImplicitBaseline) {
   const std::string text = replaced(bars, "2.226e-6", "1e-5") + "[coupling]\nprotocol = \"all_implicit\"\n";
   EXPECT_NO_THROW((void)plan_of(text));
