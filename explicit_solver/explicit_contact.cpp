@@ -30,9 +30,9 @@ auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
 
 }  // namespace
 
-ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
+ExplicitContact::ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, const WindowClock& clock,
                                  std::optional<solver::SlidingRows> sliding)
-    : law_(&law), dt_(dt), surface_(std::move(surface)), sliding_(std::move(sliding)) {
+    : law_(&law), clock_(clock), surface_(std::move(surface)), sliding_(std::move(sliding)) {
   if (sliding_ && !sliding_->any()) sliding_.reset();
   state_.forces.resize(surface_.pairs.size());
   state_.mean_forces.resize(surface_.pairs.size());
@@ -63,7 +63,7 @@ void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   law.enforcement = scene::Enforcement::multiplier;  // a penalty's normal forces are known
   std::vector<solver::RootProblem::PairLaw> pairs;
   for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
-  root_.emplace(law, solver::inverse_mass_of(surface_.pairs, states, any ? surface_.components : 1), pairs, 2.0 * dt_);
+  root_.emplace(law, solver::inverse_mass_of(surface_.pairs, states, any ? surface_.components : 1), pairs, 2.0 * dt());
 }
 
 /// Gaps and slips at the end of the window without contact forces; of held pairs both from zero.
@@ -75,10 +75,10 @@ void ExplicitContact::find_free_motion(const std::vector<BodyState>& states, Rat
   for (std::size_t i = 0; i < pairs(); ++i) {
     const auto& pair = surface_.pairs[i];
     const auto k = static_cast<Eigen::Index>(i);
-    gap_free_[k] = dt_ * rate(pair.normal);
+    gap_free_[k] = dt() * rate(pair.normal);
     gap_free_[k] += frozen_ ? pair.normal.times(displacement_of(states)) : pair.gap(displacement_of(states));
     if (pair.friction_coefficient == 0.0) continue;
-    Eigen::Vector2d slip = dt_ * Eigen::Vector2d(rate(pair.tangent), rate(pair.binormal));
+    Eigen::Vector2d slip = dt() * Eigen::Vector2d(rate(pair.tangent), rate(pair.binormal));
     if (frozen_) slip += pair.slip(displacement_of(states));
     slip_free_[k] = slip[0];
     slip_free_[n + k] = slip[1];
@@ -99,7 +99,7 @@ void ExplicitContact::find_known_normals(const std::vector<BodyState>& states, d
   } else if (massless_ && !frozen_) {
     known_normal_ = state_.static_normal_n;
   }
-  known_normal_ *= dt_ * acting_time;
+  known_normal_ *= dt() * acting_time;
 }
 
 void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<BodyState>& states) const {
@@ -117,7 +117,7 @@ double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector
   double taken = mean.tangential[0] * moved(pair.tangent);
   if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
   state_.dissipated_friction_j -= taken;
-  solver::book_impulse(pair, dt_ * mean.normal, dt_ * mean.tangential, states, state_.impulses);
+  solver::book_impulse(pair, dt() * mean.normal, dt() * mean.tangential, states, state_.impulses);
   return made;
 }
 
@@ -134,23 +134,23 @@ void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& state
   const double target = state_.mean_forces[i].state == ContactState::slip ? limit : std::min(mean, limit);
   if (target == mean || inverse == 0.0) return;
   const double rate = e.dot(pair.slip(velocity_of(states)));
-  double impulse = dt_ * (target - mean);
+  double impulse = dt() * (target - mean);
   if (target > mean && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
   pair.push_along(impulse * e, states, push_velocities(states));
   state_.dissipated_friction_j -= impulse * (rate + 0.5 * impulse * inverse);
   solver::book_impulse(pair, 0.0, impulse * e, states, state_.impulses);
-  force += impulse / dt_ * e;
+  force += impulse / dt() * e;
 }
 
 void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   if (!massless_) return;
   massless_->for_each_dof(
-      [&](std::size_t part, int dof) { states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt_; });
+      [&](std::size_t part, int dof) { states[part].v[dof] = (states[part].u[dof] - (*u_before[part])[dof]) / dt(); });
   massless_->begin_trial();
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
-    const double impulse = massless_->give_back(i, made_j_[i], dt_ * state_.mean_forces[i].normal, states,
+    const double impulse = massless_->give_back(i, made_j_[i], dt() * state_.mean_forces[i].normal, states,
                                                 [&](std::size_t part) { return states[part].v.data(); });
-    state_.mean_forces[i].normal += impulse / dt_;
+    state_.mean_forces[i].normal += impulse / dt();
     solver::book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states, state_.impulses);
     clip_friction(i, states);
   }
@@ -171,7 +171,7 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
       const bool counted = (row != &pair.normal && has(pair.normal, e)) ||  // where n is along no coordinate
                            (row == &pair.binormal && has(pair.tangent, e));
       const auto& state = states[static_cast<std::size_t>(e.part)];
-      if (!counted) sum += 0.125 * dt_ * dt_ * state.mass[e.dof] * state.a[e.dof] * state.a[e.dof];
+      if (!counted) sum += 0.125 * dt() * dt() * state.mass[e.dof] * state.a[e.dof] * state.a[e.dof];
     }
   }
   return sum;
@@ -189,7 +189,7 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
   const auto& found = root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
   const auto n = static_cast<Eigen::Index>(pairs()), size = found.force.size();
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto of = [&](Eigen::Index d) { return d * n < size ? found.force[d * n + i] / (dt_ * acting_time) : 0.0; };
+    const auto of = [&](Eigen::Index d) { return d * n < size ? found.force[d * n + i] / (dt() * acting_time) : 0.0; };
     const auto k = static_cast<std::size_t>(i);
     forces[k] = {.normal = of(0), .tangential = {of(1), of(2)}, .state = found.states[k]};
   }
@@ -200,14 +200,25 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
 
 void ExplicitContact::start(std::vector<BodyState>& states) {
   const auto rate = [&](const ContactRow& row) {
-    return row.times(velocity_of(states)) + 0.5 * dt_ * row.times(acceleration_of(states));
+    return row.times(velocity_of(states)) + 0.5 * dt() * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, 0.5 * dt_);
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
+  find_forces(states, rate, 0.5 * dt());
+  act(1.0, states);
+}
+
+void ExplicitContact::act(double share, std::vector<BodyState>& states) {
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const Force& force = state_.forces[i];
     const double before = staggered_correction(surface_.pairs[i], states);
-    push(surface_.pairs[i], state_.forces[i], states);
+    push(surface_.pairs[i], {.normal = share * force.normal, .tangential = share * force.tangential}, states);
     state_.work_normal_j -= staggered_correction(surface_.pairs[i], states) - before;
   }
+}
+
+void ExplicitContact::reconfigure(std::vector<BodyState>& states) {
+  root_.reset();
+  act(-1.0, states);
+  start(states);
 }
 
 /// Where the rows are written anew, the forces of n - 1 are accounted along those they acted along: half of the window
@@ -232,10 +243,10 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
   old_forces_ = state_.forces;
   const bool followed = follow(states, u_before);
   const auto rate = [&](const ContactRow& row) {
-    const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt_;
-    return half_velocity + dt_ * row.times(acceleration_of(states));
+    const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt();
+    return half_velocity + dt() * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, dt_);
+  find_forces(states, rate, dt());
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) push(surface_.pairs[i], state_.forces[i], states);
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const Force &old = old_forces_[i], &now = state_.forces[i];

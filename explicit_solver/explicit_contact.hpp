@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/massless_nodes.hpp"
 #include "common/solver/root_problem.hpp"
@@ -24,7 +25,7 @@ namespace ricochet::explicit_solver {
 class ExplicitContact {
  public:
   /// `law` must outlive it.
-  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, double dt,
+  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, const WindowClock& clock,
                   std::optional<solver::SlidingRows> sliding = std::nullopt);
 
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
@@ -36,6 +37,8 @@ class ExplicitContact {
   /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
   /// penetrate.
   void start(std::vector<solver::BodyState>& states);
+  /// Between windows: the forces that are to close the gaps at the end of the next one, which has another size now.
+  void reconfigure(std::vector<solver::BodyState>& states);
   /// From here on no contact force, or every pair held at zero gap, in tension, too.
   void freeze(participant::FrozenContact frozen) { frozen_ = frozen; }
   /// Adds the contact accelerations of window n to state.a, given u_n in state.u, u_{n-1} in `u_before` and the elastic
@@ -72,6 +75,7 @@ class ExplicitContact {
   void restore(const State& state);
 
  private:
+  [[nodiscard]] double dt() const { return clock_.size_s(); }  ///< of the window to come [s]
   [[nodiscard]] std::size_t pairs() const { return surface_.pairs.size(); }
   void make_root(const std::vector<solver::BodyState>& states);
   template <class Rate>
@@ -84,12 +88,14 @@ class ExplicitContact {
   double account(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states,
                  const std::vector<const Eigen::VectorXd*>& u_before);
   bool follow(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
+  /// Adds a share of the forces to the accelerations, and books what that changes of the staggered kinetic energy.
+  void act(double share, std::vector<solver::BodyState>& states);
   void clip_friction(std::size_t pair, std::vector<solver::BodyState>& states);
   [[nodiscard]] double staggered_correction(const solver::Pair& pair,
                                             const std::vector<solver::BodyState>& states) const;
 
   const scene::Contact* law_;
-  double dt_;
+  const WindowClock& clock_;
   std::optional<participant::FrozenContact> frozen_;
   solver::ContactSurface surface_;
   std::optional<solver::SlidingRows> sliding_;

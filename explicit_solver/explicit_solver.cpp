@@ -38,7 +38,7 @@ participant::Description ExplicitSolver::describe() {
   axial_stress_ = solver::AxialStressShares(problem_, states_);
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
-                              Capability::save_state};
+                              Capability::reconfigure, Capability::save_state};
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
   if (ranks_ == nullptr && (!alone() || !problem_.scene.massless_contact()))
     description.capabilities.push_back(Capability::load_state);
@@ -47,8 +47,8 @@ participant::Description ExplicitSolver::describe() {
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
   if (!has_contact()) return std::nullopt;
-  return ExplicitContact(problem_.scene.contact_law(), solver::ContactSurface(problem_, stepped()),
-                         setup_.window_size_s, solver::SlidingRows(problem_, stepped()));
+  return ExplicitContact(problem_.scene.contact_law(), solver::ContactSurface(problem_, stepped()), setup_.clock,
+                         solver::SlidingRows(problem_, stepped()));
 }
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
@@ -82,6 +82,12 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
     reported();
     shapes_->note(window_);
   }
+}
+
+void ExplicitSolver::reconfigure(const participant::Setup& setup) {
+  setup_.clock = setup.clock;
+  if (ranks_) ranks_->reconfigure(setup_.clock);
+  stepping_->reconfigure();
 }
 
 void ExplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
@@ -128,7 +134,7 @@ void ExplicitSolver::update_status() {
 
 /// Sums over the nodes, and that they are numbers.
 void ExplicitSolver::take_totals() {
-  const double dt = setup_.window_size_s / setup_.substeps;
+  const double dt = setup_.clock.size_s() / setup_.substeps;
   if (ranks_) {
     ranks_->take_totals(*stepping_, dt, states_);
     const auto finite = [](const solver::BodyState& state) {
@@ -166,7 +172,7 @@ void ExplicitSolver::load_state(const std::vector<double>& state, participant::F
 }
 
 void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
-  solver::read_motion(states_, setup_.window_size_s, state, scale);
+  solver::read_motion(states_, setup_.clock.size_s(), state, scale);
 }
 
 void ExplicitSolver::archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }

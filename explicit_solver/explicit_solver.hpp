@@ -33,6 +33,7 @@ class ExplicitSolver : public participant::Participant {
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
   void synchronise(participant::Integration integration, const std::vector<double>& link_input,
                    participant::LinkOutput& output) override;
+  void reconfigure(const participant::Setup& setup) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                        participant::LinkOutput& output) override;

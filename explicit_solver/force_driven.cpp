@@ -15,9 +15,9 @@ Eigen::Map<const Eigen::VectorXd> part_of(const std::vector<double>& link, const
 
 ForceDriven::ForceDriven(std::vector<solver::BodyState>& states, const participant::Setup& setup,
                          const MakeForce& make_force)
-    : states_(states), window_size_s_(setup.window_size_s), substeps_(setup.substeps) {
+    : states_(states), clock_(setup.clock), substeps_(setup.substeps) {
   for (const auto& state : states_) {
-    parts_.emplace_back(state, substeps_, window_size_s_ / substeps_, make_force);
+    parts_.emplace_back(state, substeps_, step_s(), make_force);
   }
 }
 
@@ -48,6 +48,11 @@ void ForceDriven::run(double begin_s, int steps, const std::vector<double>& forc
   }
 }
 
+void ForceDriven::reconfigure() {
+  substep_ = 0;
+  for (auto& part : parts_) part.set_step(step_s());
+}
+
 void ForceDriven::advance(std::int64_t window, const std::vector<double>& force) {
   substep_ = 0;
   run(begin_s(window), substeps_, force);
@@ -55,7 +60,7 @@ void ForceDriven::advance(std::int64_t window, const std::vector<double>& force)
 
 void ForceDriven::advance_substep(std::int64_t window, int substep, const std::vector<double>& force) {
   substep_ = substep;
-  run(begin_s(window) + (substep - 1) * (window_size_s_ / substeps_), 1, force);
+  run(begin_s(window) + (substep - 1) * step_s(), 1, force);
 }
 
 void ForceDriven::work_ahead(std::int64_t window) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/participant/participant.hpp"
 #include "explicit_solver/explicit_contact.hpp"
 #include "explicit_solver/subcycled_window.hpp"
@@ -22,6 +23,8 @@ class ForceDriven {
   void answer(participant::LinkOutput& output) const;
   /// `window`: the accepted one here, the one to come in all others.
   void synchronise(std::int64_t window, const std::vector<double>& force);
+  /// Between windows: the clock has another size from here on.
+  void reconfigure();
   void advance(std::int64_t window, const std::vector<double>& force);
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& force);
   /// With the multiplier held. A coupler that asks for single substeps holds none over the window.
@@ -46,10 +49,11 @@ class ForceDriven {
 
  private:
   void run(double begin_s, int steps, const std::vector<double>& force);
-  [[nodiscard]] double begin_s(std::int64_t window) const { return static_cast<double>(window - 1) * window_size_s_; }
+  [[nodiscard]] double begin_s(std::int64_t window) const { return clock_.time_s(window - 1); }
+  [[nodiscard]] double step_s() const { return clock_.size_s() / substeps_; }
 
   std::vector<solver::BodyState>& states_;
-  double window_size_s_;
+  const WindowClock& clock_;
   int substeps_;
   std::vector<SubcycledWindow> parts_;
   Eigen::VectorXd part_force_;  ///< a part's share of the link input: kept so that no window allocates

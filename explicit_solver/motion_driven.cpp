@@ -7,8 +7,8 @@
 namespace ricochet::explicit_solver {
 
 MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact,
-                           double window_size_s, const MakeForce& make_force)
-    : states_(states), dt_(window_size_s), contact_(std::move(contact)) {
+                           const WindowClock& clock, const MakeForce& make_force)
+    : states_(states), clock_(clock), contact_(std::move(contact)) {
   state_.parts.resize(states_.size());
   trials_.resize(states_.size());
   for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -65,7 +65,7 @@ void MotionDriven::answer(participant::LinkOutput& output) const {
 
 void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& link_input) {
   std::size_t next = 0;
-  const double time_s = static_cast<double>(window) * dt_;
+  const double time_s = clock_.time_s(window);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto& trial = trials_[b];
@@ -77,28 +77,34 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
   }
   find_accelerations(time_s, Velocity::now);
   keep_trial_forces();
-  for (auto& state : states_) state.constrain_velocity(time_s, dt_, state.v);
+  for (auto& state : states_) state.constrain_velocity(time_s, dt(), state.v);
+}
+
+void MotionDriven::reconfigure() {
+  predicted_ = answered_with_trial_ = false;
+  if (contact_ && state_.contact_started) contact_->reconfigure(states_);
 }
 
 void MotionDriven::advance(std::int64_t window, const std::vector<double>& link_input) {
-  if (!predicted_) predict(static_cast<double>(window) * dt_);
+  if (!predicted_) predict(window);
   std::size_t next = 0;
   for (std::size_t b = 0; b < states_.size(); ++b) move_shared(b, link_input, next);
   answered_with_trial_ = true;
 }
 
 void MotionDriven::work_ahead(std::int64_t window) {
-  if (!predicted_) predict(static_cast<double>(window) * dt_);
+  if (!predicted_) predict(window);
 }
 
 /// Everything of a window that does not need the link: u of the own nodes, what of P needs no shared node, f.
-void MotionDriven::predict(double time_s) {
+void MotionDriven::predict(std::int64_t window) {
+  const double time_s = clock_.time_s(window);
   if (contact_ && !state_.contact_started) contact_->start(states_);
   state_.contact_started = true;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
     auto& trial = trials_[b];
-    solver::step_displacement(state, time_s, dt_, state.u, state.v, state.a, trial.u);
+    solver::step_displacement(state, time_s, dt(), state.u, state.v, state.a, trial.u);
     for (const int dof : state.shared_dofs) trial.u[dof] = state.u[dof];
     if (!state.external.zero()) state.external.at(time_s, trial.forces.external);
   }
@@ -120,7 +126,7 @@ bool MotionDriven::accept(std::int64_t window) {
     states_[b].u.swap(trials_[b].u);
     set_shared_velocity(b);
   }
-  const double time_s = static_cast<double>(window) * dt_;
+  const double time_s = clock_.time_s(window);
   find_accelerations(time_s, Velocity::half_a_step_before);
   for (const auto& state : states_) {
     if (state.others != nullptr) state.others->collect_moments(state);
@@ -128,7 +134,7 @@ bool MotionDriven::accept(std::int64_t window) {
   if (contact_) contact_->apply(states_, u_before_);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     half_a_step(b);
-    states_[b].constrain_velocity(time_s, dt_, states_[b].v);
+    states_[b].constrain_velocity(time_s, dt(), states_[b].v);
   }
   if (contact_) contact_->finish(states_, u_before_);
   account();
@@ -148,7 +154,7 @@ void MotionDriven::keep_trial_forces() {
 /// else reads it.
 void MotionDriven::set_shared_velocity(std::size_t b) {
   auto& state = states_[b];
-  for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - trials_[b].u[dof]) / dt_;
+  for (const int dof : state.shared_dofs) state.v[dof] = (state.u[dof] - trials_[b].u[dof]) / dt();
 }
 
 /// v += dt/2 a, where there is an acceleration.
@@ -156,7 +162,7 @@ void MotionDriven::half_a_step(std::size_t b) {
   auto& state = states_[b];
   for (const auto& [first, last] : forces_[b]->rows()) {
     const auto count = last - first;
-    state.v.segment(first, count) += (0.5 * dt_) * state.a.segment(first, count);
+    state.v.segment(first, count) += (0.5 * dt()) * state.a.segment(first, count);
   }
 }
 
@@ -172,7 +178,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
     } else {
       const auto others = [&](int dof, double load) { return load - internal[dof]; };
       solver::add_dashpot_forces(
-          state, dt_, [&](int dof) { return state.v[dof]; }, others, external);
+          state, dt(), [&](int dof) { return state.v[dof]; }, others, external);
     }
     for (const auto& [first, last] : forces_[b]->rows()) {
       const auto count = last - first;
@@ -180,8 +186,8 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
           state.inverse_mass.segment(first, count)
               .cwiseProduct(external.segment(first, count) - internal.segment(first, count));
     }
-    state.constrain_acceleration(time_s, dt_, state.a);
-    solver::set_reactions(state, time_s, dt_, internal, external);
+    state.constrain_acceleration(time_s, dt(), state.a);
+    solver::set_reactions(state, time_s, dt(), internal, external);
   }
 }
 
@@ -190,8 +196,8 @@ void MotionDriven::account() {
     const auto &before = state_.parts[b].external, &after = trials_[b].forces.external;
     const auto &u = states_[b].u, &u_before = trials_[b].u;
     states_[b].account_external(
-        dt_, [&](int dof) { return 0.5 * (before[dof] + after[dof]); }, [&](int dof) { return u[dof] - u_before[dof]; },
-        [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
+        dt(), [&](int dof) { return 0.5 * (before[dof] + after[dof]); },
+        [&](int dof) { return u[dof] - u_before[dof]; }, [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
     account_interface(b);
   }
 }

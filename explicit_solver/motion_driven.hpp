@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "explicit_solver/explicit_contact.hpp"
@@ -23,13 +24,15 @@ namespace ricochet::explicit_solver {
 class MotionDriven {
  public:
   /// At t = 0. `contact`: enforced here; `states` must outlive this object unmoved.
-  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, double window_size_s,
+  MotionDriven(std::vector<solver::BodyState>& states, std::optional<ExplicitContact> contact, const WindowClock& clock,
                const MakeForce& make_force);
 
   /// P at the shared nodes, of the trial or of the accepted window; what is sent is its change, Delta P (Eq. 6).
   void answer(participant::LinkOutput& output) const;
   /// `window`: the accepted one here, the one to come in all others.
   void synchronise(std::int64_t window, const std::vector<double>& link_input);
+  /// Between windows: the clock has another size from here on.
+  void reconfigure();
   void advance(std::int64_t window, const std::vector<double>& link_input);
   /// Returns whether that completes a window: always.
   bool accept(std::int64_t window);
@@ -70,9 +73,10 @@ class MotionDriven {
   };
   /// What `state.v` is when accelerations are sought.
   enum class Velocity { now, half_a_step_before };
+  [[nodiscard]] double dt() const { return clock_.size_s(); }  ///< of the window to come [s]
   void settle_at_start();
   [[nodiscard]] std::vector<int> driven_nodes(std::size_t part) const;
-  void predict(double time_s);
+  void predict(std::int64_t window);
   void move_shared(std::size_t part, const std::vector<double>& link_input, std::size_t& next);
   void find_accelerations(double time_s, Velocity velocity);
   void half_a_step(std::size_t part);
@@ -82,7 +86,7 @@ class MotionDriven {
   void keep_trial_forces();
 
   std::vector<solver::BodyState>& states_;
-  double dt_;  ///< of a window [s]
+  const WindowClock& clock_;
   State state_;
   std::optional<ExplicitContact> contact_;
   std::vector<std::unique_ptr<solver::InternalForce>> forces_;  ///< per part

@@ -11,7 +11,19 @@
 namespace ricochet::explicit_solver {
 
 /// What all ranks of a participant do together. The first one tells the others, which do nothing on their own.
-enum class Order { synchronise, advance, advance_substep, accept, work_ahead, sums, motion, save, restore, end };
+enum class Order {
+  synchronise,
+  reconfigure,
+  advance,
+  advance_substep,
+  accept,
+  work_ahead,
+  sums,
+  motion,
+  save,
+  restore,
+  end
+};
 
 /// The ranks of a participant as the first of them sees them: it alone talks to the coupler, has the shared and the
 /// contact nodes, and reports.
@@ -26,6 +38,8 @@ class Ranks {
                                                 std::vector<solver::BodyState>& whole) = 0;
   /// The others do what `order` says, of a window where it is of one, while the first one does the same.
   virtual void tell(Order order, std::int64_t window = 0, int substep = 0) = 0;
+  /// Between windows: this is the clock from here on.
+  virtual void reconfigure(WindowClock clock) = 0;
   /// Ask all ranks: the totals of the last accepted window, and its motion, of all nodes into `whole`.
   virtual void take_totals(const Stepping& own, double dt, std::vector<solver::BodyState>& whole) = 0;
   virtual void take_motion(std::vector<solver::BodyState>& whole) = 0;

@@ -11,7 +11,7 @@ Drive drive_of(std::vector<solver::BodyState>& states, const participant::Setup&
                std::optional<ExplicitContact> contact, const MakeForce& make_force) {
   if (setup.driven_by == participant::Drive::force)
     return Drive(std::in_place_type<ForceDriven>, states, setup, make_force);
-  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.window_size_s, make_force);
+  return Drive(std::in_place_type<MotionDriven>, states, std::move(contact), setup.clock, make_force);
 }
 
 }  // namespace
@@ -29,6 +29,10 @@ void Stepping::answer(participant::LinkOutput& output) const {
 
 void Stepping::synchronise(std::int64_t window, const std::vector<double>& link_input) {
   std::visit([&](auto& drive) { drive.synchronise(window, link_input); }, drive_);
+}
+
+void Stepping::reconfigure() {
+  std::visit([](auto& drive) { drive.reconfigure(); }, drive_);
 }
 
 void Stepping::advance(std::int64_t window, const std::vector<double>& link_input) {

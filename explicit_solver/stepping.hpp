@@ -26,6 +26,8 @@ class Stepping {
   void answer(participant::LinkOutput& output) const;
   /// `window`: the accepted one here, the one to come in all others.
   void synchronise(std::int64_t window, const std::vector<double>& link_input);
+  /// Between windows: the clock has another size from here on.
+  void reconfigure();
   void advance(std::int64_t window, const std::vector<double>& link_input);
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input);
   /// Returns whether that completes a window.

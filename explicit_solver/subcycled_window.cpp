@@ -103,6 +103,11 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
   solver::set_reactions(state, time_s, dt_, accepted_.internal, accepted_.external);
 }
 
+void SubcycledWindow::set_step(double dt) {
+  dt_ = dt;
+  tried_ = false;
+}
+
 void SubcycledWindow::advance(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
   const bool given = state.others != nullptr ? anything_given_ : near_dashpots_ || !state.external.zero();
   if (tried_ && steps == steps_ && !given && elements_->linear()) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
 
@@ -13,10 +14,10 @@ namespace ricochet::implicit_solver {
 class FlightWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object.
-  FlightWindow(const CombinedParts& parts, ImplicitContact* contact, double dt);
+  FlightWindow(const CombinedParts& parts, ImplicitContact* contact, const WindowClock& clock);
 
   /// `trial.end.link` holds the link's force.
-  void advance(double time_s, const WindowState& state, WindowTrial& trial);
+  void advance(std::int64_t window, const WindowState& state, WindowTrial& trial);
   /// Massless contact nodes begin in balance with the others: their displacement from that of the others.
   void settle_at_start(const Eigen::VectorXd& external);
 
@@ -25,7 +26,7 @@ class FlightWindow {
 
   const CombinedParts& parts_;
   ImplicitContact* contact_;
-  double dt_;
+  const WindowClock& clock_;
   std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u at the end of the window
   std::vector<Eigen::VectorXd> part_external_;     ///< per part: f for the balance of massless nodes
 };

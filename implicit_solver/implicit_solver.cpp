@@ -47,6 +47,7 @@ participant::Description ImplicitSolver::describe() {
   description.axial_stress_columns = axial_stress_.columns();
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
+  description.capabilities.push_back(Capability::reconfigure);
   description.capabilities.push_back(Capability::save_state);
   if (!problem_.scene.massless_contact())
     description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
@@ -67,24 +68,37 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     contact_->move_masses(states_);
   }
   ImplicitContact* const contact = contact_ ? &*contact_ : nullptr;
-  flight_.emplace(parts_, contact, setup_.window_size_s);
+  flight_.emplace(parts_, contact, setup_.clock);
   parts_.external_force(0.0, forces_.external);
   flight_->settle_at_start(forces_.external);
   for (const auto& state : states_) internal_.push_back(state.u);
   interface_work_j_.assign(states_.size(), 0.0);
   first_staggered_j_ = interface_work_j_;
-  const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
   {
     participant::Heartbeat heart(setup_.progress);
     heart.begin("assembling");
-    newmark_.emplace(parts_, contact,
-                     Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared),
-                     setup_.window_size_s, &heart);
+    set_up_windows(&heart);
   }
   model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);
   put_output(output);
+}
+
+void ImplicitSolver::set_up_windows(participant::Heartbeat* heart) {
+  const auto shared = static_cast<Eigen::Index>(setup_.interface_stiffness.empty() ? 0 : parts_.shared_dofs.size());
+  newmark_.emplace(parts_, contact_ ? &*contact_ : nullptr,
+                   Eigen::Map<const Eigen::MatrixXd>(setup_.interface_stiffness.data(), shared, shared), setup_.clock,
+                   heart);
+}
+
+/// The operator is another one; motion and forces are what they were.
+void ImplicitSolver::reconfigure(const participant::Setup& setup) {
+  setup_.clock = setup.clock;
+  setup_.interface_stiffness = setup.interface_stiffness;
+  const auto forces = contact_ ? std::optional(contact_->state()) : std::nullopt;
+  set_up_windows(nullptr);
+  if (contact_) contact_->restore(*forces, states_);
 }
 
 void ImplicitSolver::take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const {
@@ -106,7 +120,7 @@ void ImplicitSolver::put_output(LinkOutput& output) const {
 }
 
 void ImplicitSolver::synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) {
-  const double time_s = static_cast<double>(window_) * setup_.window_size_s;
+  const double time_s = setup_.clock.time_s(window_);
   integration_ = integration;
   newmark_->forget();
   take_link(link_input, forces_.link);
@@ -123,8 +137,8 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
     }
     q = parts_.segment(forces_.external, b) - internal_[b] - parts_.segment(forces_.link, b);
     state.a = state.inverse_mass.cwiseProduct(q);
-    state.constrain_acceleration(time_s, setup_.window_size_s, state.a);
-    state.constrain_velocity(time_s, setup_.window_size_s, state.v);
+    state.constrain_acceleration(time_s, setup_.clock.size_s(), state.a);
+    state.constrain_velocity(time_s, setup_.clock.size_s(), state.v);
     for (const auto& c : state.constrained) {  // reactions join f, so that q = M a there too
       const double inertia = state.mass[c.dof] * state.a[c.dof];
       forces_.external[parts_.offsets[b] + c.dof] += inertia - q[c.dof];
@@ -151,7 +165,7 @@ void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
   if (integration_ == Integration::implicit_newmark) {
     newmark_->advance(window, forces_, trial_);
   } else {
-    flight_->advance(static_cast<double>(window) * setup_.window_size_s, forces_, trial_);
+    flight_->advance(window, forces_, trial_);
   }
   put_output(output);
 }
@@ -195,7 +209,7 @@ void ImplicitSolver::resynchronise_residual() {
 }
 
 void ImplicitSolver::account() {
-  const double dt = setup_.window_size_s;
+  const double dt = setup_.clock.size_s();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto at = parts_.offsets[b];
     states_[b].account_external(
@@ -223,11 +237,12 @@ double ImplicitSolver::shared_staggered_energy(std::size_t part) const {
   const auto& state = states_[part];
   double sum = 0.0;
   for (const int dof : state.shared_dofs) sum += state.a[dof] * forces_.link[parts_.offsets[part] + dof];
-  return 0.125 * setup_.window_size_s * setup_.window_size_s * sum;
+  const double dt = setup_.clock.size_s();
+  return 0.125 * dt * dt * sum;
 }
 
 void ImplicitSolver::record(std::vector<double>& row) {
-  const double dt = setup_.window_size_s;
+  const double dt = setup_.clock.size_s();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     solver::require_finite(state, state.u, window_);
@@ -282,7 +297,7 @@ void ImplicitSolver::load_state(const std::vector<double>& state, participant::F
 }
 
 void ImplicitSolver::read_state(std::vector<double>& state, std::vector<double>& scale) {
-  solver::read_motion(states_, setup_.window_size_s, state, scale);
+  solver::read_motion(states_, setup_.clock.size_s(), state, scale);
 }
 
 std::string ImplicitSolver::save_state() {

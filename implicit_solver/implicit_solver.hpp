@@ -31,6 +31,7 @@ class ImplicitSolver final : public participant::Participant {
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
   void synchronise(participant::Integration integration, const std::vector<double>& link_input,
                    participant::LinkOutput& output) override;
+  void reconfigure(const participant::Setup& setup) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
   void accept() override;
   /// The next window's right-hand side and the elimination of everything but contact and shared nodes.
@@ -69,6 +70,7 @@ class ImplicitSolver final : public participant::Participant {
 
  private:
   void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+  void set_up_windows(participant::Heartbeat* heart);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(participant::LinkOutput& output) const;
   void account();

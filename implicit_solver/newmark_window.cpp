@@ -22,8 +22,12 @@ constexpr std::size_t most_contact_dofs_in_root = 800;
 }  // namespace
 
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
-                             double dt, participant::Heartbeat* heart)
-    : parts_(parts), contact_(contact), dt_(dt), interface_stiffness_(std::move(interface_stiffness)) {
+                             const WindowClock& clock, participant::Heartbeat* heart)
+    : parts_(parts),
+      contact_(contact),
+      clock_(clock),
+      dt_(clock.size_s()),
+      interface_stiffness_(std::move(interface_stiffness)) {
   for (auto* vector : {&rhs_, &mean_velocity_}) vector->setZero(parts_.dofs());
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
@@ -117,7 +121,7 @@ void NewmarkWindow::add_interface_force(Eigen::VectorXd& link) {
 /// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
 void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   if (prepared_ == window) return;
-  const double dt = dt_, quarter = 0.25 * dt * dt, time_s = static_cast<double>(window) * dt;
+  const double dt = dt_, quarter = 0.25 * dt * dt, time_s = clock_.time_s(window);
   parts_.external_force(time_s, trial.end.external);
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
@@ -164,7 +168,7 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
   solve_increment(trial);
   add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, trial.end.link);
   find_rates(trial);
-  parts_.constrain_rates(static_cast<double>(window) * dt_, dt_, last, trial);
+  parts_.constrain_rates(clock_.time_s(window), dt_, last, trial);
 }
 
 /// Given increments of the constrained dofs, and what they push on the free ones: b_f -= dt^2/4 K_fc du_c.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/participant/heartbeat.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/condensed_factor.hpp"
@@ -27,8 +28,8 @@ class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
   /// dofs, or empty. `heart`: hears how far it is.
-  NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness, double dt,
-                participant::Heartbeat* heart = nullptr);
+  NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
+                const WindowClock& clock, participant::Heartbeat* heart = nullptr);
 
   /// The right-hand side without the link's change, and as much of the solve as does not need that. Does nothing if it
   /// is done already.
@@ -65,7 +66,8 @@ class NewmarkWindow {
 
   const CombinedParts& parts_;
   ImplicitContact* contact_;
-  double dt_;
+  const WindowClock& clock_;
+  double dt_;  ///< that the factor is of [s]
   Eigen::MatrixXd interface_stiffness_;
   std::optional<CondensedFactor> factor_;
   std::vector<Root> roots_;

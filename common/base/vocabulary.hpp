@@ -30,6 +30,7 @@ enum class Capability {
   single_substep,       ///< can advance one substep of a window
   interface_stiffness,  ///< implicit: takes a stiffness into its operator that acts on the interface nodes
   load_state,           ///< can load and tell its motion
+  reconfigure,          ///< can go on with windows of another size
   save_state,           ///< can save all that it goes on from, and be restored to it
 };
 
@@ -87,12 +88,13 @@ struct NamesOf<Transport> {
 
 template <>
 struct NamesOf<Capability> {
-  static constexpr std::array<Named<Capability>, 7> table{{{Capability::repeat_window, "repeat_window"},
+  static constexpr std::array<Named<Capability>, 8> table{{{Capability::repeat_window, "repeat_window"},
                                                            {Capability::switch_integration, "switch_integration"},
                                                            {Capability::driven_by_force, "driven_by_force"},
                                                            {Capability::single_substep, "single_substep"},
                                                            {Capability::interface_stiffness, "interface_stiffness"},
                                                            {Capability::load_state, "load_state"},
+                                                           {Capability::reconfigure, "reconfigure"},
                                                            {Capability::save_state, "save_state"}}};
 };
 

@@ -61,13 +61,15 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (!implicit)
-    plan.critical_time_step_s =
-        critical_time_step(problem, participant, assembled, problem.window_size_s / problem.scene.coupling.substeps);
+    plan.critical_time_step_s = critical_time_step(problem, participant, assembled,
+                                                   problem.clock.largest_size_s() / problem.scene.coupling.substeps);
   return plan;
 }
 
-/// "time.step_s", or "time" if the step follows from the safety factor.
-std::string step_place(const Scene& scene) {
+/// "time.step_s", or "time" if the step follows from the safety factor, or where a longer one comes later.
+std::string step_place(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  if (problem.clock.largest_size_s() > problem.clock.size_s(1)) return scene.where("time.changes");
   return scene.where(scene.time.largest_step_s ? "time.largest_step_s" : scene.time.step_s ? "time.step_s" : "time");
 }
 
@@ -76,12 +78,12 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
   const ProtocolTraits& protocol = problem.scene.coupling.protocol;
   const int substeps = problem.scene.coupling.substeps;
   const double critical = participant.critical_time_step_s;
-  const double step = problem.window_size_s / substeps, ratio = step / critical;
+  const double step = problem.clock.largest_size_s() / substeps, ratio = step / critical;
   if (ratio > 1.0 + 1e-9)
     throw ConfigError(fmt::format(
         "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
         "step_s = {:.3g} or less, {}or a larger implicit part",
-        step_place(problem.scene), step, ratio, critical, participant.name, 0.9 * substeps * critical,
+        step_place(problem), step, ratio, critical, participant.name, 0.9 * substeps * critical,
         protocol.dual ? "more coupling.substeps, " : ""));
   const bool hybrid = protocol.layout == Layout::hybrid;
   if (ratio > (hybrid ? largest_quiet_share_hybrid : largest_quiet_share))
@@ -94,11 +96,11 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
 
 /// Steps up to the latest end.
 long long count_windows(const Problem& problem) {
-  const double windows = std::ceil(problem.scene.time.end_s / problem.window_size_s - 1e-9);
+  const double windows = problem.clock.window_at(problem.scene.time.end_s);
   if (!(windows <= most_windows))
     throw ConfigError(fmt::format(
         "{}: found {:.6g} s, which takes {:.3g} steps of {:.6g} s; allowed: an end after at most {:g} steps",
-        problem.scene.where("time.end_s"), problem.scene.time.end_s, windows, problem.window_size_s, most_windows));
+        problem.scene.where("time.end_s"), problem.scene.time.end_s, windows, problem.clock.size_s(), most_windows));
   return static_cast<long long>(windows);
 }
 
@@ -204,7 +206,7 @@ std::string to_text(const Problem& problem, const Plan& plan) {
                         p.unknowns, p.interface_nodes, critical);
   }
   text += body_rows(problem.scene.model, plan);
-  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", problem.window_size_s, plan.windows,
+  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", problem.clock.size_s(1), plan.windows,
                       plan.contact_pairs);
   if (plan.penalty_step_ratio > 0.0)
     text += fmt::format("penalty: sqrt(2 alpha_n/m) dt = {:.4g}, alpha_n/k = {:.4g}\n", plan.penalty_step_ratio,

@@ -115,14 +115,14 @@ double release_delay(const Problem& problem, const ContactGeometry& contact) {
 void check_explicit_penalty(const Problem& problem, Plan& plan) {
   plan.penalty_critical_s = penalty_critical_time_step(problem);
   const Scene& scene = problem.scene;
-  const double ratio = problem.window_size_s / plan.penalty_critical_s;
+  const double ratio = problem.clock.largest_size_s() / plan.penalty_critical_s;
   if (ratio > 1.0 + 1e-9)
     throw ConfigError(fmt::format(
         "{}: found {:.6g} Pa/m with a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of central "
         "difference with this penalty; allowed: step_s = {:.3g} or less, a softer penalty, or enforcement = "
         "\"multiplier\"",
         scene.where(scene.contact_law().key() + ".penalty_pa_m"), scene.contact_law().penalty_pa_m,
-        problem.window_size_s, ratio, plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
+        problem.clock.largest_size_s(), ratio, plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
   if (ratio > intermittent_share)
     plan.warnings.push_back(fmt::format(
         "the step is {:.3g} times the critical time step with this penalty: contact that opens and closes may gain "
@@ -152,7 +152,7 @@ void check_penalty(const Problem& problem, Plan& plan) {
     for (std::size_t i = 0; i < mass.size(); ++i) {
       const double stiffness = law.penalty_pa_m * contact.pairs[i].area_m2;
       plan.penalty_step_ratio =
-          std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.window_size_s);
+          std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.clock.largest_size_s());
     }
     plan.penalty_stiffness_ratio = std::max(plan.penalty_stiffness_ratio, stiffness_ratio(problem, contact));
     if (problem.scene.model == Model::bar)
@@ -224,7 +224,7 @@ void check_friction(const Problem& problem, Plan& plan) {
     const std::vector<double> mass = pair_masses(problem, contact);
     for (std::size_t i = 0; i < mass.size(); ++i)
       needed = std::max(needed, problem.scene.contacts[c].friction_coefficient * pressure * contact.pairs[i].area_m2 *
-                                    problem.window_size_s / (2.0 * mass[i]));
+                                    problem.clock.largest_size_s() / (2.0 * mass[i]));
   }
   const double scale = 1.0 / law.friction_regularisation_s_m;
   if (ringing_ratio * scale < needed)
@@ -240,7 +240,7 @@ void check_friction(const Problem& problem, Plan& plan) {
 namespace {
 
 void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& plan) {
-  const double speed = approach_speed(problem, contact), moved_m = speed * problem.window_size_s;
+  const double speed = approach_speed(problem, contact), moved_m = speed * problem.clock.largest_size_s();
   const Sides sides(problem, contact);
   double compliance = 0.0;
   for (const BodyProblem* body : sides.body) compliance += 1.0 / impedance(*body);
@@ -258,7 +258,7 @@ void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& 
         "a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
         "other, {:.3g} of the depth of an "
         "element of body \"{}\" at the contact",
-        problem.window_size_s, moved_m, moved_m / depth_m, body.name);
+        problem.clock.largest_size_s(), moved_m, moved_m / depth_m, body.name);
     if (moved_m > thickness(body, contact.normal))
       throw ConfigError(
           fmt::format("{}: found {}: more than its thickness, they would pass through it; allowed: {:.3g} s or less",
@@ -280,7 +280,8 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
   for (std::size_t side = 0; side < 2; ++side) {
     const BodyProblem& body = *sides.body[side];
     const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
-    windows[side] = problem.window_size_s * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
+    windows[side] =
+        problem.clock.largest_size_s() * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
   }
   const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
   const double most = windows[stiff], ratio = most / windows[1 - stiff];
@@ -292,9 +293,9 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
       "but {:.3g} times through those of body \"{}\": the law \"trapezoidal_reset\" gains energy where these differ by "
       "more than {:.0f} times and the larger is above {:.0f}; allowed: time.step_s = {:.3g} or less, or "
       "{}.multiplier_update = \"massless\" (surfaces whose nodes face each other in pairs) or \"fully_implicit\"",
-      problem.scene.where("time"), problem.window_size_s, most, sides.body[stiff]->name, most / ratio,
+      problem.scene.where("time"), problem.clock.largest_size_s(), most, sides.body[stiff]->name, most / ratio,
       sides.body[1 - stiff]->name, most_unequal_windows, longest_reset_window,
-      problem.window_size_s * longest_reset_window / most, problem.scene.contact_law().key()));
+      problem.clock.largest_size_s() * longest_reset_window / most, problem.scene.contact_law().key()));
 }
 
 }  // namespace

@@ -17,11 +17,12 @@ std::string switch_obstacle(const Problem& problem) {
   if (!is_to_switch(problem)) return "";
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> all(body.mesh.elements.size(), true);
-    if (is_stable_step(body, all, problem.window_size_s)) continue;
+    if (is_stable_step(body, all, problem.clock.largest_size_s())) continue;
     return fmt::format(
         "explicit and implicit elements of body \"{}\" together have a critical time step of {:.6g} s, below the "
         "step of {:.6g} s",
-        body.name, critical_time_step(body, all, false, problem.window_size_s), problem.window_size_s);
+        body.name, critical_time_step(body, all, false, problem.clock.largest_size_s()),
+        problem.clock.largest_size_s());
   }
   return "";
 }

@@ -224,12 +224,12 @@ std::vector<Share> whole_bodies(const scene::Problem& problem) {
 /// The scene's step, or what all elements together allow. That they bear the scene's is known where the implicit side
 /// is to switch to it and can.
 double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& plan, const std::vector<Share>& whole) {
-  const double own_s = problem.window_size_s / problem.scene.coupling.substeps;
+  const double own_s = problem.clock.largest_size_s() / problem.scene.coupling.substeps;
   if (scene::is_to_switch(problem) && plan.switch_obstacle.empty()) return own_s;
   double critical_s = std::numeric_limits<double>::infinity();
   for (const auto& share : whole)
-    critical_s =
-        std::min(critical_s, scene::critical_time_step(*share.body, share.owned, false, problem.window_size_s));
+    critical_s = std::min(critical_s,
+                          scene::critical_time_step(*share.body, share.owned, false, problem.clock.largest_size_s()));
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 
@@ -254,7 +254,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   const double of_coupler_s = slowness * coupler_s / scene.output.history_every;
   const Predictor predictor(problem, slowness);
   PredictedCost cost;
-  cost.windows = std::ceil(end_s / problem.window_size_s - 1e-9);
+  cost.windows = problem.clock.window_at(end_s);
 
   double together_s = 0.0, longest_s = 0.0, shared = 0.0;
   for (std::size_t p = 0; p < scene.participants.size(); ++p) {
@@ -292,7 +292,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
           ? cost.stepping_s()
           : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, factor_of(whole).entries, 0.0));
   if (layout == scene::Layout::all_explicit) {
-    cost.all_explicit_step_s = problem.window_size_s;
+    cost.all_explicit_step_s = problem.clock.largest_size_s();
     cost.all_explicit_s = cost.stepping_s();
   } else {
     cost.all_explicit_step_s = all_explicit_step_s(problem, plan, whole);

@@ -29,14 +29,15 @@ class OwnLoop::Relay : public Participant {
     save = false;
     pass(link_input, output);
   }
-  void advance(std::int64_t, const std::vector<double>& link_input, LinkOutput& output) override {
-    time_step = setup.window_size_s;
+  void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
+    time_step = setup.clock.size_s(window);
     restore = std::exchange(tried_, true);
     const auto& capabilities = description_.capabilities;
     save = !restore &&
            std::find(capabilities.begin(), capabilities.end(), Capability::repeat_window) != capabilities.end();
     pass(link_input, output);
   }
+  void reconfigure(const Setup& given) override { setup = given; }
   void accept() override { tried_ = false; }
   void record(std::vector<double>& row) override { row.insert(row.end(), recorded.begin(), recorded.end()); }
 

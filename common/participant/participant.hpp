@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/vocabulary.hpp"
+#include "common/base/window_clock.hpp"
 
 /// What a solver must be to take part in a coupled run. A C++ solver implements `Participant` and calls `serve`; this
 /// header needs neither Eigen nor finite elements. All vectors are row-major, one row per interface node in the order
@@ -58,7 +59,7 @@ using TellProgress = std::function<void(std::string_view doing, double share_don
 
 struct Setup {
   std::string run_id, protocol, output_directory;
-  double window_size_s = 0;               ///< Delta t of one window
+  WindowClock clock;                      ///< ends and sizes Delta t of the windows so far and of the next one [s]
   int substeps = 1;                       ///< driven by force, explicit: central difference steps in a window
   Drive driven_by = Drive::displacement;  ///< implicit participants: always force
   /// Per node: mass to integrate the interface nodes with, summed over all participants (Eq. 28); the own one if the
@@ -144,8 +145,12 @@ class Participant {
   /// At the present time: take these absolute link values, recompute the accelerations from them, integrate by
   /// `integration` from here on. Called after `initialize` and whenever the coupler switches integration.
   virtual void synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) = 0;
-  /// Trial: from the last accepted state compute the window that ends at `window * window_size_s` with this link input
-  /// (explicit: displacement at the window's end; implicit: interface force at its end).
+  /// With the capability "reconfigure", between windows: `setup` is that of `initialize` but for the clock, whose
+  /// windows have another size from here on, and the interface stiffness. Nothing moves; the link input in force, that
+  /// of the last accepted window, stays the same force or displacement.
+  virtual void reconfigure(const Setup& setup);
+  /// Trial: from the last accepted state compute the window that ends at `Setup::clock.time_s(window)` with this link
+  /// input (explicit: displacement at the window's end; implicit: interface force at its end).
   virtual void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) = 0;
   /// Trial of one substep of that window, 1 .. Setup::substeps, each accepted before the next; `link_input`: the
   /// multiplier at its end, linear from the end of the one before. Capability "single_substep".

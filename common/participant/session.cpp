@@ -48,6 +48,10 @@ void Participant::advance_substep(std::int64_t, int, const std::vector<double>&,
   throw ParticipantError("the participant announces the capability 'single_substep', but does not implement it");
 }
 
+void Participant::reconfigure(const Setup&) {
+  throw ParticipantError("the participant announces the capability 'reconfigure', but does not implement it");
+}
+
 Session::Session(Participant& participant)
     : participant_(participant),
       description_(checked(participant.describe())),
@@ -163,6 +167,7 @@ void Session::answer(const Message& request, Message& reply) {
     case Kind::describe: return describe(reply.make<wire::Description>());
     case Kind::initialize: return initialize(request.as<wire::Initialize>(), reply.make<wire::Initialized>());
     case Kind::synchronise: return synchronise(request.as<wire::Synchronise>(), reply.make<wire::Synchronised>());
+    case Kind::reconfigure: reply.make<wire::Reconfigured>(); return reconfigure(request.as<wire::Reconfigure>());
     case Kind::advance: return advance(request, request.as<wire::Advance>(), reply.make<wire::Advanced>());
     case Kind::accept: return accept(request, request.as<wire::Accept>(), reply.make<wire::Accepted>());
     case Kind::load_state: reply.make<wire::StateLoaded>(); return load_state(request.as<wire::LoadState>());

@@ -68,6 +68,7 @@ class Session {
   void describe(wire::Description& reply) const;
   void initialize(const wire::Initialize& request, wire::Initialized& reply);
   void synchronise(const wire::Synchronise& request, wire::Synchronised& reply);
+  void reconfigure(const wire::Reconfigure& request);
   void advance(const wire::Header& header, const wire::Advance& request, wire::Advanced& reply);
   void accept(const wire::Header& header, const wire::Accept& request, wire::Accepted& reply);
   void load_state(const wire::LoadState& request);

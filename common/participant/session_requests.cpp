@@ -33,8 +33,12 @@ void require_count(const char* field, std::int64_t value, int least) {
   require(value >= least && value <= most, "the coupler set {} = {}, expected {} to {}", field, value, least, most);
 }
 
+void check_size(double window_size_s) {
+  require(window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", window_size_s);
+}
+
 void check_setup(const wire::Initialize& request) {
-  require(request.window_size_s > 0, "the coupler set window_size_s = {}, expected > 0", request.window_size_s);
+  check_size(request.window_size_s);
   require_count("history_every", request.history_every, 1);
   require_count("fields_every", request.fields_every, 0);
   require_count("axial_stress_every", request.axial_stress_every, 0);
@@ -75,7 +79,7 @@ void Session::initialize(const wire::Initialize& request, wire::Initialized& rep
   setup_.run_id = run_id_;
   setup_.protocol = request.protocol;
   setup_.output_directory = request.output_directory;
-  setup_.window_size_s = request.window_size_s;
+  setup_.clock = request.window_size_s;
   setup_.interface_mass_kg = request.interface_mass_kg.data;
   setup_.substeps = static_cast<int>(request.substeps);
   setup_.driven_by = drive_of(request.driven_by, description_, can(Capability::driven_by_force));
@@ -134,6 +138,18 @@ void Session::synchronise(const wire::Synchronise& request, wire::Synchronised& 
   record_due_ = true;
   stress_due_ = wants_axial_stress(0);
   fields_due_ = setup_.fields_every > 0;
+}
+
+void Session::reconfigure(const wire::Reconfigure& request) {
+  require(can(Capability::reconfigure),
+          "the coupler asked for windows of another size, but participant '{}' lacks the capability 'reconfigure'",
+          description_.name);
+  check_size(request.window_size_s);
+  require(accepted_substep_ == 0, "the coupler changed the size of window {}, of which substep {} is accepted",
+          accepted_window_ + 1, accepted_substep_);
+  setup_.clock.change(accepted_window_, request.window_size_s);
+  take_interface_stiffness(request.interface_stiffness);
+  participant_.reconfigure(setup_);
 }
 
 void Session::check_advance(const wire::Header& header, const wire::Advance& request) const {
@@ -273,6 +289,12 @@ void Session::archive(Archive& a) {
       !whole(force_rows_, static_cast<std::size_t>(1 + std::max<std::int64_t>(force_columns_, 0))))
     a.refuse("it is of another run");
   window_ = accepted_window_;
+  const WindowClock before = setup_.clock;
+  a(setup_.clock);
+  if (setup_.clock.changes()) a.same_size(setup_.interface_stiffness);
+  if (setup_.clock == before) return;
+  if (!can(Capability::reconfigure)) a.refuse("it is of windows whose size changed");
+  participant_.reconfigure(setup_);
 }
 
 void Session::save_state(wire::SavedState& reply) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -43,7 +44,7 @@ void set_window_size(Problem& problem) {
   constexpr double largest_rough_share = 0.998;  // of a critical step that is known to 5e-4
   const Scene& scene = problem.scene;
   if (scene.time.step_s) {
-    problem.window_size_s = *scene.time.step_s;
+    problem.clock = *scene.time.step_s;
     return;
   }
   const bool dual = scene.coupling.protocol.dual;
@@ -59,7 +60,7 @@ void set_window_size(Problem& problem) {
   if (window > scene.time.end_s)
     throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
                                   scene.where("time.end_s"), scene.time.end_s, window));
-  problem.window_size_s = window;
+  problem.clock = window;
 }
 
 /// A step that is too long for every element would leave none explicit.
@@ -89,6 +90,8 @@ Problem build_bodies(const Scene& scene) {
 Problem build_problem(const Scene& scene) {
   Problem problem = build_bodies(scene);
   set_window_size(problem);
+  for (const StepChange& change : scene.time.changes)
+    problem.clock.change(static_cast<std::int64_t>(problem.clock.window_at(change.from_s)), change.step_s);
   return problem;
 }
 

@@ -57,6 +57,13 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
 }
 
 /// Elements that the step is too long for, and the layer along the contact surface.
+/// Explicit elements have to bear every one.
+double longest_step_s(const Time& time) {
+  double longest_s = time.step_s.value();
+  for (const StepChange& change : time.changes) longest_s = std::max(longest_s, change.step_s);
+  return longest_s;
+}
+
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
   const double frequency_squared = 4.0 / (step_s * step_s);
   std::vector<bool> inside = elements_at(body.mesh, contact);
@@ -78,7 +85,8 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const std::vector<int> contact = contact_nodes(problem.contacts, index);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
-    case PartitionRule::automatic: return automatic(body, contact, scene.time.step_s.value() / scene.coupling.substeps);
+    case PartitionRule::automatic:
+      return automatic(body, contact, longest_step_s(scene.time) / scene.coupling.substeps);
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);

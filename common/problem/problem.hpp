@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "common/fem/mesh.hpp"
 #include "common/fem/part.hpp"
 #include "common/fem/stiffness_product.hpp"
@@ -74,7 +75,7 @@ struct Problem {
   std::vector<BodyProblem> bodies;        ///< in the scene's order
   std::vector<Joint> joints;              ///< in the order of the scene's foreign bodies
   std::vector<ContactGeometry> contacts;  ///< in the scene's order, none without pairs
-  double window_size_s = 0.0;             ///< Delta t, from step_s or the safety factor
+  WindowClock clock;                      ///< of windows Delta t, from step_s or the safety factor
   /// Per body, if Delta t is from the safety factor: the critical step of its explicit elements (explicit_elements)
   /// that was found for it [s]; else empty.
   std::vector<double> critical_time_steps_s;
@@ -91,7 +92,7 @@ struct Problem {
 /// Shared nodes, and contact nodes unless all_explicit, are implicit nodes. Throws ConfigError
 /// (names scene file, key, and the nodes where surfaces do not match under a law that needs pairs of nodes).
 [[nodiscard]] Problem build_problem(const Scene& scene);
-/// The same but for the size of windows, which stays 0: a participant hears it from the coupler.
+/// The same but for the clock, whose windows stay 0: a participant hears it from the coupler.
 [[nodiscard]] Problem build_bodies(const Scene& scene);
 
 /// The pairs of a contact that slides, once the second body has moved by `shift_m` along the first; sorted by distance,

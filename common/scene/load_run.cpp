@@ -45,6 +45,25 @@ void load_protocol_settings(TableReader& table, CouplingSettings& coupling) {
 
 }  // namespace
 
+namespace {
+
+std::vector<StepChange> load_changes(TableReader& time, double end_s) {
+  std::vector<StepChange> changes;
+  for (auto& table : time.tables("changes", "changes")) {
+    const StepChange change{table.number("from_s", above(0.0)), table.number("step_s", above(0.0))};
+    if (!changes.empty() && change.from_s <= changes.back().from_s)
+      table.refuse("from_s", fmt::format("{}, not later than the change before it", change.from_s),
+                   "changes in ascending order of time");
+    if (change.from_s >= end_s)
+      table.refuse("from_s", fmt::format("{}", change.from_s), fmt::format("earlier than time.end_s = {}", end_s));
+    table.finish();
+    changes.push_back(change);
+  }
+  return changes;
+}
+
+}  // namespace
+
 Time load_time(TableReader& table, bool has_contact) {
   Time time;
   for (const char* one : {"safety_factor", "largest_step_s"})
@@ -58,6 +77,8 @@ Time load_time(TableReader& table, bool has_contact) {
   if (time.step_s && time.end_s < *time.step_s)
     table.refuse("end_s", fmt::format("{}, shorter than one step", time.end_s),
                  fmt::format("at least {} = {}", time.largest_step_s ? "largest_step_s" : "step_s", *time.step_s));
+  table.only_if(!time.largest_step_s, "changes", "step_s or safety_factor: largest_step_s chooses one step");
+  time.changes = load_changes(table, time.end_s);
   table.only_if(has_contact, "until_separated_plus_s", "a [contact] table");
   if (table.has("until_separated_plus_s"))
     time.until_separated_plus_s = table.number("until_separated_plus_s", at_least(0.0));

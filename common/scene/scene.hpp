@@ -155,10 +155,16 @@ struct Partition {
   std::map<std::string, std::vector<std::string>> implicit_groups;  ///< per body
 };
 
+/// From the end of the first window that reaches `from_s` on, steps are of another size.
+struct StepChange {
+  double from_s = 0.0, step_s = 0.0;
+};
+
 struct Time {
   std::optional<double> step_s;          ///< else safety_factor times the critical time step of what is explicit
   std::optional<double> largest_step_s;  ///< then step_s is this, or the largest that leaves explicit elements, until
                                          ///< `ricochet run` chooses
+  std::vector<StepChange> changes;       ///< in ascending order of time
   double safety_factor = 0.9;
   double end_s = 0.0;  ///< latest end
   std::optional<double> until_separated_plus_s;

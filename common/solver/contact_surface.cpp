@@ -168,8 +168,8 @@ participant::ContactStatus contact_status(const ContactSurface& surface, const s
   separation.update(window, pairs_closed, status.gap_min_m);
   status.separated = separation.separated();
   const std::int64_t since = separation.separation_window();
-  status.separation_time_s = since < 0 ? -1.0 : static_cast<double>(since) * setup.window_size_s;
-  const double time_s = static_cast<double>(window) * setup.window_size_s;
+  status.separation_time_s = since < 0 ? -1.0 : setup.clock.time_s(since);
+  const double time_s = setup.clock.time_s(window);
   status.finished = setup.until_separated_plus_s >= 0.0 && status.separated &&
                     time_s >= status.separation_time_s + setup.until_separated_plus_s;
   return status;

@@ -95,7 +95,7 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
     : states_(states),
       participant_(std::move(participant)),
       model_(problem.scene.model),
-      window_size_s_(setup.window_size_s),
+      clock_(&setup.clock),
       nose_(std::any_of(problem.scene.contacts.begin(), problem.scene.contacts.end(),
                         [](const scene::Contact& contact) { return contact.nose_radius_m > 0.0; })),
       uneven_(std::any_of(problem.contacts.begin(), problem.contacts.end(), uneven)) {
@@ -210,14 +210,15 @@ void ShapeRecorder::write() {
 }
 
 std::string ShapeRecorder::text() const {
+  std::vector<std::string> times;
+  for (const auto window : windows_) times.push_back(fmt::format("{:.17g}", clock_->time_s(window)));
   std::string bodies;
   for (std::size_t p = 0; p < parts_.size(); ++p) bodies.append(p == 0 ? "\n" : ",\n").append(text_of(p));
   return fmt::format(
-      "{{\"format\": \"ricochet shapes 1\", \"model\": \"{}\", \"window_size_s\": {:.17g}, \"nose\": {}, \"uneven\": "
-      "{}, \"windows\": "
-      "[{}], "
-      "\"too_many_cells\": {}, \"bodies\": [{}]}}\n",
-      model_name(model_), window_size_s_, nose_, uneven_, fmt::join(windows_, ", "), too_many_cells_, bodies);
+      "{{\"format\": \"ricochet shapes 2\", \"model\": \"{}\", \"largest_window_s\": {:.17g}, \"nose\": {}, "
+      "\"uneven\": {}, \"windows\": [{}], \"times_s\": [{}], \"too_many_cells\": {}, \"bodies\": [{}]}}\n",
+      model_name(model_), clock_->largest_size_s(), nose_, uneven_, fmt::join(windows_, ", "), fmt::join(times, ", "),
+      too_many_cells_, bodies);
 }
 
 std::string ShapeRecorder::text_of(std::size_t part) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/archive.hpp"
+#include "common/base/window_clock.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 
@@ -70,7 +71,7 @@ class ShapeRecorder {
   const std::vector<BodyState>& states_;
   std::string path_, participant_;
   fem::Model model_ = fem::Model::bar;
-  double window_size_s_ = 0.0;
+  const WindowClock* clock_;
   bool nose_ = false;    ///< of a contact
   bool uneven_ = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
   std::vector<Drawn> parts_;

@@ -20,6 +20,7 @@ enum class LifecycleState {
   initializing,
   initialized,
   synchronising,
+  reconfiguring,
   ready,
   advancing,
   trying,

@@ -15,7 +15,7 @@
 /// tests read.
 namespace ricochet::wire {
 
-inline constexpr std::int64_t protocol_version = 6;
+inline constexpr std::int64_t protocol_version = 7;
 
 /// Row-major array of doubles. On the wire {"shape": [rows, columns], "data": raw little-endian doubles}.
 struct Array {
@@ -51,6 +51,8 @@ enum class Kind {
   synchronise,  ///< coupler: absolute link values; recompute accelerations here; integrate implicitly | explicitly from
                 ///< here on
   synchronised,
+  reconfigure,  ///< coupler: windows have another size from here on
+  reconfigured,
   advance,  ///< coupler: link increment; compute window(s); accept at once or on request
   advanced,
   accept,  ///< coupler: the last trial window is final
@@ -158,6 +160,17 @@ struct Rates {
 struct Synchronised : Rates {
   static constexpr Kind kind = Kind::synchronised;
   Array absolute;  ///< link output [N or m]
+};
+
+/// Between windows; nothing moves. What `initialize` said otherwise holds.
+struct Reconfigure {
+  static constexpr Kind kind = Kind::reconfigure;
+  double window_size_s = 0;
+  Array interface_stiffness;  ///< as in `Initialize`
+};
+
+struct Reconfigured {
+  static constexpr Kind kind = Kind::reconfigured;
 };
 
 struct Advance {
@@ -291,8 +304,8 @@ struct Message : Header {
   [[noreturn]] void refuse(Kind wanted) const;
 
   std::tuple<Hello, Welcome, Describe, Description, Initialize, Progress, Initialized, Synchronise, Synchronised,
-             Advance, Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State, SaveState, SavedState,
-             RestoreState, StateRestored, Finish, Finished, Failure>
+             Reconfigure, Reconfigured, Advance, Advanced, Accept, Accepted, LoadState, StateLoaded, ReadState, State,
+             SaveState, SavedState, RestoreState, StateRestored, Finish, Finished, Failure>
       bodies_;
 };
 

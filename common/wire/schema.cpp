@@ -145,7 +145,7 @@ const std::vector<KindEntry>& schema() {
         field<&Description::capabilities>(
             "capabilities", "",
             "any of `repeat_window`, `switch_integration`, `driven_by_force`, `single_substep`, `interface_stiffness`, "
-            "`load_state`, `save_state`"),
+            "`load_state`, `reconfigure`, `save_state`"),
         field<&Description::record_columns>("record_columns", "",
                                             "names of the history columns; the first is `window`"),
         field<&Description::axial_stress_columns>(
@@ -164,7 +164,7 @@ const std::vector<KindEntry>& schema() {
        {field<&Initialize::protocol>("protocol", "", "coupling protocol, as in the scene"),
         field<&Initialize::output_directory>("output_directory", "",
                                              "absolute path for its result files; empty: it is to write none"),
-        field<&Initialize::window_size_s>("window_size_s", "s", "size of one window, > 0"),
+        field<&Initialize::window_size_s>("window_size_s", "s", "size of the first windows, > 0"),
         field<&Initialize::substeps>("substeps", "",
                                      "an explicit participant driven by force takes so many steps in a window, >= 1"),
         field<&Initialize::driven_by>(
@@ -207,6 +207,12 @@ const std::vector<KindEntry>& schema() {
         field<&Synchronise::link_absolute>("link_absolute", "m or N",
                                            "link input at the present time, n x components")}},
       {Kind::synchronised, "synchronised", joined({absolute_output<Synchronised>()}, rates<Synchronised>())},
+      {Kind::reconfigure,
+       "reconfigure",
+       {field<&Reconfigure::window_size_s>("window_size_s", "s", "size of the windows after this one, > 0"),
+        field<&Reconfigure::interface_stiffness>("interface_stiffness", "N/m",
+                                                 "implicit participant: S from here on, as in `initialize`")}},
+      {Kind::reconfigured, "reconfigured", {}},
       {Kind::advance,
        "advance",
        {field<&Advance::windows>("windows", "",
@@ -289,7 +295,8 @@ const std::vector<Field>& header_fields() {
       field<&Header::run_id>("run_id", "", "the run's name; empty in `hello`, whose sender learns it from `welcome`"),
       field<&Header::sequence>("sequence", "", "counts the sender's messages on this link from 0"),
       field<&Header::window>("window", "",
-                             "the window it is about, at its end: window n ends at n x `window_size_s`; 0: the start"),
+                             "the window it is about, at its end: where its size never changes window n ends at n x "
+                             "`window_size_s`; 0: the start"),
       field<&Header::substep>(
           "substep", "",
           "`advance` and its answer: the one step within the window that it is about, from 1; 0: the whole window"),

@@ -78,6 +78,7 @@ void define_resume(CLI::App& app, Arguments& arguments) {
   app.add_option("--scene", arguments.scene, "Its scene, which must be named unless you began the run on this machine")
       ->type_name("SCENE");
   app.add_option("--until", arguments.until_s, "Another end than time.end_s of its scene [s]");
+  app.add_option("--step", arguments.step_s, "Another step from here on [s]");
 }
 
 void define_checkpoint(CLI::App& app, Arguments& arguments) {
@@ -151,7 +152,7 @@ const Subcommand subcommands[] = {
     {"run", "Compute a scene: start its participants, couple them, write the results", define_run,
      done<[](const Arguments& a) { run_scene(a.scene, a.out); }>},
     {"resume", "Go on with a run from its last checkpoint, to the same numbers", define_resume,
-     done<[](const Arguments& a) { resume_run(a.results, a.scene, a.until_s); }>},
+     done<[](const Arguments& a) { resume_run(a.results, a.scene, a.until_s, a.step_s); }>},
     {"checkpoint", "Have a run that goes on save all that it would go on from", define_checkpoint,
      done<[](const Arguments& a) { request_checkpoint(a.results); }>},
     {"slurm-script", "Write the batch script that computes a scene on Slurm, from limit to limit", define_slurm_script,

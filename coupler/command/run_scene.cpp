@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/archive.hpp"
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
@@ -95,7 +96,8 @@ Checkpoint last_checkpoint(const std::string& results) {
 }
 
 /// The scene must be the one that the checkpoint is of, but for its end.
-scene::Problem problem_of(const Checkpoint& from, const std::string& scene_path, std::optional<double> until_s) {
+scene::Problem problem_of(const Checkpoint& from, const std::string& scene_path, std::optional<double> until_s,
+                          std::optional<double> step_s) {
   const auto& path = scene_path.empty() ? from.scene_path : scene_path;
   std::error_code no_status;  // of a name that no file can have
   if (scene_path.empty() && !std::filesystem::is_regular_file(path, no_status))
@@ -105,10 +107,13 @@ scene::Problem problem_of(const Checkpoint& from, const std::string& scene_path,
   if (scene.sha256 != from.scene_sha256) {
     throw ConfigError(
         fmt::format("{}: the scene or a mesh of it has changed since the checkpoint (SHA-256 {:.12} then, {:.12} now); "
-                    "only the end may: --until SECONDS",
+                    "only the end and the step may: --until SECONDS, --step SECONDS",
                     scene.path, from.scene_sha256, scene.sha256));
   }
   if (until_s) scene.time.end_s = *until_s;
+  Archive in(from.coupler, "the coupler's part of the checkpoint");
+  in(problem.clock);  // another step than the scene's may be an earlier resume's
+  if (step_s) problem.clock.change(from.window, *step_s);
   return problem;
 }
 
@@ -160,9 +165,12 @@ void run_scene(const std::string& scene_path, const std::string& out) {
   run_accepted(problem, std::move(plan), executables, results, {});
 }
 
-void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s) {
+void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s,
+                std::optional<double> step_s) {
+  if (step_s && !(*step_s > 0.0))
+    throw ConfigError(fmt::format("--step: found {}, allowed: a number of seconds > 0", *step_s));
   auto from = last_checkpoint(folder);
-  const auto problem = problem_of(from, scene_path, until_s);
+  const auto problem = problem_of(from, scene_path, until_s, step_s);
   const auto executables = find_executables(problem.scene);
   const auto programs = programs_text(problem.scene, executables);
   if (scene_path.empty() && !from.by_this_user) {
@@ -179,8 +187,8 @@ void resume_run(const std::string& folder, const std::string& scene_path, std::o
   }
   const ResultsDirectory results(folder, files_of_run(problem.scene), {problem.scene.path}, Former::kept);
   results.go_on_from(from.window, participant_names(problem.scene));
-  fmt::print(stderr, "going on from window {} (t = {:.6g} s) with the scene {}; {}\n", from.window,
-             static_cast<double>(from.window) * from.window_size_s, printable(problem.scene.path), printable(programs));
+  fmt::print(stderr, "going on from window {} (t = {:.6g} s) with the scene {}; {}\n", from.window, from.time_s,
+             printable(problem.scene.path), printable(programs));
   run_accepted(problem, plan, executables, results, std::move(from));
 }
 

@@ -15,7 +15,8 @@ void run_scene(const std::string& scene_path, const std::string& out);
 /// scene or to `until_s`. `scene_path`: the scene, if the user names it; empty: as the checkpoint names it, which must
 /// then be signed by this user's key. Throws as `run_scene`, and ConfigError if there is no checkpoint, the scene has
 /// changed, or nobody but the folder names it.
-void resume_run(const std::string& results, const std::string& scene_path, std::optional<double> until_s);
+void resume_run(const std::string& results, const std::string& scene_path, std::optional<double> until_s,
+                std::optional<double> step_s);
 
 /// `ricochet checkpoint`: has the run that writes into the folder `results` save all that it goes on from, and waits
 /// until that is done. Throws ConfigError if no run is writing there, or it cannot.

@@ -160,7 +160,7 @@ ContractDrive ContractScene::drive(ContractDrive basis) const {
   const auto& coupling = problem_.scene.coupling;
   basis.by_force = coupling.protocol.dual && participant_.role == Role::explicit_solver;
   basis.substeps = basis.by_force ? coupling.substeps : 1;
-  if (basis.window_size_s <= 0.0) basis.window_size_s = problem_.window_size_s;
+  if (basis.window_size_s <= 0.0) basis.window_size_s = problem_.clock.size_s(1);
   return basis;
 }
 

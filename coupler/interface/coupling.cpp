@@ -7,12 +7,12 @@
 
 namespace ricochet::coupler {
 
-Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s)
-    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), window_size_s) {}
+Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, WindowClock clock)
+    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), std::move(clock)) {}
 
 Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
-                   double window_size_s)
-    : map_(std::move(map)), window_size_s_(window_size_s) {
+                   WindowClock clock)
+    : map_(std::move(map)), clock_(std::move(clock)) {
   for (std::size_t p = 0; p < peers.size(); ++p)
     links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
   const std::size_t size = static_cast<std::size_t>(map_.nodes()) * map_.components();
@@ -52,14 +52,42 @@ void Coupling::initialize_implicit(wire::Initialize request, Masses masses, Eige
   if (!implicit_) return;
   interface_stiffness_ = std::move(interface_stiffness);
   if (interface_stiffness_.size() > 0) {
-    const auto dofs = implicit_->rows().dofs();
-    const Eigen::MatrixXd own = interface_stiffness_(dofs, dofs);
+    const Eigen::MatrixXd own = own_stiffness();
     request.interface_stiffness.resize(static_cast<int>(own.rows()), static_cast<int>(own.cols()));
     std::copy_n(own.data(), own.size(), request.interface_stiffness.data.begin());
   }
   implicit_->post_initialize(request, masses_of(*implicit_, masses));
   implicit_->wait_initialized();
   implicit_->rows().scatter(implicit_->output(), displacement_);
+}
+
+/// In the rows of the implicit participant.
+Eigen::MatrixXd Coupling::own_stiffness() const {
+  if (interface_stiffness_.size() == 0) return {};
+  const auto dofs = implicit_->rows().dofs();
+  return interface_stiffness_(dofs, dofs);
+}
+
+void Coupling::reconfigure() {
+  reconfigure_explicit();
+  reconfigure_implicit(interface_stiffness_);
+}
+
+void Coupling::reconfigure_explicit() {
+  reconfigured_ = true;
+  for (auto& link : links_) {
+    if (!link.implicit()) link.post_reconfigure(window_size_s(), {});
+  }
+  for (auto& link : links_) {
+    if (!link.implicit()) link.wait_reconfigured();
+  }
+}
+
+void Coupling::reconfigure_implicit(Eigen::MatrixXd interface_stiffness) {
+  if (!implicit_) return;
+  interface_stiffness_ = std::move(interface_stiffness);
+  implicit_->post_reconfigure(window_size_s(), own_stiffness());
+  implicit_->wait_reconfigured();
 }
 
 std::vector<wire::Finished> Coupling::finish() {
@@ -97,7 +125,7 @@ void Coupling::synchronise_implicit(std::vector<double> force, Integration integ
 }
 
 const std::vector<double>& Coupling::predicted(double beta) {
-  const double dt = window_size_s_;
+  const double dt = window_size_s();
   const double factor = (0.5 - beta) * dt * dt;
   for (std::size_t i = 0; i < displacement_.size(); ++i) {
     prediction_[i] = displacement_[i] + dt * velocity_[i] + factor * acceleration_[i];
@@ -181,7 +209,7 @@ void Coupling::read_state(std::vector<double>& state, std::vector<double>& scale
     for (const double mass_kg : link.rows().per_node(map_.mass_kg())) {
       const double root = std::sqrt(mass_kg);
       const double of_input =
-          link.driven_by_force() ? window_size_s_ / root : root / window_size_s_;  // force, displacement
+          link.driven_by_force() ? window_size_s() / root : root / window_size_s();  // force, displacement
       scale.insert(scale.end(), static_cast<std::size_t>(link.rows().components()), of_input);
     }
   }
@@ -203,6 +231,8 @@ void Coupling::archive(Archive& a) {
   const auto size = displacement_.size();
   for (auto& link : links_) a(link);
   a(displacement_, velocity_, acceleration_, all_explicit_, interface_drift_m_);
+  a(reconfigured_);
+  if (reconfigured_) archive_matrix(a, interface_stiffness_);  // else what the start makes
   if (displacement_.size() != size || velocity_.size() != size || acceleration_.size() != size)
     a.refuse("another interface");
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "coupler/interface/link.hpp"
 
 namespace ricochet::coupler {
@@ -18,9 +19,9 @@ enum class Masses {
 class Coupling {
  public:
   /// Peers in the scene's order of participants, with what they answered to `describe`. Throws as InterfaceMap does.
-  Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, double window_size_s);
+  Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, WindowClock clock);
   Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
-           double window_size_s);
+           WindowClock clock);
   Coupling(const Coupling&) = delete;
   Coupling& operator=(const Coupling&) = delete;
 
@@ -37,6 +38,11 @@ class Coupling {
   void synchronise(Integration integration);
   /// The implicit participant alone, given the whole force [N] of the others on the shared nodes.
   void synchronise_implicit(std::vector<double> force, Integration integration = Integration::implicit_newmark);
+  /// Between windows, where the clock has another size for the next one: everyone is told; nothing moves.
+  void reconfigure();
+  /// The two halves of it; `interface_stiffness`: as of initialize_implicit.
+  void reconfigure_explicit();
+  void reconfigure_implicit(Eigen::MatrixXd interface_stiffness);
   /// True while the implicit participant integrates as central difference.
   [[nodiscard]] bool all_explicit() const { return all_explicit_; }
 
@@ -47,7 +53,9 @@ class Coupling {
   /// Corrected displacement [m] and velocity [m/s] of the shared nodes.
   [[nodiscard]] const std::vector<double>& displacement() const { return displacement_; }
   [[nodiscard]] const std::vector<double>& velocity() const { return velocity_; }
-  [[nodiscard]] double window_size_s() const { return window_size_s_; }
+  /// Times and sizes of windows [s], and the size of the next one.
+  [[nodiscard]] const WindowClock& clock() const { return clock_; }
+  [[nodiscard]] double window_size_s() const { return clock_.size_s(window() + 1); }
   /// Per row of a link and component, summed over all participants [kg].
   [[nodiscard]] std::vector<double> summed_mass_kg(const Link& link) const;
   /// S of initialize_implicit; empty: none [N/m].
@@ -105,12 +113,13 @@ class Coupling {
 
  private:
   [[nodiscard]] std::vector<double> masses_of(const Link& link, Masses masses) const;
+  [[nodiscard]] Eigen::MatrixXd own_stiffness() const;
   void take_motion();
   std::vector<Link> links_;
   Link* implicit_ = nullptr;  ///< into links_; null in `all_explicit`
   InterfaceMap map_;
-  double window_size_s_;
-  bool all_explicit_ = false;
+  WindowClock clock_;
+  bool all_explicit_ = false, reconfigured_ = false;
   double interface_drift_m_ = 0.0;
   std::vector<std::size_t> state_sizes_;  ///< numbers of each participant's motion, from `read_state`
   std::vector<double> displacement_, velocity_, acceleration_, prediction_, force_, own_;

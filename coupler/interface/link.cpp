@@ -99,6 +99,17 @@ void Link::wait_synchronised() {
   take_rates(answer);
 }
 
+void Link::post_reconfigure(double window_size_s, const Eigen::MatrixXd& stiffness) {
+  auto& request = request_.make<wire::Reconfigure>();
+  request_.window = window_;
+  request.window_size_s = window_size_s;
+  request.interface_stiffness.resize(static_cast<int>(stiffness.rows()), static_cast<int>(stiffness.cols()));
+  std::copy_n(stiffness.data(), stiffness.size(), request.interface_stiffness.data.begin());
+  peer_.post(request_);
+}
+
+void Link::wait_reconfigured() { wait<wire::Reconfigured>(); }
+
 void Link::post_load_state(const std::vector<double>& state, FrozenContact frozen_contact) {
   auto& request = request_.make<wire::LoadState>();
   request.frozen_contact = name_of(frozen_contact);

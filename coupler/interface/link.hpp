@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -46,6 +47,9 @@ class Link {
   /// `input` (here and below) in own rows.
   void post_synchronise(Integration integration, const std::vector<double>& input);
   void wait_synchronised();
+  /// Between windows. `stiffness`: of the link, own rows; 0 rows: none.
+  void post_reconfigure(double window_size_s, const Eigen::MatrixXd& stiffness);
+  void wait_reconfigured();
   /// A synchronisation must follow.
   void post_load_state(const std::vector<double>& state, FrozenContact frozen_contact);
   void wait_state_loaded();

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/base/archive.hpp"
+
 namespace ricochet::coupler {
 
 /// Numbers of the wire as a vector to compute with, without a copy.
@@ -12,6 +14,14 @@ namespace ricochet::coupler {
 
 [[nodiscard]] inline std::vector<double> to_vector(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
+}
+
+/// Of the size that it has.
+inline void archive_matrix(Archive& a, Eigen::MatrixXd& matrix) {
+  Eigen::VectorXd numbers = Eigen::Map<const Eigen::VectorXd>(matrix.data(), matrix.size());
+  a(numbers);
+  if (numbers.size() != matrix.size()) a.refuse("another interface");
+  Eigen::Map<Eigen::VectorXd>(matrix.data(), matrix.size()) = numbers;
 }
 
 }  // namespace ricochet::coupler

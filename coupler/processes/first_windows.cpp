@@ -136,7 +136,7 @@ void FirstWindows::match_rows(const participant::Description& reference) {
 void FirstWindows::prepare_setup(const Coupling& coupling) {
   const auto& scene = problem_.scene;
   setup_.protocol = scene.coupling.protocol.name;
-  setup_.window_size_s = coupling.window_size_s();
+  setup_.clock = coupling.clock().size_s(1);
   setup_.substeps = scene.coupling.substeps;
   setup_.driven_by = link_.driven_by_force() ? Drive::force : Drive::displacement;
   setup_.separation_windows = scene.coupling.separation_windows;
@@ -221,7 +221,7 @@ void FirstWindows::refuse(const Difference& difference) {
   const auto& body = description.bodies[static_cast<std::size_t>(description.interface_body.data[node])];
   const auto x = description.interface_position_m.data.begin() + static_cast<std::ptrdiff_t>(node * components);
   const auto window = link_.window();
-  const double time_s = static_cast<double>(window) * setup_.window_size_s;
+  const double time_s = setup_.clock.time_s(window);
   const auto when = window == 0 ? std::string("at the start")
                                 : fmt::format("at the end of window {} (t = {:.6g} s, in which waves go {:.3g} m)",
                                               window, time_s, wave_speed_m_s_ * time_s);
@@ -242,7 +242,7 @@ std::string FirstWindows::cause() const {
     for (auto& body : scene.bodies) lack.take_away(body);
     try {
       auto other = scene::build_bodies(scene);
-      other.window_size_s = problem_.window_size_s;
+      other.clock = problem_.clock.size_s(1);
       if (explains(other)) return lack.what;
     } catch (const Error&) {  // a scene without it is none
     }

@@ -81,7 +81,7 @@ wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t 
                                     const std::string& output_directory) {
   const auto& scene = problem.scene;
   wire::Initialize request;
-  request.window_size_s = problem.window_size_s;
+  request.window_size_s = problem.clock.size_s(1);
   request.directions = directions_along(scene::momentum_normal(problem), scene.components());
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol.name;
@@ -154,7 +154,7 @@ void check_contact_owner(const scene::Problem& problem, const std::vector<PeerDe
 void check_declared_steps(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
   constexpr double found_twice = 1e-6;  // of an eigenvalue
   const auto& scene = problem.scene;
-  const double step_s = problem.window_size_s / scene.coupling.substeps;
+  const double step_s = problem.clock.largest_size_s() / scene.coupling.substeps;
   for (const auto& description : descriptions) {
     const double critical_s = description.critical_time_step_s;
     if (description.role != Role::explicit_solver || critical_s <= 0.0 || step_s <= (1.0 + found_twice) * critical_s)
@@ -202,7 +202,7 @@ ProcessSet make_process_set(const scene::Problem& problem, const std::vector<sce
   const RunIdentity run{run_id,
                         scene.sha256,
                         scene.coupling.timeout_s,
-                        problem.window_size_s,
+                        problem.clock,
                         scene.coupling.transport,
                         scene.where("coupling.transport"),
                         largest_message(problem),

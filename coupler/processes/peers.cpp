@@ -338,7 +338,7 @@ std::string Peers::place(const Remote& peer) const {
   if (peer.identity.empty() && !peer.inside) return "before it said hello";
   if (peer.window <= 0 && peer.lifecycle.done()) return "during start-up";
   if (peer.window <= 0) return fmt::format("during start-up ({})", peer.lifecycle.state());
-  return fmt::format("in window {} (t = {:.6g} s)", peer.window, static_cast<double>(peer.window) * run_.window_size_s);
+  return fmt::format("in window {} (t = {:.6g} s)", peer.window, run_.clock.time_s(peer.window));
 }
 
 /// Who was turned away may have been meant to be this peer.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/window_clock.hpp"
 #include "common/wire/channel.hpp"
 #include "common/wire/lifecycle.hpp"
 #include "common/wire/shared_memory.hpp"
@@ -36,7 +37,7 @@ struct RunIdentity {
   std::string run_id;
   std::string scene_sha256;
   double timeout_s = 60.0;                             ///< longest wait for any peer
-  double window_size_s = 0.0;                          ///< for the times in error texts
+  WindowClock clock = {};                              ///< for the times in error texts
   Transport transport = Transport::automatic;          ///< as in the scene
   std::string transport_where = "coupling.transport";  ///< where the scene says so, for error texts
   std::size_t largest_message =

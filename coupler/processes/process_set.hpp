@@ -34,7 +34,7 @@ struct Member {
 ///   set.launch();
 ///   set.meet();
 ///   const auto descriptions = set.describe();
-///   Coupling coupling(set.peers().all(), descriptions, window_size_s);
+///   Coupling coupling(set.peers().all(), descriptions, clock);
 ///   ...
 ///   coupling.finish();
 ///   set.check_exit_codes();

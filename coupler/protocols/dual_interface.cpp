@@ -46,21 +46,47 @@ void DualInterface::start(Coupling& coupling, const wire::Initialize& request, c
   impedance_.setZero(size, size);
   held_.setZero(size);
   force_.assign(static_cast<std::size_t>(size), 0.0);
-  const double step_s = coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(request.substeps));
+  substeps_ = static_cast<int>(request.substeps);
   for (auto& link : coupling.links()) {
     if (link.implicit()) continue;
     sides_.push_back({&link, {}, {}, {}, {}, {}, {}, {}});
-    measure(sides_.back(), probe, step_s);
+    auto& side = sides_.back();
+    link.post_synchronise(Integration::explicit_central, std::vector<double>(link.input().size(), 0.0));
+    link.wait_synchronised();
+    side.acceleration = link.acceleration_m_s2();
+    measure(side, probe, step_s(coupling, probe));
   }
-  coupling.initialize_implicit(by_force, Masses::own, (2.0 / coupling.window_size_s()) * impedance_);
+  coupling.initialize_implicit(by_force, Masses::own, stiffness(coupling));
   start_multipliers(coupling);
+}
+
+/// What a probe lasts.
+double DualInterface::step_s(const Coupling& coupling, const Step& probe) const {
+  return coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(substeps_));
+}
+
+/// S = 2/dt Z.
+Eigen::MatrixXd DualInterface::stiffness(const Coupling& coupling) const {
+  return (2.0 / coupling.window_size_s()) * impedance_;
+}
+
+void DualInterface::reconfigure(Coupling& coupling, const Step& probe) {
+  coupling.reconfigure_explicit();
+  impedance_.setZero();
+  for (auto& side : sides_) measure(side, probe, step_s(coupling, probe));
+  coupling.reconfigure_implicit(stiffness(coupling));
+  reconfigured_ = true;
+}
+
+void DualInterface::archive(Archive& a) {
+  a(reconfigured_);
+  if (!reconfigured_) return;
+  archive_matrix(a, impedance_);
+  for (auto& side : sides_) archive_matrix(a, side.impedance);
 }
 
 void DualInterface::measure(Side& side, const Step& probe, double step_s) {
   auto& link = *side.link;
-  link.post_synchronise(Integration::explicit_central, std::vector<double>(link.input().size(), 0.0));
-  link.wait_synchronised();
-  side.acceleration = link.acceleration_m_s2();
   std::vector<double> probes = link.own_mass_kg();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (!(probes[i] > 0)) {

@@ -28,6 +28,11 @@ class DualInterface {
   /// an interface node or with an operator that is not positive definite.
   void start(Coupling& coupling, const wire::Initialize& request, const Step& probe);
 
+  /// Between windows of different sizes: measures the operators of the windows to come.
+  void reconfigure(Coupling& coupling, const Step& probe);
+  /// The operators, where they are not those of the start any more.
+  void archive(Archive& a);
+
   /// Trial of all explicit participants with the multipliers held; finds v_free.
   void advance_free(const Step& step);
   /// What the implicit participant is to be given after `advance_free`, shared numbering [N]:
@@ -37,6 +42,7 @@ class DualInterface {
   /// nodes.
   void correct(const Step& step, const std::vector<double>& velocity);
 
+  [[nodiscard]] bool reconfigured() const { return reconfigured_; }
   /// Z of all explicit participants, and lambda_held - Z v_free [N]; shared numbering.
   [[nodiscard]] const Eigen::MatrixXd& impedance() const { return impedance_; }
   [[nodiscard]] const Eigen::VectorXd& held() const { return held_; }
@@ -53,11 +59,15 @@ class DualInterface {
     std::vector<double> common, multiplier;  ///< Pi v of the shared nodes, and the same
   };
   void measure(Side& side, const Step& probe, double step_s);
+  [[nodiscard]] double step_s(const Coupling& coupling, const Step& probe) const;
+  [[nodiscard]] Eigen::MatrixXd stiffness(const Coupling& coupling) const;
   void start_multipliers(Coupling& coupling);
   std::vector<Side> sides_;
   Eigen::MatrixXd impedance_;
   Eigen::VectorXd held_;
   std::vector<double> force_;
+  int substeps_ = 1;
+  bool reconfigured_ = false;
 };
 
 }  // namespace ricochet::coupler

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "common/base/archive.hpp"
 #include "coupler/interface/vectors.hpp"
 #include "coupler/protocols/unit_response.hpp"
 
@@ -18,6 +19,9 @@ class OpenContact {
     const auto has = [&](Capability c) { return std::find(can.begin(), can.end(), name_of(c)) != can.end(); };
     able_ = link.description().contact_owner && has(Capability::load_state) && has(Capability::save_state);
     if (!able_) return;
+    Archive here;
+    link_.archive(here);
+    here_ = here.take();
     link_.post_save_state();
     saved_ = link_.wait_saved_state();
     link_.post_read_state();
@@ -26,12 +30,14 @@ class OpenContact {
     link_.wait_state_loaded();
     rest();
   }
-  /// A synchronisation must follow.
+  /// It goes on from where it was; at the start a synchronisation must follow.
   void give_back() {
     if (!able_) return;
     rest();  // drops the trial
     link_.post_restore_state(saved_);
     link_.wait_state_restored();
+    Archive here(here_, "this end of the link");
+    link_.archive(here);
   }
 
  private:
@@ -41,26 +47,49 @@ class OpenContact {
   }
   Link& link_;
   bool able_ = false;
-  std::string saved_;
+  std::string saved_, here_;
 };
 
 }  // namespace
 
 void GravouilCombescure::start(Coupling& coupling, const wire::Initialize& request) {
   interface_.start(coupling, request, Step{.substep = 1, .ends_window = substeps_ == 1});
+  measure_implicit(coupling);
+  coupling.synchronise_implicit(to_vector(interface_.multiplier()));
+}
+
+void GravouilCombescure::reconfigure(Coupling& coupling) {
+  interface_.reconfigure(coupling,
+                         Step{.accepted_window = coupling.window(), .substep = 1, .ends_window = substeps_ == 1});
+  measure_implicit(coupling);
+}
+
+void GravouilCombescure::measure_implicit(Coupling& coupling) {
   auto& implicit = *coupling.implicit_link();
   // The response to a force includes the answer of the link's stiffness, R = (I + H_i Z)^-1 H_i; H_i = R (I - Z R)^-1.
   const std::vector<double> probes = to_vector(view(implicit.own_mass_kg()) / coupling.window_size_s());
   OpenContact open(implicit);
-  const Eigen::MatrixXd response = unit_response(implicit, Response::velocity, Step{}, probes);
+  const Eigen::MatrixXd response =
+      unit_response(implicit, Response::velocity, Step{.accepted_window = coupling.window()}, probes);
   open.give_back();
   const auto size = response.rows();
   Eigen::MatrixXd r = Eigen::MatrixXd::Zero(size, size);
   implicit.rows().add_matrix(-response, r);
   const auto identity = Eigen::MatrixXd::Identity(size, size);
   implicit_operator_ = (identity - r * interface_.impedance()).partialPivLu().solve(r);
-  velocity_problem_.compute(identity + implicit_operator_ * interface_.impedance());
-  coupling.synchronise_implicit(to_vector(interface_.multiplier()));
+  factorise();
+}
+
+void GravouilCombescure::factorise() {
+  const auto size = implicit_operator_.rows();
+  velocity_problem_.compute(Eigen::MatrixXd::Identity(size, size) + implicit_operator_ * interface_.impedance());
+}
+
+void GravouilCombescure::archive(Archive& a) {
+  interface_.archive(a);
+  if (!interface_.reconfigured()) return;
+  archive_matrix(a, implicit_operator_);
+  if (a.reading()) factorise();
 }
 
 Eigen::VectorXd GravouilCombescure::free_velocity(Coupling& coupling, const Step& step) {

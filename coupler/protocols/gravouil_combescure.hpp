@@ -19,9 +19,13 @@ class GravouilCombescure final : public Protocol {
  public:
   explicit GravouilCombescure(const ProtocolSettings& settings) : substeps_(settings.substeps) {}
   void start(Coupling& coupling, const wire::Initialize& request) override;
+  void reconfigure(Coupling& coupling) override;
+  void archive(Archive& a) override;
   void step(Coupling& coupling, const Step& step) override;
 
  private:
+  void measure_implicit(Coupling& coupling);
+  void factorise();
   /// Velocity that the implicit side would have at the end of the window without multipliers.
   Eigen::VectorXd free_velocity(Coupling& coupling, const Step& step);
 

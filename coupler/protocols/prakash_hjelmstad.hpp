@@ -14,6 +14,10 @@ class PrakashHjelmstad final : public Protocol {
   void start(Coupling& coupling, const wire::Initialize& request) override {
     interface_.start(coupling, request, Step{});
   }
+  void reconfigure(Coupling& coupling) override {
+    interface_.reconfigure(coupling, Step{.accepted_window = coupling.window()});
+  }
+  void archive(Archive& a) override { interface_.archive(a); }
   void step(Coupling& coupling, const Step& step) override;
 
  private:

@@ -17,6 +17,8 @@ class Protocol {
   virtual ~Protocol() = default;
   /// Initialises all participants and synchronises them at t = 0. `request`: see Link::post_initialize.
   virtual void start(Coupling& coupling, const wire::Initialize& request) { coupling.initialize(request); }
+  /// Between windows, where the coupling's clock has another size for the next one.
+  virtual void reconfigure(Coupling& coupling) { coupling.reconfigure(); }
   /// Computes and accepts the windows after `step.accepted_window` on every participant.
   virtual void step(Coupling& coupling, const Step& step) = 0;
   /// What it goes on from between windows, beside the coupling and what `start` makes.

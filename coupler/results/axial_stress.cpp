@@ -81,7 +81,7 @@ std::size_t AxialStress::rows() const {
   return told() ? rows : 0;
 }
 
-std::string AxialStress::csv(double window_size_s) const {
+std::string AxialStress::csv(const WindowClock& clock) const {
   std::string text = "time_s";
   std::map<Place, std::size_t> position;
   std::vector<double> nothing;
@@ -101,7 +101,7 @@ std::string AxialStress::csv(double window_size_s) const {
       window = values[0];
       for (std::size_t c = 0; c < stream.places.size(); ++c) sum[position.at(stream.places[c])] += values[c + 1];
     }
-    out = fmt::format_to(out, "{:.17g}", window * window_size_s);
+    out = fmt::format_to(out, "{:.17g}", clock.time_s(static_cast<std::int64_t>(window)));
     for (const double stress : sum) out = fmt::format_to(out, ",{:.6g}", stress);
     text += '\n';
   }

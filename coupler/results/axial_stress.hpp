@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/window_clock.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -26,7 +27,7 @@ class AxialStress {
   /// Whether any stress is told at all.
   [[nodiscard]] bool told() const { return !layers_.empty(); }
   /// The text of axial_stress.csv. All adding up is left to it, after the last window.
-  [[nodiscard]] std::string csv(double window_size_s) const;
+  [[nodiscard]] std::string csv(const WindowClock& clock) const;
   void archive(Archive& a);
 
  private:

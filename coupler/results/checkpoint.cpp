@@ -105,7 +105,7 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
                {"scene_sha256", checkpoint.scene_sha256},
                {"protocol", checkpoint.protocol},
                {"window", window},
-               {"window_size_s", checkpoint.window_size_s},
+               {"time_s", checkpoint.time_s},
                {"history", told(checkpoint.history)},
                {"fields", told(checkpoint.fields)},
                {"wall_s", checkpoint.wall_s},
@@ -193,7 +193,7 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
     }
     Checkpoint checkpoint{json.at("scene").get<std::string>(),    json.at("scene_sha256").get<std::string>(),
                           json.at("protocol").get<std::string>(), count(json, "window"),
-                          json.at("window_size_s").get<double>(), beginning(json.at("history")),
+                          json.at("time_s").get<double>(),        beginning(json.at("history")),
                           beginning(json.at("fields")),           json.at("wall_s").get<double>(),
                           json.at("cpu_s").get<double>(),         json.at("stepping_s").get<double>(),
                           bytes_of("", json.at("coupler")),       {}};

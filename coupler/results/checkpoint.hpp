@@ -14,7 +14,7 @@ namespace ricochet::coupler {
 struct Checkpoint {
   std::string scene_path, scene_sha256, protocol;
   std::int64_t window = 0;
-  double window_size_s = 0;
+  double time_s = 0;                             ///< at the end of that window
   Beginning history, fields;                     ///< history.csv and the list of FieldDigests up to here
   double wall_s = 0, cpu_s = 0, stepping_s = 0;  ///< spent so far
   std::string coupler;                           ///< its part

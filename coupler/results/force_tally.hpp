@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/archive.hpp"
+#include "common/base/window_clock.hpp"
 
 namespace ricochet::coupler {
 
@@ -34,8 +36,8 @@ class ForceTally {
 
   ForceTally() = default;
   /// So many windows at or below the level are a separation. `rise_time_s`: 2h/c.
-  ForceTally(double window_size_s, double rise_time_s, int separation_windows)
-      : window_size_s_(window_size_s), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
+  ForceTally(WindowClock clock, double rise_time_s, int separation_windows)
+      : clock_(std::move(clock)), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
 
   /// Mean force over a window [N]; windows ascend, and one that is left out has the force of the next.
   void add(std::int64_t window, double force_n);
@@ -52,7 +54,7 @@ class ForceTally {
   [[nodiscard]] double first_window_n() const { return rises_.empty() ? 0.0 : rises_.front().force_n; }
   [[nodiscard]] double gauge_n() const { return gauge_n_; }
   [[nodiscard]] double rise_time_s() const { return rise_time_s_; }
-  [[nodiscard]] double time_s(std::int64_t window) const { return static_cast<double>(window) * window_size_s_; }
+  [[nodiscard]] double time_s(std::int64_t window) const { return clock_.time_s(window); }
 
   void archive(Archive& a);
 
@@ -62,7 +64,8 @@ class ForceTally {
   void note_settled(const Peak& now);
   void note_gauge(const Peak& now);
 
-  double window_size_s_ = 0.0, rise_time_s_ = 0.0;
+  WindowClock clock_;
+  double rise_time_s_ = 0.0;
   int separation_windows_ = 1;
   std::int64_t last_window_ = 0;
   Peak largest_, settled_;

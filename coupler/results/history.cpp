@@ -190,14 +190,14 @@ void History::check_windows() const {
   }
 }
 
-std::optional<HistoryRow> History::next(double window_size_s) {
+std::optional<HistoryRow> History::next(const WindowClock& clock) {
   for (const auto& stream : streams_) {
     if (stream.rows.empty()) return std::nullopt;
   }
   check_windows();
   HistoryRow row;
   row.window = static_cast<std::int64_t>(streams_.front().rows.front()[0]);
-  row.time_s = static_cast<double>(row.window) * window_size_s;
+  row.time_s = clock.time_s(row.window);
   row.bodies.resize(bodies_.size());
   row.contact.contacts.resize(contacts_.size());
   for (auto& stream : streams_) merge(stream, row);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/ledger.hpp"
+#include "common/base/window_clock.hpp"
 
 namespace ricochet::coupler {
 
@@ -104,7 +105,7 @@ class History {
   /// `values`: rows of this participant, row-major. Throws ProtocolError if windows do not ascend.
   void add(std::size_t participant, const std::vector<double>& values);
   /// The next window that every participant has reported, with its errors. Throws ProtocolError if windows disagree.
-  std::optional<HistoryRow> next(double window_size_s);
+  std::optional<HistoryRow> next(const WindowClock& clock);
   /// Every participant tells the work that its link did on it, so that what the interface itself makes is known.
   [[nodiscard]] bool tells_interface() const { return tells_interface_; }
   /// Rows that wait for others, and what the errors refer to.

@@ -149,7 +149,7 @@ std::optional<LockHolder> lock_holder(const std::string& path) {
 }
 
 void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,
-               double window_size_s) {
+               const WindowClock& clock) {
   std::map<std::pair<std::int64_t, std::size_t>, std::string> snapshots;
   for (const auto& entry : fs::directory_iterator(results.file("fields"))) {
     const std::string file = entry.path().filename().string();
@@ -162,8 +162,8 @@ void write_pvd(const ResultsDirectory& results, const std::string& name, const s
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
   for (const auto& [key, file] : snapshots) {
-    text += fmt::format("    <DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n",
-                        static_cast<double>(key.first) * window_size_s, key.second, file);
+    text += fmt::format("    <DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", clock.time_s(key.first),
+                        key.second, file);
   }
   write_atomically(results.file("fields/" + name + ".pvd"), text + "  </Collection>\n</VTKFile>\n");
 }

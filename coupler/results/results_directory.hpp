@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/own_files.hpp"
+#include "common/base/window_clock.hpp"
 
 namespace ricochet::coupler {
 
@@ -54,6 +55,6 @@ struct LockHolder {
 /// Writes fields/<name>.pvd: the snapshots "<participant>_<window>.vtu" found in fields/, grouped by time, one part per
 /// participant in the given order. Does nothing if there are none.
 void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,
-               double window_size_s);
+               const WindowClock& clock);
 
 }  // namespace ricochet::coupler

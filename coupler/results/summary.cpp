@@ -220,8 +220,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
                {"transport", name_of(s.transport)},
                {"windows", s.windows},
                {"windows_planned", s.windows_planned},
-               {"window_size_s", number(s.window_size_s)},
-               {"end_time_s", number(static_cast<double>(s.windows) * s.window_size_s)},
+               {"window_size_s", number(s.clock.size_s(1))},
+               {"end_time_s", number(s.clock.time_s(s.windows))},
                {"wall_s", number(s.wall_s)},
                {"cpu_s", number(s.cpu_s)},
                {"phases",
@@ -275,7 +275,7 @@ std::string to_json(const Summary& s, const Tally& tally) {
 std::string to_table(const Summary& s, const Tally& tally) {
   const std::string status = s.status == RunStatus::left_model ? "left the model" : std::string(name_of(s.status));
   std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", status, s.windows,
-                                 s.window_size_s, s.protocol, s.wall_s);
+                                 s.clock.size_s(1), s.protocol, s.wall_s);
   text += contact_rows(tally);
   const auto balance = [](const std::vector<std::string>& not_told_by, const std::string& error) {
     return not_told_by.empty() ? error : fmt::format("not told by {}", fmt::join(not_told_by, ", "));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/vocabulary.hpp"
+#include "common/base/window_clock.hpp"
 #include "coupler/results/departed.hpp"
 #include "coupler/results/tally.hpp"
 
@@ -47,7 +48,8 @@ struct Summary {
   Transport transport = Transport::automatic;
   std::int64_t windows = 0;          ///< computed
   std::int64_t windows_planned = 0;  ///< up to the latest end
-  double window_size_s = 0, wall_s = 0;
+  WindowClock clock;
+  double wall_s = 0;
   double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
   Phases phases;
   double largest_drift = 0;

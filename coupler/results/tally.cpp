@@ -6,7 +6,7 @@ namespace ricochet::coupler {
 
 Tally tally_of(const scene::Problem& problem) {
   const auto forces = [&](double rise_time_s) {
-    return ForceTally(problem.window_size_s, rise_time_s, problem.scene.coupling.separation_windows);
+    return ForceTally(problem.clock, rise_time_s, problem.scene.coupling.separation_windows);
   };
   std::vector<ContactResult> each;  // of several
   const auto names = problem.scene.contact_names();

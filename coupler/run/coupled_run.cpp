@@ -30,7 +30,7 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.run_id = make_run_id();
   summary.windows_planned = plan.windows;
   if (scene.coupling.protocol.dual) summary.substeps = scene.coupling.substeps;
-  summary.window_size_s = problem.window_size_s;
+  summary.clock = problem.clock;
   return summary;
 }
 
@@ -99,6 +99,9 @@ void CoupledRun::setup() {
   auto descriptions = set_.describe();
   check_contact_owner(problem_, descriptions);
   check_capabilities(scene_.coupling.protocol, descriptions);
+  for (const auto& description : descriptions)
+    if (problem_.clock.changes())
+      require_capability(description, Capability::reconfigure, "a run whose windows change their size");
   compare_with_scene(descriptions);
   check_declared_steps(problem_, descriptions);
   std::vector<History::Source> sources, stress_sources;
@@ -115,7 +118,7 @@ void CoupledRun::setup() {
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
   }
-  coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.window_size_s);
+  coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.clock);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
   try_links();
@@ -164,9 +167,11 @@ void CoupledRun::prepare_first_windows() {
   }
 }
 
-/// Until the implicit participant goes on explicitly: what it is asked then the shipped solver is not.
+/// Until the implicit participant goes on explicitly, or windows have another size: what it is asked then the shipped
+/// solver is not.
 void CoupledRun::compare_first_windows() {
-  if (!loop_->switches().empty()) first_windows_.clear();
+  const bool other_size = problem_.clock.size_s(loop_->window() + 1) != problem_.clock.size_s(1);
+  if (!loop_->switches().empty() || other_size) first_windows_.clear();
   for (const auto& beside : first_windows_) beside->look();
   const auto over = [](const auto& beside) { return beside->over(); };
   first_windows_.erase(std::remove_if(first_windows_.begin(), first_windows_.end(), over), first_windows_.end());
@@ -204,8 +209,9 @@ void CoupledRun::restore() {
     parts.push_back(part->bytes);
   }
   Archive in(from_->coupler, "the coupler's part of the checkpoint");
+  WindowClock clock;  // which resume_run has looked at
   std::vector<Program> began;
-  in(began);
+  in(clock, began);
   require_same(began, programs_);
   coupling_->restore_states(parts);
   archive(in);
@@ -230,7 +236,7 @@ void CoupledRun::save(std::int64_t window) {
                         scene_.sha256,
                         scene_.coupling.protocol.name,
                         window,
-                        problem_.window_size_s,
+                        problem_.clock.time_s(window),
                         history_file_.so_far(),
                         {},
                         wall_s(),
@@ -242,7 +248,8 @@ void CoupledRun::save(std::int64_t window) {
   for (std::size_t p = 0; p < states.size(); ++p)
     checkpoint.parts.push_back({coupling_->links()[p].name(), std::move(states[p])});
   Archive out;
-  out(programs_);
+  WindowClock clock = problem_.clock;
+  out(clock, programs_);
   archive(out);
   checkpoint.coupler = out.take();
   checkpoints_->begin(std::move(checkpoint));
@@ -281,7 +288,7 @@ void CoupledRun::note_lost_momentum() {
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
-  suspicion_.step_s = problem_.window_size_s / scene_.coupling.substeps;
+  suspicion_.step_s = problem_.clock.largest_size_s() / scene_.coupling.substeps;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
   suspicion_.links_told = untold.interface.empty();
@@ -313,9 +320,10 @@ bool CoupledRun::may_switch() {
     obstacle = "it lacks the capability \"switch_integration\"";
   } else if (!plan_.switch_obstacle.empty()) {
     obstacle = plan_.switch_obstacle;
-  } else if (critical > 0 && critical < problem_.window_size_s) {  // of a solver that has elements we know nothing of
-    obstacle =
-        fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical, problem_.window_size_s);
+  } else if (critical > 0 &&
+             critical < problem_.clock.largest_size_s()) {  // of a solver that has elements we know nothing of
+    obstacle = fmt::format("its critical time step {:.4g} s is below the step {:.4g} s", critical,
+                           problem_.clock.largest_size_s());
   }
   if (obstacle.empty()) return true;
   summary_.notes.push_back(fmt::format("'{}' stays implicit after separation: {}", implicit->name(), obstacle));
@@ -342,7 +350,7 @@ void CoupledRun::take_records(std::int64_t window) {
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
   for (auto& link : links) take_contact_forces(link.take_contact_forces(), valid_until_s);
-  while (auto row = history_->next(problem_.window_size_s)) {
+  while (auto row = history_->next(problem_.clock)) {
     count_contact(*row);
     since_last_row_.contact_iterations += row->contact.contact_iterations;
     since_last_row_.contact_residual = std::max(since_last_row_.contact_residual, row->contact.contact_residual);
@@ -353,7 +361,7 @@ void CoupledRun::take_records(std::int64_t window) {
       row->contact.contact_residual = std::exchange(since_last_row_.contact_residual, 0.0);
       history_file_.add(*row);
       tally_.add(*row);
-      progress_.show(window, problem_.window_size_s, *row);
+      progress_.show(window, problem_.clock, *row);
     }
     watch_->check(*row);
   }
@@ -365,7 +373,7 @@ void CoupledRun::take_contact_forces(const std::vector<double>& rows, std::optio
   const std::size_t width = 1 + std::max<std::size_t>(tally_.each_contact.size(), 1);
   forces_told_ = forces_told_ || !rows.empty();
   for (std::size_t row = 0; row + width <= rows.size(); row += width) {
-    if (valid_until_s && rows[row] * problem_.window_size_s > *valid_until_s) return;
+    if (valid_until_s && problem_.clock.time_s(static_cast<std::int64_t>(rows[row])) > *valid_until_s) return;
     tally_.add_forces(static_cast<std::int64_t>(rows[row]), &rows[row + 1]);
   }
 }

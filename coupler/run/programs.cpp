@@ -121,7 +121,7 @@ std::vector<Program> programs_of(const scene::Problem& problem, const std::vecto
     if (problem.scene.participants[p].foreign()) {
       if (!executables[p].empty())
         program.facts.push_back({fmt::format("the SHA-256 of {}", executables[p]), digest_of_file(executables[p])});
-      program.facts.push_back(answer_to_a_trial(links[p], extent(problem), problem.window_size_s));
+      program.facts.push_back(answer_to_a_trial(links[p], extent(problem), problem.clock.size_s(1)));
     }
     programs.push_back(std::move(program));
   }

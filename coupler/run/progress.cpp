@@ -36,13 +36,13 @@ void Progress::show_start(const std::string& name, std::string_view doing, doubl
   put(line);
 }
 
-void Progress::show(std::int64_t window, double window_size_s, const HistoryRow& row) {
+void Progress::show(std::int64_t window, const WindowClock& clock, const HistoryRow& row) {
   if (!due()) return;
   const double elapsed = std::chrono::duration<double>(shown_ - begin_).count();
   const double left =
       window > 0 ? elapsed * static_cast<double>(last_window_ - window) / static_cast<double>(window) : 0.0;
-  std::string line = fmt::format("step {}/{}  t {:.4g} s  dt {:.4g} s", window, last_window_,
-                                 static_cast<double>(window) * window_size_s, window_size_s);
+  std::string line = fmt::format("step {}/{}  t {:.4g} s  dt {:.4g} s", window, last_window_, clock.time_s(window),
+                                 clock.size_s(window + 1));
   if (has_contact_) {
     line += fmt::format("  stick/slip/open {:.0f}/{:.0f}/{:.0f}", row.contact.pairs_stick, row.contact.pairs_slip,
                         row.contact.pairs_open);

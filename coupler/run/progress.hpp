@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/window_clock.hpp"
 #include "coupler/results/history.hpp"
 
 namespace ricochet::coupler {
@@ -13,8 +14,8 @@ namespace ricochet::coupler {
 class Progress {
  public:
   Progress(std::int64_t last_window, bool has_contact);
-  /// After `window` windows of `window_size_s` each; `row`: the newest merged history row.
-  void show(std::int64_t window, double window_size_s, const HistoryRow& row);
+  /// After `window` windows of the clock; `row`: the newest merged history row.
+  void show(std::int64_t window, const WindowClock& clock, const HistoryRow& row);
   /// Before the first window: what a participant is doing; `share_done` < 0: it does not know.
   void show_start(const std::string& name, std::string_view doing, double share_done);
   /// Ends a line that was rewritten in place, so that what follows starts on a new one.

@@ -119,11 +119,11 @@ void CoupledRun::write_files() {
 
 void CoupledRun::write_fields_and_trace() {
   const auto names = participant_names(scene_);
-  write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, problem_.window_size_s);
+  write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, problem_.clock);
   const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   if (axial_stress_ && axial_stress_->told())
-    write_atomically(results_.file("axial_stress.csv"), axial_stress_->csv(problem_.window_size_s));
+    write_atomically(results_.file("axial_stress.csv"), axial_stress_->csv(problem_.clock));
   for (const auto& warning : {contact_warning(tally_), substeps_warning(summary_, tally_)}) {
     if (!warning.empty()) fmt::print(stderr, "warning: {}: {}\n", printable(scene_.path), warning);
   }

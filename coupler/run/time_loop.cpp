@@ -31,6 +31,7 @@ void TimeLoop::archive(Archive& a) {
 void TimeLoop::run() {
   on_records_(window_);
   while (window_ < settings_.last_window && !coupling_.contact().finished_early) {
+    change_window_size();
     const Step step = next_step();
     const auto begin = Clock::now();
     protocol_.step(coupling_, step);
@@ -53,6 +54,8 @@ Step TimeLoop::next_step() {
   if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
   if (settings_.stop_every > 0)
     step.windows = std::min<std::int64_t>(step.windows, settings_.stop_every - window_ % settings_.stop_every);
+  if (const auto change = coupling_.clock().next_change(window_); change > 0)
+    step.windows = std::min(step.windows, change - window_);
   const std::int64_t end = window_ + step.windows;
   step.absolute = settings_.coupled && settings_.resynchronise_every > 0 && end % settings_.resynchronise_every == 0;
   const auto now = Clock::now();
@@ -70,12 +73,16 @@ void TimeLoop::adapt_chunk(double elapsed_s) {
   if (elapsed_s > 2.0 * chunk_s) chunk_ = std::max<std::int64_t>(chunk_ / 2, 1);
 }
 
+void TimeLoop::change_window_size() {
+  const auto& clock = coupling_.clock();
+  if (window_ > 0 && clock.size_s(window_ + 1) != clock.size_s(window_)) protocol_.reconfigure(coupling_);
+}
+
 void TimeLoop::switch_integration() {
   const bool to_explicit = separation_.update(coupling_.contact(), coupling_.window_size_s());
   if (to_explicit == coupling_.all_explicit()) return;
   coupling_.synchronise(to_explicit ? Integration::explicit_central : Integration::implicit_newmark);
-  switches_.push_back({static_cast<double>(window_) * coupling_.window_size_s(),
-                       to_explicit ? Role::explicit_solver : Role::implicit_solver});
+  switches_.push_back({coupling_.clock().time_s(window_), to_explicit ? Role::explicit_solver : Role::implicit_solver});
 }
 
 }  // namespace ricochet::coupler

@@ -38,6 +38,7 @@ class TimeLoop {
   using Clock = std::chrono::steady_clock;
   [[nodiscard]] Step next_step();
   void adapt_chunk(double elapsed_s);
+  void change_window_size();
   void switch_integration();
 
   Coupling& coupling_;

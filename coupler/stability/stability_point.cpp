@@ -36,7 +36,7 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   for (const auto& description : descriptions) {
     require_capability(description, Capability::load_state, "`ricochet stability`");
   }
-  Coupling coupling(set.peers().all(), joined(problem, descriptions), problem.window_size_s);
+  Coupling coupling(set.peers().all(), joined(problem, descriptions), problem.clock.size_s(1));
   const auto protocol = make_protocol(traits.name, protocol_settings(problem.scene.coupling));
   protocol->start(coupling, endless_request(problem));
   std::vector<ContactStability> measured;

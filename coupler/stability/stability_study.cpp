@@ -106,7 +106,7 @@ void StabilityStudy::measure(std::size_t column, const scene::Problem& problem,
   const auto plans = scene::plan_participants(problem);
   const double edge_s = critical_window_s(problem, plans);
   for (const auto& measured : measure_stability(problem, plans, contacts, results_)) {
-    points_.push_back({column, problem.window_size_s, edge_s, measured.frozen_contact, measured.radius});
+    points_.push_back({column, problem.clock.size_s(1), edge_s, measured.frozen_contact, measured.radius});
     print(points_.back());
   }
 }

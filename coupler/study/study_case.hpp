@@ -41,7 +41,7 @@ class StudyCase {
   [[nodiscard]] std::string key() const;  ///< name of the folder
   [[nodiscard]] const scene::Problem& problem() const { return *problem_; }
   [[nodiscard]] long long steps() const { return steps_; }
-  [[nodiscard]] double step_s() const { return plan_ ? problem_->window_size_s : 0.0; }
+  [[nodiscard]] double step_s() const { return plan_ ? problem_->clock.size_s(1) : 0.0; }
   /// Of the first repeat.
   [[nodiscard]] Observation observation() const;
 

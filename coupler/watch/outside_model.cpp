@@ -94,21 +94,22 @@ std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, st
                              fem::place_text(problem_.scene.model, overlap.place), overlap.time_s)},
         news);
   }
-  last_update_s_ = static_cast<double>(window) * problem_.window_size_s;
+  last_update_s_ = problem_.clock.time_s(window);
   return news;
 }
 
 void OutsideModel::take(const Link& link, std::vector<std::string>& news) {
   const auto& told = link.departures();
+  const auto end_of = [this](double window) { return problem_.clock.time_s(static_cast<std::int64_t>(window)); };
   for (int row = 0; row < told.rows; ++row) {
     const double* v = &told.data[static_cast<std::size_t>(row * wire::departure_columns)];
     const Kind& kind = kinds[static_cast<std::size_t>(v[0]) - 1];
     Departed departed{.kind = kind.name,
                       .body = link.description().bodies[static_cast<std::size_t>(v[1])],
                       .size = v[5],
-                      .first_s = v[3] * problem_.window_size_s,
-                      .time_s = v[6] * problem_.window_size_s,
-                      .within_s = v[2] * problem_.window_size_s,
+                      .first_s = end_of(v[3]),
+                      .time_s = end_of(v[6]),
+                      .within_s = end_of(v[2]),
                       .place_m = {v[7], v[8], v[9]},
                       .looks = static_cast<std::int64_t>(v[4]),
                       .wrong = kind.wrong,

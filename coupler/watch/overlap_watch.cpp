@@ -119,8 +119,7 @@ std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& l
     const double share = first_overlap(a, b);
     if (share > 1.0) continue;
     const auto overlap = overlap_at(a, b, share);
-    const double begin_s = static_cast<double>(last_window_) * problem_.window_size_s,
-                 end_s = static_cast<double>(window) * problem_.window_size_s;
+    const double begin_s = problem_.clock.time_s(last_window_), end_s = problem_.clock.time_s(window);
     found.push_back({a.name, b.name, overlap.depth_m, begin_s + share * (end_s - begin_s), begin_s, overlap.place});
   }
   for (auto& body : bodies_) body.before = body.now;

@@ -45,7 +45,7 @@ std::vector<double> SceneComparison::probe(Drive drive) const {
         result.push_back(probe_share * extent(problem_.bodies[fem::at(parts_[fem::at(nodes_[row].part)].body)].mesh) *
                          shape);
       } else {
-        const double step_s = problem_.window_size_s / problem_.scene.coupling.substeps;
+        const double step_s = problem_.clock.size_s(1) / problem_.scene.coupling.substeps;
         result.push_back(description_.interface_mass_kg.data[row] * probe_velocity_m_s / step_s * shape);
       }
     }
@@ -73,7 +73,7 @@ SceneComparison::Response SceneComparison::internal_force(const std::vector<doub
 /// M a = lambda - K u by central differences from rest, with the part's own masses.
 SceneComparison::Response SceneComparison::velocity(const std::vector<double>& probe, int substeps) const {
   const auto count = static_cast<int>(components_);
-  const double dt = problem_.window_size_s / substeps;
+  const double dt = problem_.clock.size_s(1) / substeps;
   Response response(probe.size(), 0.0);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const auto& part = parts_[p].part;

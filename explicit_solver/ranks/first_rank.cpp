@@ -53,6 +53,14 @@ void FirstRank::tell(Order order, std::int64_t window, int substep) {
   communicator_.broadcast(&command, sizeof command);
 }
 
+void FirstRank::reconfigure(WindowClock clock) {
+  tell(Order::reconfigure);
+  Archive out;
+  out(clock);
+  std::string bytes = out.take();
+  communicator_.broadcast(bytes);
+}
+
 void FirstRank::take_totals(const Stepping& own, double dt, std::vector<BodyState>& whole) {
   tell(Order::sums);
   communicator_.gather(share_->sums(own), sum_counts_, all_);

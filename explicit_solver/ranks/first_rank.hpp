@@ -18,6 +18,7 @@ class FirstRank final : public Ranks {
                                         const participant::Setup& setup,
                                         std::vector<solver::BodyState>& whole) override;
   void tell(Order order, std::int64_t window = 0, int substep = 0) override;
+  void reconfigure(WindowClock clock) override;
   void take_totals(const Stepping& own, double dt, std::vector<solver::BodyState>& whole) override;
   void take_motion(std::vector<solver::BodyState>& whole) override;
   std::vector<std::string> save() override;

@@ -243,6 +243,15 @@ void follow(const scene::Problem& problem, const std::string& participant, const
     communicator.broadcast(&command, sizeof command);
     switch (command.order) {
       case Order::synchronise: stepping.synchronise(command.window, {}); break;
+      case Order::reconfigure: {
+        std::string bytes;
+        communicator.broadcast(bytes);
+        Archive told(bytes, "the clock that the first rank told");
+        told(beginning.setup.clock);
+        told.end();
+        stepping.reconfigure();
+        break;
+      }
       case Order::advance: stepping.advance(command.window, {}); break;
       case Order::advance_substep: stepping.advance_substep(command.window, command.substep, {}); break;
       case Order::accept: stepping.accept(command.window); break;

@@ -41,7 +41,7 @@ struct Beginning {
   participant::Setup setup;
   std::vector<SharedPart> shared;
 
-  void archive(Archive& a) { a(setup.window_size_s, setup.substeps, setup.driven_by, shared); }
+  void archive(Archive& a) { a(setup.clock, setup.substeps, setup.driven_by, shared); }
 };
 
 /// What the first rank tells the others.

@@ -195,8 +195,8 @@ std::string calculix_deck(const scene::Problem& problem, long steps) {
   deck += "*INITIAL CONDITIONS, TYPE=VELOCITY\n";
   for (const auto& body : bodies) add_velocities(body, deck);
   add_contact(scene.contact_law(), bodies[at(contact.body_a)], bodies[at(contact.body_b)], deck);
-  deck += fmt::format("*STEP, INC=1000000\n*DYNAMIC, DIRECT, ALPHA=0.\n{}, {}\n", number(problem.window_size_s),
-                      number(static_cast<double>(steps) * problem.window_size_s));
+  deck += fmt::format("*STEP, INC=1000000\n*DYNAMIC, DIRECT, ALPHA=0.\n{}, {}\n", number(problem.clock.size_s()),
+                      number(static_cast<double>(steps) * problem.clock.size_s()));
   return deck + "*CONTACT PRINT, SLAVE=FIRST, MASTER=SECOND, FREQUENCY=1\nCF\n*END STEP\n";
 }
 

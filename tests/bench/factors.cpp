@@ -41,7 +41,7 @@ struct ImplicitOperator {
 ImplicitOperator operator_of(const std::string& scene_path) {
   const auto problem = scene::build_problem(scene::load_scene(scene_path));
   const int components = problem.scene.components();
-  const double factor = 0.25 * problem.window_size_s * problem.window_size_s;
+  const double factor = 0.25 * problem.clock.size_s() * problem.clock.size_s();
   const auto& contact = problem.contacts.front();
   std::vector<Eigen::Triplet<double>> entries;
   ImplicitOperator result;

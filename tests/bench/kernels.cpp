@@ -150,7 +150,7 @@ std::vector<int> number_unknowns(const scene::Problem& problem) {
 ImplicitOperator make_operator(int refinement) {
   const auto problem = reference_problem(refinement);
   const auto unknown_of = number_unknowns(problem);
-  const double factor = 0.25 * problem.window_size_s * problem.window_size_s;
+  const double factor = 0.25 * problem.clock.size_s() * problem.clock.size_s();
   std::vector<Eigen::Triplet<double>> entries;
   ImplicitOperator result;
   std::size_t offset = 0;

@@ -108,10 +108,10 @@ RankCost cost_of(const scene::Problem& problem, const std::vector<SharedPart>& s
     cost.nodes += static_cast<int>(std::count(state.own.begin(), state.own.end(), true));
   }
   participant::Setup setup;
-  setup.window_size_s = problem.window_size_s;
+  setup.clock = problem.clock.size_s();
   std::optional<explicit_solver::ExplicitContact> contact;
   if (rank == 0)
-    contact.emplace(problem.scene.contact_law(), solver::ContactSurface(problem, share.states()), setup.window_size_s,
+    contact.emplace(problem.scene.contact_law(), solver::ContactSurface(problem, share.states()), setup.clock.size_s(),
                     solver::SlidingRows(problem, share.states()));
   explicit_solver::Stepping stepping(share.states(), setup, std::move(contact));
   stepping.synchronise(0, {});

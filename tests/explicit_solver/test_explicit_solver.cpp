@@ -13,7 +13,7 @@ scene::Problem problem(const std::string& config) {
 
 participant::Setup setup_of(const scene::Problem& p, const participant::Description& description) {
   participant::Setup setup;
-  setup.window_size_s = p.window_size_s;
+  setup.clock = p.clock;
   setup.interface_mass_kg = description.interface_mass_kg;
   return setup;
 }
@@ -46,7 +46,7 @@ TEST(ExplicitSolver, DescribesItsSharedNodesBodyByBody) {
   EXPECT_EQ(run.description.interface_position_m.size(), 44U);
   EXPECT_THAT(run.description.bodies, testing::ElementsAre("steel", "carbide"));
   EXPECT_FALSE(run.description.contact_owner);
-  EXPECT_GT(run.description.critical_time_step_s, run.given.window_size_s);
+  EXPECT_GT(run.description.critical_time_step_s, run.given.clock.size_s());
 }
 
 TEST(ExplicitSolver, ATrialRepeatedGivesTheSameBitsAndLeavesNoTrace) {

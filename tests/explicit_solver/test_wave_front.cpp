@@ -52,7 +52,7 @@ class Twins {
  public:
   explicit Twins(const std::string& text, participant::Setup setup = {})
       : problem_(problem_of(text)), skipping(problem_, "explicit"), full(problem_, "explicit") {
-    setup.window_size_s = problem_.window_size_s;
+    setup.clock = problem_.clock.size_s();
     setup.last_window = 1'000'000;
     setup.interface_mass_kg = full.describe().interface_mass_kg;
     each([&](ExplicitSolver& solver, participant::LinkOutput& output) { solver.initialize(setup, output); });

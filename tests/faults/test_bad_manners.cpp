@@ -83,7 +83,7 @@ const std::vector<Habit> habits = {
     {"finds_the_disk_full", 4, failed, {"failed in window 40", ": disk full"}},
     {"exits_silently", 4, failed, {"ended with exit code 7 in window 40"}},
     {"exits_badly_after_all", 4, failed, {"finished its work but ended with exit code 9"}},
-    {"greets_in_another_version", 4, failed, {"version 99", "this program speaks version 6", "the same release"}},
+    {"greets_in_another_version", 4, failed, {"version 99", "this program speaks version 7", "the same release"}},
     {"greets_with_nonsense", 4, failed, {"before it said hello"}},
     {"greets_too_late", 4, failed, {"the first message must be 'hello', not 'description'"}},
     {"has_another_role", 2, wrong, {"says it is implicit, the scene wants explicit"}},

@@ -69,7 +69,7 @@ const std::vector<Damage> damages = {
     {"the_list_of_fields",
      [](const std::string& results) { flip_a_byte(results + "/checkpoint/fields.sha256"); },
      {"checkpoint/fields.sha256 is not what was written"}},
-    {"the_step_in_the_manifest", with_manifest("window_size_s", "2.5e-06"), {".json is not what was written"}},
+    {"the_step_in_the_manifest", with_manifest("time_s", "2.5e-06"), {".json is not what was written"}},
     {"the_time_in_the_manifest", with_manifest("wall_s", "1e6"), {".json is not what was written"}},
     {"the_protocol_in_the_manifest", with_manifest("protocol", "\"kim\""), {".json is not what was written"}},
     {"the_scene_in_the_manifest", with_manifest("scene", "\"/tmp/other.toml\""), {".json is not what was written"}},

@@ -115,7 +115,7 @@ class SmallSolvers {
     }
     const auto description = solver.participant->describe();
     participant::Setup setup;
-    setup.window_size_s = problem.window_size_s;
+    setup.clock = problem.clock.size_s();
     setup.substeps = scene.coupling.substeps;
     setup.last_window = 100;
     setup.interface_mass_kg = description.interface_mass_kg;

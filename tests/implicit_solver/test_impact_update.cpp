@@ -54,7 +54,7 @@ Motion after_one_window(const std::string& text) {
   ImplicitSolver solver(problem, problem.scene.participants.at(0).name);
   static_cast<void>(solver.describe());
   participant::Setup setup;
-  setup.window_size_s = problem.window_size_s;
+  setup.clock = problem.clock.size_s();
   participant::LinkOutput output;
   solver.initialize(setup, output);
   solver.synchronise(participant::Integration::implicit_newmark, {}, output);

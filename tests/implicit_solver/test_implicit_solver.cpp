@@ -21,7 +21,7 @@ struct Started {
       : given(baseline(config, update)), solver(given, "implicit") {
     (void)solver.describe();
     participant::Setup setup;
-    setup.window_size_s = given.window_size_s;
+    setup.clock = given.clock.size_s();
     solver.initialize(setup, output);
     solver.synchronise(participant::Integration::implicit_newmark, {}, output);
   }
@@ -33,7 +33,7 @@ struct Started {
   /// energy.
   [[nodiscard]] double staggered_energy() const {
     double energy = 0.0;
-    const double dt = given.window_size_s;
+    const double dt = given.clock.size_s();
     for (const auto& state : states()) {
       const Eigen::VectorXd force = state.part.stiffness * state.u;
       const Eigen::VectorXd a = -state.inverse_mass.cwiseProduct(force);

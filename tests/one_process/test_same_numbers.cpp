@@ -20,7 +20,7 @@ std::string history_in_one_process(const std::string& scene, const std::string& 
     coupler::HistoryFile file(path, coupler::history_shape(run.problem()));
     run.run([&](std::int64_t) {
       for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
-      while (const auto row = history.next(run.problem().window_size_s)) file.add(*row);
+      while (const auto row = history.next(run.problem().clock.size_s())) file.add(*row);
     });
   }
   return test::file_text(path);

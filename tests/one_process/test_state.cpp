@@ -30,7 +30,7 @@ struct Alone {
       : problem(problem_of(config, protocol, law)), solver(problem, "alone") {
     (void)solver.describe();
     participant::Setup setup;
-    setup.window_size_s = problem.window_size_s;
+    setup.clock = problem.clock.size_s();
     setup.last_window = 100'000;
     solver.initialize(setup, output);
     solver.synchronise(participant::Integration::implicit_newmark, {}, output);
@@ -90,7 +90,7 @@ TEST(State, OfSubstepsPutBackGivesTheSameBits) {
   explicit_solver::ExplicitSolver solver(problem, "explicit");
   participant::Setup setup;
   setup.interface_mass_kg = solver.describe().interface_mass_kg;
-  setup.window_size_s = problem.window_size_s;
+  setup.clock = problem.clock.size_s();
   setup.substeps = 2;
   setup.driven_by = participant::Drive::force;
   setup.last_window = 1000;

@@ -39,7 +39,7 @@ class Spring : public Participant {
     return d;
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
-    dt_ = setup.window_size_s;
+    dt_ = setup.clock.size_s();
     if (flaw_ == "pulls") stiffness_ = -stiffness_;
     if (flaw_ == "deaf") stiffness_ = 0.0;
     if (flaw_ == "process_dependent") stiffness_ *= 1.0 + 1e-12 * static_cast<double>(getpid());

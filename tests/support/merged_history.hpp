@@ -25,7 +25,7 @@ inline std::vector<coupler::HistoryRow> rows_of(const std::string& scene_path) {
   auto& links = run.coupling().links();
   const auto take_rows = [&](std::int64_t) {
     for (std::size_t p = 0; p < links.size(); ++p) history.add(p, links[p].take_records());
-    while (auto row = history.next(run.problem().window_size_s)) rows.push_back(*std::move(row));
+    while (auto row = history.next(run.problem().clock.size_s())) rows.push_back(*std::move(row));
   };
   run.run(take_rows);
   for (auto& link : links) {  // a run that ends early has rows left

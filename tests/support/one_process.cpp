@@ -62,14 +62,14 @@ class LocalParticipant {
 namespace {
 
 std::unique_ptr<coupler::Coupling> couple(std::vector<std::unique_ptr<LocalParticipant>>& participants,
-                                          double window_size_s) {
+                                          WindowClock clock) {
   std::vector<coupler::PeerDescription> descriptions;
   std::vector<coupler::Peer> peers;
   for (auto& participant : participants) {
     descriptions.push_back(participant->description());
     peers.push_back(participant->peer());
   }
-  return std::make_unique<coupler::Coupling>(std::move(peers), descriptions, window_size_s);
+  return std::make_unique<coupler::Coupling>(std::move(peers), descriptions, std::move(clock));
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ OneProcess::OneProcess(const std::string& scene_path, bool all_rows)
   for (const auto& spec : scene.participants) {
     participants_.push_back(std::make_unique<LocalParticipant>(problem_, spec));
   }
-  coupling_ = couple(participants_, problem_.window_size_s);
+  coupling_ = couple(participants_, problem_.clock);
   protocol_ = coupler::make_protocol(scene.coupling.protocol.name, coupler::protocol_settings(scene.coupling));
   wire::Initialize initialize = coupler::initialize_request(problem_, plan_.windows, "");
   initialize.fields_every = 0;  // no result files: there is no folder for them

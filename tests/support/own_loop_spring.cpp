@@ -54,7 +54,7 @@ int run(const Arguments& arguments) {
   while (loop.ongoing()) {
     if (loop.must_save()) saved = state;
     state.step(loop.max_time_step(), loop.read()[0]);
-    loop.write({{state.force}, {}, {}}, state.record(loop.setup().window_size_s));
+    loop.write({{state.force}, {}, {}}, state.record(loop.setup().clock.size_s()));
     loop.advance();
     if (loop.must_restore()) state = saved;
   }

@@ -43,7 +43,7 @@ class SpringMass : public Participant {
     force(u_, output);
   }
   void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
-    const double dt = setup.window_size_s;
+    const double dt = setup.clock.size_s();
     for (std::size_t i = 0; i < u_.size(); ++i) trial_u_[i] = u_[i] + dt * v_[i] + 0.5 * dt * dt * a_[i];
     for (std::size_t i = 0; i < link_input.size(); ++i) link_[i] = link_input[i];
     force(trial_u_, output);
@@ -53,7 +53,7 @@ class SpringMass : public Participant {
     u_ = trial_u_;
     for (std::size_t i = 0; i < u_.size(); ++i) {
       const double a = -stiffness / mass * (u_[i] - link_[i]);
-      v_[i] += 0.5 * setup.window_size_s * (a_[i] + a);
+      v_[i] += 0.5 * setup.clock.size_s() * (a_[i] + a);
       a_[i] = a;
     }
   }
@@ -67,7 +67,7 @@ class SpringMass : public Participant {
   void read_state(std::vector<double>& state, std::vector<double>& scale) override {
     state.insert(state.end(), u_.begin(), u_.end());
     state.insert(state.end(), v_.begin(), v_.end());
-    scale.assign(u_.size(), std::sqrt(mass) / setup.window_size_s);
+    scale.assign(u_.size(), std::sqrt(mass) / setup.clock.size_s());
     scale.resize(2 * u_.size() - missing_scales, std::sqrt(mass));
   }
   [[nodiscard]] ContactStatus contact_status() const override { return status; }

@@ -109,6 +109,27 @@ TEST(PythonBarsWithCheckpoints, GoOnFromWhatTheySaved) {
   expect_same_results(half, whole.folder);
 }
 
+/// Two processes of Python whose windows change their size, against ours; and without the capability.
+TEST(PythonBarsWithChangingWindows, GiveTheHistoryOfOurs) {
+  TemporaryFolder folder;
+  const auto bar =
+      bar_with(folder, "changing_bar.py", "['repeat_window', 'reconfigure']", R"(    def reconfigure(self, setup):
+        self.dt = setup["window_size_s"]
+)");
+  const auto changing = [](const std::string& executable) {
+    return with_key(two_bars("hughes_liu", executable), "time", "changes",
+                    "[{ from_s = 80e-6, step_s = 1.113e-6 }, { from_s = 110e-6, step_s = 2.226e-6 }]");
+  };
+  const auto python = run_text(changing(bar), folder, "python"), ours = run_text(changing(""), folder, "ours");
+  ASSERT_EQ(python.column("time_s").size(), ours.column("time_s").size());
+  for (const auto& [column, values] : ours.history) EXPECT_LT(difference(python, ours, column), 1e-12) << column;
+  const auto unable = run_file(folder.write(changing(python_folder + "/explicit_bar.py")), folder);
+  EXPECT_EQ(unable.outcome.code, 2);
+  EXPECT_THAT(unable.outcome.error,
+              testing::HasSubstr("participant 'of_left' (explicit) cannot take part in a run whose windows change "
+                                 "their size: it lacks the capability \"reconfigure\""));
+}
+
 TEST(PythonBarsWithCheckpoints, ThatSaveNoStateAreNamedIfCheckpointsAreAskedFor) {
   TemporaryFolder folder;
   const auto bar = python_folder + "/explicit_bar.py";

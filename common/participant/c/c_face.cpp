@@ -144,7 +144,8 @@ int ricochet_set_critical_time_step(ricochet_loop* loop, double step_s) {
 
 int ricochet_add_capability(ricochet_loop* loop, const char* capability) {
   return guarded(loop, [&] {
-    const std::vector<std::string> allowed{"repeat_window", "driven_by_force"};  // what the time loop can do
+    const std::vector<std::string> allowed{"repeat_window", "driven_by_force",
+                                           "reconfigure"};  // what the time loop can do
     description_of(loop, "ricochet_add_capability")
         .capabilities.push_back(named<Capability>("ricochet_add_capability: found", capability, allowed));
   });
@@ -167,7 +168,7 @@ int ricochet_initialize(ricochet_loop* loop, const double* value, const double* 
 }
 
 double ricochet_window_size(const ricochet_loop* loop) {
-  return loop && loop->loop ? loop->loop->setup().window_size_s : 0.0;
+  return loop && loop->loop ? loop->loop->setup().clock.size_s() : 0.0;
 }
 int ricochet_substeps(const ricochet_loop* loop) { return loop && loop->loop ? loop->loop->setup().substeps : 0; }
 int ricochet_driven_by_force(const ricochet_loop* loop) {

@@ -30,6 +30,7 @@ program explicit_bar
   call check(ricochet_set_critical_time_step(loop, sqrt(m / k)))
   call check(ricochet_add_capability(loop, "repeat_window" // c_null_char))
   call check(ricochet_add_capability(loop, "driven_by_force" // c_null_char))
+  call check(ricochet_add_capability(loop, "reconfigure" // c_null_char))
   call check(ricochet_add_column(loop, "mass_kg/left" // c_null_char))
   call check(ricochet_add_column(loop, "energy_kinetic_j/left" // c_null_char))
   call check(ricochet_add_column(loop, "energy_strain_j/left" // c_null_char))

@@ -55,7 +55,8 @@ int ricochet_add_body(ricochet_loop* loop, const char* body);
 int ricochet_set_interface(ricochet_loop* loop, int nodes, const int* body, const double* position, const double* mass);
 /* Limit of its own explicit integration [s]; without this call none is known. */
 int ricochet_set_critical_time_step(ricochet_loop* loop, double step_s);
-/* "repeat_window": it saves and restores when asked to; "driven_by_force": it can be. (docs/participants.md) */
+/* "repeat_window": it saves and restores when asked to; "driven_by_force": it can be;
+ * "reconfigure": every window may have another size, it asks ricochet_max_time_step for that of each. (docs/participants.md) */
 int ricochet_add_capability(ricochet_loop* loop, const char* capability);
 /* A column of the history, "<quantity>/<body>"; `record` has as many numbers as these calls. (docs/participants.md) */
 int ricochet_add_column(ricochet_loop* loop, const char* column);
@@ -66,7 +67,7 @@ int ricochet_initialize(ricochet_loop* loop, const double* value, const double* 
 
 /* What the coupler set; after ricochet_initialize. */
 
-/* Size of one window [s]. */
+/* Size of the window to come [s]; with the capability "reconfigure" it may change between windows. */
 double ricochet_window_size(const ricochet_loop* loop);
 /* Explicit, driven by force: central difference steps in a window, over which lambda is linear. */
 int ricochet_substeps(const ricochet_loop* loop);

@@ -64,6 +64,11 @@ class Participant:
         window, each accepted before the next; `link`: lambda at its end, linear from the end of the one before."""
         raise RunError("it announces the capability 'single_substep' but cannot compute a single substep")
 
+    def reconfigure(self, setup):
+        """With the capability "reconfigure", between windows: `setup` is that of `initialize` but for `window_size_s`, the
+        size of the windows to come, and `interface_stiffness`. Nothing moves."""
+        raise RunError("it announces the capability 'reconfigure' but does not implement it")
+
     def contact_status(self):
         return ContactStatus()
 
@@ -214,6 +219,9 @@ class Relay(Participant):
     def synchronise(self, integration, link):
         self.integration = integration
         return self.compute(0.0, False, link)
+
+    def reconfigure(self, setup):
+        self.setup = setup
 
     def advance(self, window, link):
         output = self.compute(self.setup["window_size_s"], "repeat_window" in self.description.capabilities, link)

@@ -8,7 +8,7 @@ from ricochet_wire import VERSION, ProtocolError, RunError, array, pack_state, u
 
 ORDER = {  # what the coupler may ask in each state of this end
     "greeting": ["welcome"], "welcomed": ["describe"], "described": ["initialize"], "initialized": ["synchronise"],
-    "ready": ["advance", "synchronise", "load_state", "read_state", "save_state", "restore_state",
+    "ready": ["advance", "synchronise", "reconfigure", "load_state", "read_state", "save_state", "restore_state",
               "finish"], "tried": ["advance", "accept", "synchronise"],
 }
 EMPTY = np.zeros((0, 0))
@@ -88,9 +88,7 @@ class Session:
         drive, d = request["driven_by"], self.description
         able = ["force"] if d.role == "implicit" else ["displacement", "force"][:1 + self.can("driven_by_force")]
         self.require(drive in able, f"'initialize' that drives it by {drive}, which it is not made for")
-        stiffness, size = request["interface_stiffness"].shape, self.shape[0] * self.shape[1]
-        self.require(stiffness[0] == 0 or self.can("interface_stiffness") and stiffness == (size, size),
-                     f"an interface stiffness of shape {stiffness}, which this participant cannot do")
+        self.check_stiffness(request)
         self.require(request["interface_mass_kg"].shape == (self.shape[0], 1), "masses of another number of nodes")
         self.require(request["scene_position_m"].shape == self.shape, "places of another number of nodes")
         self.require(request["directions"].shape == (self.shape[1], self.shape[1]), "directions of another model")
@@ -99,6 +97,22 @@ class Session:
         self.take(self.participant.initialize(request))
         self.initializing = False
         return self.message("initialized", setup_s=time.monotonic() - begin, absolute=self.full(self.value))
+
+    def check_stiffness(self, request):
+        stiffness, size = request["interface_stiffness"].shape, self.shape[0] * self.shape[1]
+        self.require(stiffness[0] == 0 or self.can("interface_stiffness") and stiffness == (size, size),
+                     f"an interface stiffness of shape {stiffness}, which this participant cannot do")
+
+    def reconfigure(self, request):
+        self.require(self.can("reconfigure"), "'reconfigure', which this participant cannot do")
+        self.require(request["window_size_s"] > 0 and self.accepted_substep == 0, "a wrong 'reconfigure'")
+        self.check_stiffness(request)
+        self.change(request["window_size_s"], request["interface_stiffness"])
+        return self.message("reconfigured")
+
+    def change(self, window_size_s, interface_stiffness):
+        self.setup = self.setup | {"window_size_s": window_size_s, "interface_stiffness": interface_stiffness}
+        self.participant.reconfigure(self.setup)
 
     def progress(self, doing, share_done=-1.0):
         if self.send and self.initializing:
@@ -175,7 +189,8 @@ class Session:
         if type(own) is not bytes:
             raise RunError(f"its save_state returned {type(own).__name__}, expected bytes")
         link = pack_state(window=self.accepted, fields_window=self.fields_window, input=self.accepted_input,
-                          output=self.accepted_output, drift=self.drift, rows=self.rows, stresses=self.stresses)
+                          output=self.accepted_output, drift=self.drift, rows=self.rows, stresses=self.stresses,
+                          window_size_s=self.setup["window_size_s"], stiffness=self.setup["interface_stiffness"])
         return self.message("saved_state", saved=msgpack.packb([link, own]))
 
     def restore_state(self, request):
@@ -188,6 +203,8 @@ class Session:
         self.input = self.accepted_input = s["input"]
         self.output = self.accepted_output = s["output"]
         self.rows, self.stresses = s["rows"].tolist(), s["stresses"].tolist()
+        if float(s["window_size_s"]) != self.setup["window_size_s"]:
+            self.change(float(s["window_size_s"]), s["stiffness"])
         self.participant.restore_state(own)
         return self.message("state_restored")
 

@@ -6,7 +6,7 @@ import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
-VERSION = 6
+VERSION = 7
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
 ANSWER = ("records:array axial_stress:array departures:array contact_forces:array outline:array pairs_closed:integer gap_min_m:float "
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
@@ -26,6 +26,8 @@ FIELDS = {  # every message of docs/wire.md
     "initialized": "setup_s:float absolute:array",
     "synchronise": "integration:text link_absolute:array",
     "synchronised": "absolute:array velocity_m_s:array acceleration_m_s2:array",
+    "reconfigure": "window_size_s:float interface_stiffness:array",
+    "reconfigured": "",
     "advance": "windows:integer link_increment:array link_absolute:array accept_at_once:boolean "
                "absolute_requested:boolean records_requested:boolean",
     "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array " + ANSWER,

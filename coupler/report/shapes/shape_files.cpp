@@ -23,9 +23,10 @@ namespace fs = std::filesystem;
 /// What one file holds.
 struct ShapeFile {
   std::string path, model;
-  double window_size_s = 0;
+  double largest_window_s = 0;
   bool nose = false, uneven = false;
   std::vector<std::int64_t> windows;
+  std::vector<double> times_s;  ///< at their ends
   std::vector<Shapes::Body> bodies;
   std::vector<ShapePiece> pieces;  ///< of the body with the same index in `bodies`
   std::int64_t too_many_cells = 0;
@@ -98,12 +99,14 @@ ShapeFile read_shape_file(const std::string& path) {
   const auto json = Json::parse(read_text(path));
   ShapeFile file;
   file.path = path;
-  if (json.at("format") != "ricochet shapes 1") refuse_shapes(path, "found another format");
+  if (json.at("format") != "ricochet shapes 2") refuse_shapes(path, "found another format");
   file.model = json.at("model").get<std::string>();
-  file.window_size_s = json.at("window_size_s").get<double>();
+  file.largest_window_s = json.at("largest_window_s").get<double>();
   file.nose = json.at("nose").get<bool>();
   file.uneven = json.at("uneven").get<bool>();
   file.windows = json.at("windows").get<std::vector<std::int64_t>>();
+  file.times_s = json.at("times_s").get<std::vector<double>>();
+  if (file.times_s.size() != file.windows.size()) refuse_shapes(path, "times of another number of windows");
   file.too_many_cells = json.at("too_many_cells").get<std::int64_t>();
   for (const auto& body : json.at("bodies")) {
     file.pieces.push_back(piece_of(body, file));
@@ -158,13 +161,17 @@ ShapePiece at_windows(ShapePiece&& piece, const std::vector<std::int64_t>& has,
 Shapes merged_shapes(std::vector<ShapeFile>&& files) {
   Shapes shapes;
   shapes.model = files.front().model;
-  shapes.window_size_s = files.front().window_size_s;
+  shapes.largest_window_s = files.front().largest_window_s;
   shapes.nose = files.front().nose;
   shapes.uneven = files.front().uneven;
   const auto windows = common_windows(files);
-  for (const auto window : windows) shapes.times_s.push_back(static_cast<double>(window) * shapes.window_size_s);
+  const auto& of_first = files.front().windows;
+  for (const auto window : windows)
+    shapes.times_s.push_back(
+        files.front()
+            .times_s[static_cast<std::size_t>(std::find(of_first.begin(), of_first.end(), window) - of_first.begin())]);
   for (auto& file : files) {
-    if (file.model != shapes.model || file.window_size_s != shapes.window_size_s)
+    if (file.model != shapes.model || file.largest_window_s != shapes.largest_window_s)
       refuse_shapes(file.path, fmt::format("it is of another run than {}", files.front().path));
     for (std::size_t b = 0; b < file.bodies.size(); ++b) {
       const auto known = std::find_if(shapes.bodies.begin(), shapes.bodies.end(),

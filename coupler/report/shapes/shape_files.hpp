@@ -32,7 +32,7 @@ struct Shapes {
   bool nose = false;    ///< the contact has a rounded nose, which is no part of the mesh
   bool uneven = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
   std::vector<Body> bodies;
-  double window_size_s = 0;
+  double largest_window_s = 0;
   std::vector<double> times_s;  ///< ascending
   std::vector<ShapePiece> pieces;
   std::vector<std::string> missing;  ///< sentences: whose elements are not there, and why

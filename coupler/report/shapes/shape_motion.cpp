@@ -89,7 +89,7 @@ Magnification magnification_of(const Shapes& shapes, const std::vector<std::size
   } else if (first_gap_m > 1e-9 * extent) {
     // The history says in which window contact began, the gap and the speed say when.
     result.flight_s = first_gap_m / fastest_approach(shapes);
-    const bool closed_by_flight = std::abs(result.flight_s - first_contact_s) <= 2.0 * shapes.window_size_s;
+    const bool closed_by_flight = std::abs(result.flight_s - first_contact_s) <= 2.0 * shapes.largest_window_s;
     if (!closed_by_flight) return result;
   }
   if (shapes.nose || shapes.uneven) return result;

@@ -20,7 +20,7 @@ const double bar_element = 0.254 / 20.0;
 
 Plan plan_of(const std::string& text) { return plan(build_problem(load_text(text))); }
 
-double step_of(const std::string& text) { return build_problem(load_text(text)).window_size_s; }
+double step_of(const std::string& text) { return build_problem(load_text(text)).clock.size_s(); }
 
 std::string text_of_plan(const std::string& text) {
   const auto problem = build_problem(load_text(text));
@@ -48,7 +48,7 @@ TEST(Plan, FindsNoCriticalStepThatTheStepWasFoundFrom) {
   auto problem = build_problem(load_text(text));
   ASSERT_EQ(problem.critical_time_steps_s.size(), 2U);
   const double critical_s = critical_time_step(plan_participants(problem));
-  EXPECT_EQ(problem.window_size_s, 0.8 * critical_s);
+  EXPECT_EQ(problem.clock.size_s(), 0.8 * critical_s);
   problem.critical_time_steps_s[1] = 0.5 * critical_s;
   EXPECT_EQ(critical_time_step(plan_participants(problem)), 0.5 * critical_s) << "it was found anew";
   problem.critical_time_steps_s.clear();
@@ -121,6 +121,23 @@ TEST(CriticalStep, RefusalSaysBothTheRatioAndWhatToType) {
                              "step_s = 2.23e-06 or less"})
       EXPECT_THAT(error.what(), HasSubstr(part));
   }
+}
+
+TEST(CriticalStep, BindsStepsOfLater) {
+  const std::string changes = "step_s = 2.226e-6\nchanges = [{ from_s = 1e-5, step_s = 4.95322e-6 }]";
+  try {
+    (void)plan_of(replaced(bars, "step_s = 2.226e-6", changes));
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("time.changes: found a step of 4.95322e-06 s, 2 times the critical time step"));
+  }
+}
+
+TEST(Plan, CountsWindowsOfAllSizes) {
+  const auto windows = plan_of(bars).windows;  // 5 of 2.226e-6 end after 1e-5
+  const std::string halved = "step_s = 2.226e-6\nchanges = [{ from_s = 1e-5, step_s = 1.113e-6 }]";
+  EXPECT_NEAR(static_cast<double>(plan_of(replaced(bars, "step_s = 2.226e-6", halved)).windows),
+              2.0 * static_cast<double>(windows) - 5.0, 1.0);
 }
 
 TEST(CriticalStep, DoesNotBindTheImplicitBaseline) {

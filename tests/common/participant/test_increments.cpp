@@ -147,7 +147,7 @@ class FreeMass : public Participant {
     return d;
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
-    dt_ = setup.window_size_s;
+    dt_ = setup.clock.size_s();
     output.value = {u_};
   }
   void synchronise(Integration, const std::vector<double>& force, LinkOutput& output) override {

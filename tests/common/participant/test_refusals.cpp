@@ -312,6 +312,27 @@ TEST(Refusals, OfSavingAStateThatCannotBeSaved) {
               HasSubstr("announces the capability 'save_state' but cannot save its state"));
 }
 
+/// Windows of another size, as often as they come.
+TEST(Refusals, OfWindowsOfAnotherSize) {
+  const auto reconfigure = [](InProcess& run, double size_s) {
+    auto request = run.coupler.request(Kind::reconfigure);
+    request.as<wire::Reconfigure>().window_size_s = size_s;
+    return request;
+  };
+  SpringMass spring;
+  InProcess run(spring, 1);
+  run.coupler.start();
+  expect_refused(run, reconfigure(run, 0.02), "windows of another size, but participant 'spring' lacks the capability");
+  spring.capabilities.push_back(Capability::reconfigure);
+  InProcess promised(spring, 1);
+  promised.coupler.start();
+  EXPECT_THAT(error_of<ParticipantError>([&] { promised.coupler.ask(reconfigure(promised, 0.02)); }),
+              HasSubstr("announces the capability 'reconfigure', but does not implement it"));
+  InProcess stopped(spring, 1);
+  stopped.coupler.start();
+  expect_refused(stopped, reconfigure(stopped, 0.0), "window_size_s = 0, expected > 0");
+}
+
 /// Keeps nothing of its own.
 struct KeptSpring : SpringMass {
   Description describe() override {
@@ -325,12 +346,14 @@ struct KeptSpring : SpringMass {
 
 /// What a session of one node would have kept.
 std::string kept(std::int64_t window, std::vector<double> link, std::vector<double> rows,
-                 std::vector<double> stress_rows, std::vector<double> force_rows = {}, std::int64_t contacts = -1) {
+                 std::vector<double> stress_rows, std::vector<double> force_rows = {}, std::int64_t contacts = -1,
+                 double size_s = 0.01) {
   Archive out;
   ContactStatus contact;
   std::string own;
   double drift = 0.0;
-  out(window, window, link, link, drift, contact, rows, stress_rows, force_rows, contacts, own);
+  WindowClock clock = size_s;
+  out(window, window, link, link, drift, contact, rows, stress_rows, force_rows, contacts, clock, own);
   return out.take();
 }
 
@@ -352,6 +375,7 @@ TEST(Refusals, OfStatesThatCannotBe) {
   EXPECT_EQ(refused(kept(2, {0.0}, {}, {2.0})), of_another_run) << "rows of a table without columns";
   EXPECT_EQ(refused(kept(2, {0.0}, {}, {}, {2.0}, 1)), of_another_run) << "a contact without its force";
   EXPECT_EQ(refused(kept(2, {0.0}, {}, {}, {}, -2)), of_another_run);
+  EXPECT_THAT(refused(kept(2, {0.0}, {}, {}, {}, -1, 0.02)), HasSubstr("it is of windows whose size changed"));
   EXPECT_THAT(refused(kept(2, {0.0, 1.0}, {}, {})), HasSubstr("it is of another scene: a list of 2, expected 1"));
 }
 

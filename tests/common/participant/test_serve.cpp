@@ -167,7 +167,7 @@ TEST_F(Serve, RefusesAnotherVersion) {
   const auto message = failure();
   EXPECT_EQ(message.as<wire::Failure>().error_code, 5);
   EXPECT_THAT(message.as<wire::Failure>().error_text,
-              HasSubstr("the coupler speaks version 7 of the wire protocol, this program speaks version 6"));
+              HasSubstr("the coupler speaks version 8 of the wire protocol, this program speaks version 7"));
   EXPECT_EQ(end(), 5);
 }
 

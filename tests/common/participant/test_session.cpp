@@ -49,7 +49,7 @@ TEST(Session, HandsTheSetupOver) {
   EXPECT_EQ(spring.setup.run_id, "run-1");
   EXPECT_EQ(spring.setup.protocol, "hughes_liu");
   EXPECT_EQ(spring.setup.output_directory, "/results");
-  EXPECT_EQ(spring.setup.window_size_s, 0.01);
+  EXPECT_EQ(spring.setup.clock.size_s(), 0.01);
   EXPECT_THAT(spring.setup.interface_mass_kg, ElementsAre(2.5, 2.5));
   EXPECT_EQ(spring.setup.until_separated_plus_s, 0.5);
   EXPECT_EQ(spring.setup.separation_windows, 7);

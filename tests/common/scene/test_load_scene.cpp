@@ -45,6 +45,7 @@ friction_regularisation_s_m = 0.5
 implicit_length_m = { steel = 0.010, carbide = 0 }
 [time]
 step_s = 5.4e-8
+changes = [{ from_s = 10e-6, step_s = 1e-8 }, { from_s = 20e-6, step_s = 5.4e-8 }]
 end_s = 60e-6
 until_separated_plus_s = 10e-6
 [coupling]
@@ -223,6 +224,10 @@ TEST(LoadScene, PartitionTimeCouplingAndOutputFieldByField) {
   EXPECT_EQ(scene.partition.implicit_length_m.at("steel"), 0.010);
   EXPECT_EQ(scene.partition.implicit_length_m.at("carbide"), 0.0);
   EXPECT_EQ(scene.time.step_s, 5.4e-8);
+  ASSERT_EQ(scene.time.changes.size(), 2U);
+  EXPECT_EQ(scene.time.changes[0].from_s, 10e-6);
+  EXPECT_EQ(scene.time.changes[0].step_s, 1e-8);
+  EXPECT_EQ(scene.time.changes[1].from_s, 20e-6);
   EXPECT_EQ(scene.time.end_s, 60e-6);
   EXPECT_EQ(scene.time.until_separated_plus_s, 10e-6);
   EXPECT_EQ(scene.coupling.protocol.name, "kim");

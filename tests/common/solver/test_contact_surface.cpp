@@ -144,7 +144,7 @@ TEST(ContactSurface, TellsTheTangentialPartOfNormalForcesFromFriction) {
 participant::ContactStatus after(const std::vector<double>& gaps, double until_separated_plus_s) {
   test::ContactPlates plates("all_implicit");
   participant::Setup setup;
-  setup.window_size_s = 0.5;
+  setup.clock = 0.5;
   setup.until_separated_plus_s = until_separated_plus_s;
   SeparationWatch separation(1);
   participant::ContactStatus status;

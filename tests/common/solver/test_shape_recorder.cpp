@@ -31,7 +31,7 @@ std::vector<Number> numbers(const Json& packed) {
 /// A recorder of a scene's first participant, or of the named one, and what it leaves.
 struct Recorded {
   explicit Recorded(const std::string& text, const std::string& name = "") : scene(text, name) {
-    setup.window_size_s = 0.1;
+    setup.clock = 0.1;
     setup.output_directory = folder.path().string();
   }
   [[nodiscard]] std::unique_ptr<ShapeRecorder> recorder() const {
@@ -62,10 +62,11 @@ TEST(ShapeRecorder, KeepsDisplacementsAndTheStressOfEachBar) {
   run.displace([](const Eigen::Vector3d& x) { return Eigen::Vector3d(0.25 + 0.5 * x[0] * x[0], 0, 0); });
   recorder->finish(7);
   const auto file = run.file();
-  EXPECT_EQ(file["format"], "ricochet shapes 1");
+  EXPECT_EQ(file["format"], "ricochet shapes 2");
   EXPECT_EQ(file["model"], "bar");
   EXPECT_EQ(file["windows"], Json({0, 7}));
-  EXPECT_EQ(file["window_size_s"], 0.1);
+  EXPECT_EQ(file["largest_window_s"], 0.1);
+  EXPECT_EQ(file["times_s"], Json({0.0, 7 * 0.1}));
   EXPECT_EQ(file["nose"], false);
   EXPECT_EQ(file["uneven"], false);
   ASSERT_EQ(file["bodies"].size(), 2U);

@@ -117,7 +117,7 @@ const std::vector<Broken> broken_bytes{
      "\x89" + joined(entries_of(good())).substr(1) + packed(5, 5),
      {"a field whose name is an integer"}},
     {"no_version", without("version"), {"without the field 'version'"}},
-    {"other_version", with("version", packed(3)), {"speaks version 3", "speaks version 6", "same release"}},
+    {"other_version", with("version", packed(3)), {"speaks version 3", "speaks version 7", "same release"}},
     {"version_is_text", with("version", packed("1")), {"'version' is a text, expected an integer"}},
     {"no_kind", without("kind"), {"without the field 'kind'"}},
     {"unknown_kind", with("kind", packed("synchronize")), {"'kind' is 'synchronize'", "did you mean \"synchronise\"?"}},

@@ -22,12 +22,15 @@ using Square = std::tuple<std::string, double, std::vector<int>>;
 /// The file of a participant in plane strain with one square element for each body; windows of 0.5 s, in which each
 /// node is displaced by a tenth of the window's number [m] along x, and the stress is that number [Pa].
 inline Json square_file(const std::vector<int>& windows, const std::vector<Square>& squares) {
-  Json file = {{"format", "ricochet shapes 1"},
+  std::vector<double> times;
+  for (const int window : windows) times.push_back(0.5 * window);
+  Json file = {{"format", "ricochet shapes 2"},
                {"model", "plane_strain"},
-               {"window_size_s", 0.5},
+               {"largest_window_s", 0.5},
                {"nose", false},
                {"uneven", false},
                {"windows", windows},
+               {"times_s", times},
                {"too_many_cells", 0},
                {"bodies", Json::array()}};
   for (const auto& [name, x, nodes] : squares) {

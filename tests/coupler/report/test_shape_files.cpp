@@ -104,7 +104,7 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
     leave("a", file);
     return config_error([this] { (void)read_shapes_of({"a"}); });
   };
-  EXPECT_THAT(refused("format", "ricochet shapes 2"),
+  EXPECT_THAT(refused("format", "ricochet shapes 3"),
               AllOf(HasSubstr("fields/a.shapes.json: found another format"), HasSubstr("delete it")));
   EXPECT_THAT(refused("model", "shell"), HasSubstr("found the model \"shell\""));
   EXPECT_THAT(refused("position_m", packed_floats({1, 2})), HasSubstr("\"position_m\" holds 2 numbers, expected 8"));
@@ -120,7 +120,7 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
 TEST_F(ShapeFiles, OfAnotherRunAreNamed) {
   leave("a", square_file({0, 1}, {{"left", 0.0, {0, 1, 2, 3}}}));
   auto other = square_file({0, 1}, {{"left", 0.0, {0, 1, 2, 3}}});
-  other["window_size_s"] = 0.25;
+  other["largest_window_s"] = 0.25;
   leave("b", other);
   EXPECT_THAT(config_error([this] {
                 (void)read_shapes_of({"a", "b"});
@@ -158,7 +158,7 @@ TEST(ChosenTimes, AreTheEndsTheWantedOneAndOthersFarFromThose) {
 Shapes pressed_bodies(double gap, double contact_s, double press) {
   Shapes shapes;
   shapes.model = "bar";
-  shapes.window_size_s = 0.001;
+  shapes.largest_window_s = 0.001;
   shapes.times_s = {0.0, contact_s + 0.1};
   shapes.bodies = {{"left", 0.1, {1, 0, 0}}, {"right", 0.1, {0, 0, 0}}};
   const double left = 1.0 * contact_s;

@@ -27,7 +27,7 @@ Shapes one_piece(const std::string& model, const std::vector<Place>& position,
                  const std::vector<std::array<int, 4>>& cells, const Place& u = {}, double stress = 1e6) {
   Shapes shapes;
   shapes.model = model;
-  shapes.window_size_s = 1e-6;
+  shapes.largest_window_s = 1e-6;
   shapes.times_s = {0.0, 1e-6};
   shapes.bodies = {{"block", 0.0, {}}};
   ShapePiece piece;

@@ -28,7 +28,7 @@ class CheckpointFolderTest : public testing::Test {
     checkpoint.scene_sha256 = "5e";
     checkpoint.protocol = "kim";
     checkpoint.window = window;
-    checkpoint.window_size_s = 1e-7;
+    checkpoint.time_s = 2e-6;
     checkpoint.history = {4 * window, sha256_hex(history().substr(0, static_cast<std::size_t>(4 * window)))};
     checkpoint.coupler = std::string("\0coupler", 8);
     checkpoint.parts = {{"a", "bytes of a"}, {"b", ""}};
@@ -67,7 +67,7 @@ TEST_F(CheckpointFolderTest, GivesBackTheLastOne) {
   EXPECT_EQ(found->scene_sha256, "5e");
   EXPECT_EQ(found->protocol, "kim");
   EXPECT_EQ(found->window, 7);
-  EXPECT_EQ(found->window_size_s, 1e-7);
+  EXPECT_EQ(found->time_s, 2e-6);
   EXPECT_EQ(found->history.bytes, 28);
   EXPECT_EQ(found->history.sha256, at(7).history.sha256);
   EXPECT_EQ(found->coupler, std::string("\0coupler", 8));
@@ -128,7 +128,7 @@ TEST_F(CheckpointFolderTest, RefusesCountsThatAreNone) {
 TEST_F(CheckpointFolderTest, AManifestHoldsForItself) {
   folder_.write(at(7));
   const auto manifest = manifest_of_7();
-  for (const std::string key : {"scene_sha256", "protocol", "window_size_s", "wall_s", "stepping_s"}) {
+  for (const std::string key : {"scene_sha256", "protocol", "time_s", "wall_s", "stepping_s"}) {
     const auto value = manifest.find(':', manifest.find("\"" + key + "\"")) + 2, end = manifest.find(',', value);
     const bool text = manifest[value] == '"';
     std::ofstream(file("7.json")) << manifest.substr(0, value) << (text ? "\"other\"" : "0.25") << manifest.substr(end);

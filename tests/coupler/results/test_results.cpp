@@ -174,7 +174,7 @@ Summary finished() {
   summary.status = RunStatus::done;
   summary.protocol = "hughes_liu";
   summary.windows = 42;
-  summary.window_size_s = 1e-6;
+  summary.clock = 1e-6;
   summary.scene_sha256 = "abc";
   summary.switches = {{32e-6, Role::explicit_solver}};
   summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"implicit", 0.8}}},

@@ -104,7 +104,7 @@ class Ranked : public testing::TestWithParam<std::tuple<RankedScene, int>> {
     ranks_.emplace(problem_, "explicit", count);
     whole_.emplace(problem_, "explicit");
     ranked_.emplace(problem_, "explicit", std::nullopt, &ranks_->first);
-    setup_.window_size_s = problem_.window_size_s;
+    setup_.clock = problem_.clock.size_s();
     setup_.substeps = c.substeps;
     setup_.driven_by = c.drive;
     setup_.last_window = 1000;

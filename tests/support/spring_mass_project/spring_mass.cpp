@@ -26,7 +26,7 @@ class SpringMass : public Participant {
     return d;
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
-    dt_ = setup.window_size_s;
+    dt_ = setup.clock.size_s();
     output.value = {force_};
   }
   void synchronise(Integration, const std::vector<double>& link_input, LinkOutput& output) override {

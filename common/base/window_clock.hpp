@@ -1,0 +1,82 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/archive.hpp"
+
+namespace ricochet {
+
+/// The time of windows. Window n ends at
+///   t_n = t_k + (n - n_k) dt_k,   k the last change of size before window n: at the end of window n_k, at t_k
+/// and of windows of one size at n dt. Windows are counted from 1; 0 is the start. Whoever needs a time or a size asks
+/// it: what is kept elsewhere are numbers of windows.
+class WindowClock {
+ public:
+  /// Of one size [s]. Not explicit: a size is a clock.
+  WindowClock(double size_s = 0.0) : segments_{{0, 0.0, size_s}} {}  // NOLINT(google-explicit-constructor)
+
+  /// At the end of a window [s].
+  [[nodiscard]] double time_s(std::int64_t window) const {
+    const Segment& segment = last_before(window);
+    return segment.from_s + static_cast<double>(window - segment.window) * segment.size_s;
+  }
+  /// Of a window, from 1 on [s].
+  [[nodiscard]] double size_s(std::int64_t window) const { return last_before(window).size_s; }
+  /// Of the windows after the last change [s].
+  [[nodiscard]] double size_s() const { return segments_.back().size_s; }
+  /// Largest of all windows [s].
+  [[nodiscard]] double largest_size_s() const {
+    const auto smaller = [](const Segment& a, const Segment& b) { return a.size_s < b.size_s; };
+    return std::max_element(segments_.begin(), segments_.end(), smaller)->size_s;
+  }
+
+  /// Windows after `window` have another size, and no other change follows.
+  void change(std::int64_t window, double size_s) {
+    while (segments_.size() > 1 && segments_.back().window >= window) segments_.pop_back();
+    if (size_s == segments_.back().size_s) return;
+    segments_.push_back({window, time_s(window), size_s});
+    if (window == 0) segments_.erase(segments_.begin());
+  }
+  bool operator==(const WindowClock&) const = default;
+  [[nodiscard]] bool changes() const { return segments_.size() > 1; }
+  /// The first window after `window` whose successor has another size; < 0: none.
+  [[nodiscard]] std::int64_t next_change(std::int64_t window) const {
+    for (const auto& segment : segments_)
+      if (segment.window > window) return segment.window;
+    return -1;
+  }
+  /// The first window after the last change that ends at `time_s` or later, but for rounding.
+  [[nodiscard]] double window_at(double time_s) const {
+    const Segment& last = segments_.back();
+    return static_cast<double>(last.window) + std::ceil((time_s - last.from_s) / last.size_s - 1e-9);
+  }
+
+  void archive(Archive& a) {
+    a.any_size(segments_);
+    const auto wrong = [](const Segment& s) { return s.window < 0 || !(s.size_s > 0.0) || !std::isfinite(s.from_s); };
+    const auto later = [](const Segment& x, const Segment& y) { return x.window >= y.window; };
+    if (segments_.empty() || segments_.front().window != 0 || std::any_of(segments_.begin(), segments_.end(), wrong) ||
+        std::adjacent_find(segments_.begin(), segments_.end(), later) != segments_.end())
+      a.refuse("a clock that goes wrong");
+  }
+
+ private:
+  struct Segment {
+    std::int64_t window = 0;            ///< after which its windows come
+    double from_s = 0.0, size_s = 0.0;  ///< end of that window, size of those after it
+    bool operator==(const Segment&) const = default;
+    void archive(Archive& a) { a(window, from_s, size_s); }
+  };
+  [[nodiscard]] const Segment& last_before(std::int64_t window) const {
+    auto segment = segments_.end() - 1;
+    while (segment != segments_.begin() && segment->window >= window) --segment;
+    return *segment;
+  }
+
+  std::vector<Segment> segments_;
+};
+
+}  // namespace ricochet
