@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "coupler/protocols/protocol.hpp"
 
 namespace ricochet::coupler {
@@ -11,14 +13,17 @@ namespace ricochet::coupler {
 /// The explicit nodes move first; then the shared ones, implicitly; the explicit elements' force follows from both.
 /// K_Gamma,Gamma comes from unit responses at the start. Two evaluations a window, the first with u_Gamma of the window
 /// before. Momentum is conserved to round-off. Stable for dt <= 2/omega_max of the explicit nodes with the shared ones
-/// held, which is not below that of `hughes_liu`.
+/// held, which is not below that of `hughes_liu`. The second evaluation tells in every window whether that stiffness
+/// still serves: explicit elements that are not linear are refused.
 class BelytschkoMullen final : public Protocol {
  public:
   void start(Coupling& coupling, const wire::Initialize& request) override;
   void step(Coupling& coupling, const Step& step) override;
 
  private:
-  std::vector<double> force_;  ///< P_Gamma - K u_Gamma [N]
+  void require_linear(const Coupling& coupling, const Step& step);
+
+  std::vector<double> force_, held_force_, after_;  ///< P_Gamma [N]; less K u_Gamma, before and after Gamma moves
 };
 
 }  // namespace ricochet::coupler
