@@ -151,6 +151,21 @@ TEST(WindowSolver, AWindowTriedAgainHasTheSameBits) {
   }
 }
 
+/// After the switch the bodies fly by central differences, whose acceleration is that of the force itself.
+TEST(FlightWindow, TakesTheForceOfElementsThatAreNotLinear) {
+  BarRun run("");
+  for (int n = 0; n < 20; ++n) run.step();
+  run.solver.synchronise(participant::Integration::explicit_central, {}, run.output);
+  const auto pressed = run.solver.state().bodies.front();
+  for (int n = 0; n < 5; ++n) run.step();
+  auto body = run.solver.state().bodies.front();
+  EXPECT_GT((body.u - pressed.u).lpNorm<Eigen::Infinity>(), 1e-4) << "it moves on";
+  Eigen::VectorXd force = body.u;
+  run.force->evaluate(body.u, force);
+  const auto mass = solver::initial_states(run.given, run.given.scene.participants.front(), true).front().mass;
+  EXPECT_LT((mass.cwiseProduct(body.a) + force).lpNorm<Eigen::Infinity>(), 1e-12 * force.lpNorm<Eigen::Infinity>());
+}
+
 /// Linear bars that count how often they are asked for K.
 class CountingBars final : public solver::InternalForce {
  public:
