@@ -5,10 +5,14 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/support/cubic_bars.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -211,6 +215,35 @@ INSTANTIATE_TEST_SUITE_P(
                     std::pair(Between{"prakash_hjelmstad", 2, Cubic::both},
                               "participant 'explicit', interface node 0, component 0: it does not answer")),
     [](const auto& info) { return fmt::format("{}_{}", info.param.first.protocol, info.index); });
+
+/// Among it: a trial again has the same bits, though Newton's iteration changes the operator, and so has a process that
+/// goes on from what another one saved.
+TEST(MassBetweenCubicBars, IsASoundParticipantOfEitherSide) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write(scene_between({"hughes_liu", 1, Cubic::both}, 0.02, 1.0));
+  const Outcome checked = run_command({ricochet_binary(), "check-participant", "--scene", scene, "--name", "implicit"},
+                                      folder.path().string());
+  EXPECT_EQ(checked.code, 0) << checked.out;
+  for (const char* clause : {"a repeated trial of a window gives the same bits",
+                             "another process goes on from its saved state to the same bits",
+                             "a stiffness on its interface acts like its force"})
+    EXPECT_THAT(checked.out, testing::HasSubstr(std::string("passed   ") + clause));
+}
+
+TEST(MassBetweenCubicBars, GoesOnFromACheckpointToTheSameBytes) {
+  const TemporaryFolder folder;
+  const std::string text = scene_between({"hughes_liu", 1, Cubic::both}, 0.02, 2.0);
+  const RunResult whole = run_text(with_key(text, "checkpoint", "every_windows", "50"), folder);
+  const std::string half = (folder.path() / "half").string();
+  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
+  const auto windows = checkpoints_in(half);
+  ASSERT_EQ(windows.size(), 2U);
+  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
+  const Outcome outcome = resume(half, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, testing::HasSubstr("going on from window 50"));
+  expect_same_results(half, whole.folder);
+}
 
 /// A bar of one element, pressed against a stop by its other end at a given rate: what stops it is N(strain).
 TEST(CubicBars, PressOnAStopByTheForceOfTheirStrain) {
