@@ -3,6 +3,7 @@
 // the place of that solver.
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
