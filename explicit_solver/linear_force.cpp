@@ -3,7 +3,7 @@
 namespace ricochet::explicit_solver {
 
 LinearForce::LinearForce(const solver::BodyState& state, const std::vector<int>& driven)
-    : state_(&state), front_(state, driven) {
+    : LinearElements(state), front_(state, driven) {
   set_shared_columns();
 }
 

@@ -7,13 +7,14 @@
 
 #include "common/solver/body_state.hpp"
 #include "common/solver/internal_force.hpp"
+#include "common/solver/linear_elements.hpp"
 #include "explicit_solver/wave_front.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// P = K u of a part, in the rows that a wave can have reached. After the link, the rows of K next to the shared nodes
 /// take what their motion changes: P += K_near,shared (u_shared - u_shared before).
-class LinearForce final : public solver::InternalForce {
+class LinearForce final : public solver::LinearElements {
  public:
   /// `state` before the first window; it must outlive this object unmoved. `driven`: see WaveFront.
   LinearForce(const solver::BodyState& state, const std::vector<int>& driven);
@@ -24,14 +25,11 @@ class LinearForce final : public solver::InternalForce {
   void follow(const Eigen::VectorXd& force) override { front_.grow(force); }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return front_.rows(); }
   void reach_all() override { front_.reach_all(); }
-  [[nodiscard]] bool linear() const override { return true; }
-  [[nodiscard]] double stored(const Eigen::VectorXd&, double half_work_j) const override { return half_work_j; }
   void archive(Archive& a) override { front_.archive(a); }
 
  private:
   void set_shared_columns();
 
-  const solver::BodyState* state_;
   WaveFront front_;
   std::vector<int> near_rows_;
   fem::SparseMatrix shared_columns_;  ///< K: near rows x shared degrees of freedom

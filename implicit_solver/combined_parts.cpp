@@ -1,29 +1,49 @@
 #include "implicit_solver/combined_parts.hpp"
 
 namespace ricochet::implicit_solver {
-CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies) : states(bodies) {
+CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies, const MakeForce& make_force) : states(bodies) {
   for (const auto& state : states) {
+    forces.push_back(make_force(state));
+    linear_ = linear_ && forces.back()->linear();
     offsets.push_back(dofs_);
     for (const int dof : state.shared_dofs) shared_dofs.push_back(static_cast<int>(dofs_) + dof);
     dofs_ += state.part.dofs();
   }
 }
 
-fem::SparseMatrix CombinedParts::stiffness() const {
+Eigen::VectorXd CombinedParts::displacement() const {
+  Eigen::VectorXd u(dofs_);
+  for (std::size_t b = 0; b < states.size(); ++b) segment(u, b) = states[b].u;
+  return u;
+}
+
+std::vector<const fem::SparseMatrix*> CombinedParts::tangents(const Eigen::VectorXd& u) const {
+  std::vector<const fem::SparseMatrix*> all;
+  for (std::size_t b = 0; b < states.size(); ++b) all.push_back(&forces[b]->tangent(segment(u, b)));
+  return all;
+}
+
+fem::SparseMatrix CombinedParts::block_diagonal(const std::vector<const fem::SparseMatrix*>& blocks) const {
   fem::SparseMatrix all(dofs_, dofs_);
   Eigen::Index entries = 0;
-  for (const auto& state : states) entries += state.part.stiffness.nonZeros();
+  for (const auto* block : blocks) entries += block->nonZeros();
   all.reserve(entries);
   for (std::size_t b = 0; b < states.size(); ++b) {
     for (int row = 0; row < states[b].part.dofs(); ++row) {
       const auto combined = offsets[b] + row;
       all.startVec(combined);
-      for (fem::SparseMatrix::InnerIterator it(states[b].part.stiffness, row); it; ++it)
+      for (fem::SparseMatrix::InnerIterator it(*blocks[b], row); it; ++it)
         all.insertBack(combined, offsets[b] + it.col()) = it.value();
     }
   }
   all.finalize();
   return all;
+}
+
+void CombinedParts::evaluate_moved(std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const {
+  Eigen::VectorXd moved = states[part].u + segment(increment, part);
+  force.setZero(moved.size());
+  forces[part]->evaluate(moved, force);
 }
 
 void CombinedParts::external_force(double time_s, Eigen::VectorXd& external) const {
@@ -37,11 +57,17 @@ void CombinedParts::external_force(double time_s, Eigen::VectorXd& external) con
 
 void CombinedParts::constrain_rates(double time_s, double dt, const WindowState& state, WindowTrial& trial) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
+    Eigen::VectorXd anew;  // where a few rows of K are not enough
+    if (!forces[b]->linear() && !states[b].constrained.empty()) evaluate_moved(b, trial.increment, anew);
     for (const auto& c : states[b].constrained) {
       const auto dof = static_cast<int>(offsets[b]) + c.dof;
       double internal = state.external[dof] - state.residual[dof] - state.link[dof];
-      for (fem::SparseMatrix::InnerIterator it(states[b].part.stiffness, c.dof); it; ++it)
-        internal += it.value() * trial.increment[offsets[b] + it.col()];
+      if (anew.size() > 0) {
+        internal = anew[c.dof];
+      } else {
+        for (fem::SparseMatrix::InnerIterator it(states[b].part.stiffness, c.dof); it; ++it)
+          internal += it.value() * trial.increment[offsets[b] + it.col()];
+      }
       trial.velocity[dof] = c.velocity(time_s, dt);
       trial.acceleration[dof] = c.acceleration(time_s, dt);
       trial.end.residual[dof] = states[b].mass[c.dof] * trial.acceleration[dof];

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <memory>
 #include <vector>
 
 #include "common/solver/body_state.hpp"
+#include "common/solver/internal_force.hpp"
+#include "common/solver/linear_elements.hpp"
 
 namespace ricochet::implicit_solver {
 
 /// What the next window is computed from, with the motion of the bodies; combined vectors.
 struct WindowState {
-  Eigen::VectorXd residual;  ///< q = f - K u - L without the contact forces, carried along by increments [N]
+  Eigen::VectorXd residual;  ///< q = f - P(u) - L without the contact forces, carried along by increments [N]
   Eigen::VectorXd external;  ///< f, reactions included [N]
   Eigen::VectorXd link;      ///< L, internal force of the explicit elements at the shared nodes [N]
 
@@ -22,37 +26,49 @@ struct WindowTrial {
   WindowState end;
 };
 
-/// All parts of the implicit participant one after another, in combined vectors.
+/// Makes the internal force of a part.
+using MakeForce = std::function<std::unique_ptr<solver::InternalForce>(const solver::BodyState& state)>;
+
+/// All parts of the implicit participant one after another, in combined vectors, with what their elements answer.
 class CombinedParts {
  public:
   /// `states` must outlive this object unmoved.
-  explicit CombinedParts(std::vector<solver::BodyState>& states);
+  explicit CombinedParts(std::vector<solver::BodyState>& states, const MakeForce& make_force = solver::linear_elements);
 
   [[nodiscard]] std::size_t size() const { return states.size(); }
   [[nodiscard]] Eigen::Index dofs() const { return dofs_; }
-  /// K of all parts, block diagonal, made anew [N/m].
-  [[nodiscard]] fem::SparseMatrix stiffness() const;
+  /// Whether the internal force of every part is linear in u.
+  [[nodiscard]] bool linear() const { return linear_; }
+  [[nodiscard]] Eigen::VectorXd displacement() const;
+  /// K_T of each part at a displacement [N/m]; they stay until the next call.
+  [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;
+  /// A matrix of each part, made one matrix.
+  [[nodiscard]] fem::SparseMatrix block_diagonal(const std::vector<const fem::SparseMatrix*>& blocks) const;
   [[nodiscard]] auto segment(Eigen::VectorXd& combined, std::size_t part) const {
     return combined.segment(offsets[part], states[part].part.dofs());
   }
   [[nodiscard]] auto segment(const Eigen::VectorXd& combined, std::size_t part) const {
     return combined.segment(offsets[part], states[part].part.dofs());
   }
+  /// P(u_n + increment) of a part [N].
+  void evaluate_moved(std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const;
   /// Loads at a time into the segments of the parts that have some [N].
   void external_force(double time_s, Eigen::VectorXd& external) const;
   /// Load on a dashpot's dof: `external_force` leaves out the parts without loads.
   [[nodiscard]] double load_on(std::size_t part, int dof, const Eigen::VectorXd& external) const {
     return states[part].external.zero() ? 0.0 : external[offsets[part] + dof];
   }
-  /// Motion of the constrained dofs at the window's end, and the reactions R = M a + K u + L - f there, which join f.
+  /// Motion of the constrained dofs at the window's end, and the reactions R = M a + P(u) + L - f there, which join f.
   void constrain_rates(double time_s, double dt, const WindowState& state, WindowTrial& trial) const;
 
   std::vector<solver::BodyState>& states;
+  std::vector<std::unique_ptr<solver::InternalForce>> forces;  ///< per part
   std::vector<Eigen::Index> offsets;
   std::vector<int> shared_dofs;  ///< combined numbers, interface order
 
  private:
   Eigen::Index dofs_ = 0;
+  bool linear_ = true;
 };
 
 }  // namespace ricochet::implicit_solver

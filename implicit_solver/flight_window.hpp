@@ -27,7 +27,7 @@ class FlightWindow {
   const CombinedParts& parts_;
   ImplicitContact* contact_;
   const WindowClock& clock_;
-  std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and K u at the end of the window
+  std::vector<Eigen::VectorXd> moved_, internal_;  ///< per part: u and P(u) at the end of the window
   std::vector<Eigen::VectorXd> part_external_;     ///< per part: f for the balance of massless nodes
 };
 

@@ -33,12 +33,12 @@ std::vector<solver::BodyState> states_of(const scene::Problem& problem, const sc
 }  // namespace
 
 ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name,
-                               std::optional<double> told_critical_step_s)
+                               std::optional<double> told_critical_step_s, const MakeForce& make_force)
     : problem_(std::move(problem)),
       spec_(&problem_.scene.participant(name)),
       told_critical_step_s_(told_critical_step_s),
       states_(states_of(problem_, *spec_)),
-      parts_(states_) {}
+      parts_(states_, make_force) {}
 
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contacts.empty(), told_critical_step_s_);
@@ -49,12 +49,22 @@ participant::Description ImplicitSolver::describe() {
   description.capabilities.push_back(Capability::switch_integration);
   description.capabilities.push_back(Capability::reconfigure);
   description.capabilities.push_back(Capability::save_state);
-  if (!problem_.scene.massless_contact())
-    description.capabilities.push_back(Capability::load_state);  // the motion of a massless node is no state
+  // The motion of a massless node is no state, and what is loaded is to be continued linearly.
+  if (!problem_.scene.massless_contact() && parts_.linear()) description.capabilities.push_back(Capability::load_state);
   return description;
 }
 
+/// They are in balance at any time by a K that is factored once.
+void ImplicitSolver::refuse_massless_nodes() const {
+  if (parts_.linear() || !problem_.scene.massless_contact()) return;
+  throw ConfigError(fmt::format(
+      "{}: contact.multiplier_update = \"massless\" balances the contact nodes of participant '{}' by the stiffness of "
+      "the start, and its elements are not linear; use \"trapezoidal_reset\" or \"fully_implicit\"",
+      problem_.scene.path, spec_->name));
+}
+
 void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
+  refuse_massless_nodes();
   setup_ = setup;
   separation_ = SeparationWatch(setup.separation_windows);
   solver::take_interface_mass(setup.interface_mass_kg, states_);
@@ -130,7 +140,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto q = parts_.segment(forces_.residual, b);
-    state.stiffness.multiply(state.u, internal_[b]);
+    parts_.forces[b]->evaluate(state.u, internal_[b]);
     for (const auto& d : state.dashpots) {
       forces_.external[parts_.offsets[b] + d.dof] =
           parts_.load_on(b, d.dof, forces_.external) + d.force(state.v[d.dof]);
@@ -194,12 +204,12 @@ void ImplicitSolver::accept() {
   shapes_->note(window_);
 }
 
-/// Replaces the residual that the increments have carried along by q = f - K u - L itself; round-off would otherwise
+/// Replaces the residual that the increments have carried along by q = f - P(u) - L itself; round-off would otherwise
 /// add up like window^(3/2) in the momentum.
 void ImplicitSolver::resynchronise_residual() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
-    const auto& state = states_[b];
-    state.stiffness.multiply(state.u, internal_[b]);
+    auto& state = states_[b];
+    parts_.forces[b]->evaluate(state.u, internal_[b]);
     for (int i = 0; i < state.part.dofs(); ++i) {
       const auto dof = parts_.offsets[b] + i;
       if (!state.free[static_cast<std::size_t>(i)]) continue;
@@ -255,21 +265,25 @@ void ImplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_kinetic_j = 0.5 * kinetic + shared;
     if (window_ == 0) first_staggered_j_[b] = shared;
     state.totals.energy_interface_j = interface_work_j_[b] + shared - first_staggered_j_[b];
-    state.totals.energy_strain_j =
-        0.5 * state.u.dot(parts_.segment(forces_.external, b) - parts_.segment(forces_.residual, b) -
-                          parts_.segment(forces_.link, b));
+    const double half_work_j = 0.5 * state.u.dot(parts_.segment(forces_.external, b) -
+                                                 parts_.segment(forces_.residual, b) - parts_.segment(forces_.link, b));
+    state.totals.energy_strain_j = parts_.forces[b]->stored(state.u, half_work_j);
   }
   solver::record_bodies(states_, row);
   if (contact_) append_quantities(contact_->report(states_), row);
 }
 
 ImplicitSolver::State ImplicitSolver::state() const {
+  std::vector<std::string> elements;
+  for (const auto& force : parts_.forces) elements.push_back(kept_by(*force));
   return {.window = window_,
           .bodies = solver::motions_of(states_),
           .integration = integration_,
           .forces = forces_,
           .interface_work_j = interface_work_j_,
           .first_staggered_j = first_staggered_j_,
+          .elements = std::move(elements),
+          .linearised_at = newmark_->linearised_at(),
           .contact = contact_ ? std::optional(contact_->state()) : std::nullopt,
           .separation = separation_};
 }
@@ -283,6 +297,8 @@ void ImplicitSolver::restore(const State& state) {
   first_staggered_j_ = state.first_staggered_j;
   if (contact_) contact_->restore(*state.contact, states_);
   separation_ = state.separation;
+  for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *parts_.forces[b]);
+  if (state.linearised_at != newmark_->linearised_at()) newmark_->linearise(state.linearised_at);
   trial_.end.external = forces_.external;
   newmark_->forget();
 }

@@ -21,11 +21,12 @@ namespace ricochet::implicit_solver {
 
 /// The implicit elements, the shared nodes (with the summed mass, Eq. 28) and the contact nodes, by the trapezoidal
 /// rule (NewmarkWindow) with contact; after separation by central difference without (FlightWindow), and back:
-/// `synchronise` recomputes a_n = M^-1 (f - K u - L) for either.
-class ImplicitSolver final : public participant::Participant {
+/// `synchronise` recomputes a_n = M^-1 (f - P(u) - L) for either.
+class ImplicitSolver : public participant::Participant {
  public:
-  /// `told_critical_step_s`: see solver::describe.
-  ImplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {});
+  /// `told_critical_step_s`: see solver::describe. `make_force`: what the elements of a part answer.
+  ImplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {},
+                 const MakeForce& make_force = solver::linear_elements);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -58,11 +59,15 @@ class ImplicitSolver final : public participant::Participant {
     participant::Integration integration = participant::Integration::implicit_newmark;
     WindowState forces;
     std::vector<double> interface_work_j, first_staggered_j;  ///< per part
+    std::vector<std::string> elements;                        ///< per part: what its InternalForce keeps
+    Eigen::VectorXd linearised_at;                            ///< where the operator is from; empty of linear elements
     std::optional<ImplicitContact::State> contact;
     SeparationWatch separation;
 
     void archive(Archive& a) {
-      a(window, bodies, integration, forces, interface_work_j, first_staggered_j, contact, separation);
+      a(window, bodies, integration, forces, interface_work_j, first_staggered_j);
+      for (auto& kept : elements) a.any_size(kept);
+      a(linearised_at, contact, separation);
     }
   };
   [[nodiscard]] State state() const;
@@ -70,6 +75,7 @@ class ImplicitSolver final : public participant::Participant {
 
  private:
   void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+  void refuse_massless_nodes() const;
   void set_up_windows(participant::Heartbeat* heart);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
   void put_output(participant::LinkOutput& output) const;
@@ -85,7 +91,7 @@ class ImplicitSolver final : public participant::Participant {
   CombinedParts parts_;
   WindowState forces_;  ///< of the last accepted window
   WindowTrial trial_;
-  std::vector<Eigen::VectorXd> internal_;  ///< per part: K u of a resynchronisation
+  std::vector<Eigen::VectorXd> internal_;  ///< per part: P(u) of a resynchronisation
   std::optional<ImplicitContact> contact_;
   std::optional<NewmarkWindow> newmark_;  ///< from `initialize` on
   std::optional<FlightWindow> flight_;

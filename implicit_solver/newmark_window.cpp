@@ -1,24 +1,26 @@
 #include "implicit_solver/newmark_window.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
+#include "common/base/error.hpp"
+#include "common/fem/mesh.hpp"
 #include "common/fem/newmark.hpp"
-#include "common/solver/compliance.hpp"
 
 namespace ricochet::implicit_solver {
 
 namespace {
-/// With the shared nodes in the root most of a solve is done before the link's force is there, but every window
-/// multiplies by the dense inverse of the root. That pays while it has at most so many entries per entry of the
-/// operator. Measured on the rounded striker: 312 root unknowns (the limit there) break even, with 998 the implicit
-/// side takes four times as long.
-constexpr std::size_t root_entries_per_entry = 2;
-/// Up to so many contact dofs are in the root, whose dense inverse costs their cube to find and their square to keep
-/// and to use. More of them are eliminated with all others; then what contact forces add to the motion is another solve
-/// of the whole operator. Measured on flat cylinders: with 600 a hybrid window costs the same either way, finding the
-/// inverse three times the rest of the set-up with 800.
-constexpr std::size_t most_contact_dofs_in_root = 800;
+/// Newton's iteration ends when what is out of balance is so much of the largest force, or when an improvement is so
+/// much of the displacement or of its increment, which is rounding.
+constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
+/// Improvements by one operator go on while each leaves no more than so much of what was out of balance: ten solves
+/// then take it from 1 to 1e-7, and a factorisation costs more than ten.
+constexpr double slow_share = 0.2;
+constexpr int most_improvements = 50;
 }  // namespace
 
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
@@ -27,73 +29,14 @@ NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contac
       contact_(contact),
       clock_(clock),
       dt_(clock.size_s()),
-      interface_stiffness_(std::move(interface_stiffness)) {
-  for (auto* vector : {&rhs_, &mean_velocity_}) vector->setZero(parts_.dofs());
+      interface_stiffness_(std::move(interface_stiffness)),
+      solver_(parts, contact, interface_stiffness_, dt_, heart),
+      linearised_at_(solver_.linearised_at()),
+      trial_linearised_at_(linearised_at_) {
+  for (auto* vector : {&rhs_, &mean_velocity_, &imbalance_}) vector->setZero(parts_.dofs());
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
-  factorise(heart);
-}
-
-/// Adds scale S to the shared dofs of a matrix.
-void NewmarkWindow::add_interface_stiffness(double scale, fem::SparseMatrix& a) const {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index i = 0; i < interface_stiffness_.rows(); ++i) {
-    for (Eigen::Index j = 0; j < interface_stiffness_.cols(); ++j) {
-      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      if (interface_stiffness_(i, j) != 0.0) {
-        entries.emplace_back(parts_.shared_dofs[row], parts_.shared_dofs[column], scale * interface_stiffness_(i, j));
-      }
-    }
-  }
-  fem::SparseMatrix s(a.rows(), a.cols());
-  s.setFromTriplets(entries.begin(), entries.end());
-  a += s;
-}
-
-/// A = M + dt/2 C + dt^2/4 (K + S) on the dofs that are free.
-void NewmarkWindow::factorise(participant::Heartbeat* heart) {
-  const double dt = dt_;
-  fem::SparseMatrix a = parts_.stiffness();
-  a *= 0.25 * dt * dt;
-  std::vector<bool> active(static_cast<std::size_t>(a.rows()));
-  Eigen::VectorXd mass(a.rows());
-  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
-    parts_.segment(mass, b) = parts_.states[b].mass;
-    for (const auto& d : parts_.states[b].dashpots) mass[parts_.offsets[b] + d.dof] += 0.5 * dt * d.coefficient_kg_s;
-    for (int dof = 0; dof < parts_.states[b].part.dofs(); ++dof) {
-      active[static_cast<std::size_t>(parts_.offsets[b] + dof)] = parts_.states[b].free[static_cast<std::size_t>(dof)];
-    }
-  }
-  a += fem::SparseMatrix(mass.asDiagonal());
-  if (interface_stiffness_.size() > 0) add_interface_stiffness(0.25 * dt * dt, a);
-  std::vector<int> root = contact_ ? contact_->root_dofs() : std::vector<int>{};
-  contact_in_root_ = root.size() <= most_contact_dofs_in_root || contact_->massless();
-  if (!contact_in_root_) root.clear();
-  const std::size_t roots = root.size() + parts_.shared_dofs.size();
-  link_in_root_ = contact_in_root_ && roots * roots <= root_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
-  for (const int dof : link_in_root_ ? parts_.shared_dofs : std::vector<int>{}) {
-    const auto found = std::find(root.begin(), root.end(), dof);
-    if (!active[static_cast<std::size_t>(dof)]) continue;
-    shared_roots_.emplace_back(dof, found - root.begin());
-    if (found == root.end()) root.push_back(dof);
-  }
-  factor_.emplace(std::move(a), active, root, parts_.states.empty() ? nullptr : parts_.states.front().parallel, heart);
   if (!contact_) return;
-  if (heart) heart->begin("preparing the contact");
-  const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
-  if (contact_in_root_) {
-    contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt);
-  } else {
-    contact_force_.setZero(parts_.dofs());
-    contact_increment_.setZero(parts_.dofs());
-    const auto solve = [this](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
-      move_by(forces);
-      motion.resize(forces.size());
-      for (Eigen::Index i = 0; i < forces.size(); ++i)
-        motion[i] = contact_increment_[contact_->root_dofs()[static_cast<std::size_t>(i)]];
-    };
-    contact_->prepare(parts_.states, solve, dt);
-  }
   for (const int dof : contact_->root_dofs()) {
     std::size_t part = parts_.states.size() - 1;
     while (dof < parts_.offsets[part]) --part;
@@ -121,6 +64,7 @@ void NewmarkWindow::add_interface_force(Eigen::VectorXd& link) {
 /// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
 void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   if (prepared_ == window) return;
+  if (solver_.linearised_at() != linearised_at_) solver_.linearise(linearised_at_);
   const double dt = dt_, quarter = 0.25 * dt * dt, time_s = clock_.time_s(window);
   parts_.external_force(time_s, trial.end.external);
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
@@ -132,7 +76,7 @@ void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, Window
   }
   damp_rhs(trial);
   constrain_increment(time_s, trial);
-  if (link_in_root_) factor_->forward(rhs_);
+  solver_.eliminate(rhs_);
   prepared_ = window;
 }
 
@@ -153,19 +97,9 @@ void NewmarkWindow::damp_rhs(const WindowTrial& trial) {
 
 void NewmarkWindow::advance(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   prepare(window, last, trial);
-  const double quarter = 0.25 * dt_ * dt_;
   add_interface_force(trial.end.link);  // S du is in the operator
-  if (link_in_root_) {
-    root_rhs_ = factor_->root_rhs();
-    for (const auto& [dof, root] : shared_roots_)
-      root_rhs_[root] -= quarter * (trial.end.link[dof] - last.link[dof]);  // Delta P
-  } else {
-    rhs_with_link_ = rhs_;
-    for (const int dof : parts_.shared_dofs) rhs_with_link_[dof] -= quarter * (trial.end.link[dof] - last.link[dof]);
-    factor_->forward(rhs_with_link_);
-    root_rhs_ = factor_->root_rhs();
-  }
-  solve_increment(trial);
+  solver_.solve(rhs_, last.link, trial.end.link, trial.increment);
+  if (!parts_.linear()) balance(window, trial);
   add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, trial.end.link);
   find_rates(trial);
   parts_.constrain_rates(clock_.time_s(window), dt_, last, trial);
@@ -173,51 +107,96 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
 
 /// Given increments of the constrained dofs, and what they push on the free ones: b_f -= dt^2/4 K_fc du_c.
 void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
-  const double quarter = 0.25 * dt_ * dt_;
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     for (const auto& c : parts_.states[b].constrained) {
       const double du = c.at(time_s) - parts_.states[b].u[c.dof];
       trial.increment[parts_.offsets[b] + c.dof] = du;
-      if (du == 0.0) continue;
-      for (fem::SparseMatrix::InnerIterator it(parts_.states[b].part.stiffness, c.dof); it; ++it)
-        rhs_[parts_.offsets[b] + it.col()] -= quarter * it.value() * du;
+      if (du != 0.0) solver_.subtract_moved(b, c.dof, du, rhs_);
     }
   }
 }
 
-/// contact_increment_ = A^-1 of forces on the contact's root dofs.
-void NewmarkWindow::move_by(const Eigen::VectorXd& forces) {
-  for (Eigen::Index i = 0; i < forces.size(); ++i)
-    contact_force_[contact_->root_dofs()[static_cast<std::size_t>(i)]] = forces[i];
-  factor_->forward(contact_force_);
-  factor_->backward(root_increment_, contact_increment_);
+void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
+  solver_.linearise(u);
+  linearised_at_ = trial_linearised_at_ = solver_.linearised_at();
+  forget();
 }
 
-/// The increment without contact forces first, then what they add to it.
-void NewmarkWindow::solve_contact_outside_root(WindowTrial& trial) {
-  factor_->backward(root_increment_, trial.increment);
-  contact_->solve(parts_.states, trial.increment);
-  if (!contact_->any_force()) return;
-  move_by(contact_->root_force());
-  trial.increment.noalias() += (contact_->kappa() * 0.25 * dt_ * dt_) * contact_increment_;
+/// Newton's iteration where the elements are not linear: each step is a linear window for what the last one left out of
+/// balance, with contact forces found anew. The operator stays while it serves.
+void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
+  const double quarter = 0.25 * dt_ * dt_;
+  double before_n = std::numeric_limits<double>::infinity();
+  for (int improvements = 0;; ++improvements) {
+    const double largest_n = find_imbalance(trial);
+    const Eigen::VectorXd left = imbalance_with_contact();
+    const double left_n = left.lpNorm<Eigen::Infinity>();
+    if (left_n <= balanced_share * largest_n) break;
+    if (improvements == most_improvements || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
+    if (left_n > slow_share * before_n) solver_.linearise(parts_.displacement() + trial.increment);
+    before_n = left_n;
+    before_ = trial.increment;
+    rhs_ = quarter * imbalance_;
+    solver_.improve(rhs_, trial.increment);
+    const double moved =
+        std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), trial.increment.lpNorm<Eigen::Infinity>());
+    if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved) break;
+  }
+  trial_linearised_at_ = solver_.linearised_at();
+  forget();  // rhs_ is another
 }
 
-void NewmarkWindow::solve_increment(WindowTrial& trial) {
-  root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
-  if (!contact_in_root_) {
-    solve_contact_outside_root(trial);
-    return;
+/// f - P - L - M a* at the free dofs for the present increment, without contact forces. Returns the largest of the
+/// forces.
+double NewmarkWindow::find_imbalance(const WindowTrial& trial) {
+  const double dt = dt_;
+  double largest = 0.0;
+  link_ = trial.end.link;
+  add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, link_);
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    const auto& state = parts_.states[b];
+    const auto du = parts_.segment(trial.increment, b);
+    parts_.evaluate_moved(b, trial.increment, internal_);
+    inertia_ = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
+    auto left = parts_.segment(imbalance_, b);
+    left = parts_.segment(trial.end.external, b);
+    for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
+      const auto& d = state.dashpots[i];
+      left[d.dof] = dashpot_load_[b][i] + d.force(2.0 / dt * du[d.dof] - state.v[d.dof]);
+    }
+    left -= parts_.segment(link_, b);
+    for (int dof = 0; dof < state.part.dofs(); ++dof) {
+      if (!state.free[static_cast<std::size_t>(dof)]) left[dof] = internal_[dof] = inertia_[dof] = 0.0;
+    }
+    for (const double n :
+         {left.lpNorm<Eigen::Infinity>(), internal_.lpNorm<Eigen::Infinity>(), inertia_.lpNorm<Eigen::Infinity>()})
+      largest = std::max(largest, n);
+    left -= internal_ + inertia_;
   }
-  if (contact_) {
-    const auto& root = contact_->root_dofs();
-    for (std::size_t i = 0; i < root.size(); ++i)
-      trial.increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
-    contact_->solve(parts_.states, trial.increment);
-    const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
-    root_force_ = scale * contact_->root_force();
-    solver::add_product(factor_->root_inverse(), root_force_, root_increment_);
-  }
-  factor_->backward(root_increment_, trial.increment);
+  return largest;
+}
+
+Eigen::VectorXd NewmarkWindow::imbalance_with_contact() const {
+  Eigen::VectorXd left = imbalance_;
+  for (std::size_t i = 0; i < roots_.size(); ++i)
+    left[roots_[i].dof] += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)];
+  return left;
+}
+
+void NewmarkWindow::refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const {
+  Eigen::Index worst = 0;
+  left.cwiseAbs().maxCoeff(&worst);
+  std::size_t part = parts_.size() - 1;
+  while (worst < parts_.offsets[part]) --part;
+  const auto& state = parts_.states[part];
+  const auto node = static_cast<std::size_t>(worst - parts_.offsets[part]) /
+                    static_cast<std::size_t>(fem::components(state.part.mesh.model));
+  throw SolverError(
+      fmt::format("window {}: Newton's iteration does not settle: after {} steps {:.3g} N are out of balance at node "
+                  "{} of body '{}' "
+                  "{}, where {:g} of the largest force would do; use a smaller time.step_s",
+                  window, improvements, std::abs(left[worst]), state.part.body_node[node], state.name,
+                  fem::place_text(state.part.mesh.model, state.part.mesh.position[node]), balanced_share));
 }
 
 /// a*, v* and q of the class comment; the velocity and acceleration of closed pairs.
@@ -266,6 +245,7 @@ void NewmarkWindow::set_dashpot_forces(WindowTrial& trial) const {
 }
 
 void NewmarkWindow::account(const WindowTrial& trial) {
+  linearised_at_ = trial_linearised_at_;
   if (contact_) contact_->account(parts_.states, trial.increment, mean_velocity_);
 }
 

@@ -8,8 +8,8 @@
 #include "common/base/window_clock.hpp"
 #include "common/participant/heartbeat.hpp"
 #include "implicit_solver/combined_parts.hpp"
-#include "implicit_solver/condensed_factor.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
+#include "implicit_solver/window_solver.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -22,8 +22,9 @@ namespace ricochet::implicit_solver {
 /// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
 /// dt^2/2 C v_n on the right.
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
-/// The operator is factored once; contact forces r come from a problem of their own (ImplicitContact,
-/// RootProblem), small and dense while few nodes may touch.
+/// That equation is solved by WindowSolver. Where elements are not linear, it is the first of Newton's steps to
+///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
+/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
@@ -38,6 +39,9 @@ class NewmarkWindow {
   void advance(std::int64_t window, const WindowState& state, WindowTrial& trial);
   /// The state is another: what was prepared is void.
   void forget() { prepared_ = -1; }
+  /// Windows begin with another operator from here on, that at the displacement `u`; of linear elements the same.
+  void linearise(const Eigen::VectorXd& u);
+  [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
   /// Accounts work and impulses of the contact in the trial that becomes final.
   void account(const WindowTrial& trial);
   /// link += S u of the accepted motion.
@@ -51,15 +55,14 @@ class NewmarkWindow {
     std::size_t part;
     int local;
   };
-  void factorise(participant::Heartbeat* heart);
-  void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
   template <class Displacement>
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);
-  void solve_increment(WindowTrial& trial);
-  void solve_contact_outside_root(WindowTrial& trial);
-  void move_by(const Eigen::VectorXd& forces);
+  void balance(std::int64_t window, WindowTrial& trial);
+  double find_imbalance(const WindowTrial& trial);
+  [[nodiscard]] Eigen::VectorXd imbalance_with_contact() const;
+  [[noreturn]] void refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const;
   void find_rates(WindowTrial& trial);
   void find_contact_rates(WindowTrial& trial);
   void set_dashpot_forces(WindowTrial& trial) const;
@@ -69,15 +72,15 @@ class NewmarkWindow {
   const WindowClock& clock_;
   double dt_;  ///< that the factor is of [s]
   Eigen::MatrixXd interface_stiffness_;
-  std::optional<CondensedFactor> factor_;
+  WindowSolver solver_;
+  /// Of the accepted window, from whose operator each trial of the next one starts, and of the trial.
+  Eigen::VectorXd linearised_at_, trial_linearised_at_;
   std::vector<Root> roots_;
-  std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
-  bool link_in_root_ = true, contact_in_root_ = true;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
-  Eigen::VectorXd rhs_, rhs_with_link_, root_rhs_, root_increment_, root_force_, shared_x_, shared_force_;
-  Eigen::VectorXd contact_force_, contact_increment_;  ///< of a contact outside the root, all dofs
-  std::vector<std::vector<double>> dashpot_load_;      ///< per part and dashpot: other external force at n + 1 [N]
-  Eigen::VectorXd mean_velocity_;                      ///< see ImplicitContact::account
+  Eigen::VectorXd rhs_, shared_x_, shared_force_;
+  Eigen::VectorXd imbalance_, link_, internal_, inertia_, before_;  ///< of Newton's iteration
+  std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
+  Eigen::VectorXd mean_velocity_;                  ///< see ImplicitContact::account
 };
 
 }  // namespace ricochet::implicit_solver

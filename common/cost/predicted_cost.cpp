@@ -154,7 +154,7 @@ class Predictor {
     const double solve_s = solve_of_entries_s(entries);
     for (const auto& contact : problem_.contacts)
       of_window += slowness_ * implicit_pair_s * static_cast<double>(contact.pairs.size());
-    // A root whose dense inverse costs more is none (NewmarkWindow).
+    // A root whose dense inverse costs more is none (WindowSolver).
     return of_window + slowness_ * (solve_s + std::min(solve_s, root_entry_s * roots * roots));
   }
 

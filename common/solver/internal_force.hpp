@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/archive.hpp"
+#include "common/fem/part.hpp"
 
 namespace ricochet::solver {
 
@@ -15,7 +16,7 @@ struct Rows {
 
 /// The answer of one part's elements to a displacement u [m] of its degrees of freedom: the force P(u) [N] in M a =
 /// f - P(u), and the energy they store. An integrator knows no more of a part than this; of linear elements P = K u
-/// (explicit_solver::LinearForce).
+/// (LinearElements, and explicit_solver::LinearForce).
 ///
 /// Where a link says how shared nodes move, a window goes in two halves: `before_link` computes what needs no shared
 /// node, `after_link` the rest. The second may be repeated with another motion of the shared nodes.
@@ -40,6 +41,9 @@ class InternalForce {
   [[nodiscard]] virtual bool linear() const = 0;
   /// Energy of the elements at u [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
   [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, double half_work_j) const = 0;
+
+  /// K_T = dP/du at u [N/m], symmetric; what an implicit window is solved with. Stays as it is until the next call.
+  [[nodiscard]] virtual const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) = 0;
 
   /// All that the next window depends on beside u.
   virtual void archive(Archive& a);

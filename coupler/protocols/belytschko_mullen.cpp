@@ -95,10 +95,8 @@ void BelytschkoMullen::require_linear(const Coupling& coupling, const Step& step
     if (!(off > linear_tolerance * sum.largest + rounded)) continue;  // the energy watch says what is not finite
     throw ConfigError(fmt::format(
         "participant '{}' is not linear any more: in window {} its force changed with the shared nodes by {:.3g} of "
-        "its largest force otherwise than at the start, allowed are {:g}; belytschko_mullen takes the answer of the "
-        "start for the whole run; use hughes_liu, kim, kim_predicted, fixed_point, or prakash_hjelmstad or "
-        "gravouil_combescure with coupling.substeps = 1",
-        link.name(), step.accepted_window + 1, off / sum.largest, linear_tolerance));
+        "its largest force otherwise than at the start, where {:g} may be rounding; allowed: {}",
+        link.name(), step.accepted_window + 1, off / sum.largest, linear_tolerance, linear_bodies_are_needed(false)));
   }
 }
 

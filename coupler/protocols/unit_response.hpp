@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "coupler/interface/link.hpp"
@@ -9,6 +10,9 @@ namespace ricochet::coupler {
 
 /// Which part of the answer to a trial window is looked at.
 enum class Response { output, velocity };
+
+/// What is allowed in place of a participant that does not answer linearly, for error texts.
+[[nodiscard]] std::string linear_bodies_are_needed(bool implicit);
 
 /// How the answer of a participant at the end of a window depends on its link input: column j is the change of the
 /// answer per unit of link input j, by one trial window each; as wide as the link. `probes`: the change that

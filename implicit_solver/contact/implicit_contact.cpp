@@ -223,8 +223,9 @@ Eigen::VectorXd ImplicitContact::bound_of_couplings(const std::vector<BodyState>
 }
 
 void ImplicitContact::start(solver::Compliance compliance) {
+  const bool first = !root_;
   set_root(std::move(compliance));
-  trial_.solution = state_.solution = root_->open();
+  if (first) trial_.solution = state_.solution = root_->open();
 }
 
 void ImplicitContact::set_root(solver::Compliance compliance) {

@@ -43,7 +43,8 @@ class ImplicitContact {
 
   /// Degrees of freedom (combined numbering: offsets[part] + local dof) the contact acts on, constrained ones left out.
   [[nodiscard]] const std::vector<int>& root_dofs() const { return root_dofs_; }
-  /// Sets up the root problem from S^-1 on the root dofs.
+  /// Sets up the root problem from S^-1 on the root dofs; again where the operator is another, at any time but during
+  /// `solve`.
   void prepare(const Eigen::MatrixXd& root_inverse, double dt);
   /// The same where S^-1 would be too large for a dense matrix. `solve`: S^-1 of forces on the root dofs.
   void prepare(const std::vector<solver::BodyState>& states, SolveFor solve, double dt);

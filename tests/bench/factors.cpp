@@ -133,7 +133,7 @@ Cost measure(double unknowns, const std::function<void()>& factorise, const std:
   return cost;
 }
 
-constexpr std::size_t most_contact_dofs_in_root = 800;  // as NewmarkWindow has it
+constexpr std::size_t most_contact_dofs_in_root = 800;  // as WindowSolver has it
 
 double unknowns_of(const ImplicitOperator& op) {
   return static_cast<double>(std::count(op.active.begin(), op.active.end(), true));

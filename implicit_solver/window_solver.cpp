@@ -1,0 +1,181 @@
+#include "implicit_solver/window_solver.hpp"
+
+#include <algorithm>
+
+#include "common/solver/compliance.hpp"
+
+namespace ricochet::implicit_solver {
+
+namespace {
+/// With the shared nodes in the root most of a solve is done before the link's force is there, but every window
+/// multiplies by the dense inverse of the root. That pays while it has at most so many entries per entry of the
+/// operator. Measured on the rounded striker: 312 root unknowns (the limit there) break even, with 998 the implicit
+/// side takes four times as long.
+constexpr std::size_t root_entries_per_entry = 2;
+/// Up to so many contact dofs are in the root, whose dense inverse costs their cube to find and their square to keep
+/// and to use. More of them are eliminated with all others; then what contact forces add to the motion is another solve
+/// of the whole operator. Measured on flat cylinders: with 600 a hybrid window costs the same either way, finding the
+/// inverse three times the rest of the set-up with 800.
+constexpr std::size_t most_contact_dofs_in_root = 800;
+}  // namespace
+
+WindowSolver::WindowSolver(const CombinedParts& parts, ImplicitContact* contact,
+                           const Eigen::MatrixXd& interface_stiffness, double dt, participant::Heartbeat* heart)
+    : parts_(parts), contact_(contact), interface_stiffness_(interface_stiffness), dt_(dt) {
+  linearise(parts_.displacement(), heart);
+}
+
+/// Adds scale S to the shared dofs of a matrix.
+void WindowSolver::add_interface_stiffness(double scale, fem::SparseMatrix& a) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < interface_stiffness_.rows(); ++i) {
+    for (Eigen::Index j = 0; j < interface_stiffness_.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      if (interface_stiffness_(i, j) != 0.0) {
+        entries.emplace_back(parts_.shared_dofs[row], parts_.shared_dofs[column], scale * interface_stiffness_(i, j));
+      }
+    }
+  }
+  fem::SparseMatrix s(a.rows(), a.cols());
+  s.setFromTriplets(entries.begin(), entries.end());
+  a += s;
+}
+
+/// A = M + dt/2 C + dt^2/4 (K_T + S), and which dofs are free.
+fem::SparseMatrix WindowSolver::assemble(const Eigen::VectorXd& u, std::vector<bool>& active) {
+  const double dt = dt_;
+  tangents_ = parts_.tangents(u);
+  fem::SparseMatrix a = parts_.block_diagonal(tangents_);
+  a *= 0.25 * dt * dt;
+  active.resize(static_cast<std::size_t>(a.rows()));
+  Eigen::VectorXd mass(a.rows());
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    parts_.segment(mass, b) = parts_.states[b].mass;
+    for (const auto& d : parts_.states[b].dashpots) mass[parts_.offsets[b] + d.dof] += 0.5 * dt * d.coefficient_kg_s;
+    for (int dof = 0; dof < parts_.states[b].part.dofs(); ++dof) {
+      active[static_cast<std::size_t>(parts_.offsets[b] + dof)] = parts_.states[b].free[static_cast<std::size_t>(dof)];
+    }
+  }
+  a += fem::SparseMatrix(mass.asDiagonal());
+  if (interface_stiffness_.size() > 0) add_interface_stiffness(0.25 * dt * dt, a);
+  return a;
+}
+
+void WindowSolver::choose_root(const fem::SparseMatrix& a, const std::vector<bool>& active) {
+  root_ = contact_ ? contact_->root_dofs() : std::vector<int>{};
+  contact_in_root_ = root_.size() <= most_contact_dofs_in_root || contact_->massless();
+  if (!contact_in_root_) root_.clear();
+  const std::size_t roots = root_.size() + parts_.shared_dofs.size();
+  link_in_root_ = contact_in_root_ && roots * roots <= root_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
+  shared_roots_.clear();
+  for (const int dof : link_in_root_ ? parts_.shared_dofs : std::vector<int>{}) {
+    const auto found = std::find(root_.begin(), root_.end(), dof);
+    if (!active[static_cast<std::size_t>(dof)]) continue;
+    shared_roots_.emplace_back(dof, found - root_.begin());
+    if (found == root_.end()) root_.push_back(dof);
+  }
+}
+
+void WindowSolver::linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart) {
+  if (!parts_.linear()) linearised_at_ = u;
+  std::vector<bool> active;
+  fem::SparseMatrix a = assemble(u, active);
+  choose_root(a, active);
+  factor_.emplace(std::move(a), active, root_, parts_.states.empty() ? nullptr : parts_.states.front().parallel, heart);
+  if (!contact_) return;
+  if (heart) heart->begin("preparing the contact");
+  prepare_contact();
+}
+
+void WindowSolver::prepare_contact() {
+  const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
+  if (contact_in_root_) {
+    contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt_);
+    return;
+  }
+  contact_force_.setZero(parts_.dofs());
+  contact_increment_.setZero(parts_.dofs());
+  const auto solve = [this](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
+    move_by(forces);
+    motion.resize(forces.size());
+    for (Eigen::Index i = 0; i < forces.size(); ++i)
+      motion[i] = contact_increment_[contact_->root_dofs()[static_cast<std::size_t>(i)]];
+  };
+  contact_->prepare(parts_.states, solve, dt_);
+}
+
+void WindowSolver::subtract_moved(std::size_t part, int dof, double du, Eigen::VectorXd& b) const {
+  const double quarter = 0.25 * dt_ * dt_;
+  for (fem::SparseMatrix::InnerIterator it(*tangents_[part], dof); it; ++it)
+    b[parts_.offsets[part] + it.col()] -= quarter * it.value() * du;
+}
+
+void WindowSolver::eliminate(const Eigen::VectorXd& b) {
+  if (link_in_root_) factor_->forward(b);
+}
+
+void WindowSolver::solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_before, const Eigen::VectorXd& link,
+                         Eigen::VectorXd& increment) {
+  const double quarter = 0.25 * dt_ * dt_;
+  if (link_in_root_) {
+    root_rhs_ = factor_->root_rhs();
+    for (const auto& [dof, root] : shared_roots_) root_rhs_[root] -= quarter * (link[dof] - link_before[dof]);
+  } else {
+    b_with_link_ = b;
+    for (const int dof : parts_.shared_dofs) b_with_link_[dof] -= quarter * (link[dof] - link_before[dof]);
+    factor_->forward(b_with_link_);
+    root_rhs_ = factor_->root_rhs();
+  }
+  find_increment(nullptr, increment);
+}
+
+void WindowSolver::improve(const Eigen::VectorXd& b, Eigen::VectorXd& increment) {
+  from_ = increment;
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    for (const auto& c : parts_.states[p].constrained) from_[parts_.offsets[p] + c.dof] = 0.0;
+  factor_->forward(b);
+  root_rhs_ = factor_->root_rhs();
+  find_increment(&from_, increment);
+}
+
+/// contact_increment_ = A^-1 of forces on the contact's root dofs.
+void WindowSolver::move_by(const Eigen::VectorXd& forces) {
+  for (Eigen::Index i = 0; i < forces.size(); ++i)
+    contact_force_[contact_->root_dofs()[static_cast<std::size_t>(i)]] = forces[i];
+  factor_->forward(contact_force_);
+  factor_->backward(root_increment_, contact_increment_);
+}
+
+/// The increment without contact forces first, then what they add to it.
+void WindowSolver::solve_contact_outside_root(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
+  factor_->backward(root_increment_, increment);
+  if (from) increment += *from;
+  contact_->solve(parts_.states, increment);
+  if (!contact_->any_force()) return;
+  move_by(contact_->root_force());
+  increment.noalias() += (contact_->kappa() * 0.25 * dt_ * dt_) * contact_increment_;
+}
+
+/// Completes a solve whose root has its right-hand side; the increment is counted from `from`, if that is given.
+void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
+  root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
+  if (!contact_in_root_) {
+    solve_contact_outside_root(from, increment);
+    return;
+  }
+  if (contact_) {
+    const auto& root = contact_->root_dofs();
+    for (std::size_t i = 0; i < root.size(); ++i) {
+      increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
+      if (from) increment[root[i]] += (*from)[root[i]];
+    }
+    contact_->solve(parts_.states, increment);
+    const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
+    root_force_ = scale * contact_->root_force();
+    solver::add_product(factor_->root_inverse(), root_force_, root_increment_);
+  }
+  factor_->backward(root_increment_, increment);
+  if (from) increment += *from;
+}
+
+}  // namespace ricochet::implicit_solver
