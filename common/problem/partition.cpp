@@ -56,7 +56,6 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
   return in_groups(scene, body, groups->second, "partition.implicit_groups." + body.name);
 }
 
-/// Elements that the step is too long for, and the layer along the contact surface.
 /// Explicit elements have to bear every one.
 double longest_step_s(const Time& time) {
   double longest_s = time.step_s.value();
@@ -64,6 +63,7 @@ double longest_step_s(const Time& time) {
   return longest_s;
 }
 
+/// Elements that the step is too long for, and the layer along the contact surface.
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
   const double frequency_squared = 4.0 / (step_s * step_s);
   std::vector<bool> inside = elements_at(body.mesh, contact);
