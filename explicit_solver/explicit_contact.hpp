@@ -24,9 +24,11 @@ namespace ricochet::explicit_solver {
 
 class ExplicitContact {
  public:
-  /// `law` must outlive it.
+  /// `law` and `clock` must outlive it.
   ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, const WindowClock& clock,
                   std::optional<solver::SlidingRows> sliding = std::nullopt);
+  ExplicitContact(const scene::Contact& law, solver::ContactSurface surface, WindowClock&& clock,
+                  std::optional<solver::SlidingRows> sliding = std::nullopt) = delete;
 
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
   /// one that closes the gap, and the gap at n is.

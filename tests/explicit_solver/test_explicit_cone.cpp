@@ -10,6 +10,7 @@ namespace ricochet::explicit_solver {
 namespace {
 
 constexpr double cone_dt = 1e-6;
+const WindowClock cone_clock = cone_dt;
 
 test::ContactBlocks meeting_blocks(const std::string& keys, const std::string& body_keys = "") {
   test::ContactBlocks blocks("all_explicit", keys, body_keys);
@@ -48,7 +49,7 @@ TEST(ExplicitCone, ClipsTheForceThatHoldsRadially) {
   for (const auto& [mu, sticking] : {std::pair{0.1, 0}, std::pair{0.3, 4}, std::pair{0.7, 9}}) {
     auto blocks = meeting_blocks("friction_coefficient = " + std::to_string(mu) + "\n");
     const auto before = blocks;
-    ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_dt);
+    ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_clock);
     contact.start(blocks.states);
     expect_coulomb(blocks, contact, mu, 1e-12);
     int sticks = 0;
@@ -69,7 +70,7 @@ TEST(ExplicitCone, HoldsForPairsThatShareNodes) {
   for (const double mu : {0.05, 0.2, 0.9}) {
     auto blocks = meeting_blocks("friction_coefficient = " + std::to_string(mu) + "\n");
     blocks.share_nodes();
-    ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_dt);
+    ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_clock);
     contact.start(blocks.states);
     expect_coulomb(blocks, contact, mu, 1e-9);
     const auto report = contact.report(blocks.states);
@@ -84,7 +85,7 @@ TEST(ExplicitCone, CountsOnlyDirectionsInWhichThePairIsFree) {
       meeting_blocks("friction_coefficient = 0.1\n",
                      "support = [{ surface = \"start\", fixed = [\"x\"] }, { surface = \"end\", fixed = [\"x\"] }]\n");
   blocks.set_velocity({0.0, 0.8, 4.0}, {0.0, 0.0, 0.0});
-  ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_dt);
+  ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_clock);
   contact.start(blocks.states);
   const auto state = contact.state();
   for (const auto& force : state.forces) {
@@ -95,7 +96,7 @@ TEST(ExplicitCone, CountsOnlyDirectionsInWhichThePairIsFree) {
 
 TEST(ExplicitCone, RegularisedTakesTheVelocityThatItLeaves) {
   auto blocks = meeting_blocks("friction_coefficient = 0.3\nfriction_law = \"regularised\"\n");
-  ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_dt);
+  ExplicitContact contact(blocks.problem.scene.contact_law(), blocks.surface, cone_clock);
   contact.start(blocks.states);
   for (std::size_t i = 0; i < 9; ++i) {
     const auto force = contact.state().forces[i];

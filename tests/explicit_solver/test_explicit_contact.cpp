@@ -9,6 +9,7 @@ namespace ricochet::explicit_solver {
 namespace {
 
 constexpr double dt = 1e-6;
+const WindowClock clock_of_windows = dt;
 
 Eigen::VectorXd next_displacement(const solver::BodyState& state) {
   return state.u + dt * state.v + 0.5 * dt * dt * state.a;
@@ -35,7 +36,7 @@ test::ContactPlates meeting(const std::string& keys = "") {
 
 TEST(ExplicitContact, ClosesTheGapOfAnyRowExactlyAndKeepsMomentum) {
   auto plates = meeting();
-  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
   contact.start(plates.states);
   EXPECT_EQ(contact.pairs_closed(), 1);
   EXPECT_NEAR(gap_after_a_step(plates), 0.0, 1e-20);
@@ -50,7 +51,7 @@ TEST(ExplicitContact, ClosesTheGapOfAnyRowExactlyAndKeepsMomentum) {
 TEST(ExplicitContact, LeavesASeparatingRowAlone) {
   auto plates = meeting();
   plates.set_velocity(1, {0.0, 3.5});
-  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
   contact.start(plates.states);
   EXPECT_EQ(contact.pairs_closed(), 0);
   EXPECT_EQ(plates.states[0].a.norm(), 0.0);
@@ -62,7 +63,7 @@ TEST(ExplicitContact, HoldsOrSlipsByTheConeOfTheRow) {
   for (const auto& [mu, state] :
        {std::pair{"0.2", solver::ContactState::slip}, std::pair{"0.3", solver::ContactState::stick}}) {
     auto plates = meeting(std::string("friction_coefficient = ") + mu + "\n");
-    ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+    ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
     contact.start(plates.states);
     const auto& pair = plates.surface.pairs[0];
     const double normal = pair.normal.times(accelerations(plates.states)),
@@ -80,7 +81,7 @@ TEST(ExplicitContact, HoldsOrSlipsByTheConeOfTheRow) {
 TEST(ExplicitContact, PenaltyPushesByDepthAndArea) {
   auto plates = meeting("enforcement = \"penalty\"\npenalty_pa_m = 1e9\n");
   plates.states[0].u.setConstant(1e-4);  // along n by 1e-4 m
-  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
   contact.start(plates.states);
   const int lower = plates.node_at(0, {0.1, 0.0});
   EXPECT_NEAR(plates.states[0].a[2 * lower + 1], -1e9 * 0.1 * 1e-4 / 5.0, 1e-6);
@@ -107,7 +108,7 @@ std::vector<double> gaps_after_a_step(const test::ContactPlates& plates) {
 
 TEST(SharedRowsExplicit, CloseWhatWouldOverlapAndPullNothing) {
   auto plates = uneven();
-  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+  ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
   contact.start(plates.states);
   const auto gaps = gaps_after_a_step(plates);
   const auto forces = contact.state().forces;
@@ -126,7 +127,7 @@ TEST(SharedRowsExplicit, CloseWhatWouldOverlapAndPullNothing) {
 TEST(SharedRowsExplicit, HoldOrSlipByTheirCones) {
   for (const double mu : {0.05, 0.9}) {
     auto plates = uneven("friction_coefficient = " + std::to_string(mu) + "\n");
-    ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, dt);
+    ExplicitContact contact(plates.problem.scene.contact_law(), plates.surface, clock_of_windows);
     contact.start(plates.states);
     const auto forces = contact.state().forces;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -124,11 +124,11 @@ class Wrong : public Participant {
     auto mine = setup;
     if (flaw_ == "late") sleep(3);
     if (flaw_ == "one_step") {  // of as many as there should be
-      mine.clock.size_s() /= setup.substeps;
+      mine.clock = setup.clock.size_s() / setup.substeps;
       mine.substeps = 1;
     }
-    if (flaw_ == "short_steps") mine.clock *= 0.9;
-    if (flaw_ == "long_steps" || flaw_ == "two_long_steps") mine.clock *= 1.1;
+    if (flaw_ == "short_steps") mine.clock = 0.9 * mine.clock.size_s();
+    if (flaw_ == "long_steps" || flaw_ == "two_long_steps") mine.clock = 1.1 * mine.clock.size_s();
     if (flaw_ == "two_long_steps") mine.substeps = 2;
     if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
     if (flaw_ == "tells_what_it_is_told") {

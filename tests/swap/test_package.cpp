@@ -137,6 +137,8 @@ void fortran_participant_takes_part_in_runs(const Package& package) {
     const auto scene = [&, protocol = protocol, substeps = substeps](const std::string& executable) {
       auto text = with_protocol(config_text("two_bars"), protocol);
       if (substeps > 1) text = with_key(text, "coupling", "substeps", std::to_string(substeps));
+      text =
+          with_key(text, "time", "changes", "[{ from_s = 80e-6, step_s = 1e-6 }, { from_s = 110e-6, step_s = 2e-6 }]");
       return text + "[[participant]]\nname = \"bar\"\nrole = \"explicit\"\nbodies = [\"left\"]\n" + executable +
              "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
              "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
