@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace ricochet::scene {
 namespace {
@@ -133,7 +134,63 @@ double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
 struct OppositePiece {
   Polygon corners, opposite;  ///< in the plane of the face
   const SurfaceFace* face;    ///< that lies opposite
+  Eigen::Vector3d moved_m;
 };
+
+/// Of the smooth surface.
+Eigen::Vector3d place_at(const SurfaceFace& face, const ShapeValues& shape) {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < face.node.size(); ++k) place += shape[static_cast<Eigen::Index>(k)] * face.x[k];
+  double rise_m = 0.0;
+  for (std::size_t k = 0; k < face.node.size(); ++k)
+    rise_m += shape[static_cast<Eigen::Index>(k)] * (place - face.x[k]).dot(face.node_normal[k]);
+  return place - 0.5 * rise_m * face.normal;
+}
+
+Eigen::Vector3d normal_at(const SurfaceFace& face, const ShapeValues& shape) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < face.node.size(); ++k)
+    normal += shape[static_cast<Eigen::Index>(k)] * face.node_normal[k];
+  return normal;
+}
+
+/// A face as it is seen along a direction, from a place.
+struct View {
+  Eigen::Vector3d from, first, second;
+
+  View(const Eigen::Vector3d& place, const Eigen::Vector3d& along, bool edge)
+      : from(place), first(edge ? Eigen::Vector3d(-along[1], along[0], 0.0) : along.unitOrthogonal()) {
+    second = edge ? Eigen::Vector3d::Zero().eval() : along.cross(first).eval();
+  }
+  [[nodiscard]] Place of(const Eigen::Vector3d& x) const { return {first.dot(x - from), second.dot(x - from)}; }
+};
+
+/// Where a ray hits a face.
+struct Hit {
+  double inside;  ///< the least shape function, at most 0
+  double far_m;
+};
+
+Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face) {
+  const View view(place, along, face.node.size() == 2);
+  Polygon corners;
+  for (std::size_t k = 0; k < face.node.size(); ++k) corners.push_back(view.of(face.x[k]));
+  Place aim(0.0, 0.0);
+  ShapeValues shape;
+  Eigen::Vector3d found;
+  for (int i = 0; i < 4; ++i) {  // the smooth surface stands off the face by little
+    shape = shape_at(corners, aim);
+    found = place_at(face, shape);
+    aim -= view.of(found);
+  }
+  const double* first = shape.data();
+  return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from)};
+}
+
+/// A hit so far beside a face is none.
+constexpr double beside = 0.05;
+/// Faces that are seen from a place so much from the side are not what lies opposite.
+constexpr double least_facing = 0.1;
 
 /// integral phi_j and integral psi_j phi_k so far.
 class RowSums {
@@ -152,25 +209,40 @@ class RowSums {
       });
     }
     const Eigen::Matrix4d dual = d.asDiagonal() * m.inverse();
-    for (Eigen::Index j = 0; j < corners; ++j) area_[face.node[static_cast<std::size_t>(j)]] += d[j];
+    std::array<Sum*, 4> sums{};
+    for (Eigen::Index j = 0; j < corners; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      Sum& sum = *(sums[at] = &sums_[{face.patch, face.node[at]}]);
+      sum.area_m2 += d[j];
+      sum.place = face.x[at];
+      sum.normal = face.node_normal[at];
+      sum.held = face.held[at];
+      for (const OppositePiece& piece : pieces)
+        if (!far_from(piece.opposite, own[at])) sum.near.push_back({piece.face, piece.moved_m});
+    }
     for (const OppositePiece& piece : pieces) {
       integrate(piece.corners, [&](const Place& place, double weight) {
         const ShapeValues phi = shape_at(own, place), psi = dual * phi, other = shape_at(piece.opposite, place);
         weight *= measure_at(face, phi);
+        const Eigen::Vector3d apart = place_at(*piece.face, other) + piece.moved_m - place_at(face, phi),
+                              normal = normal_at(*piece.face, other);
         for (Eigen::Index j = 0; j < corners; ++j) {
-          auto& row = coupling_[face.node[static_cast<std::size_t>(j)]];
+          Sum& sum = *sums[static_cast<std::size_t>(j)];
+          sum.apart += weight * phi[j] * apart;
+          sum.other_normal += weight * phi[j] * normal;
           for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(piece.opposite.size()); ++k)
-            row[piece.face->node[static_cast<std::size_t>(k)]] += weight * psi[j] * other[k];
+            sum.coupling[piece.face->node[static_cast<std::size_t>(k)]] += weight * psi[j] * other[k];
         }
       });
     }
   }
-  [[nodiscard]] std::vector<MortarRow> rows() const {
+  [[nodiscard]] std::vector<MortarRow> rows(double first_share) const {
     std::vector<MortarRow> rows;
-    for (const auto& [node, area_m2] : area_) {
-      MortarRow row{node, area_m2, {}};
-      for (const auto& [other, value] : coupling_.at(node)) {
-        if (std::abs(value) > 1e-14 * area_m2) row.opposite.push_back({other, value / area_m2});
+    for (const auto& [place, sum] : sums_) {
+      const Eigen::Vector3d normal = normal_of(sum, first_share);
+      MortarRow row{place.second, sum.area_m2, {}, place.first, normal, gap_of(sum, normal)};
+      for (const auto& [other, value] : sum.coupling) {
+        if (std::abs(value) > 1e-14 * sum.area_m2) row.opposite.push_back({other, value / sum.area_m2});
       }
       rows.push_back(std::move(row));
     }
@@ -178,21 +250,45 @@ class RowSums {
   }
 
  private:
-  std::map<int, double> area_;
-  std::map<int, std::map<int, double>> coupling_;
-};
+  struct Opposite {
+    const SurfaceFace* face;
+    Eigen::Vector3d moved_m;
+  };
+  struct Sum {
+    double area_m2 = 0.0;
+    Eigen::Vector3d place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
+    unsigned held = 0;
+    std::map<int, double> coupling;
+    Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with phi_j
+    std::vector<Opposite> near;
+  };
 
-struct Span {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-};
-Span extent_along(const SurfaceFace& face, const Eigen::Vector3d& direction) {
-  Span extent;
-  for (std::size_t i = 0; i < face.node.size(); ++i) {
-    extent.low = std::min(extent.low, direction.dot(face.x[i]));
-    extent.high = std::max(extent.high, direction.dot(face.x[i]));
+  /// Beyond a plane of symmetry the other surface goes on as on this side of it.
+  static Eigen::Vector3d normal_of(const Sum& sum, double first_share) {
+    Eigen::Vector3d other = sum.other_normal;
+    for (Eigen::Index c = 0; c < 3; ++c)
+      if ((sum.held >> c & 1U) != 0) other[c] = 0.0;
+    return (first_share * sum.normal - (1.0 - first_share) * other.normalized()).normalized();
   }
-  return extent;
-}
+  static double gap_of(const Sum& sum, const Eigen::Vector3d& normal) {
+    Hit best{-std::numeric_limits<double>::infinity(), 0.0};
+    for (const Opposite& near : sum.near) {
+      if (!(near.face->normal.dot(normal) < -least_facing)) continue;
+      const Hit hit = hit_of(sum.place - near.moved_m, normal, *near.face);
+      if (hit.inside > best.inside || (hit.inside == best.inside && std::abs(hit.far_m) < std::abs(best.far_m)))
+        best = hit;
+    }
+    return best.inside >= -beside ? best.far_m : sum.apart.dot(normal) / sum.area_m2;
+  }
+  /// By more than the polygon's size.
+  static bool far_from(const Polygon& polygon, const Place& place) {
+    Eigen::AlignedBox2d box;
+    for (const Place& corner : polygon) box.extend(corner);
+    return box.exteriorDistance(place) > box.diagonal().norm();
+  }
+
+  std::map<std::pair<int, int>, Sum> sums_;  ///< by patch and node
+};
 
 bool apart(const Polygon& a, const Polygon& b) {
   for (int c = 0; c < 2; ++c) {
@@ -204,54 +300,119 @@ bool apart(const Polygon& a, const Polygon& b) {
   return false;
 }
 
-}  // namespace
-
-OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
-                             const Eigen::Vector2d& period_m)
-    : faces_(std::move(faces)), along_(along), period_m_(period_m) {
-  const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const Span extent = along ? extent_along(faces_[i], *along) : Span{0.0, 0.0};
-    longest_m_ = std::max(longest_m_, extent.high - extent.low);
-    for (const double first : times(period_m[0])) {
-      for (const double second : times(period_m[1])) {
-        const Eigen::Vector3d moved_m(first * period_m[0], second * period_m[1], 0.0);
-        images_.push_back({i, moved_m, extent.low + (along ? along->dot(moved_m) : 0.0)});
-      }
-    }
+/// Per face of every image of it a box.
+std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const SurfaceFace& face : faces) {
+    Eigen::AlignedBox3d& box = boxes.emplace_back();
+    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i] + moved_m);
   }
-  std::stable_sort(images_.begin(), images_.end(), [](const Image& x, const Image& y) { return x.low_m < y.low_m; });
+  return boxes;
 }
 
-std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, Eigen::Vector3d shift_m) const {
+/// A box that has moved may have a part that lies opposite a face, whose corners are `own` in its plane.
+bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
+             const Eigen::AlignedBox2d& own, bool edge) {
+  const Eigen::Vector3d middle = box.center() + moved_m - plane.origin, half = 0.5 * box.sizes();
+  const auto outside = [&](const Eigen::Vector3d& direction, Eigen::Index c) {
+    const double at = direction.dot(middle), size = direction.cwiseAbs().dot(half);
+    return at + size < own.min()[c] || at - size > own.max()[c];
+  };
+  return !outside(plane.first, 0) && (edge || !outside(plane.second, 1));
+}
+
+}  // namespace
+
+OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector2d& period_m)
+    : faces_(std::move(faces)), period_m_(period_m), tree_({}) {
+  const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const double first : times(period_m[0])) {
+    for (const double second : times(period_m[1])) {
+      const Eigen::Vector3d moved_m(first * period_m[0], second * period_m[1], 0.0);
+      const auto moved = boxes_of(faces_, moved_m);
+      boxes.insert(boxes.end(), moved.begin(), moved.end());
+      for (std::size_t i = 0; i < faces_.size(); ++i) images_.push_back({i, moved_m});
+    }
+  }
+  tree_ = BoxTree(std::move(boxes));
+}
+
+Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
   for (Eigen::Index c = 0; c < 2; ++c) {
     if (period_m_[c] > 0.0) shift_m[c] -= period_m_[c] * std::round(shift_m[c] / period_m_[c]);
   }
+  return shift_m;
+}
+
+std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                           double first_share) const {
+  const Eigen::Vector3d shift = within_period(shift_m);
   RowSums sums;
   std::vector<OppositePiece> pieces;
+  std::vector<std::size_t> near;
   for (const SurfaceFace& face : first) {
     const Plane plane(face);
     const Polygon own = plane.of(face, Eigen::Vector3d::Zero());
-    const double size = measure_of(own), shifted_m = along_ ? along_->dot(shift_m) : 0.0;
-    const Span extent = along_ ? extent_along(face, *along_) : Span{0.0, 0.0};
-    auto image = std::lower_bound(images_.begin(), images_.end(), extent.low - shifted_m - longest_m_,
-                                  [](const Image& x, double low_m) { return x.low_m < low_m; });
+    Eigen::AlignedBox2d extent;
+    for (const Place& corner : own) extent.extend(corner);
+    near.clear();
+    tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift, plane, extent, own.size() == 2); },
+                [&](std::size_t image) { near.push_back(image); });
+    std::sort(near.begin(), near.end());
     pieces.clear();
     double covered = 0.0;
-    for (; image != images_.end() && image->low_m <= extent.high - shifted_m; ++image) {
-      const SurfaceFace& other = faces_[image->face];
+    for (const std::size_t image : near) {
+      const SurfaceFace& other = faces_[images_[image].face];
       if (face.normal.dot(other.normal) >= 0.0) continue;
-      Polygon opposite = plane.of(other, image->moved_m + shift_m);
+      const Eigen::Vector3d moved_m = images_[image].moved_m + shift;
+      Polygon opposite = plane.of(other, moved_m);
       if (apart(own, opposite)) continue;
       Polygon piece = clipped({opposite.rbegin(), opposite.rend()}, own);  // seen from the face it is clockwise
       const double piece_size = piece.empty() ? 0.0 : measure_of(piece);
       if (!(piece_size > 0.0)) continue;
       covered += piece_size;
-      pieces.push_back({std::move(piece), std::move(opposite), &other});
+      pieces.push_back({std::move(piece), std::move(opposite), &other, moved_m});
     }
-    if (covered >= least_share * size) sums.add(face, own, pieces);
+    if (covered >= least_share * measure_of(own)) sums.add(face, own, pieces);
   }
-  return sums.rows();
+  return sums.rows(first_share);
+}
+
+double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const {
+  const Eigen::Vector3d shift = within_period(shift_m);
+  double square = std::numeric_limits<double>::infinity(), longest_m = 0.0;
+  for (const SurfaceFace& face : first) {
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      longest_m = std::max(longest_m, (face.x[(i + 1) % face.node.size()] - face.x[i]).norm());
+      const Eigen::Vector3d place = face.x[i] - shift;
+      double of_box = 0.0;  // of the one asked for last
+      tree_.visit(
+          [&](const Eigen::AlignedBox3d& box) { return (of_box = box.squaredExteriorDistance(place)) < square; },
+          [&](std::size_t) { square = of_box; });
+    }
+  }
+  return std::sqrt(square) - longest_m;
+}
+
+std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m, const Eigen::Vector3d& along) {
+  constexpr int most_moves = 20;
+  constexpr double touched = 1e-6;  // of an edge
+  std::optional<Touch> touch;
+  Eigen::Vector3d shift = shift_m;
+  for (int i = 0; i < most_moves; ++i) {
+    const std::vector<MortarRow> rows = mesh.rows(shift);
+    const auto least = std::min_element(rows.begin(), rows.end(),
+                                        [](const MortarRow& x, const MortarRow& y) { return x.gap_m < y.gap_m; });
+    if (least == rows.end()) return std::nullopt;
+    if (!touch) touch = Touch{shift, least->normal, least->gap_m};
+    touch->normal = least->normal;
+    const double along_normal = along.dot(least->normal);
+    if (std::abs(least->gap_m) <= touched * mesh.edge_m || (!along.isZero(0.0) && along_normal < least_facing)) break;
+    shift -= least->gap_m * (along.isZero(0.0) ? least->normal : Eigen::Vector3d(along / along_normal));
+  }
+  touch->shift_m = shift;
+  return touch;
 }
 
 }  // namespace ricochet::scene
