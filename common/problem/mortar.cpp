@@ -12,6 +12,10 @@ namespace {
 
 /// A face of which less lies opposite the other surface touches nothing: its dual basis would be round-off.
 constexpr double least_share = 1e-4;
+/// Faces that are seen from a place so much from the side are not what lies opposite.
+constexpr double least_facing = 0.1;
+/// Directions that differ by less are one.
+constexpr double same_direction = 1e-9;
 
 /// A place in the plane of a face; along an edge the second coordinate is 0.
 using Place = Eigen::Vector2d;
@@ -71,6 +75,27 @@ ShapeValues shape_at(const Polygon& corners, const Place& place) {
   const Place other = corners[2] - corners[0];
   const double whole = cross(along, other), second = cross(from, other) / whole, third = cross(along, from) / whole;
   return {1.0 - second - third, second, third, 0.0};
+}
+
+/// Where the corners of a face lie in the plane of another, whose corners there are `own`: on the lines along that
+/// one's directions, which change between its corners as its shape functions do.
+Polygon seen_along(const std::array<Eigen::Vector3d, 4>& directions, const SurfaceFace& face, const Plane& plane,
+                   const Polygon& own, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
+  Polygon feet = plane.of(other, moved_m);
+  for (std::size_t k = 0; k < feet.size(); ++k) {
+    const Eigen::Vector3d from = other.x[k] + moved_m - plane.origin;
+    for (int i = 0; i < 4; ++i) {  // tilts are small
+      const ShapeValues shape = shape_at(own, feet[k]);
+      Eigen::Vector3d along = Eigen::Vector3d::Zero();
+      for (std::size_t j = 0; j < own.size(); ++j)
+        along += std::clamp(shape[static_cast<Eigen::Index>(j)], -1.0, 2.0) * directions[j];
+      const double facing = along.dot(face.normal);
+      if (!(facing > least_facing * along.norm())) break;
+      const Eigen::Vector3d foot = from - from.dot(face.normal) / facing * along;
+      feet[k] = {plane.first.dot(foot), plane.second.dot(foot)};
+    }
+  }
+  return feet;
 }
 
 /// The part of `piece` within a convex polygon that is counter-clockwise (Sutherland, Hodgman 1974).
@@ -189,11 +214,43 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
 
 /// A hit so far beside a face is none.
 constexpr double beside = 0.05;
-/// Faces that are seen from a place so much from the side are not what lies opposite.
-constexpr double least_facing = 0.1;
+bool apart(const Polygon& a, const Polygon& b) {
+  for (int c = 0; c < 2; ++c) {
+    const auto less = [c](const Place& x, const Place& y) { return x[c] < y[c]; };
+    const auto [low_a, high_a] = std::minmax_element(a.begin(), a.end(), less);
+    const auto [low_b, high_b] = std::minmax_element(b.begin(), b.end(), less);
+    if ((*high_a)[c] < (*low_b)[c] || (*high_b)[c] < (*low_a)[c]) return true;
+  }
+  return false;
+}
+
+/// Per face of every image of it a box.
+std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const SurfaceFace& face : faces) {
+    Eigen::AlignedBox3d& box = boxes.emplace_back();
+    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i] + moved_m);
+  }
+  return boxes;
+}
+
+/// A box that has moved may have a part that lies opposite a face, whose corners are `own` in its plane, along
+/// directions that differ from its normal by no more than `tilt`.
+bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
+             const SurfaceFace& face, const Eigen::AlignedBox2d& own, double tilt) {
+  const Eigen::Vector3d middle = box.center() + moved_m - plane.origin, half = 0.5 * box.sizes();
+  const double far_m = std::abs(face.normal.dot(middle)) + face.normal.cwiseAbs().dot(half);
+  const auto outside = [&](const Eigen::Vector3d& direction, Eigen::Index c) {
+    const double at = direction.dot(middle), size = direction.cwiseAbs().dot(half) + tilt * far_m;
+    return at + size < own.min()[c] || at - size > own.max()[c];
+  };
+  return !outside(plane.first, 0) && (face.node.size() == 2 || !outside(plane.second, 1));
+}
+
+}  // namespace
 
 /// integral phi_j and integral psi_j phi_k so far.
-class RowSums {
+class OppositeFaces::RowSums {
  public:
   void add(const SurfaceFace& face, const Polygon& own, const std::vector<OppositePiece>& pieces) {
     const auto corners = static_cast<Eigen::Index>(own.size());
@@ -235,6 +292,15 @@ class RowSums {
         }
       });
     }
+  }
+  /// At the nodes of a face of the first surface the normals of that to which both deform.
+  [[nodiscard]] std::array<Eigen::Vector3d, 4> normals(const SurfaceFace& face, double first_share) const {
+    std::array<Eigen::Vector3d, 4> normals = face.node_normal;
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      const auto found = sums_.find({face.patch, face.node[i]});
+      if (found != sums_.end()) normals[i] = normal_of(found->second, first_share);
+    }
+    return normals;
   }
   [[nodiscard]] std::vector<MortarRow> rows(double first_share) const {
     std::vector<MortarRow> rows;
@@ -290,39 +356,6 @@ class RowSums {
   std::map<std::pair<int, int>, Sum> sums_;  ///< by patch and node
 };
 
-bool apart(const Polygon& a, const Polygon& b) {
-  for (int c = 0; c < 2; ++c) {
-    const auto less = [c](const Place& x, const Place& y) { return x[c] < y[c]; };
-    const auto [low_a, high_a] = std::minmax_element(a.begin(), a.end(), less);
-    const auto [low_b, high_b] = std::minmax_element(b.begin(), b.end(), less);
-    if ((*high_a)[c] < (*low_b)[c] || (*high_b)[c] < (*low_a)[c]) return true;
-  }
-  return false;
-}
-
-/// Per face of every image of it a box.
-std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const SurfaceFace& face : faces) {
-    Eigen::AlignedBox3d& box = boxes.emplace_back();
-    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i] + moved_m);
-  }
-  return boxes;
-}
-
-/// A box that has moved may have a part that lies opposite a face, whose corners are `own` in its plane.
-bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
-             const Eigen::AlignedBox2d& own, bool edge) {
-  const Eigen::Vector3d middle = box.center() + moved_m - plane.origin, half = 0.5 * box.sizes();
-  const auto outside = [&](const Eigen::Vector3d& direction, Eigen::Index c) {
-    const double at = direction.dot(middle), size = direction.cwiseAbs().dot(half);
-    return at + size < own.min()[c] || at - size > own.max()[c];
-  };
-  return !outside(plane.first, 0) && (edge || !outside(plane.second, 1));
-}
-
-}  // namespace
-
 OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector2d& period_m)
     : faces_(std::move(faces)), period_m_(period_m), tree_({}) {
   const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
@@ -345,19 +378,21 @@ Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
   return shift_m;
 }
 
-std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                           double first_share) const {
-  const Eigen::Vector3d shift = within_period(shift_m);
+OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                           const Normals& normals_of) const {
   RowSums sums;
   std::vector<OppositePiece> pieces;
   std::vector<std::size_t> near;
   for (const SurfaceFace& face : first) {
     const Plane plane(face);
     const Polygon own = plane.of(face, Eigen::Vector3d::Zero());
+    const std::array<Eigen::Vector3d, 4> directions = normals_of(face);
+    double tilt = 0.0;
+    for (std::size_t i = 0; i < own.size(); ++i) tilt = std::max(tilt, (directions[i] - face.normal).norm());
     Eigen::AlignedBox2d extent;
     for (const Place& corner : own) extent.extend(corner);
     near.clear();
-    tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift, plane, extent, own.size() == 2); },
+    tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift_m, plane, face, extent, 2.0 * tilt); },
                 [&](std::size_t image) { near.push_back(image); });
     std::sort(near.begin(), near.end());
     pieces.clear();
@@ -365,8 +400,9 @@ std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first
     for (const std::size_t image : near) {
       const SurfaceFace& other = faces_[images_[image].face];
       if (face.normal.dot(other.normal) >= 0.0) continue;
-      const Eigen::Vector3d moved_m = images_[image].moved_m + shift;
-      Polygon opposite = plane.of(other, moved_m);
+      const Eigen::Vector3d moved_m = images_[image].moved_m + shift_m;
+      Polygon opposite =
+          tilt > same_direction ? seen_along(directions, face, plane, own, other, moved_m) : plane.of(other, moved_m);
       if (apart(own, opposite)) continue;
       Polygon piece = clipped({opposite.rbegin(), opposite.rend()}, own);  // seen from the face it is clockwise
       const double piece_size = piece.empty() ? 0.0 : measure_of(piece);
@@ -376,7 +412,19 @@ std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first
     }
     if (covered >= least_share * measure_of(own)) sums.add(face, own, pieces);
   }
-  return sums.rows(first_share);
+  return sums;
+}
+
+std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                           double first_share) const {
+  const Eigen::Vector3d shift = within_period(shift_m);
+  const RowSums by_own = sums(first, shift, [](const SurfaceFace& face) { return face.node_normal; });
+  const auto between = [&](const SurfaceFace& face) { return by_own.normals(face, first_share); };
+  const bool same = std::all_of(first.begin(), first.end(), [&](const SurfaceFace& face) {
+    return std::equal(face.node_normal.begin(), face.node_normal.end(), between(face).begin(),
+                      [](const auto& x, const auto& y) { return (x - y).norm() <= same_direction; });
+  });
+  return (same ? by_own : sums(first, shift, between)).rows(first_share);
 }
 
 double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const {
@@ -397,7 +445,7 @@ double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen
 
 std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m, const Eigen::Vector3d& along) {
   constexpr int most_moves = 20;
-  constexpr double touched = 1e-6;  // of an edge
+  constexpr double touched = 1e-10;  // of an edge
   std::optional<Touch> touch;
   Eigen::Vector3d shift = shift_m;
   for (int i = 0; i < most_moves; ++i) {

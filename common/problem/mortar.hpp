@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,9 @@
 ///   gap_j = n_j . (sum_k weight_jk x_k - x_j),   weight_jk = integral psi_j phi_k / area_j,   area_j = integral phi_j
 /// with k the nodes of the second surface. Weights sum to one and, where the surfaces touch, to the place of j: forces
 /// and moments are in balance. What lies opposite is found in the plane of each face of the first surface, to which
-/// those of the second are projected and by which they are cut (Puso, Laursen 2004).
+/// those of the second are projected along n, which changes from node to node, and by which they are cut (Puso, Laursen
+/// 2004, who project along the face's normal: of two balls that puts places off by gap times slope, and the force by
+/// 0.4 % at a radius of contact of 0.12 R).
 ///
 /// n_j is the normal of the surface to which both deform where they touch: that of each counts by the compliance
 /// (1 - nu^2)/E of the other, so that half-spaces of one material meet halfway. Along it, what bodies slide does not
@@ -80,6 +83,12 @@ class OppositeFaces {
     std::size_t face;
     Eigen::Vector3d moved_m;  ///< where the surface repeats
   };
+  class RowSums;
+  using Normals = std::function<std::array<Eigen::Vector3d, 4>(const SurfaceFace&)>;
+  /// What is integrated over the pieces of the first surface's faces that lie opposite along these normals of its
+  /// nodes.
+  [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                             const Normals& normals_of) const;
   [[nodiscard]] Eigen::Vector3d within_period(Eigen::Vector3d shift_m) const;
   std::vector<SurfaceFace> faces_;
   Eigen::Vector2d period_m_;
