@@ -17,13 +17,6 @@ constexpr double least_facing = 0.1;
 /// Directions that differ by less are one.
 constexpr double same_direction = 1e-9;
 
-/// A place in the plane of a face; along an edge the second coordinate is 0.
-using Place = Eigen::Vector2d;
-using Polygon = std::vector<Place>;   ///< of two corners: a piece of a line
-using ShapeValues = Eigen::Vector4d;  ///< 0 beyond the corners of a face
-
-double cross(const Place& a, const Place& b) { return a[0] * b[1] - a[1] * b[0]; }
-
 /// Coordinates in the plane of a face.
 struct Plane {
   Eigen::Vector3d origin, first, second;
@@ -41,41 +34,6 @@ struct Plane {
     return polygon;
   }
 };
-
-/// ShapeValues functions of a quadrilateral where its map has this value, by Newton's method.
-ShapeValues quadrilateral_shape(const Polygon& corners, const Place& place) {
-  static constexpr double xi_of[4] = {-1.0, 1.0, 1.0, -1.0}, eta_of[4] = {-1.0, -1.0, 1.0, 1.0};
-  Place natural(0.0, 0.0);
-  ShapeValues shape;
-  for (int i = 0; i < 20; ++i) {
-    Place found = -place;
-    Eigen::Matrix2d slope = Eigen::Matrix2d::Zero();
-    for (int k = 0; k < 4; ++k) {
-      const double of_xi = 0.5 * (1.0 + xi_of[k] * natural[0]), of_eta = 0.5 * (1.0 + eta_of[k] * natural[1]);
-      const Place& x = corners[static_cast<std::size_t>(k)];
-      shape[k] = of_xi * of_eta;
-      found += shape[k] * x;
-      slope.col(0) += 0.5 * xi_of[k] * of_eta * x;
-      slope.col(1) += 0.5 * eta_of[k] * of_xi * x;
-    }
-    const Place change = slope.inverse() * found;
-    if (!(change.norm() > 1e-14)) break;
-    natural -= change;
-  }
-  return shape;
-}
-
-ShapeValues shape_at(const Polygon& corners, const Place& place) {
-  if (corners.size() == 4) return quadrilateral_shape(corners, place);
-  const Place along = corners[1] - corners[0], from = place - corners[0];
-  if (corners.size() == 2) {
-    const double share = from[0] / along[0];
-    return {1.0 - share, share, 0.0, 0.0};
-  }
-  const Place other = corners[2] - corners[0];
-  const double whole = cross(along, other), second = cross(from, other) / whole, third = cross(along, from) / whole;
-  return {1.0 - second - third, second, third, 0.0};
-}
 
 /// Where the corners of a face lie in the plane of another, whose corners there are `own`: on the lines along that
 /// one's directions, which change between its corners as its shape functions do.
@@ -98,59 +56,6 @@ Polygon seen_along(const std::array<Eigen::Vector3d, 4>& directions, const Surfa
   return feet;
 }
 
-/// The part of `piece` within a convex polygon that is counter-clockwise (Sutherland, Hodgman 1974).
-Polygon clipped(Polygon piece, const Polygon& by) {
-  if (by.size() == 2) {
-    const auto [low, high] = std::minmax(piece[0][0], piece[1][0]);
-    return {{std::max(low, std::min(by[0][0], by[1][0])), 0.0}, {std::min(high, std::max(by[0][0], by[1][0])), 0.0}};
-  }
-  for (std::size_t i = 0; i < by.size() && !piece.empty(); ++i) {
-    const Place &a = by[i], along = by[(i + 1) % by.size()] - a;
-    Polygon inside;
-    for (std::size_t k = 0; k < piece.size(); ++k) {
-      const Place &p = piece[k], &q = piece[(k + 1) % piece.size()];
-      const double side_p = cross(along, p - a), side_q = cross(along, q - a);
-      if (side_p >= 0.0) inside.push_back(p);
-      if ((side_p > 0.0 && side_q < 0.0) || (side_p < 0.0 && side_q > 0.0))
-        inside.push_back(p + side_p / (side_p - side_q) * (q - p));
-    }
-    piece = std::move(inside);
-  }
-  if (piece.size() < 3) piece.clear();  // a side of it lies along one of the other
-  return piece;
-}
-
-/// Sums f(place, weight) over the Gauss points of a piece: exact for products of three linear functions on a line, for
-/// those of two bilinear ones on a triangle (Dunavant 1985, degree 4).
-template <class F>
-void integrate(const Polygon& piece, const F& f) {
-  if (piece.size() == 2) {
-    const Place middle = 0.5 * (piece[0] + piece[1]), half = 0.5 * (piece[1] - piece[0]);
-    for (const double sign : {-1.0, 1.0}) f(Place(middle + sign / std::sqrt(3.0) * half), half[0]);
-    return;
-  }
-  static constexpr double near[2] = {0.445948490915965, 0.091576213509771},
-                          weights[2] = {0.223381589678011, 0.109951743655322};
-  for (std::size_t i = 2; i < piece.size(); ++i) {
-    const Place &a = piece[0], &b = piece[i - 1], &c = piece[i];
-    const double area = 0.5 * cross(b - a, c - a);
-    if (!(area > 0.0)) continue;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const double far = 1.0 - 2.0 * near[k];
-      f(Place(far * a + near[k] * (b + c)), weights[k] * area);
-      f(Place(far * b + near[k] * (c + a)), weights[k] * area);
-      f(Place(far * c + near[k] * (a + b)), weights[k] * area);
-    }
-  }
-}
-
-/// Length of a line, area of a polygon.
-double measure_of(const Polygon& piece) {
-  double size = 0.0;
-  integrate(piece, [&](const Place&, double weight) { size += weight; });
-  return size;
-}
-
 double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
   return shape.dot(Eigen::Map<const Eigen::Vector4d>(face.measure.data()));
 }
@@ -162,68 +67,8 @@ struct OppositePiece {
   Eigen::Vector3d moved_m;
 };
 
-/// Of the smooth surface.
-Eigen::Vector3d place_at(const SurfaceFace& face, const ShapeValues& shape) {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < face.node.size(); ++k) place += shape[static_cast<Eigen::Index>(k)] * face.x[k];
-  double rise_m = 0.0;
-  for (std::size_t k = 0; k < face.node.size(); ++k)
-    rise_m += shape[static_cast<Eigen::Index>(k)] * (place - face.x[k]).dot(face.node_normal[k]);
-  return place - 0.5 * rise_m * face.normal;
-}
-
-Eigen::Vector3d normal_at(const SurfaceFace& face, const ShapeValues& shape) {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < face.node.size(); ++k)
-    normal += shape[static_cast<Eigen::Index>(k)] * face.node_normal[k];
-  return normal;
-}
-
-/// A face as it is seen along a direction, from a place.
-struct View {
-  Eigen::Vector3d from, first, second;
-
-  View(const Eigen::Vector3d& place, const Eigen::Vector3d& along, bool edge)
-      : from(place), first(edge ? Eigen::Vector3d(-along[1], along[0], 0.0) : along.unitOrthogonal()) {
-    second = edge ? Eigen::Vector3d::Zero().eval() : along.cross(first).eval();
-  }
-  [[nodiscard]] Place of(const Eigen::Vector3d& x) const { return {first.dot(x - from), second.dot(x - from)}; }
-};
-
-/// Where a ray hits a face.
-struct Hit {
-  double inside;  ///< the least shape function, at most 0
-  double far_m;
-};
-
-Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face) {
-  const View view(place, along, face.node.size() == 2);
-  Polygon corners;
-  for (std::size_t k = 0; k < face.node.size(); ++k) corners.push_back(view.of(face.x[k]));
-  Place aim(0.0, 0.0);
-  ShapeValues shape;
-  Eigen::Vector3d found;
-  for (int i = 0; i < 4; ++i) {  // the smooth surface stands off the face by little
-    shape = shape_at(corners, aim);
-    found = place_at(face, shape);
-    aim -= view.of(found);
-  }
-  const double* first = shape.data();
-  return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from)};
-}
-
 /// A hit so far beside a face is none.
 constexpr double beside = 0.05;
-bool apart(const Polygon& a, const Polygon& b) {
-  for (int c = 0; c < 2; ++c) {
-    const auto less = [c](const Place& x, const Place& y) { return x[c] < y[c]; };
-    const auto [low_a, high_a] = std::minmax_element(a.begin(), a.end(), less);
-    const auto [low_b, high_b] = std::minmax_element(b.begin(), b.end(), less);
-    if ((*high_a)[c] < (*low_b)[c] || (*high_b)[c] < (*low_a)[c]) return true;
-  }
-  return false;
-}
-
 /// Per face of every image of it a box.
 std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
   std::vector<Eigen::AlignedBox3d> boxes;

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/fem/element_kind.hpp"
 #include "common/problem/box_tree.hpp"
+#include "common/problem/surface_face.hpp"
 
 /// Dual mortar between two surfaces of any shape and meshes (Wohlmuth 2000; Hueeber, Wohlmuth 2005; Popp 2012).
 ///
@@ -35,19 +35,6 @@
 /// normals, so that it leaves of a circle's sagitta h^2/(8R) no more than h^4/(128 R^3). Where the node lies opposite
 /// nothing, the gap is the mean with phi_j over what of its faces does.
 namespace ricochet::scene {
-
-/// A face of a surface in its place: an edge, a triangle or a quadrilateral.
-struct SurfaceFace {
-  fem::Face node;
-  std::array<Eigen::Vector3d, 4> x;  ///< of its nodes [m]
-  std::array<double, 4> measure{};   ///< at them: area per length of an edge [m], thickness or circumference; else 1
-  Eigen::Vector3d normal;            ///< out of the body
-  /// Of the surface at the nodes; zero: the face is flat.
-  std::array<Eigen::Vector3d, 4> node_normal{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                                             Eigen::Vector3d::Zero()};
-  std::array<unsigned, 4> held{};  ///< of the nodes: bits of the coordinates that no normal there has a part along
-  int patch = 0;                   ///< smooth piece of the surface
-};
 
 /// A node with its share in a row.
 struct WeightedNode {
