@@ -65,15 +65,16 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   geometry.body_a = index_of(bodies, a.body);
   geometry.body_b = b ? index_of(bodies, b->body) : -1;
   geometry.normal = a.normal;
-  geometry.pairs = b ? pairs_of(context, a, *b) : rigid_pairs(context, a);
+  if (b) {
+    set_pairs(context, a, *b, geometry);
+  } else {
+    geometry.pairs = rigid_pairs(context, a);
+  }
   geometry.round = !b && context.contact.obstacle != Obstacle::plane;
   geometry.matching =
       std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
   for (auto& pair : geometry.pairs) check_start(context, a, b ? &*b : nullptr, pair);
   sort_by_distance(geometry.pairs);
-  const bool two_dimensions_or_three = context.scene.model != Model::bar && context.scene.model != Model::axisymmetric;
-  if (b && two_dimensions_or_three && !needs_pairs(context.scene) && may_slide(context.scene, a, &*b))
-    geometry.sliding = std::make_shared<const ContactMesh>(mesh_of(a, *b));
   return geometry;
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <optional>
 
 namespace ricochet::scene {
@@ -73,21 +75,88 @@ std::vector<ContactPair> matching_pairs(const ContactContext& context, const Con
   return pairs;
 }
 
-std::vector<ContactPair> mortar_pairs(const ContactMesh& mesh, const Eigen::Vector3d& shift_m) {
+ContactMesh mesh_of(const ContactSide& a, const ContactSide& b) {
+  const auto compliance = [](const ContactSide& side) {
+    const fem::Material& material = side.body->material;
+    return (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
+  };
+  return {faces_of(a), OppositeFaces(faces_of(b), {a.body->mesh.period_m, a.body->mesh.period_wide_m}),
+          a.shortest_edge_m, compliance(b) / (compliance(a) + compliance(b))};
+}
+
+/// Rows with the second surface moved by `shift_m`; its body then stands `moved_m` from where it started.
+std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& mesh_a, const ContactMesh& mesh,
+                                      const Eigen::Vector3d& shift_m, const Eigen::Vector3d& moved_m) {
   std::vector<ContactPair> pairs;
-  for (auto& row : mesh.second.rows(mesh.first, shift_m))
-    pairs.push_back(
-        {.node_a = row.node, .b = std::move(row.opposite), .normal = mesh.normal.at(row.node), .area_m2 = row.area_m2});
+  for (auto& row : mesh.rows(shift_m)) {
+    pairs.push_back({.node_a = row.node,
+                     .patch = row.patch,
+                     .b = std::move(row.opposite),
+                     .normal = row.normal,
+                     .area_m2 = row.area_m2});
+    complete(contact, mesh_a, row.gap_m - moved_m.dot(row.normal), pairs.back());
+  }
   return pairs;
 }
 
-/// Of the meshes, along the pair's normal, where nodes of the second lie opposite.
-double mesh_distance(const fem::Mesh& mesh_a, const fem::Mesh& mesh_b, const ContactPair& pair) {
-  const Eigen::Vector3d& x = mesh_a.position[at(pair.node_a)];
-  Eigen::Vector3d opposite = Eigen::Vector3d::Zero();
-  for (const auto& [node, weight] : pair.b)
-    opposite += weight * fem::nearest_image(mesh_b, mesh_b.position[at(node)], x);
-  return (opposite - x).dot(pair.normal);
+/// Of one body against another at the start.
+Eigen::Vector3d closing_velocity(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
+  Eigen::Vector3d closing = Eigen::Vector3d::Zero();
+  for (const auto& [side, sign] : {std::pair{&a, -1.0}, std::pair{&b, 1.0}}) {
+    const auto& velocity = context.scene.body(side->body->name).initial_velocity_m_s;
+    for (std::size_t c = 0; c < velocity.size(); ++c) closing[static_cast<Eigen::Index>(c)] += sign * velocity[c];
+  }
+  return closing;
+}
+
+/// Where bodies of which nothing lies opposite at the start touch if they fly straight on.
+std::optional<Touch> touch_in_flight(const ContactMesh& mesh, const Eigen::Vector3d& start_m,
+                                     const Eigen::Vector3d& velocity) {
+  constexpr int most_moves = 1000;
+  if (velocity.isZero(0.0)) return std::nullopt;
+  Eigen::Vector3d shift = start_m;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < most_moves; ++i) {
+    const double apart_m = std::max(0.0, mesh.second.apart_m(mesh.first, shift));
+    const auto touch = touching(mesh, shift, Eigen::Vector3d::Zero());
+    if (touch && touch->gap_m < mesh.edge_m) return touch;
+    if (apart_m > nearest_m + mesh.edge_m) return std::nullopt;  // they fly past
+    nearest_m = std::min(nearest_m, apart_m);
+    shift += std::max(apart_m, 0.25 * mesh.edge_m) * velocity.normalized();
+  }
+  return std::nullopt;
+}
+
+/// The largest angle of a normal against a face's own: by so much the place that touches may be another node's.
+double largest_turn(const ContactMesh& mesh) {
+  double least = 1.0;
+  for (const SurfaceFace& face : mesh.first)
+    for (std::size_t i = 0; i < face.node.size(); ++i) least = std::min(least, face.normal.dot(face.node_normal[i]));
+  return 2.0 * std::acos(std::clamp(least, -1.0, 1.0));
+}
+
+/// The normal where curved surfaces touch, but for the mesh.
+Eigen::Vector3d normal_of_touch(const ContactMesh& mesh, const ContactSide& a, const Eigen::Vector3d& found) {
+  return found.dot(a.normal) >= std::cos(largest_turn(mesh)) ? a.normal : found;
+}
+
+/// Where curved surfaces touch; of flat ones where they are, unless that is nowhere opposite.
+void set_mortar_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b,
+                      const ContactMesh& mesh, ContactGeometry& geometry) {
+  const auto pairs = [&] {
+    return mortar_pairs(context.contact, a.body->mesh, mesh, geometry.shift_m, geometry.shift_m - geometry.lifted_m);
+  };
+  if (geometry.flat) geometry.pairs = pairs();
+  if (!geometry.pairs.empty()) return;
+  const bool about_axis = context.scene.model == Model::axisymmetric;
+  std::optional<Touch> touch;
+  if (!geometry.flat)
+    touch = touching(mesh, geometry.lifted_m, about_axis ? a.normal : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  if (!touch && !about_axis) touch = touch_in_flight(mesh, geometry.lifted_m, closing_velocity(context, a, b));
+  if (!touch) return;
+  geometry.shift_m = touch->shift_m;
+  geometry.touch_normal = about_axis ? a.normal : normal_of_touch(mesh, a, touch->normal);
+  geometry.pairs = pairs();
 }
 
 }  // namespace
@@ -109,19 +178,9 @@ void require_matching(const ContactContext& context, std::vector<std::string> lo
                                                               : "impact_update = \"impedance\""));
 }
 
-ContactMesh mesh_of(const ContactSide& a, const ContactSide& b) {
-  const bool flat = a.flat && b.flat;
-  const auto along = flat ? std::optional(tangent_of(a.normal)) : std::nullopt;
-  ContactMesh mesh{
-      faces_of(a), OppositeFaces(faces_of(b), along, {a.body->mesh.period_m, a.body->mesh.period_wide_m}), {}};
-  const std::vector<Eigen::Vector3d> normals = nodal_normals(a);
-  for (std::size_t i = 0; i < normals.size(); ++i) mesh.normal.emplace(a.nodes[i], normals[i]);
-  return mesh;
-}
-
 void complete(const Contact& contact, const fem::Mesh& mesh_a, double apart_m, ContactPair& pair) {
   pair.distance_m = mesh_a.position[at(pair.node_a)][0];
-  pair.gap0_m = apart_m + contact.initial_gap_m;
+  pair.gap0_m = apart_m;
   if (contact.nose_radius_m > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * contact.nose_radius_m);
 }
 
@@ -130,33 +189,37 @@ void sort_by_distance(std::vector<ContactPair>& pairs) {
                    [](const ContactPair& p, const ContactPair& q) { return p.distance_m < q.distance_m; });
 }
 
-std::vector<ContactPair> pairs_of(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
+void set_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b, ContactGeometry& geometry) {
   const auto numbers = [&](const Eigen::Vector3d& x) {
     return fmt::format("({:.4g})", fmt::join(x.data(), x.data() + context.scene.components(), ", "));
   };
   if (a.normal.dot(b.normal) >= 0.0)
     context.refuse(fmt::format("outward normals {} and {}", numbers(a.normal), numbers(b.normal)),
                    "surfaces that face each other");
-  std::vector<ContactPair> pairs = matching_pairs(context, a, b);
-  if (pairs.empty()) pairs = mortar_pairs(mesh_of(a, b), Eigen::Vector3d::Zero());
-  if (pairs.empty())
+  const fem::Mesh& mesh_a = a.body->mesh;
+  geometry.touch_normal = a.normal;
+  geometry.lifted_m = geometry.shift_m = context.contact.initial_gap_m * a.normal;
+  geometry.flat = a.flat && b.flat && a.normal.dot(b.normal) <= flat_tolerance - 1.0;
+  geometry.pairs = matching_pairs(context, a, b);
+  for (auto& pair : geometry.pairs)
+    complete(context.contact, mesh_a,
+             (b.point - mesh_a.position[at(pair.node_a)]).dot(a.normal) + context.contact.initial_gap_m, pair);
+  const bool may_be_written_anew =
+      context.scene.model != Model::bar && context.scene.model != Model::axisymmetric && !needs_pairs(context.scene);
+  if (!geometry.pairs.empty() && !(may_be_written_anew && may_slide(context.scene, a, &b, a.normal))) return;
+  const auto mesh = std::make_shared<const ContactMesh>(mesh_of(a, b));
+  if (geometry.pairs.empty()) set_mortar_pairs(context, a, b, *mesh, geometry);
+  if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
                    "surfaces that face each other along a part of them at least");
-  const fem::Mesh &mesh_a = a.body->mesh, &mesh_b = b.body->mesh;
-  for (auto& pair : pairs) {
-    const double apart_m = a.flat && b.flat ? (b.point - mesh_a.position[at(pair.node_a)]).dot(a.normal)
-                                            : mesh_distance(mesh_a, mesh_b, pair);
-    complete(context.contact, mesh_a, apart_m, pair);
-  }
-  return pairs;
+  if (may_be_written_anew && may_slide(context.scene, a, &b, geometry.touch_normal)) geometry.sliding = mesh;
 }
 
 std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t index, const Eigen::Vector3d& shift_m) {
   const ContactGeometry& geometry = problem.contacts[index];
-  const fem::Mesh &mesh_a = problem.bodies[at(geometry.body_a)].mesh,
-                  &mesh_b = problem.bodies[at(geometry.body_b)].mesh;
-  std::vector<ContactPair> pairs = mortar_pairs(*geometry.sliding, shift_m);
-  for (auto& pair : pairs) complete(problem.scene.contacts[index], mesh_a, mesh_distance(mesh_a, mesh_b, pair), pair);
+  const fem::Mesh& mesh_a = problem.bodies[at(geometry.body_a)].mesh;
+  std::vector<ContactPair> pairs =
+      mortar_pairs(problem.scene.contacts[index], mesh_a, *geometry.sliding, shift_m, shift_m - geometry.lifted_m);
   sort_by_distance(pairs);
   return pairs;
 }

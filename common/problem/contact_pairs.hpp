@@ -9,12 +9,9 @@
 /// common/problem.
 namespace ricochet::scene {
 
-/// Pairs of nodes where they match, else rows of the dual mortar.
-[[nodiscard]] std::vector<ContactPair> pairs_of(const ContactContext& context, const ContactSide& a,
-                                                const ContactSide& b);
-
-/// What rows of two surfaces are written from, wherever the second has got to.
-[[nodiscard]] ContactMesh mesh_of(const ContactSide& a, const ContactSide& b);
+/// Sets pairs of nodes where they match, else rows of the dual mortar; where surfaces are curved, at the place where
+/// they touch. Of bodies that may slide, also what rows are written anew from.
+void set_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b, ContactGeometry& geometry);
 
 /// Laws that move masses or weigh by impedances go by pairs of nodes.
 [[nodiscard]] bool needs_pairs(const Scene& scene);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "common/base/error.hpp"
@@ -14,6 +13,8 @@ namespace {
 
 /// A surface whose normals cancel to this share of its area faces no one way.
 constexpr double least_one_sided = 0.1;
+/// What lies along a surface to this share of its size does so by rounding.
+constexpr double direction_tolerance = 1e-9;
 
 /// Outward normal at the end of a bar: away from the other node of its element.
 Eigen::Vector3d bar_normal(const fem::Mesh& mesh, int node) {
@@ -115,40 +116,6 @@ std::string place_on(const ContactSide& side, const Eigen::Vector3d& x) {
   return fmt::format("({:.9g}, {:.9g}) m", x[0], x[1]);
 }
 
-std::vector<SurfaceFace> faces_of(const ContactSide& side) {
-  const fem::Mesh& mesh = side.body->mesh;
-  const auto& section = side.body->section;
-  std::vector<SurfaceFace> faces;
-  for (const fem::Face& nodes : side.faces()) {
-    SurfaceFace face{nodes, {}, {}, fem::face_normal(mesh, nodes)};
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      face.x[i] = fem::nearest_image(mesh, mesh.position[at(nodes[i])], mesh.position[at(nodes[0])]);
-      face.measure[i] = section.measure * (section.model == Model::axisymmetric ? face.x[i][0] : 1.0);
-    }
-    faces.push_back(face);
-  }
-  return faces;
-}
-
-std::vector<Eigen::Vector3d> nodal_normals(const ContactSide& side) {
-  if (side.flat) return std::vector<Eigen::Vector3d>(side.nodes.size(), side.normal);
-  std::map<int, Eigen::Vector3d> sum;
-  for (const fem::Face& face : side.faces()) {
-    const Eigen::Vector3d weighted = whole_area(side, face) * fem::face_normal(side.body->mesh, face);
-    for (const int node : face) sum.insert({node, Eigen::Vector3d::Zero()}).first->second += weighted;
-  }
-  std::vector<Eigen::Vector3d> normals;
-  for (std::size_t i = 0; i < side.nodes.size(); ++i) {
-    Eigen::Vector3d normal = sum.at(side.nodes[i]);
-    const int components = fem::components(side.body->section.model);
-    Eigen::Vector3d free = normal;
-    for (int c = 0; c < components; ++c)
-      if (side.body->fixed_dof[at(side.nodes[i] * components + c)]) free[c] = 0.0;
-    normals.push_back((free.isZero(0.0) ? normal : free).normalized());
-  }
-  return normals;
-}
-
 double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal) {
   const int components = fem::components(side.body->section.model);
   double u = 0.0;
@@ -164,22 +131,24 @@ bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal
   return held;
 }
 
-bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b) {
-  const auto along = [&](const std::vector<double>& x) {
-    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-    for (std::size_t c = 0; c < x.size(); ++c) vector[static_cast<Eigen::Index>(c)] = x[c];
-    return Eigen::Vector3d(vector - vector.dot(a.normal) * a.normal);
+bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b, const Eigen::Vector3d& normal) {
+  const auto vector = [](const std::vector<double>& x) {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < x.size(); ++c) v[static_cast<Eigen::Index>(c)] = x[c];
+    return v;
+  };
+  const auto along = [&](const Eigen::Vector3d& x) {
+    return (x - x.dot(normal) * normal).norm() > direction_tolerance * x.norm();
   };
   const auto driven = [&](const Body& body) {
-    const auto pulled = [&](const Traction& traction) { return !along(traction.traction_pa).isZero(0.0); };
-    const auto moved = [&](const PrescribedDisplacement& p) { return std::abs(a.normal[p.component]) < 1.0; };
-    return !along(body.gravity_m_s2).isZero(0.0) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
+    const auto pulled = [&](const Traction& traction) { return along(vector(traction.traction_pa)); };
+    const auto moved = [&](const PrescribedDisplacement& p) { return along(Eigen::Vector3d::Unit(p.component)); };
+    return along(vector(body.gravity_m_s2)) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
            std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
   };
-  Eigen::Vector3d closing = along(scene.body(a.body->name).initial_velocity_m_s);
-  if (b != nullptr) closing -= along(scene.body(b->body->name).initial_velocity_m_s);
-  return !closing.isZero(0.0) || driven(scene.body(a.body->name)) ||
-         (b != nullptr && driven(scene.body(b->body->name)));
+  Eigen::Vector3d closing = vector(scene.body(a.body->name).initial_velocity_m_s);
+  if (b != nullptr) closing -= vector(scene.body(b->body->name).initial_velocity_m_s);
+  return along(closing) || driven(scene.body(a.body->name)) || (b != nullptr && driven(scene.body(b->body->name)));
 }
 
 }  // namespace ricochet::scene

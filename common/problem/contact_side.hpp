@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 namespace ricochet::scene {
 
 inline constexpr double flat_tolerance = 1e-6;  ///< of the shortest edge; also of a unit normal
+inline constexpr double patch_angle = std::numbers::pi / 4.0;
 
 /// What is being built: for the texts of errors and the keys of the contact.
 struct ContactContext {
@@ -46,18 +48,17 @@ struct ContactSide {
 /// A place on a side, for the texts of errors.
 [[nodiscard]] std::string place_on(const ContactSide& side, const Eigen::Vector3d& x);
 
-/// Areas as face_area has them.
+/// Areas as face_area has them. A surface is cut where two faces turn by more than `patch_angle` against each other;
+/// each piece has normals of its own: those of a sphere where its corners lie on one (Max 1999), at its rim from the
+/// nodes inside, on a plane of symmetry, which holds the node, and on an axis in it.
 [[nodiscard]] std::vector<SurfaceFace> faces_of(const ContactSide& side);
-
-/// Per node of a side the mean of the normals of the faces there; on an axis along it, and on a plane of symmetry,
-/// which holds the node, in it.
-[[nodiscard]] std::vector<Eigen::Vector3d> nodal_normals(const ContactSide& side);
 
 /// Displacement along the normal at t = 0.
 [[nodiscard]] double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 [[nodiscard]] bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 
-/// Something moves the bodies along each other from the start, or may. `b` is null for what is rigid.
-[[nodiscard]] bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b);
+/// Something moves the bodies across `normal`, along each other, from the start, or may. `b` is null for what is rigid.
+[[nodiscard]] bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b,
+                             const Eigen::Vector3d& normal);
 
 }  // namespace ricochet::scene

@@ -5,19 +5,17 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace ricochet::scene {
 namespace {
 
 /// A face of which less lies opposite the other surface touches nothing: its dual basis would be round-off.
 constexpr double least_share = 1e-4;
-
-/// A place in the plane of a face; along an edge the second coordinate is 0.
-using Place = Eigen::Vector2d;
-using Polygon = std::vector<Place>;   ///< of two corners: a piece of a line
-using ShapeValues = Eigen::Vector4d;  ///< 0 beyond the corners of a face
-
-double cross(const Place& a, const Place& b) { return a[0] * b[1] - a[1] * b[0]; }
+/// Faces that are seen from a place so much from the side are not what lies opposite.
+constexpr double least_facing = 0.1;
+/// Directions that differ by less are one.
+constexpr double same_direction = 1e-9;
 
 /// Coordinates in the plane of a face.
 struct Plane {
@@ -37,92 +35,25 @@ struct Plane {
   }
 };
 
-/// ShapeValues functions of a quadrilateral where its map has this value, by Newton's method.
-ShapeValues quadrilateral_shape(const Polygon& corners, const Place& place) {
-  static constexpr double xi_of[4] = {-1.0, 1.0, 1.0, -1.0}, eta_of[4] = {-1.0, -1.0, 1.0, 1.0};
-  Place natural(0.0, 0.0);
-  ShapeValues shape;
-  for (int i = 0; i < 20; ++i) {
-    Place found = -place;
-    Eigen::Matrix2d slope = Eigen::Matrix2d::Zero();
-    for (int k = 0; k < 4; ++k) {
-      const double of_xi = 0.5 * (1.0 + xi_of[k] * natural[0]), of_eta = 0.5 * (1.0 + eta_of[k] * natural[1]);
-      const Place& x = corners[static_cast<std::size_t>(k)];
-      shape[k] = of_xi * of_eta;
-      found += shape[k] * x;
-      slope.col(0) += 0.5 * xi_of[k] * of_eta * x;
-      slope.col(1) += 0.5 * eta_of[k] * of_xi * x;
-    }
-    const Place change = slope.inverse() * found;
-    if (!(change.norm() > 1e-14)) break;
-    natural -= change;
-  }
-  return shape;
-}
-
-ShapeValues shape_at(const Polygon& corners, const Place& place) {
-  if (corners.size() == 4) return quadrilateral_shape(corners, place);
-  const Place along = corners[1] - corners[0], from = place - corners[0];
-  if (corners.size() == 2) {
-    const double share = from[0] / along[0];
-    return {1.0 - share, share, 0.0, 0.0};
-  }
-  const Place other = corners[2] - corners[0];
-  const double whole = cross(along, other), second = cross(from, other) / whole, third = cross(along, from) / whole;
-  return {1.0 - second - third, second, third, 0.0};
-}
-
-/// The part of `piece` within a convex polygon that is counter-clockwise (Sutherland, Hodgman 1974).
-Polygon clipped(Polygon piece, const Polygon& by) {
-  if (by.size() == 2) {
-    const auto [low, high] = std::minmax(piece[0][0], piece[1][0]);
-    return {{std::max(low, std::min(by[0][0], by[1][0])), 0.0}, {std::min(high, std::max(by[0][0], by[1][0])), 0.0}};
-  }
-  for (std::size_t i = 0; i < by.size() && !piece.empty(); ++i) {
-    const Place &a = by[i], along = by[(i + 1) % by.size()] - a;
-    Polygon inside;
-    for (std::size_t k = 0; k < piece.size(); ++k) {
-      const Place &p = piece[k], &q = piece[(k + 1) % piece.size()];
-      const double side_p = cross(along, p - a), side_q = cross(along, q - a);
-      if (side_p >= 0.0) inside.push_back(p);
-      if ((side_p > 0.0 && side_q < 0.0) || (side_p < 0.0 && side_q > 0.0))
-        inside.push_back(p + side_p / (side_p - side_q) * (q - p));
-    }
-    piece = std::move(inside);
-  }
-  if (piece.size() < 3) piece.clear();  // a side of it lies along one of the other
-  return piece;
-}
-
-/// Sums f(place, weight) over the Gauss points of a piece: exact for products of three linear functions on a line, for
-/// those of two bilinear ones on a triangle (Dunavant 1985, degree 4).
-template <class F>
-void integrate(const Polygon& piece, const F& f) {
-  if (piece.size() == 2) {
-    const Place middle = 0.5 * (piece[0] + piece[1]), half = 0.5 * (piece[1] - piece[0]);
-    for (const double sign : {-1.0, 1.0}) f(Place(middle + sign / std::sqrt(3.0) * half), half[0]);
-    return;
-  }
-  static constexpr double near[2] = {0.445948490915965, 0.091576213509771},
-                          weights[2] = {0.223381589678011, 0.109951743655322};
-  for (std::size_t i = 2; i < piece.size(); ++i) {
-    const Place &a = piece[0], &b = piece[i - 1], &c = piece[i];
-    const double area = 0.5 * cross(b - a, c - a);
-    if (!(area > 0.0)) continue;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const double far = 1.0 - 2.0 * near[k];
-      f(Place(far * a + near[k] * (b + c)), weights[k] * area);
-      f(Place(far * b + near[k] * (c + a)), weights[k] * area);
-      f(Place(far * c + near[k] * (a + b)), weights[k] * area);
+/// Where the corners of a face lie in the plane of another, whose corners there are `own`: on the lines along that
+/// one's directions, which change between its corners as its shape functions do.
+Polygon seen_along(const std::array<Eigen::Vector3d, 4>& directions, const SurfaceFace& face, const Plane& plane,
+                   const Polygon& own, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
+  Polygon feet = plane.of(other, moved_m);
+  for (std::size_t k = 0; k < feet.size(); ++k) {
+    const Eigen::Vector3d from = other.x[k] + moved_m - plane.origin;
+    for (int i = 0; i < 4; ++i) {  // tilts are small
+      const ShapeValues shape = shape_at(own, feet[k]);
+      Eigen::Vector3d along = Eigen::Vector3d::Zero();
+      for (std::size_t j = 0; j < own.size(); ++j)
+        along += std::clamp(shape[static_cast<Eigen::Index>(j)], -1.0, 2.0) * directions[j];
+      const double facing = along.dot(face.normal);
+      if (!(facing > least_facing * along.norm())) break;
+      const Eigen::Vector3d foot = from - from.dot(face.normal) / facing * along;
+      feet[k] = {plane.first.dot(foot), plane.second.dot(foot)};
     }
   }
-}
-
-/// Length of a line, area of a polygon.
-double measure_of(const Polygon& piece) {
-  double size = 0.0;
-  integrate(piece, [&](const Place&, double weight) { size += weight; });
-  return size;
+  return feet;
 }
 
 double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
@@ -133,10 +64,38 @@ double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
 struct OppositePiece {
   Polygon corners, opposite;  ///< in the plane of the face
   const SurfaceFace* face;    ///< that lies opposite
+  Eigen::Vector3d moved_m;
 };
 
+/// A hit so far beside a face is none.
+constexpr double beside = 0.05;
+/// Per face of every image of it a box.
+std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const SurfaceFace& face : faces) {
+    Eigen::AlignedBox3d& box = boxes.emplace_back();
+    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i] + moved_m);
+  }
+  return boxes;
+}
+
+/// A box that has moved may have a part that lies opposite a face, whose corners are `own` in its plane, along
+/// directions that differ from its normal by no more than `tilt`.
+bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
+             const SurfaceFace& face, const Eigen::AlignedBox2d& own, double tilt) {
+  const Eigen::Vector3d middle = box.center() + moved_m - plane.origin, half = 0.5 * box.sizes();
+  const double far_m = std::abs(face.normal.dot(middle)) + face.normal.cwiseAbs().dot(half);
+  const auto outside = [&](const Eigen::Vector3d& direction, Eigen::Index c) {
+    const double at = direction.dot(middle), size = direction.cwiseAbs().dot(half) + tilt * far_m;
+    return at + size < own.min()[c] || at - size > own.max()[c];
+  };
+  return !outside(plane.first, 0) && (face.node.size() == 2 || !outside(plane.second, 1));
+}
+
+}  // namespace
+
 /// integral phi_j and integral psi_j phi_k so far.
-class RowSums {
+class OppositeFaces::RowSums {
  public:
   void add(const SurfaceFace& face, const Polygon& own, const std::vector<OppositePiece>& pieces) {
     const auto corners = static_cast<Eigen::Index>(own.size());
@@ -152,25 +111,49 @@ class RowSums {
       });
     }
     const Eigen::Matrix4d dual = d.asDiagonal() * m.inverse();
-    for (Eigen::Index j = 0; j < corners; ++j) area_[face.node[static_cast<std::size_t>(j)]] += d[j];
+    std::array<Sum*, 4> sums{};
+    for (Eigen::Index j = 0; j < corners; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      Sum& sum = *(sums[at] = &sums_[{face.patch, face.node[at]}]);
+      sum.area_m2 += d[j];
+      sum.place = face.x[at];
+      sum.normal = face.node_normal[at];
+      sum.held = face.held[at];
+      for (const OppositePiece& piece : pieces)
+        if (!far_from(piece.opposite, own[at])) sum.near.push_back({piece.face, piece.moved_m});
+    }
     for (const OppositePiece& piece : pieces) {
       integrate(piece.corners, [&](const Place& place, double weight) {
         const ShapeValues phi = shape_at(own, place), psi = dual * phi, other = shape_at(piece.opposite, place);
         weight *= measure_at(face, phi);
+        const Eigen::Vector3d apart = place_at(*piece.face, other) + piece.moved_m - place_at(face, phi),
+                              normal = normal_at(*piece.face, other);
         for (Eigen::Index j = 0; j < corners; ++j) {
-          auto& row = coupling_[face.node[static_cast<std::size_t>(j)]];
+          Sum& sum = *sums[static_cast<std::size_t>(j)];
+          sum.apart += weight * phi[j] * apart;
+          sum.other_normal += weight * phi[j] * normal;
           for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(piece.opposite.size()); ++k)
-            row[piece.face->node[static_cast<std::size_t>(k)]] += weight * psi[j] * other[k];
+            sum.coupling[piece.face->node[static_cast<std::size_t>(k)]] += weight * psi[j] * other[k];
         }
       });
     }
   }
-  [[nodiscard]] std::vector<MortarRow> rows() const {
+  /// At the nodes of a face of the first surface the normals of that to which both deform.
+  [[nodiscard]] std::array<Eigen::Vector3d, 4> normals(const SurfaceFace& face, double first_share) const {
+    std::array<Eigen::Vector3d, 4> normals = face.node_normal;
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      const auto found = sums_.find({face.patch, face.node[i]});
+      if (found != sums_.end()) normals[i] = normal_of(found->second, first_share);
+    }
+    return normals;
+  }
+  [[nodiscard]] std::vector<MortarRow> rows(double first_share) const {
     std::vector<MortarRow> rows;
-    for (const auto& [node, area_m2] : area_) {
-      MortarRow row{node, area_m2, {}};
-      for (const auto& [other, value] : coupling_.at(node)) {
-        if (std::abs(value) > 1e-14 * area_m2) row.opposite.push_back({other, value / area_m2});
+    for (const auto& [place, sum] : sums_) {
+      const Eigen::Vector3d normal = normal_of(sum, first_share);
+      MortarRow row{place.second, sum.area_m2, {}, place.first, normal, gap_of(sum, normal)};
+      for (const auto& [other, value] : sum.coupling) {
+        if (std::abs(value) > 1e-14 * sum.area_m2) row.opposite.push_back({other, value / sum.area_m2});
       }
       rows.push_back(std::move(row));
     }
@@ -178,80 +161,151 @@ class RowSums {
   }
 
  private:
-  std::map<int, double> area_;
-  std::map<int, std::map<int, double>> coupling_;
+  struct Opposite {
+    const SurfaceFace* face;
+    Eigen::Vector3d moved_m;
+  };
+  struct Sum {
+    double area_m2 = 0.0;
+    Eigen::Vector3d place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
+    unsigned held = 0;
+    std::map<int, double> coupling;
+    Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with phi_j
+    std::vector<Opposite> near;
+  };
+
+  /// Beyond a plane of symmetry the other surface goes on as on this side of it.
+  static Eigen::Vector3d normal_of(const Sum& sum, double first_share) {
+    Eigen::Vector3d other = sum.other_normal;
+    for (Eigen::Index c = 0; c < 3; ++c)
+      if ((sum.held >> c & 1U) != 0) other[c] = 0.0;
+    return (first_share * sum.normal - (1.0 - first_share) * other.normalized()).normalized();
+  }
+  static double gap_of(const Sum& sum, const Eigen::Vector3d& normal) {
+    Hit best{-std::numeric_limits<double>::infinity(), 0.0};
+    for (const Opposite& near : sum.near) {
+      if (!(near.face->normal.dot(normal) < -least_facing)) continue;
+      const Hit hit = hit_of(sum.place - near.moved_m, normal, *near.face);
+      if (hit.inside > best.inside || (hit.inside == best.inside && std::abs(hit.far_m) < std::abs(best.far_m)))
+        best = hit;
+    }
+    return best.inside >= -beside ? best.far_m : sum.apart.dot(normal) / sum.area_m2;
+  }
+  /// By more than the polygon's size.
+  static bool far_from(const Polygon& polygon, const Place& place) {
+    Eigen::AlignedBox2d box;
+    for (const Place& corner : polygon) box.extend(corner);
+    return box.exteriorDistance(place) > box.diagonal().norm();
+  }
+
+  std::map<std::pair<int, int>, Sum> sums_;  ///< by patch and node
 };
 
-struct Span {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-};
-Span extent_along(const SurfaceFace& face, const Eigen::Vector3d& direction) {
-  Span extent;
-  for (std::size_t i = 0; i < face.node.size(); ++i) {
-    extent.low = std::min(extent.low, direction.dot(face.x[i]));
-    extent.high = std::max(extent.high, direction.dot(face.x[i]));
-  }
-  return extent;
-}
-
-bool apart(const Polygon& a, const Polygon& b) {
-  for (int c = 0; c < 2; ++c) {
-    const auto less = [c](const Place& x, const Place& y) { return x[c] < y[c]; };
-    const auto [low_a, high_a] = std::minmax_element(a.begin(), a.end(), less);
-    const auto [low_b, high_b] = std::minmax_element(b.begin(), b.end(), less);
-    if ((*high_a)[c] < (*low_b)[c] || (*high_b)[c] < (*low_a)[c]) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
-                             const Eigen::Vector2d& period_m)
-    : faces_(std::move(faces)), along_(along), period_m_(period_m) {
+OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector2d& period_m)
+    : faces_(std::move(faces)), period_m_(period_m), tree_({}) {
   const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const Span extent = along ? extent_along(faces_[i], *along) : Span{0.0, 0.0};
-    longest_m_ = std::max(longest_m_, extent.high - extent.low);
-    for (const double first : times(period_m[0])) {
-      for (const double second : times(period_m[1])) {
-        const Eigen::Vector3d moved_m(first * period_m[0], second * period_m[1], 0.0);
-        images_.push_back({i, moved_m, extent.low + (along ? along->dot(moved_m) : 0.0)});
-      }
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const double first : times(period_m[0])) {
+    for (const double second : times(period_m[1])) {
+      const Eigen::Vector3d moved_m(first * period_m[0], second * period_m[1], 0.0);
+      const auto moved = boxes_of(faces_, moved_m);
+      boxes.insert(boxes.end(), moved.begin(), moved.end());
+      for (std::size_t i = 0; i < faces_.size(); ++i) images_.push_back({i, moved_m});
     }
   }
-  std::stable_sort(images_.begin(), images_.end(), [](const Image& x, const Image& y) { return x.low_m < y.low_m; });
+  tree_ = BoxTree(std::move(boxes));
 }
 
-std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, Eigen::Vector3d shift_m) const {
+Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
   for (Eigen::Index c = 0; c < 2; ++c) {
     if (period_m_[c] > 0.0) shift_m[c] -= period_m_[c] * std::round(shift_m[c] / period_m_[c]);
   }
+  return shift_m;
+}
+
+OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                           const Normals& normals_of) const {
   RowSums sums;
   std::vector<OppositePiece> pieces;
+  std::vector<std::size_t> near;
   for (const SurfaceFace& face : first) {
     const Plane plane(face);
     const Polygon own = plane.of(face, Eigen::Vector3d::Zero());
-    const double size = measure_of(own), shifted_m = along_ ? along_->dot(shift_m) : 0.0;
-    const Span extent = along_ ? extent_along(face, *along_) : Span{0.0, 0.0};
-    auto image = std::lower_bound(images_.begin(), images_.end(), extent.low - shifted_m - longest_m_,
-                                  [](const Image& x, double low_m) { return x.low_m < low_m; });
+    const std::array<Eigen::Vector3d, 4> directions = normals_of(face);
+    double tilt = 0.0;
+    for (std::size_t i = 0; i < own.size(); ++i) tilt = std::max(tilt, (directions[i] - face.normal).norm());
+    Eigen::AlignedBox2d extent;
+    for (const Place& corner : own) extent.extend(corner);
+    near.clear();
+    tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift_m, plane, face, extent, 2.0 * tilt); },
+                [&](std::size_t image) { near.push_back(image); });
+    std::sort(near.begin(), near.end());
     pieces.clear();
     double covered = 0.0;
-    for (; image != images_.end() && image->low_m <= extent.high - shifted_m; ++image) {
-      const SurfaceFace& other = faces_[image->face];
+    for (const std::size_t image : near) {
+      const SurfaceFace& other = faces_[images_[image].face];
       if (face.normal.dot(other.normal) >= 0.0) continue;
-      Polygon opposite = plane.of(other, image->moved_m + shift_m);
+      const Eigen::Vector3d moved_m = images_[image].moved_m + shift_m;
+      Polygon opposite =
+          tilt > same_direction ? seen_along(directions, face, plane, own, other, moved_m) : plane.of(other, moved_m);
       if (apart(own, opposite)) continue;
       Polygon piece = clipped({opposite.rbegin(), opposite.rend()}, own);  // seen from the face it is clockwise
       const double piece_size = piece.empty() ? 0.0 : measure_of(piece);
       if (!(piece_size > 0.0)) continue;
       covered += piece_size;
-      pieces.push_back({std::move(piece), std::move(opposite), &other});
+      pieces.push_back({std::move(piece), std::move(opposite), &other, moved_m});
     }
-    if (covered >= least_share * size) sums.add(face, own, pieces);
+    if (covered >= least_share * measure_of(own)) sums.add(face, own, pieces);
   }
-  return sums.rows();
+  return sums;
+}
+
+std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                           double first_share) const {
+  const Eigen::Vector3d shift = within_period(shift_m);
+  const RowSums by_own = sums(first, shift, [](const SurfaceFace& face) { return face.node_normal; });
+  const auto between = [&](const SurfaceFace& face) { return by_own.normals(face, first_share); };
+  const bool same = std::all_of(first.begin(), first.end(), [&](const SurfaceFace& face) {
+    return std::equal(face.node_normal.begin(), face.node_normal.end(), between(face).begin(),
+                      [](const auto& x, const auto& y) { return (x - y).norm() <= same_direction; });
+  });
+  return (same ? by_own : sums(first, shift, between)).rows(first_share);
+}
+
+double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const {
+  const Eigen::Vector3d shift = within_period(shift_m);
+  double square = std::numeric_limits<double>::infinity(), longest_m = 0.0;
+  for (const SurfaceFace& face : first) {
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      longest_m = std::max(longest_m, (face.x[(i + 1) % face.node.size()] - face.x[i]).norm());
+      const Eigen::Vector3d place = face.x[i] - shift;
+      double of_box = 0.0;  // of the one asked for last
+      tree_.visit(
+          [&](const Eigen::AlignedBox3d& box) { return (of_box = box.squaredExteriorDistance(place)) < square; },
+          [&](std::size_t) { square = of_box; });
+    }
+  }
+  return std::sqrt(square) - longest_m;
+}
+
+std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m, const Eigen::Vector3d& along) {
+  constexpr int most_moves = 20;
+  constexpr double touched = 1e-10;  // of an edge
+  std::optional<Touch> touch;
+  Eigen::Vector3d shift = shift_m;
+  for (int i = 0; i < most_moves; ++i) {
+    const std::vector<MortarRow> rows = mesh.rows(shift);
+    const auto least = std::min_element(rows.begin(), rows.end(),
+                                        [](const MortarRow& x, const MortarRow& y) { return x.gap_m < y.gap_m; });
+    if (least == rows.end()) return std::nullopt;
+    if (!touch) touch = Touch{shift, least->normal, least->gap_m};
+    touch->normal = least->normal;
+    const double along_normal = along.dot(least->normal);
+    if (std::abs(least->gap_m) <= touched * mesh.edge_m || (!along.isZero(0.0) && along_normal < least_facing)) break;
+    shift -= least->gap_m * (along.isZero(0.0) ? least->normal : Eigen::Vector3d(along / along_normal));
+  }
+  touch->shift_m = shift;
+  return touch;
 }
 
 }  // namespace ricochet::scene

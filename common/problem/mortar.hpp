@@ -2,11 +2,12 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <map>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "common/fem/element_kind.hpp"
+#include "common/problem/box_tree.hpp"
+#include "common/problem/surface_face.hpp"
 
 /// Dual mortar between two surfaces of any shape and meshes (Wohlmuth 2000; Hueeber, Wohlmuth 2005; Popp 2012).
 ///
@@ -18,17 +19,22 @@
 /// test). A node j of the first surface then has one row,
 ///   gap_j = n_j . (sum_k weight_jk x_k - x_j),   weight_jk = integral psi_j phi_k / area_j,   area_j = integral phi_j
 /// with k the nodes of the second surface. Weights sum to one and, where the surfaces touch, to the place of j: forces
-/// and moments are in balance. The opposite faces are found in the plane of each face of the first surface, to which
-/// those of the second are projected and by which they are cut (Puso, Laursen 2004).
+/// and moments are in balance. What lies opposite is found in the plane of each face of the first surface, to which
+/// those of the second are projected along n, which changes from node to node, and by which they are cut (Puso, Laursen
+/// 2004, who project along the face's normal: of two balls that puts places off by gap times slope, and the force by
+/// 0.4 % at a radius of contact of 0.12 R).
+///
+/// n_j is the normal of the surface to which both deform where they touch: that of each counts by the compliance
+/// (1 - nu^2)/E of the other, so that half-spaces of one material meet halfway. Along it, what bodies slide does not
+/// change the gap.
+///
+/// Rows are rates; what they start from is the gap of the surfaces along n_j at the node. Between the corners of a
+/// face, of shape functions N and with normals n_k, the surface is
+///   X = p - 1/2 sum_k N_k (p - x_k) . n_k m,   p = sum_k N_k x_k,   m the face's normal
+/// (half of Phong tessellation, Boubekeur and Alexa 2008): exact for a paraboloid through the corners with those
+/// normals, so that it leaves of a circle's sagitta h^2/(8R) no more than h^4/(128 R^3). Where the node lies opposite
+/// nothing, the gap is the mean with phi_j over what of its faces does.
 namespace ricochet::scene {
-
-/// A face of a surface in its place: an edge, a triangle or a quadrilateral.
-struct SurfaceFace {
-  fem::Face node;
-  std::array<Eigen::Vector3d, 4> x;  ///< of its nodes [m]
-  std::array<double, 4> measure{};   ///< at them: area per length of an edge [m], thickness or circumference; else 1
-  Eigen::Vector3d normal;            ///< out of the body
-};
 
 /// A node with its share in a row.
 struct WeightedNode {
@@ -39,39 +45,63 @@ struct WeightedNode {
 struct MortarRow {
   int node = -1;  ///< of the first surface
   double area_m2 = 0.0;
-  std::vector<WeightedNode> opposite;  ///< ascending by node
+  std::vector<WeightedNode> opposite;     ///< ascending by node
+  int patch = 0;                          ///< a node between two smooth pieces of a surface has a row for each
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n_j
+  double gap_m = 0.0;                     ///< of the surfaces
 };
 
 /// The second surface, so that what lies opposite a face need not be looked for among all of it.
 class OppositeFaces {
  public:
-  /// `along`: a direction in which flat surfaces are searched; none: curved. `period_m`: > 0 where a coordinate
-  /// repeats.
-  OppositeFaces(std::vector<SurfaceFace> faces, const std::optional<Eigen::Vector3d>& along,
-                const Eigen::Vector2d& period_m);
+  /// `period_m`: > 0 where a coordinate repeats.
+  OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector2d& period_m);
 
-  /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending.
-  [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, Eigen::Vector3d shift_m) const;
+  /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending by
+  /// piece and node. `first_share`: what the normal of the first counts.
+  [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                            double first_share = 0.5) const;
+  /// No more than the distance from the first surface, and by about an edge of that less [m].
+  [[nodiscard]] double apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
 
  private:
   struct Image {
     std::size_t face;
     Eigen::Vector3d moved_m;  ///< where the surface repeats
-    double low_m;             ///< along the direction
   };
+  class RowSums;
+  using Normals = std::function<std::array<Eigen::Vector3d, 4>(const SurfaceFace&)>;
+  /// What is integrated over the pieces of the first surface's faces that lie opposite along these normals of its
+  /// nodes.
+  [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                             const Normals& normals_of) const;
+  [[nodiscard]] Eigen::Vector3d within_period(Eigen::Vector3d shift_m) const;
   std::vector<SurfaceFace> faces_;
-  std::optional<Eigen::Vector3d> along_;
-  std::vector<Image> images_;  ///< ascending by low_m
-  double longest_m_ = 0.0;
   Eigen::Vector2d period_m_;
+  std::vector<Image> images_;
+  BoxTree tree_;
 };
 
 /// Two surfaces that may touch, of which rows are written for any place of the second.
 struct ContactMesh {
   std::vector<SurfaceFace> first;
   OppositeFaces second;
-  std::map<int, Eigen::Vector3d> normal;  ///< at the nodes of the first
+  double edge_m = 0.0;       ///< shortest of the first
+  double first_share = 0.5;  ///< of the normals
+
+  [[nodiscard]] std::vector<MortarRow> rows(const Eigen::Vector3d& shift_m) const {
+    return second.rows(first, shift_m, first_share);
+  }
 };
+
+/// Where the second surface touches the first: its shift, moved on along the normal n of the place that then touches.
+struct Touch {
+  Eigen::Vector3d shift_m, normal;
+  double gap_m;  ///< there, before it was moved
+};
+/// From `shift_m`; none where nothing lies opposite. `along`: the one direction to move it in, none: zero.
+[[nodiscard]] std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m,
+                                            const Eigen::Vector3d& along);
 
 }  // namespace ricochet::scene

@@ -18,6 +18,7 @@ namespace ricochet::scene {
 /// A contact node of the first surface and what lies opposite.
 struct ContactPair {
   int node_a = -1;  ///< of the first surface's body mesh
+  int patch = 0;    ///< smooth piece of that surface: a node between two has a pair for each
   /// Of the second surface: one node at the same place, several where meshes differ; of what is rigid none.
   std::vector<WeightedNode> b;
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
@@ -34,6 +35,12 @@ struct ContactGeometry {
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
   bool matching = false;                  ///< pairs of nodes: every `b` is one node of weight 1, or none
   std::vector<ContactPair> pairs;         ///< sorted by distance
+  bool flat = true;                       ///< both surfaces are, and parallel
+  /// By how much the second body is taken to be off its mesh at the start: initial_gap_m along the normal.
+  Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};
+  /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such
+  /// as lie nowhere opposite at the start, where it touches the first, which has touch_normal there.
+  Eigen::Vector3d shift_m{0.0, 0.0, 0.0}, touch_normal{0.0, 0.0, 0.0};
   /// Of bodies that may slide along each other: from this the pairs are found anew. Then all nodes of both surfaces are
   /// contact nodes, else those of the pairs.
   std::shared_ptr<const ContactMesh> sliding;
@@ -95,8 +102,8 @@ struct Problem {
 /// The same but for the clock, whose windows stay 0: a participant hears it from the coupler.
 [[nodiscard]] Problem build_bodies(const Scene& scene);
 
-/// The pairs of a contact that slides, once the second body has moved by `shift_m` along the first; sorted by distance,
-/// without nodes that lie opposite nothing.
+/// The pairs of a contact that slides, once the second body has moved by `shift_m`, lifted_m in it, against the first;
+/// sorted by distance, without nodes that lie opposite nothing.
 [[nodiscard]] std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t contact,
                                                   const Eigen::Vector3d& shift_m);
 

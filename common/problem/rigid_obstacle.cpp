@@ -18,7 +18,7 @@ std::vector<ContactPair> plane_pairs(const ContactContext& context, const Contac
   for (std::size_t i = 0; i < side.nodes.size(); ++i) {
     pairs.push_back({.node_a = side.nodes[i], .b = {}, .normal = side.normal, .area_m2 = side.area_m2[i]});
     const double apart_m = side.flat ? 0.0 : (side.point - side.position(i)).dot(side.normal);
-    complete(context.contact, side.body->mesh, apart_m, pairs.back());
+    complete(context.contact, side.body->mesh, apart_m + context.contact.initial_gap_m, pairs.back());
   }
   return pairs;
 }
@@ -89,7 +89,7 @@ std::vector<ContactPair> round_pairs(const ContactContext& context, const Contac
 
 /// A pair keeps its place on the obstacle.
 void refuse_sliding(const ContactContext& context, const ContactSide& side) {
-  if (context.scene.model == Model::axisymmetric || !may_slide(context.scene, side, nullptr)) return;
+  if (context.scene.model == Model::axisymmetric || !may_slide(context.scene, side, nullptr, side.normal)) return;
   context.refuse(fmt::format("body \"{}\", which may slide along a rigid sphere or cylinder by its initial velocity, "
                              "gravity, a traction or a prescribed displacement",
                              side.body->name),

@@ -109,6 +109,7 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
           .friction_coefficient = problem.scene.contacts[contact].friction_coefficient,
           .contact = contact,
           .node_a = pair.node_a,
+          .patch = pair.patch,
           .to_contact = to_contact,
           .to_momentum = turn_of(pair.normal, scene::momentum_normal(problem))};
 }

@@ -80,6 +80,7 @@ struct Pair {
   double friction_coefficient = 0.0;
   std::size_t contact = 0;  ///< index into Problem::contacts
   int node_a = -1;          ///< of the first surface's body mesh
+  int patch = 0;            ///< smooth piece of that surface
   /// To the directions of its contact, in which forces are reported, and to those of the momentum balance. About an
   /// axis what normal forces have across it cancels.
   Turn to_contact{}, to_momentum{};

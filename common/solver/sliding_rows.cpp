@@ -4,22 +4,43 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "common/solver/blocks.hpp"
 
 namespace ricochet::solver {
 namespace {
 
-/// Shifts that differ by less of an edge are the same.
-constexpr double same_share = 1e-12;
+/// Of an edge: bodies that are apart by more sleep, and wake when they may be so near.
+constexpr double asleep_share = 1.0, awake_share = 0.5;
+/// Of their distance, as the rows have it, that open pairs may move before they are written anew.
+constexpr double open_share = 0.25;
 
-double shortest_edge(const std::vector<scene::SurfaceFace>& faces) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const auto& face : faces) {
-    for (std::size_t i = 0; i < face.node.size(); ++i)
-      shortest = std::min(shortest, (face.x[(i + 1) % face.node.size()] - face.x[i]).norm());
+Eigen::Vector3d across(const Eigen::Vector3d& moved, const Eigen::Vector3d& normal) {
+  return moved - moved.dot(normal) * normal;
+}
+
+/// The most that a pair's gap differs, by strain and rotation, from that of bodies which move as a whole by `moved_m`.
+double deformed_m(const std::vector<BodyState>& states, std::size_t contact, const Eigen::Vector3d& moved_m,
+                  const std::vector<Pair>& pairs) {
+  double most = 0.0;
+  for (const Pair& pair : pairs) {
+    if (pair.contact != contact) continue;
+    double closed = pair.normal.times(displacement_of(states));
+    for (const auto& e : pair.normal.entries) {
+      const int c = e.dof % fem::components(states[static_cast<std::size_t>(e.part)].part.mesh.model);
+      if (e.side == Side::b) closed -= e.coefficient * moved_m[c];
+    }
+    most = std::max(most, std::abs(closed));
   }
-  return shortest;
+  return most;
+}
+
+double least_gap_m(const std::vector<BodyState>& states, std::size_t contact, const std::vector<Pair>& pairs) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pair& pair : pairs)
+    if (pair.contact == contact) least = std::min(least, pair.gap(displacement_of(states)));
+  return std::isfinite(least) ? least : 0.0;
 }
 
 /// 1 per component, 0 where a support holds some of the body's contact surface.
@@ -44,21 +65,10 @@ SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodySt
     const auto& geometry = problem.contacts[i];
     if (!geometry.sliding) continue;
     contacts_.push_back({i,
-                         shortest_edge(geometry.sliding->first),
                          moves(problem, geometry, geometry.body_a),
                          moves(problem, geometry, geometry.body_b),
-                         {}});
+                         {.shift_m = geometry.shift_m, .normal = geometry.touch_normal}});
   }
-}
-
-bool SlidingRows::slipped(const Sliding& sliding, const std::vector<BodyState>& states, double ahead_s,
-                          const std::vector<Pair>& pairs) const {
-  const auto u = displacement_of(states);
-  const auto v = velocity_of(states);
-  return std::any_of(pairs.begin(), pairs.end(), [&](const Pair& pair) {
-    const Eigen::Vector2d slip = pair.slip(u) + ahead_s * pair.slip(v);
-    return pair.contact == sliding.contact && slip.norm() > start_share * sliding.edge_m;
-  });
 }
 
 Moments block_moments(const BodyState& state, double ahead_s, int block) {
@@ -86,34 +96,71 @@ Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>&
   return mean;
 }
 
+bool SlidingRows::stays(const Sliding& sliding, const Eigen::Vector3d& place_m, const std::vector<BodyState>& states,
+                        const std::vector<Pair>& pairs) const {
+  const auto& geometry = problem_->contacts[sliding.contact];
+  const Slide& slide = sliding.slide;
+  const double least_m = slide_share * geometry.sliding->edge_m;
+  if (!slide.asleep && across(place_m - slide.shift_m, slide.normal).norm() <= least_m) return true;
+  const double moved_m = (place_m - slide.place_m).norm();
+  return moved_m < slide.free_m &&
+         moved_m + deformed_m(states, sliding.contact, place_m - geometry.lifted_m, pairs) < slide.free_m;
+}
+
+/// To rows for the place, where pairs are open by `gap_m` at least.
+void SlidingRows::move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const {
+  const auto& geometry = problem_->contacts[sliding.contact];
+  const scene::ContactMesh& mesh = *geometry.sliding;
+  Slide& slide = sliding.slide;
+  const double edge_m = mesh.edge_m, apart_m = mesh.second.apart_m(mesh.first, place_m);
+  const Eigen::Vector3d moved = across(place_m - slide.shift_m, slide.normal);
+  sliding.changed = slide.follows = true;
+  slide.place_m = place_m;
+  slide.asleep = apart_m > asleep_share * edge_m;
+  if (slide.asleep) {
+    slide.shift_m = place_m;
+    slide.free_m = apart_m - awake_share * edge_m;
+    return;
+  }
+  slide.free_m = open_share * std::clamp(gap_m, 0.0, edge_m);
+  const double least_m = slide_share * edge_m;
+  Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
+  if (slide.free_m < least_m && moved.norm() < 1.5 * least_m) ahead = 0.5 * least_m * moved.normalized();
+  slide.shift_m = (geometry.flat ? place_m : Eigen::Vector3d(slide.shift_m + moved)) + ahead;
+  if (geometry.flat) return;
+  if (const auto touch = scene::touching(mesh, slide.shift_m, Eigen::Vector3d::Zero())) {
+    slide.shift_m = touch->shift_m;
+    slide.normal = touch->normal;
+  }
+}
+
 bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs) {
   bool moved = false;
   for (auto& sliding : contacts_) {
-    sliding.slide.follows = sliding.slide.follows || slipped(sliding, states, ahead_s, pairs);
-    if (!sliding.slide.follows) continue;
     const auto& geometry = problem_->contacts[sliding.contact];
-    Eigen::Vector3d shift = sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
-    shift -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
-    shift -= shift.dot(geometry.normal) * geometry.normal;
-    if ((shift - sliding.slide.shift_m).norm() <= same_share * sliding.edge_m) continue;
-    sliding.slide.shift_m = shift;
+    Eigen::Vector3d place_m = geometry.lifted_m;
+    place_m += sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
+    place_m -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
+    if (stays(sliding, place_m, states, pairs)) continue;
+    move(sliding, place_m, least_gap_m(states, sliding.contact, pairs));
     moved = true;
   }
   if (moved) write(pairs);
   return moved;
 }
 
-/// Pairs of contacts that do not follow stay as they are.
-void SlidingRows::write(std::vector<Pair>& pairs) const {
+/// Pairs of contacts that have not changed stay as they are.
+void SlidingRows::write(std::vector<Pair>& pairs) {
   std::vector<Pair> written;
   for (std::size_t i = 0; i < problem_->contacts.size(); ++i) {
     const auto sliding =
         std::find_if(contacts_.begin(), contacts_.end(), [i](const Sliding& s) { return s.contact == i; });
-    if (sliding == contacts_.end() || !sliding->slide.follows) {
+    if (sliding == contacts_.end() || !sliding->changed) {
       std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(written),
                    [i](const Pair& p) { return p.contact == i; });
       continue;
     }
+    sliding->changed = false;
     for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
       written.push_back(pair_of(*problem_, i, pair, parts_));
   }
@@ -132,6 +179,7 @@ bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
     any_follows = any_follows || state[i].follows;
     any_stops = any_stops || (contacts_[i].slide.follows && !state[i].follows);
     contacts_[i].slide = state[i];
+    contacts_[i].changed = state[i].follows;
   }
   if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid
   if (any_follows) write(pairs);
@@ -139,11 +187,12 @@ bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
 }
 
 std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to) {
-  std::map<std::pair<std::size_t, int>, int> known;
-  for (std::size_t i = 0; i < from.size(); ++i) known[{from[i].contact, from[i].node_a}] = static_cast<int>(i);
+  const auto key = [](const Pair& pair) { return std::tuple(pair.contact, pair.node_a, pair.patch); };
+  std::map<std::tuple<std::size_t, int, int>, int> known;
+  for (std::size_t i = 0; i < from.size(); ++i) known[key(from[i])] = static_cast<int>(i);
   std::vector<int> same;
   for (const auto& pair : to) {
-    const auto found = known.find({pair.contact, pair.node_a});
+    const auto found = known.find(key(pair));
     same.push_back(found == known.end() ? -1 : found->second);
   }
   return same;

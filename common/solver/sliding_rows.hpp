@@ -10,18 +10,23 @@
 
 namespace ricochet::solver {
 
-/// Writes the rows of contacts anew whose bodies slide along each other (ContactGeometry::sliding), from the place that
+/// Writes the rows of contacts anew whose bodies slide along each other (ContactGeometry::sliding), for the place that
 /// the second body has got to against the first:
-///   s = (I - n n^T) (d_B - d_A),   d = sum m u / sum m over the nodes of the body that are here
-/// with n the contact's normal. A body therefore slides as a whole, in its reference shape: a flat surface stays flat,
-/// and with all of both bodies here the forces keep sum m (x + d) x v, the angular momentum of small strain. (A
-/// participant that has a layer of a body alone takes that layer's mean.) Along a coordinate in which a support holds
-/// nodes of its surface, as at a plane of symmetry, a body does not slide: its mean displacement there is strain. Rows
-/// stay as they were until some pair has slid by `start_share` of the shortest edge of the first surface, as in most
-/// impacts none does; from then on they follow.
+///   s = l + d_B - d_A,   d = sum m u / sum m over the nodes of the body that are here
+/// with l what it was lifted by at the start. A body slides as a whole, in its reference shape, and g0 is such that
+/// g0 + N u is the gap of the surfaces there. (A participant that has a layer of a body alone takes that layer's mean.)
+/// Along a coordinate in which a support holds nodes of its surface, as at a plane of symmetry, a body does not slide:
+/// its mean displacement there is strain.
+///
+/// Rows are written with the second body moved from s along the normal n to where it touches the first, so that what
+/// it moves along n, apart or together, leaves them right; the next rows are written when it has moved by `slide_share`
+/// of the shortest edge of the first surface across n, then half that share ahead, so that in the mean forces act where
+/// the bodies are. Each set of rows has forces that keep momentum and, in their place, angular momentum.
+/// While bodies are apart by more than an edge the contact sleeps: rows are written where the bodies are, and stay
+/// until these may be half an edge from each other.
 class SlidingRows {
  public:
-  static constexpr double start_share = 0.01;
+  static constexpr double slide_share = 0.01;
 
   /// `problem` must outlive it.
   SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states);
@@ -33,10 +38,13 @@ class SlidingRows {
   bool follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs);
 
   struct Slide {
-    bool follows = false;
-    Eigen::Vector3d shift_m{0.0, 0.0, 0.0};  ///< s that the rows are written for
+    bool follows = false, asleep = false;    ///< rows are others than those of the start; written apart
+    Eigen::Vector3d shift_m{0.0, 0.0, 0.0};  ///< that the rows are written for
+    Eigen::Vector3d normal{0.0, 0.0, 0.0};   ///< n, where the bodies then touch
+    Eigen::Vector3d place_m{0.0, 0.0, 0.0};  ///< s when they were
+    double free_m = 0.0;                     ///< how far from there it may get before it may touch
 
-    void archive(Archive& a) { a(follows, shift_m); }
+    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m); }
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;
@@ -46,14 +54,15 @@ class SlidingRows {
  private:
   struct Sliding {
     std::size_t contact;
-    double edge_m;
     Eigen::Vector3d moves_a, moves_b;  ///< per component 1, or 0 where a support holds some of the body's surface
     Slide slide;
+    bool changed = false;  ///< rows are to be written
   };
-  [[nodiscard]] bool slipped(const Sliding& sliding, const std::vector<BodyState>& states, double ahead_s,
-                             const std::vector<Pair>& pairs) const;
+  [[nodiscard]] bool stays(const Sliding& sliding, const Eigen::Vector3d& place_m, const std::vector<BodyState>& states,
+                           const std::vector<Pair>& pairs) const;
+  void move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const;
   [[nodiscard]] Eigen::Vector3d mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const;
-  void write(std::vector<Pair>& pairs) const;
+  void write(std::vector<Pair>& pairs);
 
   const scene::Problem* problem_;
   std::vector<PartNodes> parts_;

@@ -55,8 +55,9 @@ double duration_s(const RunResult& run) {
 class TwoBalls : public testing::TestWithParam<const char*> {};
 
 /// Hertz' half-spaces are stiffer than balls of finite size are soft: his force is exceeded the more the larger the
-/// contact is against the ball, as its radius is to theirs, v^(2/5). Measured with elements a fourth as large: +0.7 %,
-/// +1.7 % and +5.1 % at 0.1, 1 and 10 m/s.
+/// contact is against the ball, as its radius is to theirs, v^(2/5). At 10 m/s one ball on a rigid plane, which is the
+/// same by symmetry, has +5.44, +5.34 and +5.35 % with these elements, half and a quarter as large; two balls have
+/// +5.31, +5.32 and +5.34 %, in either order of the names +5.37, +5.33 and +5.34 %.
 TEST_P(TwoBalls, CollideAsHertzHasItButForTheirSize) {
   EXPECT_NEAR(Hertz(10.0).force_n, 10697.0, 1.0);
   EXPECT_NEAR(Hertz(10.0).duration_s, 40.34e-6, 0.01e-6);
@@ -65,7 +66,7 @@ TEST_P(TwoBalls, CollideAsHertzHasItButForTheirSize) {
     const char *speed, *end_s;
     double force, duration;
   };
-  for (const Case& c : {Case{10.0, "10.0", "60e-6", 1.051, 0.969}, Case{1.0, "1.0", "90e-6", 1.017, 0.988}}) {
+  for (const Case& c : {Case{10.0, "10.0", "60e-6", 1.053, 0.966}, Case{1.0, "1.0", "90e-6", 1.017, 0.988}}) {
     const TemporaryFolder folder;
     const RunResult run = run_text(balls(GetParam(), c.speed, c.end_s), folder);
     const Hertz exact(c.speed_m_s);
@@ -89,14 +90,14 @@ TEST_P(TwoBalls, CollideAsHertzHasItButForTheirSize) {
   }
 }
 
-/// Quarters of the balls, of coarse tetrahedra: 6.6 % above Hertz where the axisymmetric mesh is 5.1 % above. Supports
+/// Quarters of the balls, of coarse tetrahedra: 7.0 % above Hertz where the axisymmetric mesh is 5.3 % above. Supports
 /// on planes of symmetry take the forces across them.
 TEST_P(TwoBalls, AsSolidsHaveAQuarterOfThatForce) {
   const TemporaryFolder folder;
   const RunResult run = run_text(scene_with("two_balls_solid", GetParam()), folder);
   const double peak = run.summary.at("peak_contact_force_n");
-  EXPECT_NEAR(4.0 * peak / Hertz(10.0).force_n, 1.066, 0.004);
-  EXPECT_NEAR(duration_s(run) / Hertz(10.0).duration_s, 0.918, 0.004);
+  EXPECT_NEAR(4.0 * peak / Hertz(10.0).force_n, 1.0695, 0.004);
+  EXPECT_NEAR(duration_s(run) / Hertz(10.0).duration_s, 0.915, 0.004);
   EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-10);
   EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 1e-3);
 }

@@ -24,7 +24,7 @@ std::vector<SurfaceFace> line(const std::vector<double>& places, bool up, int fi
 
 std::vector<MortarRow> rows_of(const std::vector<SurfaceFace>& first, const std::vector<SurfaceFace>& second,
                                double period_m = 0.0, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
-  return OppositeFaces(second, Eigen::Vector3d(-1.0, 0.0, 0.0), {period_m, 0.0}).rows(first, shift_m);
+  return OppositeFaces(second, {period_m, 0.0}).rows(first, shift_m);
 }
 
 std::vector<double> even(int elements, double low, double high) {
@@ -206,8 +206,7 @@ std::map<int, Eigen::Vector3d> places_of(const std::vector<SurfaceFace>& faces) 
 /// What a constant pressure of 1 gives each node of a surface.
 std::map<int, double> nodal_areas(const std::vector<SurfaceFace>& faces) {
   std::map<int, double> areas;
-  for (const auto& row :
-       OppositeFaces(square(1, false, 0.0, false), std::nullopt, {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))
+  for (const auto& row : OppositeFaces(square(1, false, 0.0, false), {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))
     areas[row.node] = row.area_m2;
   return areas;
 }
@@ -223,8 +222,7 @@ TEST(MortarOfFaces, KeepsForcesAndMomentsInBalanceAndHandsAPressureOver) {
     const auto places = places_of(first), others = places_of(second);
     double area = 0.0;
     std::map<int, double> force;
-    for (const auto& row :
-         OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, {0.0, 0.0, 0.0})) {
+    for (const auto& row : OppositeFaces(second, {0.0, 0.0}).rows(first, {0.0, 0.0, 0.0})) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       double weights = 0.0;
       for (const auto& [node, weight] : row.opposite) {
@@ -256,7 +254,7 @@ TEST(MortarOfFaces, IsInBalanceWhereSurfacesLieAcross) {
   }
   const auto places = places_of(first), others = places_of(second);
   const Eigen::Vector3d shift(0.11, -0.07, 0.0);
-  const auto rows = OppositeFaces(second, Eigen::Vector3d(1.0, 0.0, 0.0), {0.0, 0.0}).rows(first, shift);
+  const auto rows = OppositeFaces(second, {0.0, 0.0}).rows(first, shift);
   ASSERT_EQ(rows.size(), 25U);
   for (const auto& row : rows) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -287,7 +285,7 @@ TEST(Mortar, OfCurvedSurfacesKeepsMomentsWhereTheyTouch) {
   ASSERT_GT(lower[20].normal[1], 0.9);
   ASSERT_LT(upper[13].normal[1], -0.9);
   const auto places = places_of(lower), others = places_of(upper);
-  for (const auto& row : OppositeFaces(upper, std::nullopt, {0.0, 0.0}).rows(lower, {0.0, 0.0, 0.0})) {
+  for (const auto& row : OppositeFaces(upper, {0.0, 0.0}).rows(lower, {0.0, 0.0, 0.0})) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weights = 0.0;
     for (const auto& [node, weight] : row.opposite) {

@@ -1,0 +1,55 @@
+#include "common/problem/surface_face.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+
+namespace ricochet::scene {
+namespace {
+
+/// A face as it is seen along a direction, from a place.
+struct View {
+  Eigen::Vector3d from, first, second;
+
+  View(const Eigen::Vector3d& place, const Eigen::Vector3d& along, bool edge)
+      : from(place), first(edge ? Eigen::Vector3d(-along[1], along[0], 0.0) : along.unitOrthogonal()) {
+    second = edge ? Eigen::Vector3d::Zero().eval() : along.cross(first).eval();
+  }
+  [[nodiscard]] Place of(const Eigen::Vector3d& x) const { return {first.dot(x - from), second.dot(x - from)}; }
+};
+
+}  // namespace
+
+Eigen::Vector3d place_at(const SurfaceFace& face, const ShapeValues& shape) {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < face.node.size(); ++k) place += shape[static_cast<Eigen::Index>(k)] * face.x[k];
+  double rise_m = 0.0;
+  for (std::size_t k = 0; k < face.node.size(); ++k)
+    rise_m += shape[static_cast<Eigen::Index>(k)] * (place - face.x[k]).dot(face.node_normal[k]);
+  return place - 0.5 * rise_m * face.normal;
+}
+
+Eigen::Vector3d normal_at(const SurfaceFace& face, const ShapeValues& shape) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < face.node.size(); ++k)
+    normal += shape[static_cast<Eigen::Index>(k)] * face.node_normal[k];
+  return normal;
+}
+
+Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face) {
+  const View view(place, along, face.node.size() == 2);
+  Polygon corners;
+  for (std::size_t k = 0; k < face.node.size(); ++k) corners.push_back(view.of(face.x[k]));
+  Place aim(0.0, 0.0);
+  ShapeValues shape;
+  Eigen::Vector3d found;
+  for (int i = 0; i < 4; ++i) {  // the smooth surface stands off the face by little
+    shape = shape_at(corners, aim);
+    found = place_at(face, shape);
+    aim -= view.of(found);
+  }
+  const double* first = shape.data();
+  return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from)};
+}
+
+}  // namespace ricochet::scene

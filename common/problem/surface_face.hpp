@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "common/fem/element_kind.hpp"
+#include "common/problem/plane_polygon.hpp"
+
+namespace ricochet::scene {
+
+/// A face of a surface in its place: an edge, a triangle or a quadrilateral.
+struct SurfaceFace {
+  fem::Face node;
+  std::array<Eigen::Vector3d, 4> x;  ///< of its nodes [m]
+  std::array<double, 4> measure{};   ///< at them: area per length of an edge [m], thickness or circumference; else 1
+  Eigen::Vector3d normal;            ///< out of the body
+  /// Of the surface at the nodes; zero: the face is flat.
+  std::array<Eigen::Vector3d, 4> node_normal{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                             Eigen::Vector3d::Zero()};
+  std::array<unsigned, 4> held{};  ///< of the nodes: bits of the coordinates that no normal there has a part along
+  int patch = 0;                   ///< smooth piece of the surface
+};
+
+/// The place of the smooth surface (mortar.hpp) where a face's shape functions have these values, and its normal there.
+[[nodiscard]] Eigen::Vector3d place_at(const SurfaceFace& face, const ShapeValues& shape);
+[[nodiscard]] Eigen::Vector3d normal_at(const SurfaceFace& face, const ShapeValues& shape);
+
+/// Where a ray hits the smooth surface.
+struct Hit {
+  double inside;  ///< the least shape function, at most 0
+  double far_m;
+};
+[[nodiscard]] Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face);
+
+}  // namespace ricochet::scene

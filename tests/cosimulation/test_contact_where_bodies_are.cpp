@@ -1,0 +1,85 @@
+// Contact is found where bodies are: a flight of any length before it changes nothing.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tests/support/plane_grid.hpp"
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+constexpr double radius_m = 0.01, step_s = 5e-8, speed_m_s = 10.0;
+
+struct Discs {
+  double apart_m = 0.0, gap_m = 0.0;  ///< of the meshes, and initial_gap_m
+  double along_m_s = 0.0;             ///< of each disc across the line of middles
+  int lower_cells = 16, upper_cells = 16;
+  const char *first = "lower", *second = "upper";
+
+  [[nodiscard]] int windows_of_flight() const {
+    return static_cast<int>(std::lround((apart_m + gap_m) / (2.0 * speed_m_s * step_s)));
+  }
+};
+
+/// Two discs that meet head on, at a velocity that may have a part across.
+RunResult collide(const Discs& d, const TemporaryFolder& folder) {
+  const double aside = d.along_m_s / speed_m_s * (d.apart_m + d.gap_m);
+  (void)folder.write(disc_msh("lower", 0.0, -radius_m, radius_m, d.lower_cells, true), "lower.msh");
+  (void)folder.write(disc_msh("upper", aside, radius_m + d.apart_m, radius_m, d.upper_cells, false), "upper.msh");
+  std::string text = "model = \"plane_strain\"\n";
+  for (const auto& [name, sign] : {std::pair{"lower", 1.0}, std::pair{"upper", -1.0}})
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = 48e9, poisson_ratio = 0.2, density_kg_m3 = 2800.0 "
+        "}}\nmesh = {{ gmsh = \"{}.msh\" }}\ninitial_velocity_m_s = [{}, {}]\n",
+        name, name, sign * d.along_m_s, sign * speed_m_s);
+  text += fmt::format(
+      "[contact]\nsurfaces = [\"{}.cap\", \"{}.cap\"]\ninitial_gap_m = {}\nfriction_coefficient = 0.0\n[time]\n"
+      "step_s = {}\nend_s = {:.17g}\n[output]\nhistory_every = 1\n[coupling]\nprotocol = \"all_explicit\"\n",
+      d.first, d.second, d.gap_m, step_s, (d.windows_of_flight() + 1100) * step_s);
+  return run_text(text, folder);
+}
+
+/// By the place of the meshes and by initial_gap_m; but for the first windows, in which discs that touch at the start
+/// close at once.
+TEST(DiscsThatFly, HaveTheForceOfDiscsThatTouchAtTheStart) {
+  constexpr std::size_t first_windows = 20;
+  const TemporaryFolder touching_folder;
+  const RunResult touching = collide({}, touching_folder);
+  const auto& expected = touching.column("contact_force_n");
+  const double peak = *std::max_element(expected.begin(), expected.end());
+  EXPECT_GT(peak, 1e6);
+  for (const Discs& flight : {Discs{.apart_m = 0.1 * radius_m}, Discs{.apart_m = 0.5 * radius_m},
+                              Discs{.apart_m = 2.0 * radius_m}, Discs{.gap_m = 0.5 * radius_m}}) {
+    const TemporaryFolder folder;
+    const RunResult run = collide(flight, folder);
+    const auto& force = run.column("contact_force_n");
+    const auto flown = static_cast<std::size_t>(flight.windows_of_flight());
+    ASSERT_GE(force.size(), flown + expected.size() - 1);
+    for (std::size_t i = 0; i + 1 < flown; ++i) ASSERT_EQ(force[i], 0.0) << i;
+    for (std::size_t i = first_windows; i + 1 < expected.size(); ++i)
+      ASSERT_NEAR(force[flown + i], expected[i], 5e-5 * peak) << flight.apart_m << " " << i;
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  }
+}
+
+/// Rows are then written anew a hundred times on the way: the force agrees but for what each of them jumps by.
+TEST(DiscsThatFly, ObliquelyHaveTheImpulseAndThePeakOfDiscsThatTouchAtTheStart) {
+  const TemporaryFolder touching_folder;
+  const RunResult touching = collide({.along_m_s = 5.0}, touching_folder);
+  for (const Discs& flight :
+       {Discs{.apart_m = 0.1 * radius_m, .along_m_s = 5.0}, Discs{.apart_m = 2.0 * radius_m, .along_m_s = 5.0},
+        Discs{.gap_m = 0.5 * radius_m, .along_m_s = 5.0}}) {
+    const TemporaryFolder folder;
+    const RunResult run = collide(flight, folder);
+    EXPECT_NEAR(run.last("contact_impulse_n_s") / touching.last("contact_impulse_n_s"), 1.0, 2e-5);
+    EXPECT_NEAR(run.largest("contact_force_n") / touching.largest("contact_force_n"), 1.0, 2e-3);
+    EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 6e-3);
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace ricochet::test
