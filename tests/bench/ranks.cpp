@@ -111,7 +111,7 @@ RankCost cost_of(const scene::Problem& problem, const std::vector<SharedPart>& s
   setup.clock = problem.clock.size_s();
   std::optional<explicit_solver::ExplicitContact> contact;
   if (rank == 0)
-    contact.emplace(problem.scene.contact_law(), solver::ContactSurface(problem, share.states()), setup.clock.size_s(),
+    contact.emplace(problem.scene.contact_law(), solver::ContactSurface(problem, share.states()), setup.clock,
                     solver::SlidingRows(problem, share.states()));
   explicit_solver::Stepping stepping(share.states(), setup, std::move(contact));
   stepping.synchronise(0, {});

@@ -55,7 +55,7 @@ struct BarRun {
         }) {
     (void)solver.describe();
     participant::Setup setup;
-    setup.window_size_s = given.window_size_s;
+    setup.clock = given.clock;
     setup.last_window = windows;
     setup.interface_mass_kg.assign(protocol == "all_implicit" ? 0 : 1, 1.0);
     solver.initialize(setup, output);
@@ -194,7 +194,7 @@ TEST(WindowSolver, OfLinearElementsIsFactoredOnce) {
                         [&](const auto& state) { return std::make_unique<CountingBars>(state, tangents); });
   (void)solver.describe();
   participant::Setup setup;
-  setup.window_size_s = given.window_size_s;
+  setup.clock = given.clock;
   participant::LinkOutput output;
   solver.initialize(setup, output);
   solver.synchronise(participant::Integration::implicit_newmark, {}, output);
@@ -232,7 +232,7 @@ TEST(WindowSolver, SaysWhereNewtonsIterationDoesNotSettle) {
   ImplicitSolver solver(given, "implicit", {}, [](const auto& state) { return std::make_unique<RandomBars>(state); });
   (void)solver.describe();
   participant::Setup setup;
-  setup.window_size_s = given.window_size_s;
+  setup.clock = given.clock;
   participant::LinkOutput output;
   solver.initialize(setup, output);
   solver.synchronise(participant::Integration::implicit_newmark, {}, output);

@@ -99,7 +99,7 @@ TEST(OwnLoop, TellsOfALongSetUp) {
     participant::OwnLoop loop(spring(), {run.listener.endpoint(), 10.0, false});
     EXPECT_THROW(loop.progress("too early"), ConfigError);
     loop.initialize({{0.0}, {}, {}});
-    EXPECT_GT(loop.setup().window_size_s, 0.0);
+    EXPECT_GT(loop.setup().clock.size_s(), 0.0);
     loop.progress("casting", 0.25);
     EXPECT_TRUE(loop.ongoing());
     EXPECT_THROW(loop.progress("too late"), ConfigError);
