@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/archive.hpp"
-
 namespace ricochet {
+
+class Archive;
 
 /// The time of windows. Window n ends at
 ///   t_n = t_k + (n - n_k) dt_k,   k the last change of size before window n: at the end of window n_k, at t_k
 /// and of windows of one size at n dt. Windows are counted from 1; 0 is the start. Whoever needs a time or a size asks
-/// it: what is kept elsewhere are numbers of windows.
+/// it: what is kept elsewhere are numbers of windows. (C++17, as all that is installed.)
 class WindowClock {
  public:
   /// Of one size [s]. Not explicit: a size is a clock.
@@ -40,7 +40,7 @@ class WindowClock {
     segments_.push_back({window, time_s(window), size_s});
     if (window == 0) segments_.erase(segments_.begin());
   }
-  bool operator==(const WindowClock&) const = default;
+  bool operator==(const WindowClock& other) const { return segments_ == other.segments_; }
   [[nodiscard]] bool changes() const { return segments_.size() > 1; }
   /// The first window after `window` whose successor has another size; < 0: none.
   [[nodiscard]] std::int64_t next_change(std::int64_t window) const {
@@ -54,21 +54,16 @@ class WindowClock {
     return static_cast<double>(last.window) + std::ceil((time_s - last.from_s) / last.size_s - 1e-9);
   }
 
-  void archive(Archive& a) {
-    a.any_size(segments_);
-    const auto wrong = [](const Segment& s) { return s.window < 0 || !(s.size_s > 0.0) || !std::isfinite(s.from_s); };
-    const auto later = [](const Segment& x, const Segment& y) { return x.window >= y.window; };
-    if (segments_.empty() || segments_.front().window != 0 || std::any_of(segments_.begin(), segments_.end(), wrong) ||
-        std::adjacent_find(segments_.begin(), segments_.end(), later) != segments_.end())
-      a.refuse("a clock that goes wrong");
-  }
+  void archive(Archive& a);
 
  private:
   struct Segment {
     std::int64_t window = 0;            ///< after which its windows come
     double from_s = 0.0, size_s = 0.0;  ///< end of that window, size of those after it
-    bool operator==(const Segment&) const = default;
-    void archive(Archive& a) { a(window, from_s, size_s); }
+    bool operator==(const Segment& other) const {
+      return window == other.window && from_s == other.from_s && size_s == other.size_s;
+    }
+    void archive(Archive& a);
   };
   [[nodiscard]] const Segment& last_before(std::int64_t window) const {
     auto segment = segments_.end() - 1;

@@ -47,7 +47,7 @@ std::vector<double> momentum(const std::string& protocol, int windows, const Tem
   text = with_key(with_key(text, "time", "changes", changes(0.5, 1.0, step_s)), "time", "end_s", "2.0");
   text = with_key(with_protocol_of_two_steps(text, protocol), "coupling", "outside_model", "\"go_on\"");
   const RunResult run = run_text(text, folder, protocol + std::to_string(windows));
-  EXPECT_EQ(run.summary.at("steps").get<int>(), windows + windows / 4);
+  EXPECT_EQ(run.summary.at("windows").get<int>(), windows + windows / 4);
   EXPECT_NEAR(run.summary.at("end_time_s").get<double>(), 2.0, 1e-12);
   const auto& time = run.column("time_s");
   const auto& all = run.column("momentum_n_kg_m_s");

@@ -58,7 +58,7 @@ Count count(const std::string& text) {
   Count result;
   result.links = static_cast<long long>(links.size());
   long long before = 0;
-  int first = 4;
+  int first = 8;  // those of a baseline double in length at first, and with them the buffers
   std::int64_t last_window = 0;
   run.run([&](std::int64_t window) {
     if (first > 0) {
