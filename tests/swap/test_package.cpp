@@ -93,7 +93,7 @@ void headers_include_nothing_that_is_not_installed(const Package& package) {
       EXPECT_TRUE(fs::exists(package.prefix + "/include/ricochet/" + (*found)[1].str())) << (*found)[1];
     }
   }
-  EXPECT_EQ(headers, 4);
+  EXPECT_EQ(headers, 5);
 }
 
 void python_participant_runs_from_its_place(const Package& package) {
@@ -417,8 +417,8 @@ int main(void) {
   using testing::HasSubstr;
   EXPECT_THAT(says("role"),
               HasSubstr("unknown role \"implict\", allowed are explicit, implicit; did you mean \"implicit\"?"));
-  EXPECT_THAT(says("capability"), HasSubstr("found \"repeat_windows\", allowed are repeat_window, driven_by_force; did "
-                                            "you mean \"repeat_window\"?"));
+  EXPECT_THAT(says("capability"), HasSubstr("found \"repeat_windows\", allowed are repeat_window, driven_by_force, "
+                                            "reconfigure; did you mean \"repeat_window\"?"));
   EXPECT_THAT(says("nodes"), HasSubstr("nodes: error: ricochet_set_interface: found -1 nodes, allowed are >= 0"));
   EXPECT_THAT(says("early"), HasSubstr("ricochet_read must come after ricochet_initialize"));
   EXPECT_THAT(says("none"), HasSubstr("ricochet_advance was called without a loop: ricochet_open gave none"));

@@ -13,7 +13,7 @@ install(TARGETS ricochet_base ricochet_wire ricochet_participant EXPORT ricochet
 install(EXPORT ricochet NAMESPACE ricochet:: DESTINATION ${package_folder} FILE ricochet-targets.cmake COMPONENT sdk)
 
 # The headers keep their path in the tree: #include "common/participant/participant.hpp"
-foreach(header common/base/archive.hpp common/base/error.hpp common/base/vocabulary.hpp common/base/window_clock.hpp common/participant/own_loop.hpp common/participant/participant.hpp)
+foreach(header common/base/error.hpp common/base/vocabulary.hpp common/base/window_clock.hpp common/participant/own_loop.hpp common/participant/participant.hpp)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet/${folder} COMPONENT sdk)
 endforeach()
