@@ -27,7 +27,7 @@ class SubcycledWindow {
 
   /// At the present time: accelerations of `state` from its displacement and `force` (per shared dof).
   void start(solver::BodyState& state, double time_s, const Eigen::VectorXd& force);
-  /// Of one step [s], of the windows to come.
+  /// Size of one step [s], of the windows to come.
   void set_step(double dt);
   /// Trial of `steps` steps from the accepted `state` on, which began at `begin_s`; `force` at its end.
   void advance(const solver::BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force);

@@ -73,7 +73,7 @@ class NewmarkWindow {
   double dt_;  ///< that the factor is of [s]
   Eigen::MatrixXd interface_stiffness_;
   WindowSolver solver_;
-  /// Of the accepted window, from whose operator each trial of the next one starts, and of the trial.
+  /// Displacement of the accepted window, from whose operator each trial of the next one starts, and of the trial.
   Eigen::VectorXd linearised_at_, trial_linearised_at_;
   std::vector<Root> roots_;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for

@@ -16,7 +16,7 @@ namespace ricochet::implicit_solver {
 ///   A du = b + kappa dt^2/4 G^T r,   A = M + dt/2 C + dt^2/4 (K_T + S),
 /// with K_T the tangents of the parts' InternalForce where they were last linearised, C the dashpots, S the interface
 /// stiffness that a protocol gives. The contact forces r come from a problem of their own (ImplicitContact), whose
-/// compliance is that of this A. Of linear elements A is factored once and serves for all windows.
+/// compliance is that of this A. With linear elements A is factored once and serves for all windows.
 class WindowSolver {
  public:
   /// All must outlive this object; `contact` may be null, `interface_stiffness` S in the order of the shared dofs or
@@ -26,7 +26,7 @@ class WindowSolver {
   WindowSolver(const WindowSolver&) = delete;  // the contact asks this object for products
   WindowSolver& operator=(const WindowSolver&) = delete;
 
-  /// A at the displacement `u` (combined) from here on, and with it the contact's compliance. What was eliminated is
+  /// A at the displacement `u` (combined) from here on, and with it the contact's compliance. Everything eliminated is
   /// void.
   void linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart = nullptr);
   /// Where A was linearised last; empty if all elements are linear.

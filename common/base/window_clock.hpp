@@ -15,7 +15,7 @@ class Archive;
 /// it: what is kept elsewhere are numbers of windows. (C++17, as all that is installed.)
 class WindowClock {
  public:
-  /// Of one size [s]. Not explicit: a size is a clock.
+  /// Every window has one size [s]. Not explicit: a size is a clock.
   WindowClock(double size_s = 0.0) : segments_{{0, 0.0, size_s}} {}  // NOLINT(google-explicit-constructor)
 
   /// At the end of a window [s].
@@ -23,9 +23,9 @@ class WindowClock {
     const Segment& segment = last_before(window);
     return segment.from_s + static_cast<double>(window - segment.window) * segment.size_s;
   }
-  /// Of a window, from 1 on [s].
+  /// Size of a window, from 1 on [s].
   [[nodiscard]] double size_s(std::int64_t window) const { return last_before(window).size_s; }
-  /// Of the windows after the last change [s].
+  /// Size of the windows after the last change [s].
   [[nodiscard]] double size_s() const { return segments_.back().size_s; }
   /// Largest of all windows [s].
   [[nodiscard]] double largest_size_s() const {

@@ -39,8 +39,8 @@ class OwnLoop {
   void initialize(LinkOutput output, std::vector<double> record = {});
   /// What the coupler set; after `initialize`.
   [[nodiscard]] const Setup& setup() const;
-  /// What a long set-up is doing, and the share of it that is done (< 0: nobody knows): between `initialize` and the
-  /// first question about the time loop, while the coupler still waits for an answer to its `initialize`. Throws
+  /// Tells what a long set-up is doing, and the share of it that is done (< 0: nobody knows): between `initialize` and
+  /// the first question about the time loop, while the coupler still waits for an answer to its `initialize`. Throws
   /// ConfigError at any other time.
   void progress(std::string_view doing, double share_done = -1.0);
   /// By which integration an implicit participant is to go on from here.

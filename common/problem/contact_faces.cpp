@@ -11,7 +11,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of a face: a node of an edge, two of what bounds others.
+/// An edge is bounded by a node, other faces by two nodes a side.
 using Rim = std::vector<int>;
 
 std::vector<Rim> rims_of(const SurfaceFace& face) {
@@ -66,7 +66,7 @@ Eigen::Vector3d without(unsigned held, Eigen::Vector3d normal) {
   return normal;
 }
 
-/// What a corner adds to the sum of its node: a face's normal over the length of an edge; of a triangle or
+/// Share that a corner adds to the sum of its node: a face's normal over the length of an edge; of a triangle or
 /// quadrilateral e x f/(|e|^2 |f|^2), its edges there.
 Eigen::Vector3d share_of(const SurfaceFace& face, std::size_t corner) {
   const std::size_t corners = face.node.size();

@@ -99,7 +99,7 @@ std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& m
   return pairs;
 }
 
-/// Of one body against another at the start.
+/// Velocity of one body against another at the start.
 Eigen::Vector3d closing_velocity(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
   Eigen::Vector3d closing = Eigen::Vector3d::Zero();
   for (const auto& [side, sign] : {std::pair{&a, -1.0}, std::pair{&b, 1.0}}) {

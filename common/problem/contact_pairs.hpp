@@ -10,7 +10,7 @@
 namespace ricochet::scene {
 
 /// Sets pairs of nodes where they match, else rows of the dual mortar; where surfaces are curved, at the place where
-/// they touch. Of bodies that may slide, also what rows are written anew from.
+/// they touch. Bodies that may slide have what rows are written anew from, too.
 void set_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b, ContactGeometry& geometry);
 
 /// Laws that move masses or weigh by impedances go by pairs of nodes.

@@ -13,7 +13,7 @@ namespace {
 
 /// A surface whose normals cancel to this share of its area faces no one way.
 constexpr double least_one_sided = 0.1;
-/// What lies along a surface to this share of its size does so by rounding.
+/// A vector whose part across the normal is a smaller share of it lies along the normal, but for rounding.
 constexpr double direction_tolerance = 1e-9;
 
 /// Outward normal at the end of a bar: away from the other node of its element.

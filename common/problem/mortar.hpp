@@ -72,7 +72,7 @@ class OppositeFaces {
   };
   class RowSums;
   using Normals = std::function<std::array<Eigen::Vector3d, 4>(const SurfaceFace&)>;
-  /// What is integrated over the pieces of the first surface's faces that lie opposite along these normals of its
+  /// Integrals over the pieces of the first surface's faces that lie opposite along these normals of its
   /// nodes.
   [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                              const Normals& normals_of) const;

@@ -14,7 +14,7 @@ struct SurfaceFace {
   std::array<Eigen::Vector3d, 4> x;  ///< of its nodes [m]
   std::array<double, 4> measure{};   ///< at them: area per length of an edge [m], thickness or circumference; else 1
   Eigen::Vector3d normal;            ///< out of the body
-  /// Of the surface at the nodes; zero: the face is flat.
+  /// Normal of the surface at the nodes; zero: the face is flat.
   std::array<Eigen::Vector3d, 4> node_normal{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                              Eigen::Vector3d::Zero()};
   std::array<unsigned, 4> held{};  ///< of the nodes: bits of the coordinates that no normal there has a part along

@@ -11,9 +11,9 @@
 namespace ricochet::solver {
 namespace {
 
-/// Of an edge: bodies that are apart by more sleep, and wake when they may be so near.
+/// Shares of an edge: bodies that are apart by more sleep, and wake when they may be so near.
 constexpr double asleep_share = 1.0, awake_share = 0.5;
-/// Of their distance, as the rows have it, that open pairs may move before they are written anew.
+/// Share of their distance, as the rows have it, that open pairs may move before they are written anew.
 constexpr double open_share = 0.25;
 
 Eigen::Vector3d across(const Eigen::Vector3d& moved, const Eigen::Vector3d& normal) {

@@ -162,7 +162,7 @@ struct Synchronised : Rates {
   Array absolute;  ///< link output [N or m]
 };
 
-/// Between windows; nothing moves. What `initialize` said otherwise holds.
+/// Between windows; nothing moves. All else that `initialize` said holds.
 struct Reconfigure {
   static constexpr Kind kind = Kind::reconfigure;
   double window_size_s = 0;

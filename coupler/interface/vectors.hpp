@@ -16,7 +16,7 @@ namespace ricochet::coupler {
   return {values.data(), values.data() + values.size()};
 }
 
-/// Of the size that it has.
+/// Keeps the size that it has.
 inline void archive_matrix(Archive& a, Eigen::MatrixXd& matrix) {
   Eigen::VectorXd numbers = Eigen::Map<const Eigen::VectorXd>(matrix.data(), matrix.size());
   a(numbers);

@@ -19,9 +19,9 @@ double sum_of_magnitudes(const Eigen::VectorXd& weights, const std::vector<doubl
 
 /// Displacement that is tried, in extents of the interface: small strains, which a body that is not linear has, too.
 constexpr double probe_share = 1e-6;
-/// Of the largest force so far: an error of the interface that shows in results.
+/// Share of the largest force so far: an error of the interface that shows in results.
 constexpr double linear_tolerance = 1e-3;
-/// Of the terms of K u, which cancel where a body moves as a whole: far above what rounding leaves.
+/// Share of the terms of K u, which cancel where a body moves as a whole: far above what rounding leaves.
 constexpr double rounding = 1e-9;
 
 /// Weights of which no two are alike and none is small.

@@ -60,7 +60,7 @@ void DualInterface::start(Coupling& coupling, const wire::Initialize& request, c
   start_multipliers(coupling);
 }
 
-/// What a probe lasts.
+/// Duration of a probe.
 double DualInterface::step_s(const Coupling& coupling, const Step& probe) const {
   return coupling.window_size_s() / (probe.substep == 0 ? 1.0 : static_cast<double>(substeps_));
 }

@@ -11,7 +11,7 @@ namespace ricochet::coupler {
 /// Which part of the answer to a trial window is looked at.
 enum class Response { output, velocity };
 
-/// What is allowed in place of a participant that does not answer linearly, for error texts.
+/// Text of what is allowed in place of a participant that does not answer linearly, for error texts.
 [[nodiscard]] std::string linear_bodies_are_needed(bool implicit);
 
 /// How the answer of a participant at the end of a window depends on its link input: column j is the change of the

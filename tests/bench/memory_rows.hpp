@@ -8,7 +8,7 @@
 
 namespace ricochet::bench {
 
-/// What a run needs of memory, all its processes together, at the peak. For two bodies of 102 400 quadrilaterals, and
+/// Memory that a run needs, all its processes together, at the peak. For two bodies of 102 400 quadrilaterals, and
 /// for a hybrid of a million unknowns, two blocks of hexahedra with friction, 2025 pairs of contact nodes, the layer at
 /// the contact implicit. Measured once, however many repeats are asked for.
 class Memory {

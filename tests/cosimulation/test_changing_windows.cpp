@@ -105,7 +105,7 @@ TEST_P(ImpactAcrossChanges, KeepsForceReleaseAndMomentum) {
   EXPECT_NEAR(smallest_s, 0.5 * window_s, 1e-12);
 }
 
-/// What it goes on from holds for the sizes, too, and for the operators that were measured for them.
+/// The state that it goes on from holds for the sizes, too, and for the operators that were measured for them.
 TEST_P(ImpactAcrossChanges, GoesOnToTheSameBytes) {
   const TemporaryFolder folder;
   auto text = with_key(two_bars_that_change(GetParam()), "checkpoint", "every_windows", "50");

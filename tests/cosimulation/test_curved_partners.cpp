@@ -79,7 +79,7 @@ TEST_P(CoreInBore, CarriesThePressure) {
           contact_of("core.round", "block.hole", bore_first) + time_and_protocol(2e-6, 1.5 * ramp_s, "all_implicit"),
       folder);
   const auto of = [&](const char* column) { return run.mean(column, 1.05 * ramp_s, 1.5 * ramp_s); };
-  // Of a quarter circle, along its mean normal.
+  // The force of a quarter circle acts along its mean normal.
   EXPECT_NEAR(of("contact_force_n") / (std::sqrt(2.0) * pressure_pa * radius_m), 1.0, 3e-3);
   EXPECT_NEAR(of("contact_pressure_mean_pa") / pressure_pa, 1.0, 2e-3);
   EXPECT_NEAR(of("contact_pressure_max_pa") / pressure_pa, 1.0, 0.03);

@@ -39,7 +39,7 @@ end_s = 3.0
 protocol = ")" + protocol + "\"\n")));
 }
 
-/// What a run tells at its end.
+/// Answers of a run at its end.
 struct End {
   Eigen::VectorXd motion;  ///< u, v of all nodes
   std::vector<double> pressed_n;
@@ -107,7 +107,7 @@ TEST_P(OperatorThatChanges, GivesTheAnswersOfOneComputedAnew) {
   double pressed = 0.0;
   for (const double n : anew.pressed_n) pressed = std::max(pressed, std::abs(n));
   ASSERT_GT(pressed, 0.01) << "it presses on the stop";
-  // What is left out of balance, 1e-10, stays in forces that jump from window to window, as this law has them.
+  // The rest that is left out of balance, 1e-10, stays in forces that jump from window to window, as this law has them.
   const double share = GetParam().find("fully_implicit") != std::string::npos ? 1e-7 : 1e-9;
   for (const int every : {0, 3, 10}) {
     const End end = run_with_operator_of(every, GetParam());
@@ -137,7 +137,7 @@ TEST(WindowSolver, AStatePutBackHasTheOperatorThatItWasComputedWith) {
   EXPECT_EQ(run.end().motion, first.motion);
 }
 
-/// What a link tells, which is another force on the shared node in every trial.
+/// Input of a link, which is another force on the shared node in every trial.
 TEST(WindowSolver, AWindowTriedAgainHasTheSameBits) {
   const std::string hybrid = "[partition]\nimplicit_length_m = { rod = 4.5 }\n";
   BarRun run(hybrid, "hughes_liu"), again(hybrid, "hughes_liu");

@@ -15,7 +15,7 @@
 namespace ricochet {
 namespace {
 
-/// Of either role; which one, the scene says.
+/// A participant of either role; which one, the scene says.
 std::unique_ptr<participant::Participant> cubic_solver(scene::Problem problem, const std::string& name,
                                                        std::optional<double> told_critical_step_s) {
   if (problem.scene.participant(name).role == scene::Role::implicit_solver) {

@@ -69,7 +69,7 @@ auto& running(Loop* loop, const char* function) {
   return *loop->loop;
 }
 
-/// What the loop says of the window to compute. `otherwise`: there is none, or the run has failed, which
+/// Answer of the loop about the window to compute. `otherwise`: there is none, or the run has failed, which
 /// ricochet_close tells.
 template <class T, class Ask>
 T asked(const ricochet_loop* loop, T otherwise, const Ask& ask) noexcept {

@@ -15,7 +15,7 @@ Problem build_config(const std::string& name) {
   return build_problem(load_scene(RICOCHET_SOURCE "/configs/" + name + ".toml"));
 }
 
-/// Of two balls of one material that touch: normals of the plane that both deform to, gaps of two parabolas.
+/// Two balls of one material that touch: normals of the plane that both deform to, gaps of two parabolas.
 TEST(CurvedContact, HasTheNormalsAndGapsOfBalls) {
   const Problem problem = build_config("two_balls");
   const ContactGeometry& contact = problem.contacts.front();
