@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace ricochet::explicit_solver {
 
@@ -140,12 +141,18 @@ void WaveFront::grow(const Eigen::VectorXd& force) {
   if (!unchanged) collect_rows();
 }
 
+/// A front that is refused leaves the present one as it is.
 void WaveFront::archive(Archive& a) {
-  a.same_size(reach_);
-  a.any_size(front_);
-  const auto none = [&](int slice) { return slice < 0 || slice >= static_cast<int>(reach_.size()); };
-  if (std::any_of(front_.begin(), front_.end(), none)) a.refuse("the wave front of another part");
-  if (a.reading()) collect_rows();
+  auto reach = reach_;
+  auto front = front_;
+  a.same_size(reach);
+  a.any_size(front);
+  const auto none = [&](int slice) { return slice < 0 || slice >= static_cast<int>(reach.size()); };
+  if (std::any_of(front.begin(), front.end(), none)) a.refuse("the wave front of another part");
+  if (!a.reading()) return;
+  reach_ = std::move(reach);
+  front_ = std::move(front);
+  collect_rows();
 }
 
 void WaveFront::reach_all() {
