@@ -99,16 +99,6 @@ std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& m
   return pairs;
 }
 
-/// Velocity of one body against another at the start.
-Eigen::Vector3d closing_velocity(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
-  Eigen::Vector3d closing = Eigen::Vector3d::Zero();
-  for (const auto& [side, sign] : {std::pair{&a, -1.0}, std::pair{&b, 1.0}}) {
-    const auto& velocity = context.scene.body(side->body->name).initial_velocity_m_s;
-    for (std::size_t c = 0; c < velocity.size(); ++c) closing[static_cast<Eigen::Index>(c)] += sign * velocity[c];
-  }
-  return closing;
-}
-
 /// Where bodies of which nothing lies opposite at the start touch if they fly straight on.
 std::optional<Touch> touch_in_flight(const ContactMesh& mesh, const Eigen::Vector3d& start_m,
                                      const Eigen::Vector3d& velocity) {
@@ -152,7 +142,7 @@ void set_mortar_pairs(const ContactContext& context, const ContactSide& a, const
   std::optional<Touch> touch;
   if (!geometry.flat)
     touch = touching(mesh, geometry.lifted_m, about_axis ? a.normal : Eigen::Vector3d(Eigen::Vector3d::Zero()));
-  if (!touch && !about_axis) touch = touch_in_flight(mesh, geometry.lifted_m, closing_velocity(context, a, b));
+  if (!touch && !about_axis) touch = touch_in_flight(mesh, geometry.lifted_m, closing_velocity(context.scene, a, &b));
   if (!touch) return;
   geometry.shift_m = touch->shift_m;
   geometry.touch_normal = about_axis ? a.normal : normal_of_touch(mesh, a, touch->normal);

@@ -62,8 +62,7 @@ Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& si
   }
   if (context.scene.model == Model::axisymmetric) sum[0] = 0.0;
   if (!given.empty()) {
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    for (std::size_t c = 0; c < given.size(); ++c) normal[static_cast<Eigen::Index>(c)] = given[c];
+    const Eigen::Vector3d normal = in_space(given);
     if (normal.dot(sum) > -least_one_sided * area) return normal;
     context.refuse(fmt::format("a normal into surface \"{}\"", side.name), "one out of it");
   }
@@ -131,24 +130,29 @@ bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal
   return held;
 }
 
+Eigen::Vector3d in_space(const std::vector<double>& x) {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; c < x.size(); ++c) v[static_cast<Eigen::Index>(c)] = x[c];
+  return v;
+}
+
+Eigen::Vector3d closing_velocity(const Scene& scene, const ContactSide& a, const ContactSide* b) {
+  const Eigen::Vector3d first = in_space(scene.body(a.body->name).initial_velocity_m_s);
+  return b == nullptr ? Eigen::Vector3d(-first) : in_space(scene.body(b->body->name).initial_velocity_m_s) - first;
+}
+
 bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b, const Eigen::Vector3d& normal) {
-  const auto vector = [](const std::vector<double>& x) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    for (std::size_t c = 0; c < x.size(); ++c) v[static_cast<Eigen::Index>(c)] = x[c];
-    return v;
-  };
   const auto along = [&](const Eigen::Vector3d& x) {
     return (x - x.dot(normal) * normal).norm() > direction_tolerance * x.norm();
   };
   const auto driven = [&](const Body& body) {
-    const auto pulled = [&](const Traction& traction) { return along(vector(traction.traction_pa)); };
+    const auto pulled = [&](const Traction& traction) { return along(in_space(traction.traction_pa)); };
     const auto moved = [&](const PrescribedDisplacement& p) { return along(Eigen::Vector3d::Unit(p.component)); };
-    return along(vector(body.gravity_m_s2)) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
+    return along(in_space(body.gravity_m_s2)) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
            std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
   };
-  Eigen::Vector3d closing = vector(scene.body(a.body->name).initial_velocity_m_s);
-  if (b != nullptr) closing -= vector(scene.body(b->body->name).initial_velocity_m_s);
-  return along(closing) || driven(scene.body(a.body->name)) || (b != nullptr && driven(scene.body(b->body->name)));
+  return along(closing_velocity(scene, a, b)) || driven(scene.body(a.body->name)) ||
+         (b != nullptr && driven(scene.body(b->body->name)));
 }
 
 }  // namespace ricochet::scene

@@ -57,6 +57,10 @@ struct ContactSide {
 [[nodiscard]] double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 [[nodiscard]] bool held_along(const ContactSide& side, int node, const Eigen::Vector3d& normal);
 
+/// The vector of these components, of which there are at most three; the others are 0.
+[[nodiscard]] Eigen::Vector3d in_space(const std::vector<double>& components);
+/// Initial velocity of the second body against the first [m/s]; `b` is null for what is rigid and rests.
+[[nodiscard]] Eigen::Vector3d closing_velocity(const Scene& scene, const ContactSide& a, const ContactSide* b);
 /// Something moves the bodies across `normal`, along each other, from the start, or may. `b` is null for what is rigid.
 [[nodiscard]] bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b,
                              const Eigen::Vector3d& normal);

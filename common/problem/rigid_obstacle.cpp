@@ -46,9 +46,7 @@ struct WayToMiddle {
 /// None where the node misses the obstacle on its way along the normal.
 std::optional<WayToMiddle> way_to_middle(const ContactContext& context, const ContactSide& side, std::size_t node,
                                          const Eigen::Vector3d& axis) {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (std::size_t c = 0; c < context.contact.rigid_place_m.size(); ++c)
-    place[static_cast<Eigen::Index>(c)] = context.contact.rigid_place_m[c];
+  const Eigen::Vector3d place = in_space(context.contact.rigid_place_m);
   Eigen::Vector3d way = place - fem::nearest_image(side.body->mesh, side.position(node), place);
   way -= axis.dot(way) * axis;
   WayToMiddle found{side.normal.dot(way), {}, 0.0};

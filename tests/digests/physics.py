@@ -100,8 +100,10 @@ def differences(before, after, tolerance):
             continue
         if name not in old or name not in new:
             yield name, float("inf")
-        elif abs(old[name] - new[name]) > tolerance * scale_of_number(name, old[name], scale):
-            yield name, abs(old[name] - new[name]) / scale_of_number(name, old[name], scale)
+            continue
+        by, of = abs(old[name] - new[name]), scale_of_number(name, old[name], scale)
+        if by > tolerance * of:
+            yield name, by / of if of > 0.0 else float("inf")
 
 
 def cases(scenes, protocols):

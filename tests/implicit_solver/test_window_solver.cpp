@@ -187,17 +187,22 @@ class CountingBars final : public solver::InternalForce {
   int& tangents_;
 };
 
+/// Up to the first window.
+void begin(ImplicitSolver& solver, const scene::Problem& given, participant::LinkOutput& output) {
+  (void)solver.describe();
+  participant::Setup setup;
+  setup.clock = given.clock;
+  solver.initialize(setup, output);
+  solver.synchronise(participant::Integration::implicit_newmark, {}, output);
+}
+
 TEST(WindowSolver, OfLinearElementsIsFactoredOnce) {
   const scene::Problem given = bar_on_stop("");
   int tangents = 0;
   ImplicitSolver solver(given, "implicit", {},
                         [&](const auto& state) { return std::make_unique<CountingBars>(state, tangents); });
-  (void)solver.describe();
-  participant::Setup setup;
-  setup.clock = given.clock;
   participant::LinkOutput output;
-  solver.initialize(setup, output);
-  solver.synchronise(participant::Integration::implicit_newmark, {}, output);
+  begin(solver, given, output);
   for (int n = 1; n <= windows; ++n) {
     solver.advance(n, {}, output);
     solver.accept();
@@ -230,12 +235,8 @@ class RandomBars final : public solver::InternalForce {
 TEST(WindowSolver, SaysWhereNewtonsIterationDoesNotSettle) {
   const scene::Problem given = bar_on_stop("");
   ImplicitSolver solver(given, "implicit", {}, [](const auto& state) { return std::make_unique<RandomBars>(state); });
-  (void)solver.describe();
-  participant::Setup setup;
-  setup.clock = given.clock;
   participant::LinkOutput output;
-  solver.initialize(setup, output);
-  solver.synchronise(participant::Integration::implicit_newmark, {}, output);
+  begin(solver, given, output);
   try {
     solver.advance(1, {}, output);
     FAIL() << "it settled";
