@@ -61,8 +61,8 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (!implicit)
-    plan.critical_time_step_s = critical_time_step(problem, participant, assembled,
-                                                   problem.clock.largest_size_s() / problem.scene.coupling.substeps);
+    plan.critical_time_step_s =
+        critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / participant.substeps);
   return plan;
 }
 
@@ -76,7 +76,7 @@ std::string step_place(const Problem& problem) {
 void check_critical_step(const Problem& problem, const ParticipantPlan& participant,
                          std::vector<std::string>& warnings) {
   const ProtocolTraits& protocol = problem.scene.coupling.protocol;
-  const int substeps = problem.scene.coupling.substeps;
+  const int substeps = problem.scene.participant(participant.name).substeps;
   const double critical = participant.critical_time_step_s;
   const double step = problem.clock.largest_size_s() / substeps, ratio = step / critical;
   if (ratio > 1.0 + 1e-9)
@@ -84,7 +84,9 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
         "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
         "step_s = {:.3g} or less, {}or a larger implicit part",
         step_place(problem), step, ratio, critical, participant.name, 0.9 * substeps * critical,
-        protocol.dual ? "more coupling.substeps, " : ""));
+        protocol.own_substeps ? fmt::format("substeps = {} of that participant, ", std::ceil(substeps * ratio / 0.9))
+        : protocol.dual       ? "more coupling.substeps, "
+                              : ""));
   const bool hybrid = protocol.layout == Layout::hybrid;
   if (ratio > (hybrid ? largest_quiet_share_hybrid : largest_quiet_share))
     warnings.push_back(
@@ -164,7 +166,7 @@ Plan plan(const Problem& problem) {
   plan.windows = count_windows(problem);
   for (const ContactGeometry& contact : problem.contacts) plan.contact_pairs += static_cast<int>(contact.pairs.size());
   const ProtocolTraits& protocol = scene.coupling.protocol;
-  const bool one_step = protocol.dual && scene.coupling.substeps == 1;  // then dual protocols do not differ
+  const bool one_step = protocol.dual && scene.substeps().most == 1;  // then dual protocols do not differ
   if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
   plan.participants = plan_participants(problem);
   for (const ParticipantPlan& participant : plan.participants) check_critical_step(problem, participant, plan.warnings);
@@ -183,6 +185,10 @@ Plan plan(const Problem& problem) {
         "\"{}\" is foreign: joined to \"{}\" at {} node{}; its elements and its critical time step are known to its "
         "participant alone",
         joint.foreign, problem.bodies[at(joint.body)].name, joint.nodes.size(), joint.nodes.size() == 1 ? "" : "s"));
+  for (const ParticipantSpec& participant : scene.participants)
+    if (participant.role == Role::explicit_solver && participant.substeps > 1)
+      plan.notes.push_back(fmt::format("participant \"{}\" takes {} substeps of {:.6g} s in a window", participant.name,
+                                       participant.substeps, problem.clock.largest_size_s() / participant.substeps));
   plan.switch_obstacle = switch_obstacle(problem);
   if (!plan.switch_obstacle.empty())
     plan.notes.push_back("the implicit side stays implicit after separation: " + plan.switch_obstacle);

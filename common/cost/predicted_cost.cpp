@@ -224,7 +224,7 @@ std::vector<Share> whole_bodies(const scene::Problem& problem) {
 /// The scene's step, or what all elements together allow. That they bear the scene's is known where the implicit side
 /// is to switch to it and can.
 double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& plan, const std::vector<Share>& whole) {
-  const double own_s = problem.clock.largest_size_s() / problem.scene.coupling.substeps;
+  const double own_s = problem.clock.largest_size_s() / problem.scene.substeps().most;
   if (scene::is_to_switch(problem) && plan.switch_obstacle.empty()) return own_s;
   double critical_s = std::numeric_limits<double>::infinity();
   for (const auto& share : whole)
@@ -270,7 +270,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       window_s = predictor.implicit_window_s(shares, factor.entries, interface);
     } else {
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));
-      const double substeps = scene.coupling.substeps;
+      const double substeps = spec.substeps;
       window_s =
           predictor.explicit_window_s(shares, substeps * cost.windows, substeps, !scene.coupling.protocol.coupled());
     }

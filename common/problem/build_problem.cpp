@@ -54,9 +54,9 @@ void set_window_size(Problem& problem) {
     const double enough_s = critical_time_step(body, is_explicit, dual, 0.0);
     const bool close = scene.time.safety_factor > largest_rough_share;
     problem.critical_time_steps_s.push_back(close ? critical_time_step(body, is_explicit, dual, enough_s) : enough_s);
-    critical = std::min(critical, problem.critical_time_steps_s.back());
+    critical = std::min(critical, scene.substeps(body.name).fewest * problem.critical_time_steps_s.back());
   }
-  const double window = scene.coupling.substeps * scene.time.safety_factor * critical;
+  const double window = scene.time.safety_factor * critical;
   if (window > scene.time.end_s)
     throw ConfigError(fmt::format("{}: found {:.6g} s, shorter than one step of {:.6g} s; allowed: a later end",
                                   scene.where("time.end_s"), scene.time.end_s, window));
@@ -70,7 +70,27 @@ void bound_largest_step(Problem& problem) {
   const std::vector<double> steps = element_critical_steps(problem);
   if (steps.empty()) return;  // all at the contact: refused with any step
   const double longest_s = time.safety_factor * *std::max_element(steps.begin(), steps.end());
-  time.step_s = std::min(*time.step_s, problem.scene.coupling.substeps * longest_s);
+  time.step_s = std::min(*time.step_s, problem.scene.substeps().most * longest_s);
+}
+
+/// With `coupling.substeps = "fewest"`: so many that a substep is at most safety_factor times the critical step of the
+/// participant's own elements; 1 of a body that its program alone knows.
+void find_fewest_substeps(Problem& problem) {
+  for (ParticipantSpec& participant : problem.scene.participants) {
+    if (participant.substeps > 0) continue;
+    double critical_s = std::numeric_limits<double>::infinity();
+    for (const BodyProblem& body : problem.bodies)
+      critical_s =
+          std::min(critical_s, critical_time_step(body, limiting_elements(problem, body, participant), true, 0.0));
+    const double ratio = problem.clock.largest_size_s() / (problem.scene.time.safety_factor * critical_s);
+    if (ratio > most_substeps)
+      throw ConfigError(fmt::format(
+          "{}: found \"fewest\", which is {:.4g} for participant \"{}\" of critical time step {:.6g} s; allowed: at "
+          "most "
+          "{}, by a shorter time.step_s or a larger implicit part",
+          problem.scene.where("coupling.substeps"), std::ceil(ratio), participant.name, critical_s, most_substeps));
+    participant.substeps = std::max(1, static_cast<int>(std::ceil(ratio)));
+  }
 }
 
 }  // namespace
@@ -92,6 +112,7 @@ Problem build_problem(const Scene& scene) {
   set_window_size(problem);
   for (const StepChange& change : scene.time.changes)
     problem.clock.change(static_cast<std::int64_t>(problem.clock.window_at(change.from_s)), change.step_s);
+  find_fewest_substeps(problem);
   return problem;
 }
 

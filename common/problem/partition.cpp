@@ -86,7 +86,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
     case PartitionRule::automatic:
-      return automatic(body, contact, longest_step_s(scene.time) / scene.coupling.substeps);
+      return automatic(body, contact, longest_step_s(scene.time) / scene.substeps(body.name).fewest);
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);

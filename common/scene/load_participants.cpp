@@ -78,6 +78,10 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   table.only_if(participant.executable.empty(), "threads",
                 "the shipped solver: a program of your own (key executable) has its own ways");
   if (table.has("threads")) participant.threads = table.integer("threads", 1, most_threads);
+  table.only_if(is_explicit && scene.coupling.protocol.own_substeps, "substeps",
+                "role = \"explicit\" and protocol = \"prakash_hjelmstad\"");
+  participant.substeps = scene.coupling.fewest_substeps && is_explicit ? 0 : scene.coupling.substeps;
+  if (table.has("substeps")) participant.substeps = table.integer("substeps", 1, most_substeps);
   table.finish();
   return participant;
 }
@@ -140,6 +144,7 @@ std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vect
   all_explicit.name = name_of(Role::explicit_solver);
   all_explicit.bodies = meshed_names(scene);
   all_explicit.groups.clear();
+  if (given.empty()) all_explicit.substeps = scene.coupling.fewest_substeps ? 0 : scene.coupling.substeps;
   const ParticipantSpec implicit = first_of(given, Role::implicit_solver);
   if (layout == Layout::all_explicit) return {all_explicit};
   if (layout == Layout::all_implicit) return {implicit};

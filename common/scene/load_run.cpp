@@ -34,7 +34,12 @@ void load_transport(TableReader& table, CouplingSettings& coupling) {
 void load_protocol_settings(TableReader& table, CouplingSettings& coupling) {
   table.only_if(coupling.protocol.dual, "substeps",
                 "a dual protocol: \"prakash_hjelmstad\" or \"gravouil_combescure\"");
-  coupling.substeps = table.integer("substeps", 1, 1000, coupling.substeps);
+  coupling.fewest_substeps = table.has("substeps") && table.open("substeps")->is_string();
+  if (coupling.fewest_substeps) {
+    static_cast<void>(table.word("substeps", {"fewest"}));
+  } else {
+    coupling.substeps = table.integer("substeps", 1, most_substeps, coupling.substeps);
+  }
   for (const char* key : {"acceleration", "relaxation", "tolerance", "max_iterations"})
     table.only_if(coupling.protocol.iterated, key, "protocol = \"fixed_point\"");
   if (table.has("acceleration")) coupling.acceleration = table.word("acceleration", {"constant", "aitken", "iqn_ils"});

@@ -54,6 +54,23 @@ void check_automatic_partition(const TableReader& root, const TableReader& time,
                 "step_s, or partition.rule = \"auto\"");
 }
 
+/// They are found for a given step and given explicit elements.
+void check_fewest_substeps(const Scene& scene) {
+  if (!scene.coupling.fewest_substeps) return;
+  const auto refuse = [&](const std::string& found, const std::string& allowed) {
+    throw ConfigError(
+        fmt::format("{}: found \"fewest\" {}; allowed: {}", scene.where("coupling.substeps"), found, allowed));
+  };
+  const std::string number = "a number of substeps, or \"fewest\" with ";
+  if (!scene.coupling.protocol.own_substeps)
+    refuse(fmt::format("under protocol \"{}\"", scene.coupling.protocol.name),
+           number + "protocol = \"prakash_hjelmstad\"");
+  if (!scene.time.step_s || scene.time.largest_step_s) refuse("without time.step_s", number + "step_s");
+  if (scene.partition.rule == PartitionRule::automatic)
+    refuse("with an automatic partition, which asks for the substeps first",
+           number + "partition.implicit_length_m or implicit_groups");
+}
+
 /// Which protocol runs is known after the contact has been read.
 void check_contact_keys(TableReader& root, const Scene& scene) {
   if (scene.contacts.empty() || scene.coupling.protocol.layout != Layout::all_explicit) return;
@@ -85,6 +102,7 @@ void load_tables(TableReader& root, Scene& scene) {
   check_contact_keys(root, scene);
   check_foreign_bodies(root, time, scene);
   check_automatic_partition(root, time, scene);
+  check_fewest_substeps(scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
   require_foreign_owners(scene);

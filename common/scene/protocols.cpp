@@ -26,6 +26,7 @@ const std::vector<ProtocolTraits>& protocols() {
        .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "prakash_hjelmstad",
        .dual = true,
+       .own_substeps = true,
        .explicit_capabilities = {Capability::repeat_window, Capability::driven_by_force},
        .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "gravouil_combescure",

@@ -82,4 +82,15 @@ const ParticipantSpec& Scene::participant(const std::string& name) const {
   return find_by_name(participants, name, "participant", path);
 }
 
+Scene::Substeps Scene::substeps(const std::string& body) const {
+  Substeps found{most_substeps, 1};
+  for (const ParticipantSpec& one : participants) {
+    if (one.role == Role::implicit_solver) continue;
+    if (!body.empty() && std::find(one.bodies.begin(), one.bodies.end(), body) == one.bodies.end()) continue;
+    found = {std::min(found.fewest, one.substeps), std::max(found.most, one.substeps)};
+  }
+  found.fewest = std::min(found.fewest, found.most);
+  return found;
+}
+
 }  // namespace ricochet::scene

@@ -177,10 +177,13 @@ enum class AfterSeparation { switch_to_explicit, stay_implicit };
 /// What starts the participants.
 enum class LaunchedBy { coupler, slurm };
 
+constexpr int most_substeps = 1000;
+
 /// The table [coupling].
 struct CouplingSettings {
   ProtocolTraits protocol = protocol_traits("hughes_liu");
   int substeps = 1;                      ///< dual protocols: explicit steps in a window, m of Delta T = m Delta t
+  bool fewest_substeps = false;          ///< build_problem finds those of each participant that states none
   std::string acceleration = "iqn_ils";  ///< of fixed_point: "constant" | "aitken" | "iqn_ils"
   double relaxation = 0.5;               ///< omega of the first, or every, iteration of fixed_point
   double tolerance = 1e-10;              ///< of fixed_point: residual over the largest increment of a window
@@ -215,6 +218,8 @@ struct ParticipantSpec {
   std::optional<int> ranks{};  ///< explicit: processes that step its nodes together, by MPI; none: one, without MPI
   /// To compute with; empty: its share of the processors that it finds. Results are the same for any number.
   std::optional<int> threads{};
+  /// Steps in a window: of an explicit one its own, or coupling.substeps; 0 until build_problem has found the fewest.
+  int substeps = 1;
   /// Bodies of which a program of somebody else's may be another model than the scene's: nothing of it is compared with
   /// the scene's mesh, elements and density.
   std::vector<std::string> differing_bodies{};
@@ -272,6 +277,11 @@ struct Scene {
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown
+  /// Fewest and most that an explicit participant of that body has, of any body without a name.
+  struct Substeps {
+    int fewest = 1, most = 1;
+  };
+  [[nodiscard]] Substeps substeps(const std::string& body = "") const;
 };
 
 /// Reads and checks a scene file. Throws ConfigError that shows file, line, key, what was found and what is allowed.

@@ -30,7 +30,8 @@ const Schema& scene_schema() {
         "after_separation", "separation_windows", "timeout_s", "start_timeout_s", "launcher", "transport", "address",
         "port", "energy_growth_limit", "energy_loss_limit", "outside_model"}},
       {"participant",
-       {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads"}},
+       {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads",
+        "substeps"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };

@@ -157,9 +157,8 @@ std::vector<std::string> ContractScene::command(std::vector<std::string> words) 
 }
 
 ContractDrive ContractScene::drive(ContractDrive basis) const {
-  const auto& coupling = problem_.scene.coupling;
-  basis.by_force = coupling.protocol.dual && participant_.role == Role::explicit_solver;
-  basis.substeps = basis.by_force ? coupling.substeps : 1;
+  basis.by_force = problem_.scene.coupling.protocol.dual && participant_.role == Role::explicit_solver;
+  basis.substeps = basis.by_force ? participant_.substeps : 1;
   if (basis.window_size_s <= 0.0) basis.window_size_s = problem_.clock.size_s(1);
   return basis;
 }

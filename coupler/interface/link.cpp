@@ -72,6 +72,7 @@ void Link::post_initialize(wire::Initialize request, const std::vector<double>& 
   contact_forces_.expect_every(description_.contact_owner ? 1 : 0, 1);
   if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
   driven_by_force_ = request.driven_by == name_of(Drive::force);
+  if (description_.substeps > 0) request.substeps = description_.substeps;
   set(request.interface_mass_kg, own_masses, 1);
   const auto& places = description_.scene_position_m;
   set(request.scene_position_m, places.empty() ? description_.interface_position_m.data : places, rows_.components());

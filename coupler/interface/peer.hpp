@@ -12,6 +12,7 @@ namespace ricochet::coupler {
 struct PeerDescription : wire::Description {
   std::string participant;
   Role role = Role::explicit_solver;
+  std::int64_t substeps = 0;  ///< of its windows, by the scene; 0: those of `initialize`
   std::vector<double>
       scene_position_m{};  ///< the scene's places of its interface nodes; empty: its own are the scene's
 };

@@ -137,7 +137,7 @@ void FirstWindows::prepare_setup(const Coupling& coupling) {
   const auto& scene = problem_.scene;
   setup_.protocol = scene.coupling.protocol.name;
   setup_.clock = coupling.clock().size_s(1);
-  setup_.substeps = scene.coupling.substeps;
+  setup_.substeps = scene.participant(link_.name()).substeps;
   setup_.driven_by = link_.driven_by_force() ? Drive::force : Drive::displacement;
   setup_.separation_windows = scene.coupling.separation_windows;
   setup_.last_window = std::numeric_limits<std::int64_t>::max();

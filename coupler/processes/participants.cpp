@@ -154,21 +154,24 @@ void check_contact_owner(const scene::Problem& problem, const std::vector<PeerDe
 void check_declared_steps(const scene::Problem& problem, const std::vector<PeerDescription>& descriptions) {
   constexpr double found_twice = 1e-6;  // of an eigenvalue
   const auto& scene = problem.scene;
-  const double step_s = problem.clock.largest_size_s() / scene.coupling.substeps;
   for (const auto& description : descriptions) {
+    const int substeps = scene.participant(description.participant).substeps;
+    const double step_s = problem.clock.largest_size_s() / substeps;
     const double critical_s = description.critical_time_step_s;
     if (description.role != Role::explicit_solver || critical_s <= 0.0 || step_s <= (1.0 + found_twice) * critical_s)
       continue;
     throw ConfigError(fmt::format(
         "participant '{}' declares the critical time step {:.6g} s, found a step of {:.6g} s; allowed: time.step_s = "
         "{:.3g} or less{}",
-        description.participant, critical_s, step_s, 0.9 * scene.coupling.substeps * critical_s,
-        scene.coupling.protocol.dual ? ", or more coupling.substeps" : ""));
+        description.participant, critical_s, step_s, 0.9 * substeps * critical_s,
+        scene.coupling.protocol.dual ? ", or more substeps" : ""));
   }
 }
 
 std::vector<PeerDescription> joined(const scene::Problem& problem, std::vector<PeerDescription> descriptions) {
   for (auto& description : descriptions) {
+    if (description.role == Role::explicit_solver)
+      description.substeps = problem.scene.participant(description.participant).substeps;
     for (const auto& joint : problem.joints) {
       const auto& bodies = description.bodies;
       const auto index = static_cast<double>(std::find(bodies.begin(), bodies.end(), joint.foreign) - bodies.begin());

@@ -29,7 +29,7 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.transport = scene.coupling.transport;
   summary.run_id = make_run_id();
   summary.windows_planned = plan.windows;
-  if (scene.coupling.protocol.dual) summary.substeps = scene.coupling.substeps;
+  if (scene.coupling.protocol.dual) summary.substeps = scene.substeps().most;
   summary.clock = problem.clock;
   return summary;
 }
@@ -151,7 +151,7 @@ void CoupledRun::compare_with_scene(std::vector<PeerDescription>& descriptions) 
 
 void CoupledRun::try_links() {
   for (std::size_t p = 0; p < comparisons_.size(); ++p) {
-    if (comparisons_[p]) comparisons_[p]->try_link(coupling_->links()[p], scene_.coupling.substeps);
+    if (comparisons_[p]) comparisons_[p]->try_link(coupling_->links()[p], scene_.participants[p].substeps);
     if (from_) comparisons_[p].reset();  // its first row was looked at by the run before
   }
 }
@@ -275,7 +275,7 @@ void CoupledRun::note_untold(const Untold& untold) {
 void CoupledRun::note_lost_momentum() {
   constexpr double rounding = 1e-6, tight_iteration = 1e-8;
   const auto& coupling = scene_.coupling;
-  const bool exact = coupling.substeps <= coupling.protocol.exact_up_to_substeps &&
+  const bool exact = scene_.substeps().most <= coupling.protocol.exact_up_to_substeps &&
                      (!coupling.protocol.iterated || coupling.tolerance <= tight_iteration);
   if (!exact || watch_->momentum_lost() <= rounding) return;
   std::string text =
@@ -288,7 +288,7 @@ void CoupledRun::note_lost_momentum() {
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
-  suspicion_.step_s = problem_.clock.largest_size_s() / scene_.coupling.substeps;
+  suspicion_.step_s = problem_.clock.largest_size_s() / scene_.substeps().most;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
   suspicion_.links_told = untold.interface.empty();

@@ -42,7 +42,10 @@ std::string step_text(double step_s) { return std::isfinite(step_s) ? fmt::forma
 
 /// The predicted edge of the window: as many steps as it has, each as long as what is explicit stands [s].
 double critical_window_s(const scene::Problem& problem, const std::vector<scene::ParticipantPlan>& plans) {
-  return problem.scene.coupling.substeps * scene::critical_time_step(plans);
+  double window_s = std::numeric_limits<double>::infinity();
+  for (const auto& plan : plans)
+    window_s = std::min(window_s, problem.scene.participant(plan.name).substeps * plan.critical_time_step_s);
+  return window_s;
 }
 
 /// One sweep: which variants of the scene there are, and what came of them.

@@ -86,7 +86,7 @@ std::vector<double> candidate_steps(std::vector<double> element_steps_s, double 
 
 std::string choose_step(const scene::Problem& problem, const ResultsDirectory& results) {
   const auto& time = problem.scene.time;
-  const int substeps = problem.scene.coupling.substeps;
+  const int substeps = problem.scene.substeps().fewest;
   std::vector<Candidate> candidates;
   for (const double step_s :
        candidate_steps(scene::element_critical_steps(problem), *time.step_s / substeps, time.safety_factor)) {

@@ -45,7 +45,7 @@ std::vector<double> SceneComparison::probe(Drive drive) const {
         result.push_back(probe_share * extent(problem_.bodies[fem::at(parts_[fem::at(nodes_[row].part)].body)].mesh) *
                          shape);
       } else {
-        const double step_s = problem_.clock.size_s(1) / problem_.scene.coupling.substeps;
+        const double step_s = problem_.clock.size_s(1) / problem_.scene.participant(description_.participant).substeps;
         result.push_back(description_.interface_mass_kg.data[row] * probe_velocity_m_s / step_s * shape);
       }
     }
