@@ -35,8 +35,7 @@ ExplicitSolver::ExplicitSolver(scene::Problem problem, const std::string& name,
 participant::Description ExplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, has_contact(), told_critical_step_s_);
   description.solver = "ricochet explicit_solver";
-  axial_stress_ = solver::AxialStressShares(problem_, states_);
-  description.axial_stress_columns = axial_stress_.columns();
+  reporting_.describe(problem_, states_, description);
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
                               Capability::reconfigure, Capability::save_state};
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
@@ -53,7 +52,6 @@ std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
 
 void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   setup_ = setup;
-  separation_ = SeparationWatch(setup.separation_windows);
   if (setup_.driven_by == participant::Drive::force) {
     // The shared nodes become this participant's own: with the mass of its own elements, held by their supports.
     states_.clear();
@@ -63,9 +61,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   stepping_.emplace(stepped(), setup_, make_contact(), make_force_);
   stepping_->answer(output);
-  model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
-  outline_ = solver::WatchedOutline(problem_, states_);
-  shapes_.emplace(problem_, states_, setup_, spec_->name);
+  reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr);
 }
 
 void ExplicitSolver::tell(Order order, std::int64_t window, int substep) {
@@ -80,7 +76,7 @@ void ExplicitSolver::synchronise(participant::Integration, const std::vector<dou
   update_status();
   if (window_ == 0) {
     reported();
-    shapes_->note(window_);
+    reporting_.note_start();
   }
 }
 
@@ -114,9 +110,8 @@ void ExplicitSolver::accept() {
   if (!stepping_->accept(window_ + 1)) return;
   ++window_;
   update_status();
-  if (model_watch_.due(window_) || shapes_->due(window_)) reported();
-  model_watch_.look(window_, states_, stepped());
-  shapes_->note(window_);
+  if (reporting_.due(window_)) reported();
+  reporting_.note(window_, states_, stepped());
 }
 
 const std::vector<solver::BodyState>& ExplicitSolver::reported() {
@@ -128,8 +123,7 @@ const std::vector<solver::BodyState>& ExplicitSolver::reported() {
 }
 
 void ExplicitSolver::update_status() {
-  if (const auto* c = contact())
-    status_ = solver::contact_status(c->surface(), stepped(), c->pairs_closed(), window_, setup_, separation_);
+  if (const auto* c = contact()) reporting_.note_contact(window_, stepped(), c->pairs_closed());
 }
 
 /// Sums over the nodes, and that they are numbers.
@@ -156,12 +150,12 @@ void ExplicitSolver::record(std::vector<double>& row) {
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {
-  return {.window = window_, .stepping = stepping_->state(), .separation = separation_};
+  return {.window = window_, .stepping = stepping_->state(), .separation = reporting_.separation()};
 }
 
 void ExplicitSolver::restore(const State& state) {
   window_ = state.window;
-  separation_ = state.separation;
+  reporting_.restore(state.separation);
   stepping_->restore(state.stepping);
   gathered_ = -1;
 }
@@ -175,7 +169,7 @@ void ExplicitSolver::read_state(std::vector<double>& state, std::vector<double>&
   solver::read_motion(states_, setup_.clock.size_s(), state, scale);
 }
 
-void ExplicitSolver::archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+void ExplicitSolver::archive(State& state, Archive& a) { a.same_size(state, reporting_); }
 
 std::string ExplicitSolver::save_state() {
   Archive out;
@@ -200,8 +194,7 @@ void ExplicitSolver::restore_state(std::string_view bytes) {
 }
 
 void ExplicitSolver::finish() {
-  model_watch_.look(window_, reported(), stepped(), true);
-  shapes_->finish(window_);
+  reporting_.finish(window_, reported(), stepped());
   tell(Order::end);
 }
 

@@ -6,11 +6,8 @@
 
 #include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
-#include "common/solver/model_watch.hpp"
-#include "common/solver/shape_recorder.hpp"
-#include "common/solver/watched_outline.hpp"
+#include "common/solver/reporting.hpp"
 #include "explicit_solver/ranks.hpp"
 #include "explicit_solver/stepping.hpp"
 
@@ -40,15 +37,15 @@ class ExplicitSolver : public participant::Participant {
   void accept() override;
   /// The next window but for what the shared nodes' displacement changes; driven by force, with the multiplier held.
   void work_ahead() override;
-  [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
+  [[nodiscard]] participant::ContactStatus contact_status() const override { return reporting_.contact_status(); }
   void record(std::vector<double>& row) override;
   void contact_forces(std::vector<double>& row) override {
     if (const auto* c = contact()) c->append_forces(row);
   }
-  void axial_stress(std::vector<double>& row) override { axial_stress_.append(reported(), window_, row); }
+  void axial_stress(std::vector<double>& row) override { reporting_.append_axial_stress(reported(), window_, row); }
   void write_fields(std::int64_t window) override;
-  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
-  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(reported()); }
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return reporting_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return reporting_.outline(reported()); }
   void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
@@ -93,13 +90,8 @@ class ExplicitSolver : public participant::Participant {
   std::int64_t gathered_ = -1;                       ///< of ranks: the window whose motion states_ has
   std::optional<Stepping> stepping_;                 ///< from `initialize` on
   participant::Setup setup_;
-  solver::AxialStressShares axial_stress_;
-  solver::ModelWatch model_watch_;
-  solver::WatchedOutline outline_;
-  std::optional<solver::ShapeRecorder> shapes_;  ///< from `initialize` on
+  solver::Reporting reporting_;
   std::int64_t window_ = 0;
-  SeparationWatch separation_;
-  participant::ContactStatus status_;
 };
 
 }  // namespace ricochet::explicit_solver

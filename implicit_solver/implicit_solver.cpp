@@ -43,8 +43,7 @@ ImplicitSolver::ImplicitSolver(scene::Problem problem, const std::string& name,
 participant::Description ImplicitSolver::describe() {
   auto description = solver::describe(problem_, *spec_, states_, !problem_.contacts.empty(), told_critical_step_s_);
   description.solver = "ricochet implicit_solver";
-  axial_stress_ = solver::AxialStressShares(problem_, states_);
-  description.axial_stress_columns = axial_stress_.columns();
+  reporting_.describe(problem_, states_, description);
   description.capabilities = {Capability::repeat_window, Capability::interface_stiffness};
   description.capabilities.push_back(Capability::switch_integration);
   description.capabilities.push_back(Capability::reconfigure);
@@ -66,7 +65,6 @@ void ImplicitSolver::refuse_massless_nodes() const {
 void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& output) {
   refuse_massless_nodes();
   setup_ = setup;
-  separation_ = SeparationWatch(setup.separation_windows);
   solver::take_interface_mass(setup.interface_mass_kg, states_);
   for (auto* vector : {&forces_.residual, &forces_.external, &forces_.link, &trial_.increment, &trial_.velocity,
                        &trial_.acceleration, &trial_.end.residual, &trial_.end.external, &trial_.end.link}) {
@@ -89,9 +87,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     heart.begin("assembling");
     set_up_windows(&heart);
   }
-  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
-  outline_ = solver::WatchedOutline(problem_, states_);
-  shapes_.emplace(problem_, states_, setup_, spec_->name);
+  reporting_.begin(problem_, states_, setup_, spec_->name, contact_ ? &contact_->surface() : nullptr);
   put_output(output);
 }
 
@@ -167,7 +163,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   }
   put_output(output);
   update_status();
-  if (window_ == 0) shapes_->note(window_);
+  if (window_ == 0) reporting_.note_start();
 }
 
 void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) {
@@ -200,8 +196,7 @@ void ImplicitSolver::accept() {
   const int every = problem_.scene.coupling.resynchronise_every;
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
-  model_watch_.look(window_, states_);
-  shapes_->note(window_);
+  reporting_.note(window_, states_, states_);
 }
 
 /// Replaces the residual that the increments have carried along by q = f - P(u) - L itself; round-off would otherwise
@@ -234,9 +229,7 @@ void ImplicitSolver::account() {
 }
 
 void ImplicitSolver::update_status() {
-  if (!contact_) return;
-  status_ =
-      solver::contact_status(contact_->surface(), states_, contact_->pairs_closed(), window_, setup_, separation_);
+  if (contact_) reporting_.note_contact(window_, states_, contact_->pairs_closed());
 }
 
 /// The explicit elements' share in the staggered metric of the shared nodes. Central difference takes dt^2/8 a^T M a
@@ -285,7 +278,7 @@ ImplicitSolver::State ImplicitSolver::state() const {
           .elements = std::move(elements),
           .linearised_at = newmark_->linearised_at(),
           .contact = contact_ ? std::optional(contact_->state()) : std::nullopt,
-          .separation = separation_};
+          .separation = reporting_.separation()};
 }
 
 void ImplicitSolver::restore(const State& state) {
@@ -296,7 +289,7 @@ void ImplicitSolver::restore(const State& state) {
   interface_work_j_ = state.interface_work_j;
   first_staggered_j_ = state.first_staggered_j;
   if (contact_) contact_->restore(*state.contact, states_);
-  separation_ = state.separation;
+  reporting_.restore(state.separation);
   for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *parts_.forces[b]);
   if (state.linearised_at != newmark_->linearised_at()) newmark_->linearise(state.linearised_at);
   trial_.end.external = forces_.external;
@@ -335,10 +328,7 @@ void ImplicitSolver::restore_state(std::string_view bytes) {
   restore(state);
 }
 
-void ImplicitSolver::finish() {
-  model_watch_.look(window_, states_, true);
-  shapes_->finish(window_);
-}
+void ImplicitSolver::finish() { reporting_.finish(window_, states_, states_); }
 
 void ImplicitSolver::write_fields(std::int64_t window) {
   solver::write_fields(setup_.output_directory, spec_->name, window, states_);

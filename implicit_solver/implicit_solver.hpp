@@ -6,12 +6,9 @@
 
 #include "common/base/separation.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/axial_stress_shares.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/free_motion.hpp"
-#include "common/solver/model_watch.hpp"
-#include "common/solver/shape_recorder.hpp"
-#include "common/solver/watched_outline.hpp"
+#include "common/solver/reporting.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
 #include "implicit_solver/flight_window.hpp"
@@ -37,15 +34,15 @@ class ImplicitSolver : public participant::Participant {
   void accept() override;
   /// The next window's right-hand side and the elimination of everything but contact and shared nodes.
   void work_ahead() override;
-  [[nodiscard]] participant::ContactStatus contact_status() const override { return status_; }
+  [[nodiscard]] participant::ContactStatus contact_status() const override { return reporting_.contact_status(); }
   void record(std::vector<double>& row) override;
   void contact_forces(std::vector<double>& row) override {
     if (contact_) contact_->append_forces(row);
   }
-  void axial_stress(std::vector<double>& row) override { axial_stress_.append(states_, window_, row); }
+  void axial_stress(std::vector<double>& row) override { reporting_.append_axial_stress(states_, window_, row); }
   void write_fields(std::int64_t window) override;
-  [[nodiscard]] std::vector<participant::Departure> departures() override { return model_watch_.departures(); }
-  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return outline_.nodes(states_); }
+  [[nodiscard]] std::vector<participant::Departure> departures() override { return reporting_.departures(); }
+  [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return reporting_.outline(states_); }
   void finish() override;
   void load_state(const std::vector<double>& state, participant::FrozenContact contact) override;
   void read_state(std::vector<double>& state, std::vector<double>& scale) override;
@@ -74,7 +71,7 @@ class ImplicitSolver : public participant::Participant {
   void restore(const State& state);
 
  private:
-  void archive(State& state, Archive& a) { a.same_size(state, model_watch_, *shapes_); }
+  void archive(State& state, Archive& a) { a.same_size(state, reporting_); }
   void refuse_massless_nodes() const;
   void set_up_windows(participant::Heartbeat* heart);
   void take_link(const std::vector<double>& link_input, Eigen::VectorXd& link) const;
@@ -96,16 +93,11 @@ class ImplicitSolver : public participant::Participant {
   std::optional<NewmarkWindow> newmark_;  ///< from `initialize` on
   std::optional<FlightWindow> flight_;
   participant::Setup setup_;
-  solver::AxialStressShares axial_stress_;
-  solver::ModelWatch model_watch_;
-  solver::WatchedOutline outline_;
-  std::optional<solver::ShapeRecorder> shapes_;  ///< from `initialize` on
+  solver::Reporting reporting_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
   std::vector<solver::Surroundings> surroundings_;            ///< that `load_state` took away; else empty
-  SeparationWatch separation_;
-  participant::ContactStatus status_;
 };
 
 }  // namespace ricochet::implicit_solver

@@ -41,6 +41,7 @@ class Contract {
   void is_deterministic();
   void repeats_a_window();
   void goes_on_from_what_it_saved();
+  void takes_another_size();
   void keeps_zero();
   void reports_its_work();
   void refuses_another_version();
@@ -107,6 +108,7 @@ bool Contract::check() {
   judge_run("a repeated trial of a window gives the same bits", silent(&Contract::repeats_a_window));
   judge_run("another process goes on from its saved state to the same bits",
             silent(&Contract::goes_on_from_what_it_saved));
+  judge_run("told another window size it computes with that", silent(&Contract::takes_another_size));
   judge_run("zero input stays zero", silent(&Contract::keeps_zero));
   judge_run("interface work equals force times motion", silent(&Contract::reports_its_work));
   judge_run("answers unit inputs by a symmetric, positive matrix", with_the_first(respond_like_an_elastic_body));
@@ -197,6 +199,23 @@ void Contract::goes_on_from_what_it_saved() {
   ContractRun run;
   run_contract(command_, drive, run);
   if (deterministic_) require_equal(first_, run, fmt::format("a process restored at window {}", drive.save_at));
+}
+
+void Contract::takes_another_size() {
+  if (!first_.description.has(Capability::reconfigure))
+    throw NotApplicable{"it does not announce \"reconfigure\" (time.changes and resume --step will refuse it)"};
+  auto drive = drive_;
+  drive.begin_with_s = 0.5 * first_.window_size_s;
+  ContractRun run;
+  run_contract(command_, drive, run);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < run.output.size(); ++i)
+    difference = std::max(difference, std::abs(run.output[i] - first_.output[i]));
+  if (difference > 1e-9 * largest(first_.output))
+    fail(fmt::format(
+        "initialised for windows of {:.6g} s and told {:.6g} s before the first, its link output differs by "
+        "{:.6g} from that of one initialised for {:.6g} s, largest value {:.6g}",
+        drive.begin_with_s, first_.window_size_s, difference, first_.window_size_s, largest(first_.output)));
 }
 
 void Contract::keeps_zero() {

@@ -122,7 +122,7 @@ std::vector<double> output_of(const wire::Array& array, const char* field, const
 wire::Initialize initialize_request(const ContractRun& run, const ContractDrive& drive) {
   wire::Initialize message;
   message.protocol = "hughes_liu";
-  message.window_size_s = run.window_size_s;
+  message.window_size_s = drive.begin_with_s > 0 ? drive.begin_with_s : run.window_size_s;
   message.driven_by = name_of(run.by_force ? Drive::force : Drive::displacement);
   message.substeps = drive.substeps;
   message.interface_mass_kg = run.description.interface_mass_kg;
@@ -258,6 +258,7 @@ void start(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {
   const auto& answer = ask<wire::Synchronised>(peer, request);
   run.output = output_of(answer.absolute, "absolute", run);
   take_rates(answer, wire::Synchronised::kind, run);
+  if (drive.begin_with_s > 0) ask<wire::Reconfigured>(peer, wire::Reconfigure{run.window_size_s, {}});
 }
 
 void advance(ContractPeer& peer, const ContractDrive& drive, ContractRun& run) {

@@ -15,6 +15,7 @@ struct ContractDrive {
   bool try_first = false;    ///< each window: trial, trial with another input, the first trial again, accept
   int save_at = 0;           ///< another process goes on from what was saved at the end of this window; 0: none
   double window_size_s = 0;  ///< 0: half of its own critical time step, 1e-6 s if it needs none
+  double begin_with_s = 0;   ///< windows so long are told at the start, the true size by `reconfigure`; 0: at once
   bool by_force = false;     ///< an explicit participant, too; with its own masses
   int substeps = 1;          ///< by force: steps in a window
   bool one_by_one = false;   ///< each substep is asked for by itself

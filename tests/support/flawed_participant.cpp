@@ -16,9 +16,10 @@
 namespace ricochet::participant {
 namespace {
 
-constexpr std::array<std::string_view, 12> flaws = {
-    "sound",      "negative_mass", "exit_code",        "process_dependent", "trial_leaks", "drifts",
-    "wrong_work", "any_version",   "outlives_coupler", "forgets_its_state", "pulls",       "deaf"};
+constexpr std::array<std::string_view, 13> flaws = {
+    "sound",  "negative_mass", "exit_code",     "process_dependent", "trial_leaks",
+    "drifts", "wrong_work",    "any_version",   "outlives_coupler",  "forgets_its_state",
+    "pulls",  "deaf",          "keeps_its_size"};
 
 class Spring : public Participant {
  public:
@@ -34,7 +35,7 @@ class Spring : public Participant {
     d.interface_position_m = {0.0};
     d.interface_mass_kg = {flaw_ == "negative_mass" ? -mass : mass};
     d.critical_time_step_s = 0.2;
-    d.capabilities = {Capability::repeat_window, Capability::save_state};
+    d.capabilities = {Capability::repeat_window, Capability::reconfigure, Capability::save_state};
     d.record_columns = {"energy_kinetic_j/rod", "energy_interface_j"};
     return d;
   }
@@ -49,6 +50,9 @@ class Spring : public Participant {
     trial_ = u_;
     find_force(link_input[0], output);
     accept_motion();
+  }
+  void reconfigure(const Setup& setup) override {
+    if (flaw_ != "keeps_its_size") dt_ = setup.clock.size_s();
   }
   void advance(std::int64_t window, const std::vector<double>& link_input, LinkOutput& output) override {
     trial_ = u_ + dt_ * v_ + 0.5 * dt_ * dt_ * a_;
