@@ -9,11 +9,11 @@ namespace ricochet {
 enum class ExitCode : int {
   done = 0,
   config = 2,       ///< the scene or the command line is wrong: the user mends it
-  unstable = 3,     ///< the computation left the range where its numbers mean anything
+  unstable = 3,     ///< its numbers no longer mean anything
   participant = 4,  ///< a participant is missing, died, hung or failed by itself
   protocol = 5,     ///< a peer broke the wire or the legal order of messages
   model = 6,        ///< the run left what the model describes: the user changes the scene
-  machine = 7,      ///< memory, disk, file descriptors, /proc: the machine has not what is needed
+  machine = 7,      ///< memory, disk, file descriptors, /proc: the machine lacks it
 };
 
 class Error : public std::runtime_error {
@@ -52,7 +52,7 @@ struct MachineError : Error {
 /// machine's fault, whatever throws.
 [[nodiscard]] int exit_code_of_exception(const std::exception& error);
 
-/// What to tell of it.
+/// The message of the exception.
 [[nodiscard]] std::string text_of(const std::exception& error);
 
 }  // namespace ricochet

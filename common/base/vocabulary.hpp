@@ -10,19 +10,19 @@
 /// which they are read, written, listed in error texts and suggested.
 namespace ricochet {
 
-/// Of a participant.
+/// The role of a participant.
 enum class Role { explicit_solver, implicit_solver };
 /// How a participant finds accelerations: beta = 1/4 | beta = 0.
 enum class Integration { implicit_newmark, explicit_central };
-/// What the link input of a participant is.
+/// The kind of a participant's link input.
 enum class Drive { displacement, force };
-/// What the contact is while the stability of the coupled scheme is measured: no force, or every pair held together
+/// The contact while the stability of the coupled scheme is measured: no force, or every pair held together
 /// (normally and, with friction, tangentially; in tension, too) at zero gap.
 enum class FrozenContact { open, sticking };
-/// What carries messages; `automatic`: shared memory where it can be had, else ZeroMQ.
+/// The carrier of messages; `automatic`: shared memory where it can be had, else ZeroMQ.
 enum class Transport { automatic, shm, zmq, tcp };
 
-/// What a participant may be able to do besides what everyone must.
+/// Abilities that a participant may have besides those that everyone must have.
 enum class Capability {
   repeat_window,        ///< may be asked to advance the same window again before accept
   switch_integration,   ///< implicit: knows both integrations

@@ -11,8 +11,8 @@ class Archive;
 
 /// The time of windows. Window n ends at
 ///   t_n = t_k + (n - n_k) dt_k,   k the last change of size before window n: at the end of window n_k, at t_k
-/// and of windows of one size at n dt. Windows are counted from 1; 0 is the start. Whoever needs a time or a size asks
-/// it: what is kept elsewhere are numbers of windows. (C++17, as all that is installed.)
+/// and of windows of one size at n dt. Windows are counted from 1; 0 is the start. Code that needs a time or a size
+/// asks the clock, and keeps numbers of windows. (C++17, as all that is installed.)
 class WindowClock {
  public:
   /// Every window has one size [s]. Not explicit: a size is a clock.

@@ -7,7 +7,7 @@
 
 namespace ricochet::participant {
 
-/// LinkOutput input and output of one participant: absolute here, increments since the last accepted window on the wire
+/// Link input and output of one participant: absolute here, increments since the last accepted window on the wire
 /// (Eq. 6: Delta P). With x the link input, y the link output, and X, Y what both ends have accumulated up to the last
 /// accepted window:
 ///   received:  x = X + d,             X = x when the window is accepted

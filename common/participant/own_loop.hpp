@@ -37,7 +37,7 @@ class OwnLoop {
   /// Meets the coupler, and returns when it has set `setup()`; `output` and `record`: link output and history row at t
   /// = 0. Throws Error if the run failed.
   void initialize(LinkOutput output, std::vector<double> record = {});
-  /// What the coupler set; after `initialize`.
+  /// The coupler's settings; after `initialize`.
   [[nodiscard]] const Setup& setup() const;
   /// Tells what a long set-up is doing, and the share of it that is done (< 0: nobody knows): between `initialize` and
   /// the first question about the time loop, while the coupler still waits for an answer to its `initialize`. Throws
@@ -54,9 +54,9 @@ class OwnLoop {
   [[nodiscard]] bool must_save() const;
   /// The coupler asks for the same window again, or drops it: go back to where `must_save` was true.
   [[nodiscard]] bool must_restore() const;
-  /// LinkOutput input at the end of the window (explicit: displacement [m], implicit: force [N]).
+  /// Link input at the end of the window (explicit: displacement [m], implicit: force [N]).
   [[nodiscard]] const std::vector<double>& read() const;
-  /// LinkOutput output and history row (as many numbers as `record_columns`) at the end of the window.
+  /// Link output and history row (as many numbers as `record_columns`) at the end of the window.
   void write(const LinkOutput& output, const std::vector<double>& record = {});
   /// The window is computed: exchanges, and waits for what is next. Throws Error if the run failed.
   void advance();

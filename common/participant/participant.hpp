@@ -11,17 +11,17 @@
 #include "common/base/vocabulary.hpp"
 #include "common/base/window_clock.hpp"
 
-/// What a solver must be to take part in a coupled run. A C++ solver implements `Participant` and calls `serve`; this
-/// header needs neither Eigen nor finite elements. All vectors are row-major, one row per interface node in the order
-/// of `Description`, `components` columns. SI units.
+/// The contract of a solver that takes part in a coupled run. A C++ solver implements `Participant` and calls `serve`;
+/// this header needs neither Eigen nor finite elements. All vectors are row-major, with one row per interface node in
+/// the order of `Description` and `components` columns. SI units.
 ///
-/// Two roles. An *explicit* participant is given the displacement of its interface nodes [m] and answers with the force
-/// its elements exert *on* being moved there, P = K u, the internal force [N] (positive: resists positive motion).
-/// An *implicit* participant integrates the interface nodes: it is given the sum of those internal forces [N] and
-/// answers with displacement [m], velocity [m/s] and acceleration [m/s^2] of its interface nodes.
-/// Under a dual protocol an explicit participant is *driven by force*, too: it integrates its interface nodes with its
-/// own mass, M a = f - K u + lambda, is given the interface multiplier lambda [N] at the end of a window (linear over
-/// the window) and answers with their motion. Capability "driven_by_force". Incremental transfer (Eq. 6), accumulation
+/// There are two roles. An *explicit* participant takes the displacement u of its interface nodes [m] and answers the
+/// internal force P = K u [N] of its own elements with stiffness K. P is positive where it resists positive motion.
+/// An *implicit* participant integrates the interface nodes: it takes the sum of those internal forces [N] and
+/// answers displacement [m], velocity [m/s] and acceleration [m/s^2] of its interface nodes.
+/// A dual protocol drives an explicit participant *by force*: it integrates its interface nodes with its own mass M,
+/// M a = f - K u + lambda, f its loads. It takes the interface multiplier lambda [N] at the end of a window (linear
+/// over the window) and answers their motion. Capability "driven_by_force". Incremental transfer (Eq. 6), accumulation
 /// and resynchronisation are done by `serve`: here everything is absolute.
 namespace ricochet {
 class Archive;
@@ -79,13 +79,13 @@ struct Setup {
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
   std::int64_t last_window = 0;             ///< the run ends here at the latest
-  /// To be called as often as it likes by an `initialize` that takes long, by one thread at a time: who is silent for
-  /// longer than the scene's timeout is taken for dead. Empty: nobody listens.
+  /// A long `initialize` calls this as often as it likes, by one thread at a time. The coupler takes a participant that
+  /// is silent for longer than the scene's timeout for dead. Empty: nobody listens.
   TellProgress progress;
 };
 
-/// LinkOutput output. Driven by displacement: `value` is the force [N]; velocity and acceleration empty. Driven by
-/// force: `value` is the displacement.
+/// The answer of a participant at its interface nodes. Driven by displacement: `value` is the force [N]; velocity and
+/// acceleration are empty. Driven by force: `value` is the displacement [m].
 struct LinkOutput {
   std::vector<double> value, velocity_m_s, acceleration_m_s2;
 };
@@ -126,7 +126,7 @@ struct Departure {
   void archive(Archive& a);
 };
 
-/// Where a node is of which the coupler wants to know whether another body meets it.
+/// The place of a node, so that the coupler can find out whether another body meets it.
 struct OutlineNode {
   int body = 0;  ///< index into Description::bodies
   int node = 0;  ///< of the whole body's mesh
@@ -173,7 +173,7 @@ class Participant {
   /// accepted window divided by its size. Called for every window, whatever history rows there are. (May stay empty:
   /// the history rows stand for it then.)
   virtual void contact_forces(std::vector<double>& /*row*/) {}
-  /// What has left the model up to the last accepted window. (May stay empty: nobody looks for it then.)
+  /// Everything that left the model up to the last accepted window. (May stay empty: nobody looks for it then.)
   [[nodiscard]] virtual std::vector<Departure> departures() { return {}; }
   /// After the last accepted window; which nodes is the participant's choice.
   [[nodiscard]] virtual std::vector<OutlineNode> outline() { return {}; }

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 // `wait` ends at the signal, and once more when the run has ended.
 constexpr const char* batch_script =
     R"script(#!/bin/bash
-# Computes {scene_path} on Slurm; written by `ricochet slurm-script` (docs/cluster.md).
+# Computes {scene_path} on Slurm; written by `ricochet slurm-script` (docs/large_runs.md).
 #   sbatch SCRIPT [DIR]    DIR: the results folder; from a checkpoint in it the run goes on
 #SBATCH --job-name={name}
 #SBATCH {tasks}

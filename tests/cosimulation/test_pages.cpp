@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -126,6 +127,40 @@ TEST(Pages, EveryTestTheyNameExists) {
     }
   }
   EXPECT_GT(named, 80);
+}
+
+/// The text of a page: without headings, fenced blocks and code.
+std::string prose_of(const std::string& page) {
+  std::string prose;
+  bool fenced = false;
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    const bool fence = line.find("```") != std::string::npos;
+    fenced = fence ? !fenced : fenced;
+    if (!fence && !fenced && line.rfind('#', 0) != 0)
+      prose += std::regex_replace(line, std::regex("`[^`]*`"), "") + "\n";
+  }
+  return prose;
+}
+
+/// Files of the SDK that users read: C++, C and Fortran by the list that installs them, and Python.
+std::vector<std::string> public_sources() {
+  auto files = all(file_text((root / "common/participant/package/install.cmake").string()),
+                   "(common/[a-z/_]+\\.(?:hpp|h|f90))\\b");
+  for (const auto& entry : fs::directory_iterator(root / "common/participant/python")) {
+    if (entry.path().extension() == ".py") files.push_back(fs::relative(entry.path(), root).string());
+  }
+  return files;
+}
+
+/// With a capital these four words stand at the beginning of a sentence alone. Headings may ask questions.
+TEST(Pages, NoSentenceBeginsWithOfWhoWhatOrSo) {
+  const std::string word = "\\b((?:Of|Who|What|So)\\b[^\n]{0,60})";
+  for (const auto& page : pages()) EXPECT_THAT(all(prose_of(page_text(page)), word), testing::IsEmpty()) << page;
+  const auto sources = public_sources();
+  EXPECT_GE(sources.size(), 12U);
+  for (const auto& file : sources)
+    EXPECT_THAT(all(file_text((root / file).string()), word), testing::IsEmpty()) << file;
 }
 
 /// docs/how_it_works.md: `file.cpp` | `Class::function`, in a row of a table or as `file.cpp`: `function`.

@@ -147,7 +147,7 @@ module ricochet
       integer(c_int) :: error
     end function
 
-    ! velocity, acceleration: left out by who is driven by displacement.
+    ! velocity, acceleration: leave them out if driven by displacement.
     function ricochet_write(loop, value, velocity, acceleration, record) bind(c) result(error)
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: loop

@@ -38,20 +38,21 @@ extern "C" {
 typedef struct ricochet_loop ricochet_loop;
 
 /* Begins a participant. Its name and the address of the coupler are taken from the command line of this process,
- * --name, --connect, --key, --scene, --watch-stdin, as the coupler appends them; there may be no others. `role`: "explicit" or "implicit". `solver`: what messages call this program. `components`: displacement components
- * per node, 1 to 3. NULL: it failed, end the program with exit code 2. */
+ * --name, --connect, --key, --scene, --watch-stdin, as the coupler appends them; there may be no others.
+ * `role`: "explicit" or "implicit". `solver`: the name of this program in messages. `components`: displacement
+ * components per node, 1 to 3. NULL: it failed, end the program with exit code 2. */
 ricochet_loop* ricochet_open(const char* role, const char* solver, int components);
 
 /* Path of the scene file, and its name there; valid until ricochet_close. The first is "" if there was no --scene. */
 const char* ricochet_scene(const ricochet_loop* loop);
 const char* ricochet_name(const ricochet_loop* loop);
 
-/* What it says of itself, before ricochet_initialize. Return: int error. */
+/* The program describes itself, before ricochet_initialize. Return: int error. */
 
 /* A body of the scene that it has elements of; bodies are counted from 0 in the order of these calls. */
 int ricochet_add_body(ricochet_loop* loop, const char* body);
-/* Of each of `nodes` interface nodes: index of its body, position in the reference configuration [m], its lumped mass
- * of this participant's elements alone [kg]. `body` and `mass` have `nodes` numbers, `position` nodes x components. */
+/* For each of `nodes` interface nodes: index of its body, position in the reference configuration [m], and the lumped
+ * mass of this participant's elements alone [kg]. `body` and `mass` have `nodes` numbers, `position` nodes x components. */
 int ricochet_set_interface(ricochet_loop* loop, int nodes, const int* body, const double* position, const double* mass);
 /* Limit of its own explicit integration [s]; without this call none is known. */
 int ricochet_set_critical_time_step(ricochet_loop* loop, double step_s);
@@ -65,7 +66,7 @@ int ricochet_add_column(ricochet_loop* loop, const char* column);
  * Return: int error. */
 int ricochet_initialize(ricochet_loop* loop, const double* value, const double* record);
 
-/* What the coupler set; after ricochet_initialize. */
+/* The coupler's settings; after ricochet_initialize. */
 
 /* Size of the window to come [s]; with the capability "reconfigure" it may change between windows. */
 double ricochet_window_size(const ricochet_loop* loop);
@@ -83,8 +84,8 @@ int ricochet_directions(const ricochet_loop* loop, double* directions);
 /* Where the scene has the interface nodes [m], nodes x components. Return: int error. */
 int ricochet_scene_position(const ricochet_loop* loop, double* position);
 
-/* What a set-up that may take longer than the scene's timeout_s is doing, and the share of it that is done, 0 to 1
- * (< 0: nobody knows). The coupler shows it and waits anew from then on. Only between ricochet_initialize and the first
+/* Tells what a set-up is doing that may take longer than the scene's timeout_s, and the share of it that is done, 0
+ * to 1 (< 0: nobody knows). The coupler shows it and waits anew from then on. Only between ricochet_initialize and the first
  * question about the time loop. Return: int error. */
 int ricochet_progress(ricochet_loop* loop, const char* doing, double share_done);
 
@@ -100,8 +101,8 @@ int ricochet_must_save(const ricochet_loop* loop);
 int ricochet_must_restore(const ricochet_loop* loop);
 /* Link input at the end of the window, nodes x components: displacement [m] or force [N]. Return: int error. */
 int ricochet_read(const ricochet_loop* loop, double* link);
-/* What holds at the end of the window: `value` nodes x components, force [N] or displacement [m]; `velocity` [m/s] and
- * `acceleration` [m/s^2] as many, NULL from who is driven by displacement; `record` the history row. Return: int error.
+/* Answers what holds at the end of the window: `value` nodes x components, force [N] or displacement [m]; `velocity` [m/s] and
+ * `acceleration` [m/s^2] as many, NULL if driven by displacement; `record` the history row. Return: int error.
  */
 int ricochet_write(ricochet_loop* loop, const double* value, const double* velocity, const double* acceleration,
                    const double* record);

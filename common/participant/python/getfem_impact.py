@@ -127,7 +127,7 @@ class Impact(Participant):
         return self.gap0 + u[self.pairs[1]] - u[self.pairs[0]]
 
     def on_second(self, forces):
-        """Of forces on both sides of the pairs: those on the second, the mean of them and the opposite on the first."""
+        """Forces on both sides of the pairs: those on the second, the mean of them and the opposite on the first."""
         first, second = self.pairs
         return 0.5 * (forces[second] - forces[first])
 

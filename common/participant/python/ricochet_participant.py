@@ -44,7 +44,7 @@ class ContactStatus:
 
 
 class Participant:
-    """What a solver must be. Explicit: link input is the displacement [m], output P = K u [N] of its own elements.
+    """The contract of a solver. Explicit: link input is the displacement [m], output P = K u [N] of its own elements.
     Implicit: link input is the summed P of the explicit ones [N], output the tuple (u, v, a) of its interface nodes.
     Explicit with the capability "driven_by_force", where setup["driven_by"] is "force": it integrates its interface
     nodes itself with its own mass, M a = f - K u + lambda; link input is lambda at the end of the window [N], linear over
@@ -292,11 +292,11 @@ class OwnLoop:
 
     @property
     def setup(self):
-        """What the coupler set, the fields of the message `initialize`; after `initialize`."""
+        """The coupler's settings, the fields of the message `initialize`; after `initialize`."""
         return self.relay.setup
 
     def progress(self, doing, share_done=-1.0):
-        """What a long set-up is doing, and the share of it that is done (< 0: unknown): between `initialize` and the first
+        """Tells what a long set-up is doing, and the share that is done (< 0: unknown): between `initialize` and the first
         question about the time loop, while the coupler still waits for an answer to its `initialize`."""
         if not self.relay.setting_up:
             raise ConfigError("progress is told between initialize and the first turn of the time loop")
@@ -324,7 +324,7 @@ class OwnLoop:
         return self.ready().save
 
     def must_restore(self):
-        """What was computed since `must_save` is void: go back to where that was true."""
+        """The window is void: go back to where `must_save` was true."""
         return self.ready().restore and self.ongoing()
 
     def read(self):

@@ -35,7 +35,7 @@ def assemble(position, cells, material):
         """The matrix of a bilinear form of scalars, its coefficient 2 pi r^power value."""
         def at(ts, x, mode=None, **_):
             return {"c": 2 * np.pi * x[:, :1, None]**power * np.array(value, float)} if mode == "qp" else None
-        # Of order 3, not 2: only that rule has 2 x 2 points.
+        # Order 3, not 2: only that rule has 2 x 2 points.
         term = Term.new(f"{term}(m.c, q, p)", Integral("i", order=3), omega, m=Material("m", function=at), p=p, q=q)
         problem = Problem("form", equations=Equations([Equation("form", term)]))
         problem.time_update()

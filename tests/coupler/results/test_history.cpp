@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/ledger.hpp"
 #include "common/base/write_file.hpp"
 #include "coupler/results/history.hpp"
 #include "coupler/results/history_file.hpp"
@@ -284,17 +287,40 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
               AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
 }
 
-/// A column without a body is one of the contact's owner, or the work of a link.
-TEST(HistoryFile, ColumnsOfTheContactStandOnTheParticipantsPage) {
-  const auto page = read(std::string(RICOCHET_SOURCE) + "/docs/participants.md");
-  int documented = 0;
-  for (const auto& column : history_columns({.solid = true, .round = true})) {
-    const bool known = text_of([&] { History({{"p", {"window", column}}}, {}); }).empty();
-    if (!known) continue;
-    EXPECT_THAT(page, HasSubstr("`" + column + "`"));
-    ++documented;
+std::string docs_page(const std::string& name) { return read(std::string(RICOCHET_SOURCE) + "/docs/" + name); }
+
+/// Names in the first cells of the tables between two headings of docs/results.md.
+std::set<std::string> columns_of_page(const std::string& begin, const std::string& end) {
+  const auto page = docs_page("results.md");
+  const auto first = page.find("\n" + begin + "\n"), last = page.find("\n" + end + "\n");
+  std::istringstream lines(page.substr(first, last - first));
+  std::set<std::string> names;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| `", 0) != 0) continue;
+    const auto cell = line.substr(0, line.find(" | "));
+    const std::regex name("`([^`]+)`");
+    for (std::sregex_iterator it(cell.begin(), cell.end(), name), none; it != none; ++it) names.insert((*it)[1]);
   }
-  EXPECT_EQ(documented, 24);
+  return names;
+}
+
+std::set<std::string> set_of(const std::vector<std::string>& names) { return {names.begin(), names.end()}; }
+
+TEST(HistoryFile, ColumnsAreThoseOfTheResultsPage) {
+  const auto written = history_columns({.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true});
+  EXPECT_EQ(columns_of_page("## history.csv", "## summary.json"), set_of(written));
+}
+
+/// A column without a body is one of the contact's owner, or the work of a link.
+TEST(HistoryFile, ColumnsOfTheContactAreThoseOfTheResultsPage) {
+  std::set<std::string> known;
+  for (const auto& [name, member] : contact_quantities) known.insert(std::string(name));
+  EXPECT_EQ(columns_of_page("### Columns of the contact", "## summary.json"), known);
+}
+
+TEST(HistoryFile, QuantitiesOfBodiesStandOnTheParticipantsPage) {
+  const auto page = docs_page("participants.md");
+  for (const auto& [name, member] : body_quantities) EXPECT_THAT(page, HasSubstr("`" + std::string(name) + "`"));
 }
 
 TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {

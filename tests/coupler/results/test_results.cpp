@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "common/base/error.hpp"
@@ -221,6 +223,42 @@ TEST(Summary, HasTheKeysOfTheIssue) {
   EXPECT_TRUE(json["processes"][1]["compute_s"].is_null());
   EXPECT_EQ(json["switches"][0]["to"], "explicit");
   EXPECT_NEAR(json["plateau_stress_pa"].get<double>(), 840e6, 1.0);
+}
+
+/// Names of all that a JSON value holds: `a.b`; `a[].b` of the entries of a list.
+void add_keys(const nlohmann::json& json, const std::string& name, std::set<std::string>& keys) {
+  if (json.is_object() && !json.empty()) {
+    for (const auto& [key, value] : json.items()) add_keys(value, name.empty() ? key : name + "." + key, keys);
+  } else if (json.is_array() && !json.empty() && json.front().is_object()) {
+    for (const auto& entry : json) add_keys(entry, name + "[]", keys);
+  } else {
+    keys.insert(name);
+  }
+}
+
+std::set<std::string> keys_of_results_page() {
+  const std::string page = read(std::string(RICOCHET_SOURCE) + "/docs/results.md");
+  std::istringstream lines(page.substr(page.find("\n## summary.json\n")));
+  std::set<std::string> keys;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| `", 0) != 0) continue;
+    const auto cell = line.substr(0, line.find(" | "));
+    const std::regex name("`([^`]+)`");
+    for (std::sregex_iterator it(cell.begin(), cell.end(), name), end; it != end; ++it) keys.insert((*it)[1]);
+  }
+  return keys;
+}
+
+TEST(Summary, HasTheKeysOfTheResultsPageAndNoOther) {
+  Summary summary = finished();
+  summary.outside_model.emplace_back();
+  summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"NAME", 0.8}}}};
+  const ForceTally forces(0.5, 0.4, 2);
+  const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}}), one_solid(std::nullopt, true, forces);
+  std::set<std::string> keys;
+  for (const auto& tally : {several, one_solid, tally_on_plateau()})
+    add_keys(nlohmann::json::parse(to_json(summary, tally)), "", keys);
+  EXPECT_EQ(keys, keys_of_results_page());
 }
 
 TEST(Summary, TableSetsResultsBesideTheory) {
