@@ -63,7 +63,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   stepping_.emplace(stepped(), setup_, make_contact(), make_force_);
   stepping_->answer(output);
-  model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact() ? &contact()->surface() : nullptr, true);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);
 }

@@ -89,7 +89,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     heart.begin("assembling");
     set_up_windows(&heart);
   }
-  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr);
+  model_watch_ = solver::ModelWatch(problem_, states_, contact_ ? &contact_->surface() : nullptr, false);
   outline_ = solver::WatchedOutline(problem_, states_);
   shapes_.emplace(problem_, states_, setup_, spec_->name);
   put_output(output);
