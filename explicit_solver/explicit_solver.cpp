@@ -61,7 +61,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   stepping_.emplace(stepped(), setup_, make_contact(), make_force_);
   stepping_->answer(output);
-  reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr);
+  reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr, true);
 }
 
 void ExplicitSolver::tell(Order order, std::int64_t window, int substep) {

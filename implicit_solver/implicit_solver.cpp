@@ -87,7 +87,7 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     heart.begin("assembling");
     set_up_windows(&heart);
   }
-  reporting_.begin(problem_, states_, setup_, spec_->name, contact_ ? &contact_->surface() : nullptr);
+  reporting_.begin(problem_, states_, setup_, spec_->name, contact_ ? &contact_->surface() : nullptr, false);
   put_output(output);
 }
 

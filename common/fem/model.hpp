@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 /// Small-strain linear elasticity in three dimensions and in three reduced models. Node-major degrees of freedom: dof =
 /// node * components + c.
 namespace ricochet::fem {
@@ -10,6 +12,9 @@ struct Material {
   double youngs_modulus_pa = 0.0;
   double poisson_ratio = 0.0;
   double density_kg_m3 = 0.0;
+  /// Up to which the body is what its elements are, linear elastic: von Mises stress and principal tension [Pa].
+  double yield_stress_pa = std::numeric_limits<double>::infinity();
+  double strength_pa = std::numeric_limits<double>::infinity();
 };
 
 /// Factor that turns the two-dimensional (or line) integral of a model into a volume: cross section [m^2] of a bar,

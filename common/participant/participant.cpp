@@ -9,7 +9,10 @@ void ContactStatus::archive(Archive& a) {
   a(pairs_closed, gap_min_m, gap_rate_min_m_s, separated, separation_time_s, finished);
 }
 
-void Departure::archive(Archive& a) { a(kind, body, last_without, first, looks, largest, window, x_m, y_m, z_m); }
+void Departure::archive(Archive& a) {
+  a(kind, body, last_without, first, looks, largest, window, x_m, y_m, z_m, first_size, first_x_m, first_y_m,
+    first_z_m);
+}
 
 void Participant::load_state(const std::vector<double>&, FrozenContact) {
   throw ParticipantError("it announces the capability 'load_state' but cannot load a state");

@@ -101,8 +101,8 @@ struct ContactStatus {
   void archive(Archive& a);
 };
 
-/// How a run leaves the model of small strain, small displacement and contact nodes that stay opposite; see
-/// docs/limits.md. The numbers are those of the wire.
+/// How a run leaves the model of small strain, small displacement, linear elasticity and contact nodes that stay
+/// opposite; see docs/limits.md. The numbers are those of the wire.
 enum class DepartureKind {
   strain = 1,       ///< size: largest principal strain
   rotation = 2,     ///< [rad]
@@ -110,18 +110,22 @@ enum class DepartureKind {
   inverted = 4,     ///< an element turned inside out: 1 - smallest Jacobian over that of the reference
   off_partner = 5,  ///< a closed pair's node past the end of the other surface, in edges
   penetration = 6,  ///< of a pair, in depths of an element
+  yield = 7,        ///< von Mises stress above material.yield_stress_pa [Pa]
+  tension = 8,      ///< principal stress above material.strength_pa [Pa]
 };
 
 /// Something that has left the model, so far.
 struct Departure {
   DepartureKind kind = DepartureKind::strain;
-  int body = 0;                      ///< index into Description::bodies
-  std::int64_t last_without = 0;     ///< window of the last look that did not find it
-  std::int64_t first = 0;            ///< window of the first look that did
-  std::int64_t looks = 0;            ///< that found it
-  double largest = 0;                ///< size
-  std::int64_t window = 0;           ///< of the largest
-  double x_m = 0, y_m = 0, z_m = 0;  ///< its place in the reference configuration
+  int body = 0;                                        ///< index into Description::bodies
+  std::int64_t last_without = 0;                       ///< window of the last look that did not find it
+  std::int64_t first = 0;                              ///< window of the first look that did
+  std::int64_t looks = 0;                              ///< that found it
+  double largest = 0;                                  ///< size
+  std::int64_t window = 0;                             ///< of the largest
+  double x_m = 0, y_m = 0, z_m = 0;                    ///< its place in the reference configuration
+  double first_size = 0;                               ///< largest of the first look that found it
+  double first_x_m = 0, first_y_m = 0, first_z_m = 0;  ///< its place
 
   void archive(Archive& a);
 };

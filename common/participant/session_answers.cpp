@@ -26,7 +26,7 @@ void Session::put_departures(wire::Array& array) {
     for (const double value :
          {static_cast<double>(d.kind), static_cast<double>(d.body), static_cast<double>(d.last_without),
           static_cast<double>(d.first), static_cast<double>(d.looks), d.largest, static_cast<double>(d.window), d.x_m,
-          d.y_m, d.z_m}) {
+          d.y_m, d.z_m, d.first_size, d.first_x_m, d.first_y_m, d.first_z_m}) {
       *out++ = value;
     }
   }

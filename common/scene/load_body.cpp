@@ -26,6 +26,8 @@ Material load_material(TableReader table, Model model) {
   material.poisson_ratio =
       model == Model::bar ? table.number("poisson_ratio", poisson, 0.0) : table.number("poisson_ratio", poisson);
   material.density_kg_m3 = table.number("density_kg_m3", densities);
+  material.yield_stress_pa = table.number("yield_stress_pa", above(0.0), material.yield_stress_pa);
+  material.strength_pa = table.number("strength_pa", above(0.0), material.strength_pa);
   table.finish();
   return material;
 }

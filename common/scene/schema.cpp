@@ -9,7 +9,7 @@ const Schema& scene_schema() {
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing", "foreign", "joined_to", "surface",
         "interface_nodes", "mass_kg"}},
-      {"material", {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3"}},
+      {"material", {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3", "yield_stress_pa", "strength_pa"}},
       {"mesh",
        {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across", "gmsh"}},
       {"initial_displacement_m", {"start", "end"}},

@@ -28,4 +28,28 @@ using Displacements = std::array<Eigen::Vector3d, fem::Element::most_nodes>;  //
 /// The inverse of the differences of places (of the kind's diagonals) whose differences of displacement give H.
 [[nodiscard]] Eigen::Matrix3d inverse_diagonals(const fem::ElementGeometry& geometry);
 
+/// The differences whose ratio, of displacements to places, is H in an element's middle, as its stress there has it
+/// (fem::element_stress): its diagonals, and of a hexahedron the mean edges along its natural directions.
+template <int dimension>
+[[nodiscard]] Eigen::Matrix<double, dimension, dimension> middle_differences(fem::ElementKind kind,
+                                                                             const Displacements& of_nodes) {
+  Eigen::Matrix<double, dimension, dimension> differences;
+  if (kind == fem::ElementKind::hexahedron) {
+    const Eigen::Matrix<double, dimension, 1> p = (of_nodes[6] - of_nodes[0]).template head<dimension>(),
+                                              q = (of_nodes[7] - of_nodes[1]).template head<dimension>(),
+                                              r = (of_nodes[4] - of_nodes[2]).template head<dimension>(),
+                                              s = (of_nodes[5] - of_nodes[3]).template head<dimension>();
+    differences.col(0) = p - q - r + s;
+    differences.col(1) = p + q - r - s;
+    differences.col(dimension - 1) = p + q + r + s;
+    return differences;
+  }
+  const auto diagonals = fem::traits(kind).diagonals;
+  for (int c = 0; c < dimension; ++c) {
+    const auto& [from, to] = diagonals[fem::at(c)];
+    differences.col(c) = (of_nodes[fem::at(to)] - of_nodes[fem::at(from)]).template head<dimension>();
+  }
+  return differences;
+}
+
 }  // namespace ricochet::solver

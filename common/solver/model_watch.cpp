@@ -50,8 +50,10 @@ std::vector<double> depths(const fem::Mesh& mesh, const Eigen::Vector3d& normal)
 }  // namespace
 
 ModelWatch::ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states,
-                       const ContactSurface* surface)
-    : surface_(surface) {
+                       const ContactSurface* surface, bool windows_are_cheap)
+    : surface_(surface),
+      stress_(states),
+      stress_every_(windows_are_cheap && problem.scene.model != scene::Model::bar ? stress_every : 1) {
   prepare_elements(states);
   if (!surface_) return;
   rows_ = surface_->pairs;
@@ -142,7 +144,9 @@ void ModelWatch::set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& c
 
 void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states,
                       const std::vector<BodyState>& of_surface, bool last) {
-  const bool now = (due(window) || last) && window != last_look_;
+  if ((stress_due(window) || (last && stress_.watches())) && window != last_stress_look_)
+    look_at_stress(window, states);
+  const bool now = (window % every == 0 || last) && window != last_look_;
   if (elements_.empty() || (!now && window == last_window_)) return;
   const std::int64_t before = slipped_ ? last_window_ : last_look_;
   if (now) look_at_elements(window, states);
@@ -206,6 +210,16 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
     if (rotation.size > rotation_limit) report(Kind::rotation, part, last_look_, window, rotation);
     if (inverted.size > 0.0) report(Kind::inverted, part, last_look_, window, inverted);
   }
+}
+
+void ModelWatch::look_at_stress(std::int64_t window, const std::vector<BodyState>& states) {
+  for (std::size_t p = 0; p < states.size(); ++p) {
+    const auto [yield, tension] = stress_.look(p, states[p]);
+    const int part = static_cast<int>(p);
+    if (yield.size > 0.0) report(Kind::yield, part, last_stress_look_, window, yield);
+    if (tension.size > 0.0) report(Kind::tension, part, last_stress_look_, window, tension);
+  }
+  last_stress_look_ = window;
 }
 
 /// Of contacts whose pairs change, against the smallest depth at the pairs of the start.
@@ -287,6 +301,10 @@ void ModelWatch::report(Kind kind, int part, std::int64_t last_without, std::int
   if (found == found_.end()) {
     found_.push_back({.kind = kind, .body = part, .last_without = last_without, .first = window});
     found = found_.end() - 1;
+    found->first_size = worst.size;
+    found->first_x_m = worst.place[0];
+    found->first_y_m = worst.place[1];
+    found->first_z_m = worst.place[2];
   }
   ++found->looks;
   if (worst.size <= found->largest) return;

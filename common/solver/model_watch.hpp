@@ -9,6 +9,7 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_surface.hpp"
+#include "common/solver/stress_watch.hpp"
 
 namespace ricochet::solver {
 
@@ -23,18 +24,22 @@ namespace ricochet::solver {
 ///               on nothing of the surface that the node stands for faces the other body, which the slip says; from 1
 ///               on that is no matter of half an element, and a force there is wrong
 ///   penetration of a pair, over the depth of the shallower element behind it
+///   yield, tension: see StressWatch
 /// A look costs less than K u and is made every `every` windows. Once pairs have slipped, how far is looked at after
-/// each, since a contact may be over sooner.
+/// each, since a contact may be over sooner. At the stress of materials with a limit it looks after each window, or
+/// every `stress_every` windows where that would cost too much of a window: of explicit elements that are no bars.
 class ModelWatch {
  public:
-  static constexpr std::int64_t every = 32;
+  static constexpr std::int64_t every = 32, stress_every = 8;
   static constexpr double strain_limit = 0.02;
   static constexpr double rotation_limit = 0.034906585039886591;  ///< 2 degrees
   static constexpr double slip_limit = 0.5, off_limit = 1.0, penetration_limit = 1.0;
 
   ModelWatch() = default;  ///< looks at nothing
-  /// `surface`: of who enforces the contact, else null; it must outlive the watch unmoved.
-  ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface);
+  /// `surface`: of who enforces the contact, else null; it must outlive the watch unmoved. `windows_are_cheap`: those
+  /// of an explicit solver.
+  ModelWatch(const scene::Problem& problem, const std::vector<BodyState>& states, const ContactSurface* surface,
+             bool windows_are_cheap = false);
 
   /// After a window is accepted; `last`: no other follows, so it looks whatever the window is. Elements are looked at
   /// in `states`, and need to be up to date where it is `due` only; pairs in `of_surface`, whose numbering theirs is.
@@ -43,11 +48,11 @@ class ModelWatch {
   void look(std::int64_t window, const std::vector<BodyState>& states, bool last = false) {
     look(window, states, states, last);
   }
-  [[nodiscard]] static bool due(std::int64_t window) { return window % every == 0; }
+  [[nodiscard]] bool due(std::int64_t window) const { return window % every == 0 || stress_due(window); }
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
   /// What was found so far, and since when.
   void archive(Archive& a) {
-    a(slipped_, last_look_, last_window_);
+    a(slipped_, last_look_, last_stress_look_, last_window_);
     a.any_size(found_);
   }
 
@@ -56,14 +61,6 @@ class ModelWatch {
   struct Element {
     Eigen::Matrix3d inverse_diagonals;  ///< of the kind's diagonals, one a dimension; identity beyond
     double shortest_edge_m = 0.0;
-  };
-  /// What is the worst of one kind in one look.
-  struct Worst {
-    double size = 0.0;
-    Eigen::Vector3d place{0.0, 0.0, 0.0};
-    void take(double other, const Eigen::Vector3d& at) {
-      if (other > size) *this = {other, at};
-    }
   };
   struct PairPlace {
     std::array<double, 2> along_m{};  ///< of its nodes in the reference, along the tangent and n x t
@@ -91,6 +88,8 @@ class ModelWatch {
   void look_at_element(const Element& element, const fem::Element& nodes, const std::array<Eigen::Vector3d, 8>& u,
                        const Eigen::Vector3d& place, Worst& strain, Worst& rotation) const;
   void look_at_elements(std::int64_t window, const std::vector<BodyState>& states);
+  void look_at_stress(std::int64_t window, const std::vector<BodyState>& states);
+  [[nodiscard]] bool stress_due(std::int64_t window) const { return stress_.watches() && window % stress_every_ == 0; }
   void look_at_following(const std::vector<BodyState>& states, Worst& penetration) const;
   void look_at_pairs(std::int64_t window, const std::vector<BodyState>& states);
   void look_at_slipped(std::int64_t before, std::int64_t window, const std::vector<BodyState>& states);
@@ -108,7 +107,9 @@ class ModelWatch {
   std::vector<PairPlace> pairs_;
   std::vector<Stretch> stretches_;  ///< a contact each
   bool slipped_ = false;
-  std::int64_t last_look_ = 0, last_window_ = 0;
+  StressWatch stress_;
+  std::int64_t stress_every_ = 1;
+  std::int64_t last_look_ = 0, last_stress_look_ = 0, last_window_ = 0;
   std::vector<participant::Departure> found_;
 };
 

@@ -9,11 +9,12 @@ void Reporting::describe(const scene::Problem& problem, const std::vector<BodySt
 }
 
 void Reporting::begin(const scene::Problem& problem, const std::vector<BodyState>& states,
-                      const participant::Setup& setup, const std::string& participant, const ContactSurface* surface) {
+                      const participant::Setup& setup, const std::string& participant, const ContactSurface* surface,
+                      bool windows_are_cheap) {
   setup_ = &setup;
   surface_ = surface;
   separation_ = SeparationWatch(setup.separation_windows);
-  model_watch_ = ModelWatch(problem, states, surface);
+  model_watch_ = ModelWatch(problem, states, surface, windows_are_cheap);
   outline_ = WatchedOutline(problem, states);
   shapes_.emplace(problem, states, setup, participant);
 }

@@ -24,8 +24,9 @@ class Reporting {
   /// Adds the columns of `axial_stress` to the description.
   void describe(const scene::Problem& problem, const std::vector<BodyState>& states, participant::Description& d);
   /// Before the first window. `surface`: of who enforces the contact, else null; it must outlive this object unmoved.
+  /// `windows_are_cheap`: see ModelWatch.
   void begin(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
-             const std::string& participant, const ContactSurface* surface);
+             const std::string& participant, const ContactSurface* surface, bool windows_are_cheap);
 
   /// Whether `note` needs the states of `window`.
   [[nodiscard]] bool due(std::int64_t window) const { return ModelWatch::due(window) || shapes_->due(window); }

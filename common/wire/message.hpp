@@ -71,7 +71,7 @@ enum class Kind {
 };
 
 /// Numbers in a row of `departures`.
-inline constexpr int departure_columns = 10;
+inline constexpr int departure_columns = 14;
 
 struct Header {
   Kind kind = Kind::failure;
@@ -186,7 +186,7 @@ struct Records {
   Array records;         ///< history, rows x record_columns
   Array axial_stress;    ///< rows x axial_stress_columns
   Array departures;      ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
-                         ///< window, x, y, z
+                         ///< window, x, y, z, size in the first look, its x, y, z
   Array contact_forces;  ///< rows x (1 + contacts): window, force of each contact [N]
 };
 

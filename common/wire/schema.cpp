@@ -64,10 +64,12 @@ std::vector<Field> records() {
           "axial_stress", "Pa", "rows not sent before, rows x axial stress columns; the first number is the window"),
       field<&Body::departures, Body>(
           "departures", "",
-          "what has left the model so far, rows x 10: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 node "
-          "off its partner, 6 penetration: docs/limits.md), index into `bodies`, last window without it, first window "
-          "with it, how many looks found it, largest size, its window, its place x, y and z; 0 rows: nothing, or "
-          "not looked for"),
+          "what has left the model so far, rows x 14: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 node "
+          "off its partner, 6 penetration, 7 yield, 8 tension: docs/limits.md), index into `bodies`, last window "
+          "without it, first window with it, how many looks found it, largest size (of stresses in Pa), its window, "
+          "its "
+          "place x, y and z, largest size in that first window, its place x, y and z; 0 rows: nothing, or not looked "
+          "for"),
       field<&Body::contact_forces, Body>(
           "contact_forces", "N",
           "contact owner: rows not sent before, rows x (1 + contacts of the scene), of every accepted window from the "

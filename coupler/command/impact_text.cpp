@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "coupler/results/theory.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 struct Impact {
   double force_n = 0.0, duration_s = 0.0;
+  double pressure_pa = 0.0;  ///< of Hertz: in the middle of the patch, the largest
 };
 
 std::string line(const scene::ContactGeometry& contact, const scene::Problem& problem, double speed_m_s,
@@ -113,11 +115,82 @@ std::optional<Impact> hertz(const scene::Problem& problem, const scene::Plan& pl
   if (inverse_mass == 0.0) return std::nullopt;
   const double k = shape->share * 4.0 / 3.0 / compliance * std::sqrt(shape->radius_m);
   const double approach_m = std::pow(1.25 * speed_m_s * speed_m_s / (inverse_mass * k), 0.4);
-  const Impact impact{k * std::pow(approach_m, 1.5), 2.9432 * approach_m / speed_m_s};
+  const double force_n = k * std::pow(approach_m, 1.5), patch_m2 = std::numbers::pi * shape->radius_m * approach_m;
+  const Impact impact{force_n, 2.9432 * approach_m / speed_m_s, 1.5 * force_n / (shape->share * patch_m2)};
   return is_slow(problem, plan, contact, impact.duration_s) ? std::optional(impact) : std::nullopt;
 }
 
+/// A stress of an impact at `speed_m_s` that is above a limit of a body's material; it grows like speed^power.
+struct Excess {
+  std::string what, limit;
+  double stress_pa, limit_pa, speed_m_s, power;
+};
+
+void warn(const Excess& e, const std::string& body, std::vector<std::string>& warnings) {
+  if (!(e.stress_pa > e.limit_pa)) return;
+  warnings.push_back(
+      fmt::format("an impact at {:.4g} m/s {} of {:.4g} MPa in body \"{}\", {:.4g} times its {} of {:.4g} MPa: linear "
+                  "elastic elements "
+                  "are right up to {:.3g} m/s",
+                  e.speed_m_s, e.what, 1e-6 * e.stress_pa, body, e.stress_pa / e.limit_pa, e.limit, 1e-6 * e.limit_pa,
+                  e.speed_m_s * std::pow(e.limit_pa / e.stress_pa, 1.0 / e.power)));
+}
+
+/// Of surfaces that are flat, force F = v / sum 1/(rho c A): the stress F/A runs along the body, and comes back from a
+/// free end with the other sign.
+void warn_of_flat(const scene::Problem& problem, const scene::ContactGeometry& contact, double speed_m_s,
+                  std::vector<std::string>& warnings) {
+  const bool bar = problem.scene.model == scene::Model::bar;
+  double compliance = 0.0;
+  for (const int body : {contact.body_a, contact.body_b}) {
+    if (body >= 0) compliance += 1.0 / axial_impedance(problem, static_cast<std::size_t>(body));
+  }
+  for (const int index : {contact.body_a, contact.body_b}) {
+    if (index < 0) continue;
+    const auto& body = problem.bodies[static_cast<std::size_t>(index)];
+    const double stress_pa = speed_m_s / compliance / (bar ? body.section.measure : 1.0);
+    warn({"makes, by impedance theory, a von Mises stress", "yield stress",
+          von_mises_share(problem, static_cast<std::size_t>(index)) * stress_pa, body.material.yield_stress_pa,
+          speed_m_s, 1.0},
+         body.name, warnings);
+    warn({"sends, by impedance theory, a wave that a free end turns into a tension", "strength", stress_pa,
+          body.material.strength_pa, speed_m_s, 1.0},
+         body.name, warnings);
+  }
+}
+
+/// Of surfaces that are round: a metal yields first, below the surface, where p_max is 1.6 times its yield stress; the
+/// rim of the patch has a tension of (1 - 2 nu)/3 p_max. Johnson, Contact Mechanics, 3.4 and 6.1.
+void warn_of_round(const scene::Problem& problem, const scene::ContactGeometry& contact, const Impact& impact,
+                   double speed_m_s, std::vector<std::string>& warnings) {
+  constexpr double first_yield = 1.6, power = 0.4;  // p_max ~ v^(2/5)
+  for (const int index : {contact.body_a, contact.body_b}) {
+    if (index < 0) continue;
+    const auto& body = problem.bodies[static_cast<std::size_t>(index)];
+    const auto& m = body.material;
+    warn({"makes, by Hertz' theory, a von Mises stress", "yield stress", impact.pressure_pa / first_yield,
+          m.yield_stress_pa, speed_m_s, power},
+         body.name, warnings);
+    warn({"makes, by Hertz' theory, a tension", "strength", (1.0 - 2.0 * m.poisson_ratio) / 3.0 * impact.pressure_pa,
+          m.strength_pa, speed_m_s, power},
+         body.name, warnings);
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> limit_warnings(const scene::Problem& problem, const scene::Plan& plan) {
+  std::vector<std::string> warnings;
+  for (const auto& contact : problem.contacts) {
+    const double speed_m_s = closing_speed(problem, contact);
+    if (speed_m_s <= 0.0 || contact.pairs.empty()) continue;
+    if (!curvature(problem, contact))
+      warn_of_flat(problem, contact, speed_m_s, warnings);
+    else if (const auto impact = hertz(problem, plan, contact, speed_m_s))
+      warn_of_round(problem, contact, *impact, speed_m_s, warnings);
+  }
+  return warnings;
+}
 
 std::string impact_text(const scene::Problem& problem, const scene::Plan& plan) {
   std::string text;

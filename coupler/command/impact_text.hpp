@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/check/check.hpp"
 
@@ -13,5 +14,10 @@ namespace ricochet::coupler {
 ///   surface and a body that is held along the normal have no 1/m. Error: the curvature of the mesh, some percent.
 ///   Source: K. L. Johnson, Contact Mechanics (1985), 11.4.
 [[nodiscard]] std::string impact_text(const scene::Problem& problem, const scene::Plan& plan);
+
+/// Where the stress of these theories at the initial velocities is above material.yield_stress_pa or strength_pa, a
+/// warning each: with flat surfaces the axial stress v / sum 1/(rho c) of free flanks, and as much tension from a free
+/// end; of round ones first yield at p_max = 1.6 times the yield stress, and the tension (1 - 2 nu)/3 p_max at the rim.
+[[nodiscard]] std::vector<std::string> limit_warnings(const scene::Problem& problem, const scene::Plan& plan);
 
 }  // namespace ricochet::coupler

@@ -52,6 +52,7 @@ void run_accepted(const scene::Problem& problem, scene::Plan plan, const std::ve
                   const ResultsDirectory& results, std::optional<Checkpoint> from) {
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
   if (const auto warning = address_warning(problem.scene); !warning.empty()) plan.warnings.push_back(warning);
+  for (auto& warning : limit_warnings(problem, plan)) plan.warnings.push_back(std::move(warning));
   print_warnings(plan);
   std::string table;
   try {
@@ -214,6 +215,7 @@ void check_scene(const std::string& scene_path) {
   Announcer announcer;
   const auto [problem, plan] = plan_scene(scene_path, announcer);
   fmt::print("{}{}", printable(scene::to_text(problem, plan)), printable(impact_text(problem, plan)));
+  for (const auto& warning : limit_warnings(problem, plan)) fmt::print("warning: {}\n", printable(warning));
   std::fflush(stdout);
   announcer.begin("predicting what a run costs: factors, fronts of waves");
   fmt::print("{}", cost_text(problem, plan));

@@ -12,7 +12,7 @@ namespace ricochet::coupler {
 namespace {
 
 /// Kinds of `departures`, from 1 on.
-constexpr double departure_kinds = 6;
+constexpr double departure_kinds = 8;
 
 /// So many contacts does the owner tell the forces of: those that its history columns are of, or the one there is.
 std::size_t contacts_of(const PeerDescription& description) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <limits>
@@ -36,6 +37,13 @@ std::vector<Event> events_of(const Json& summary) {
   std::vector<Event> events;
   if (const auto first = number(summary, "first_contact_s")) events.push_back({"first contact", *first});
   if (const auto separation = number(summary, "separation_time_s")) events.push_back({"separation", *separation});
+  for (const auto& departed : summary.value("outside_model", Json::array())) {
+    const std::string kind = departed.value("kind", "");
+    const auto time = number(departed, "first_s");
+    if (time && (kind == "yield" || kind == "tension"))
+      events.push_back(
+          {(kind == "yield" ? "yield stress passed in " : "strength passed in ") + departed.value("body", ""), *time});
+  }
   for (const auto& change : summary.value("switches", Json::array())) {
     if (const auto time = number(change, "time_s")) events.push_back({"switch of integration", *time});
   }
@@ -55,6 +63,23 @@ void add_theory(HistoryTable& table, const Json& summary) {
   }
   table.names.emplace_back("theory_contact_stress_pa");
   table.columns.push_back(std::move(values));
+}
+
+/// Columns yield_stress_pa/BODY, the same at all times. A line far above all stresses would press them to the axis.
+void add_limits(HistoryTable& table, const Json& summary) {
+  constexpr double far = 3.0;
+  double largest_pa = 0.0;
+  for (const char* name : {"contact_pressure_mean_pa", "contact_pressure_max_pa", "principal_stress_mean_pa"}) {
+    const auto* column = table.find(name);
+    if (!column) continue;
+    for (const double value : *column) largest_pa = std::max(largest_pa, std::isfinite(value) ? value : 0.0);
+  }
+  for (const auto& limit : summary.value("limits", Json::array())) {
+    const auto yield_pa = number(limit, "yield_stress_pa");
+    if (!yield_pa || *yield_pa > far * largest_pa) continue;
+    table.names.push_back("yield_stress_pa/" + limit.value("body", ""));
+    table.columns.emplace_back(table.rows(), *yield_pa);
+  }
 }
 
 /// What the dotted lines are; empty if there are none.
@@ -109,6 +134,7 @@ std::string page_of(const std::filesystem::path& folder) {
   const auto summary = read_summary((folder / "summary.json").string());
   auto table = read_history((folder / "history.csv").string());
   add_theory(table, summary);
+  add_limits(table, summary);
   const auto events = events_of(summary);
   const auto shapes = read_shapes(folder.string(), summary);
   auto charts = charts_of(folder, table, events);

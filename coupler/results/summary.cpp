@@ -36,14 +36,20 @@ Json process_json(const ProcessTimes& process) {
 
 /// `solid`: with its z.
 Json departed_json(const Departed& d, bool solid) {
-  Json place = {number(d.place_m[0]), number(d.place_m[1])};
-  if (solid) place.push_back(number(d.place_m[2]));
+  const auto json_of = [solid](const std::array<double, 3>& place_m) {
+    Json place = {number(place_m[0]), number(place_m[1])};
+    if (solid) place.push_back(number(place_m[2]));
+    return place;
+  };
   return {{"kind", d.kind},
           {"body", d.body},
           {"size", number(d.size)},
           {"first_s", number(d.first_s)},
+          {"first_size", number(d.first_size)},
+          {"first_place_m", json_of(d.first_place_m)},
+          {"last_without_s", number(d.within_s)},
           {"time_s", number(d.time_s)},
-          {"place_m", place},
+          {"place_m", json_of(d.place_m)},
           {"looks", d.looks},
           {"results_wrong", d.wrong},
           {"text", d.text}};
@@ -256,6 +262,11 @@ std::string to_json(const Summary& s, const Tally& tally) {
   json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
   json["energy_not_told_by"] = s.energy_not_told_by;
   json["momentum_not_told_by"] = s.momentum_not_told_by;
+  json["limits"] = Json::array();
+  for (const auto& limit : s.limits)
+    json["limits"].push_back({{"body", limit.body},
+                              {"yield_stress_pa", number(limit.yield_stress_pa)},
+                              {"strength_pa", number(limit.strength_pa)}});
   json["outside_model"] = Json::array();
   for (const auto& departed : s.outside_model) json["outside_model"].push_back(departed_json(departed, tally.solid()));
   json["valid_until_s"] = number(s.valid_until_s);

@@ -39,6 +39,12 @@ struct SwitchEvent {
   void archive(Archive& a) { a(time_s, to); }
 };
 
+/// A body whose material has a limit; the other may be infinite [Pa].
+struct BodyLimits {
+  std::string body;
+  double yield_stress_pa = 0.0, strength_pa = 0.0;
+};
+
 /// Everything that summary.json and the table at the end of a run say.
 struct Summary {
   RunStatus status = RunStatus::running;
@@ -56,6 +62,7 @@ struct Summary {
   int substeps = 1;              ///< explicit steps in a window of a dual protocol
   bool interface_known = false;  ///< every participant tells the work of its link
   double interface_drift_m = 0;  ///< dual protocols: largest difference of the displacements of one shared node
+  std::vector<BodyLimits> limits;
   std::vector<Departed> outside_model;
   std::optional<double> valid_until_s;  ///< what was written after it is wrong
   std::vector<SwitchEvent> switches;

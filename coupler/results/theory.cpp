@@ -21,12 +21,6 @@ double wave_speed(const scene::Problem& problem, std::size_t body) {
   return std::sqrt(bar * (confined ? (1 - nu) / ((1 + nu) * (1 - 2 * nu)) : 1 / (1 - nu * nu)));
 }
 
-double impedance(const scene::Problem& problem, std::size_t body) {
-  const bool bar = problem.scene.model == scene::Model::bar;
-  return problem.bodies[body].material.density_kg_m3 * wave_speed(problem, body) *
-         (bar ? problem.scene.bodies[body].area_m2 : 1.0);
-}
-
 double length_along(const scene::BodyProblem& body, const Eigen::Vector3d& normal) {
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const auto& x : body.mesh.position) {
@@ -74,6 +68,18 @@ bool touches_all_at_once(const scene::ContactGeometry& contact, double length_m)
 
 }  // namespace
 
+double axial_impedance(const scene::Problem& problem, std::size_t body) {
+  const bool bar = problem.scene.model == scene::Model::bar;
+  return problem.bodies[body].material.density_kg_m3 * wave_speed(problem, body) *
+         (bar ? problem.scene.bodies[body].area_m2 : 1.0);
+}
+
+double von_mises_share(const scene::Problem& problem, std::size_t body) {
+  const double nu = problem.bodies[body].material.poisson_ratio;
+  if (periodic(problem.scene.bodies[body])) return (1.0 - 2.0 * nu) / (1.0 - nu);
+  return problem.scene.model == scene::Model::plane_strain ? std::sqrt(1.0 - nu + nu * nu) : 1.0;
+}
+
 std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   if (problem.contacts.size() != 1 || !problem.joints.empty()) return std::nullopt;
   const auto& contact = problem.contacts.front();
@@ -89,7 +95,7 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
       velocity_along(problem.scene.bodies[a], contact.normal) - velocity_along(problem.scene.bodies[b], contact.normal);
   if (closing <= 0) return std::nullopt;
   const double transit_a = transit(problem, a), transit_b = transit(problem, b);
-  const double z_a = impedance(problem, a), z_b = impedance(problem, b);
+  const double z_a = axial_impedance(problem, a), z_b = axial_impedance(problem, b);
   const bool equal = std::abs(z_a - z_b) <= 1e-9 * z_a;
   const bool a_decides = equal ? transit_a <= transit_b : z_a < z_b;
   const bool bar = problem.scene.model == scene::Model::bar;

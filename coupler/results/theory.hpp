@@ -27,4 +27,10 @@ struct ImpactTheory {
 /// the normal, loads, initial deformation, a nose or surfaces that are not parallel.
 [[nodiscard]] std::optional<ImpactTheory> impact_theory(const scene::Problem& problem);
 
+/// rho c per area of a body, of a bar rho c A: c of a long wave along it, sqrt(E/rho) with free flanks, in plane strain
+/// sqrt(E/(rho (1 - nu^2))), of a body that repeats across the dilatational one [kg/(m^2 s), kg/s].
+[[nodiscard]] double axial_impedance(const scene::Problem& problem, std::size_t body);
+/// Von Mises stress over the axial stress of that wave.
+[[nodiscard]] double von_mises_share(const scene::Problem& problem, std::size_t body);
+
 }  // namespace ricochet::coupler

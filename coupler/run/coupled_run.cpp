@@ -31,6 +31,11 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.windows_planned = plan.windows;
   if (scene.coupling.protocol.dual) summary.substeps = scene.substeps().most;
   summary.clock = problem.clock;
+  for (const auto& body : problem.bodies) {
+    const auto& m = body.material;
+    if (std::isfinite(m.yield_stress_pa) || std::isfinite(m.strength_pa))
+      summary.limits.push_back({body.name, m.yield_stress_pa, m.strength_pa});
+  }
   return summary;
 }
 

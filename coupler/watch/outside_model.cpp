@@ -17,12 +17,14 @@ struct Kind {
   bool wrong;
 };
 /// In the order of the wire's numbers, from 1.
-constexpr std::array<Kind, 6> kinds = {{{"strain", false},
+constexpr std::array<Kind, 8> kinds = {{{"strain", false},
                                         {"rotation", false},
                                         {"slip", false},
                                         {"inverted_element", true},
                                         {"off_partner", true},
-                                        {"penetration", true}}};
+                                        {"penetration", true},
+                                        {"yield", false},
+                                        {"tension", false}}};
 
 constexpr const char* go_on = "coupling.outside_model = \"go_on\"";
 
@@ -33,6 +35,25 @@ std::array<double, 3> numbers(const Eigen::Vector3d& place) { return {place[0], 
 std::string OutsideModel::place(const Departed& d) const {
   return fmt::format("in body '{}' at {}, t = {:.6g} s", d.body,
                      fem::place_text(problem_.scene.model, Eigen::Vector3d(d.place_m.data())), d.time_s);
+}
+
+/// Of a stress and the limit of the body's material; a foreign body has none that the scene knows.
+std::string OutsideModel::stress_text(const Departed& d) const {
+  const bool yields = d.kind == "yield";
+  const auto body = std::find_if(problem_.bodies.begin(), problem_.bodies.end(),
+                                 [&](const scene::BodyProblem& b) { return b.name == d.body; });
+  std::string against = yields ? "above its yield stress" : "above its strength";
+  if (body != problem_.bodies.end()) {
+    const double limit = yields ? body->material.yield_stress_pa : body->material.strength_pa;
+    against = fmt::format("{:.4g} times its {} of {:.4g} MPa", d.size / limit, yields ? "yield stress" : "strength",
+                          1e-6 * limit);
+  }
+  return fmt::format(
+      "{} of {:.4g} MPa {}, {}; first passed between t = {:.6g} s and {:.6g} s, at {}, by {:.4g} MPa: {}",
+      yields ? "von Mises stress" : "tension", 1e-6 * d.size, place(d), against, d.within_s, d.first_s,
+      fem::place_text(problem_.scene.model, Eigen::Vector3d(d.first_place_m.data())), 1e-6 * d.first_size,
+      yields ? "a metal flows there, linear elastic elements do not, and what follows is too stiff"
+             : "a brittle body breaks there, linear elastic elements do not");
 }
 
 /// By more than an error that can be told.
@@ -55,6 +76,7 @@ std::string OutsideModel::text_of(const Departed& d) const {
         "size, with no stress of it, and its stresses keep the directions of the start",
         d.size * 180.0 / std::numbers::pi, place(d), 100.0 * (1.0 / std::cos(std::min(d.size, 1.5)) - 1.0));
   }
+  if (d.kind == "yield" || d.kind == "tension") return stress_text(d);
   if (d.kind == "slip") {
     return fmt::format(
         "nodes in contact {} are {:.3g} element edges from being opposite: pressure and friction act "
@@ -86,6 +108,8 @@ std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, st
          .time_s = overlap.time_s,
          .within_s = overlap.within_s,
          .place_m = numbers(overlap.place),
+         .first_size = overlap.depth_m,
+         .first_place_m = numbers(overlap.place),
          .looks = 1,
          .wrong = true,
          .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at {}, t = {:.6g} s, with no "
@@ -111,6 +135,8 @@ void OutsideModel::take(const Link& link, std::vector<std::string>& news) {
                       .time_s = end_of(v[6]),
                       .within_s = end_of(v[2]),
                       .place_m = {v[7], v[8], v[9]},
+                      .first_size = v[10],
+                      .first_place_m = {v[11], v[12], v[13]},
                       .looks = static_cast<std::int64_t>(v[4]),
                       .wrong = kind.wrong,
                       .text = {}};
@@ -130,7 +156,11 @@ void OutsideModel::add(Departed departed, std::vector<std::string>& news) {
     found_.push_back(std::move(departed));
     return;
   }
-  departed.first_s = std::min(departed.first_s, known->first_s);
+  if (known->first_s <= departed.first_s) {
+    departed.first_s = known->first_s;
+    departed.first_size = known->first_size;
+    departed.first_place_m = known->first_place_m;
+  }
   // What has only now become wrong was none at the last look.
   const bool now_wrong = departed.wrong && !known->wrong;
   departed.within_s = now_wrong ? last_update_s_ : std::min(departed.within_s, known->within_s);
@@ -142,6 +172,7 @@ void OutsideModel::add(Departed departed, std::vector<std::string>& news) {
     departed.place_m = known->place_m;
     departed.text = known->text;
   }
+  if (departed.kind == "yield" || departed.kind == "tension") departed.text = stress_text(departed);
   *known = std::move(departed);
 }
 

@@ -37,6 +37,7 @@ class OutsideModel {
   void add(Departed departed, std::vector<std::string>& news);
   [[nodiscard]] bool too_far(const Departed& departed) const;
   [[nodiscard]] std::string text_of(const Departed& departed) const;
+  [[nodiscard]] std::string stress_text(const Departed& departed) const;
   [[nodiscard]] std::string place(const Departed& departed) const;
 
   const scene::Problem& problem_;

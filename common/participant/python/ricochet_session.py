@@ -215,7 +215,7 @@ class Session:
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
                             spans_s=array(self.spans, 3), records=self.records(True),
-                            axial_stress=self.axial_stress(True), departures=array([], 10), contact_forces=array([], 1))
+                            axial_stress=self.axial_stress(True), departures=array([], 14), contact_forces=array([], 1))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -295,5 +295,5 @@ class Session:
 
     def answer(self, records_requested):  # it does not look for what leaves the model
         return {"records": self.records(records_requested), "axial_stress": self.axial_stress(records_requested),
-                "departures": array([], 10), "contact_forces": array([], 1),
+                "departures": array([], 14), "contact_forces": array([], 1),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

@@ -109,6 +109,8 @@ TEST(LoadScene, BodyFieldByField) {
   EXPECT_EQ(steel.material.youngs_modulus_pa, 207e9);
   EXPECT_EQ(steel.material.poisson_ratio, 0.3);
   EXPECT_EQ(steel.material.density_kg_m3, 7860.0);
+  EXPECT_TRUE(std::isinf(steel.material.yield_stress_pa));
+  EXPECT_TRUE(std::isinf(steel.material.strength_pa));
   const auto& mesh = std::get<StructuredMesh>(steel.mesh);
   EXPECT_EQ(mesh.start_m, -0.02);
   EXPECT_EQ(mesh.length_m, 0.02);
@@ -340,6 +342,14 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
   EXPECT_EQ(scene.contacts.front().multiplier_update, Contact{}.multiplier_update);
   EXPECT_THAT(scene.body("carbide").initial_velocity_m_s, ElementsAre(0.0, 0.0));
   EXPECT_FALSE(scene.time.until_separated_plus_s.has_value());
+}
+
+TEST(LoadScene, AMaterialMayHaveLimits) {
+  const Scene scene =
+      load_text(replaced(full, "density_kg_m3 = 7860", "density_kg_m3 = 7860, yield_stress_pa = 4e8, strength_pa = 9e8"));
+  EXPECT_EQ(scene.body("steel").material.yield_stress_pa, 4e8);
+  EXPECT_EQ(scene.body("steel").material.strength_pa, 9e8);
+  EXPECT_TRUE(std::isinf(scene.body("carbide").material.yield_stress_pa));
 }
 
 TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {

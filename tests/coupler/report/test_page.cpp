@@ -61,6 +61,18 @@ TEST_F(Page, SetsResultsBesideTheory) {
                     HasSubstr("impedance theory, until a wave returns"), HasSubstr("1.5 N s")));
 }
 
+TEST_F(Page, DrawsTheYieldStressAndMarksWhenItIsPassed) {
+  write("summary.json", R"({"status": "left_model", "scene": "a.toml", "limits": [
+    {"body": "rod", "yield_stress_pa": 9e8, "strength_pa": null}, {"body": "far", "yield_stress_pa": 2e11, "strength_pa": 1}],
+    "outside_model": [{"kind": "yield", "body": "rod", "first_s": 1.5e-6, "text": "rod flows"},
+    {"kind": "tension", "body": "far", "first_s": 2.5e-6, "text": "far breaks"}, {"kind": "strain", "text": "s"}]})");
+  write_report(folder_);
+  EXPECT_THAT(read("report.html"),
+              AllOf(HasSubstr("yield stress of rod"), HasSubstr("yield stress passed in rod 1.5 µs"),
+                    HasSubstr("strength passed in far 2.5 µs"), HasSubstr("rod flows"), HasSubstr("far breaks"),
+                    Not(HasSubstr("yield stress of far"))));
+}
+
 TEST_F(Page, TellsOfContactForcesThatWereNotFound) {
   write_report(folder_);
   EXPECT_THAT(read("report.html"), AllOf(HasSubstr("windows whose contact forces were not found"),

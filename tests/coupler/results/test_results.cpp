@@ -478,6 +478,8 @@ TEST(Summary, SaysWhatLeftTheModel) {
                                    .time_s = 4e-6,
                                    .within_s = 2e-6,
                                    .place_m = {0.1, 0.2, 0.3},
+                                   .first_size = 1.25,
+                                   .first_place_m = {0.4, 0.5, 0.6},
                                    .looks = 3,
                                    .wrong = true,
                                    .text = "it slid off"});
@@ -488,12 +490,26 @@ TEST(Summary, SaysWhatLeftTheModel) {
   EXPECT_EQ(entry["body"], "striker");
   EXPECT_EQ(entry["size"], 1.5);
   EXPECT_EQ(entry["place_m"], nlohmann::json({0.1, 0.2}));
+  EXPECT_EQ(entry["first_s"], 3e-6);
+  EXPECT_EQ(entry["last_without_s"], 2e-6);
+  EXPECT_EQ(entry["first_size"], 1.25);
+  EXPECT_EQ(entry["first_place_m"], nlohmann::json({0.4, 0.5}));
   const Tally of_solids(std::nullopt, true);
   EXPECT_EQ(nlohmann::json::parse(to_json(summary, of_solids))["outside_model"].at(0)["place_m"],
             nlohmann::json({0.1, 0.2, 0.3}));
   EXPECT_EQ(entry["looks"], 3);
   EXPECT_TRUE(entry["results_wrong"]);
   EXPECT_THAT(to_table(summary, tally_on_plateau()), HasSubstr("it slid off"));
+}
+
+TEST(Summary, HasTheLimitsOfTheMaterials) {
+  Summary summary = finished();
+  EXPECT_TRUE(nlohmann::json::parse(to_json(summary, tally_on_plateau()))["limits"].empty());
+  summary.limits.push_back({"striker", 4e8, std::numeric_limits<double>::infinity()});
+  const auto limit = nlohmann::json::parse(to_json(summary, tally_on_plateau()))["limits"].at(0);
+  EXPECT_EQ(limit["body"], "striker");
+  EXPECT_EQ(limit["yield_stress_pa"], 4e8);
+  EXPECT_TRUE(limit["strength_pa"].is_null());
 }
 
 ForceTally told(const std::vector<double>& forces, double rise_time_s = 2.0) {

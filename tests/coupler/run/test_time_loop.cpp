@@ -99,14 +99,14 @@ TEST(Departures, WrongOnesAreRefusedByName) {
     return "";
   };
   const auto row = [](double kind, double body) {
-    return wire::Array{1, 10, {kind, body, 16, 32, 1, 0.03, 32, 0, 0, 0}};
+    return wire::Array{1, 14, {kind, body, 16, 32, 1, 0.03, 32, 0, 0, 0, 0.03, 0, 0, 0}};
   };
   EXPECT_EQ(refusal(row(1, 0), {1, 3, {0, 0, 1e-3}}), "");
-  EXPECT_THAT(refusal(row(7, 0), {}),
-              testing::HasSubstr("participant 'implicit' sent the unknown kind 7 in 'departures'"));
+  EXPECT_THAT(refusal(row(9, 0), {}),
+              testing::HasSubstr("participant 'implicit' sent the unknown kind 9 in 'departures'"));
   EXPECT_THAT(refusal(row(0.5, 0), {}), testing::HasSubstr("unknown kind 0.5"));
   EXPECT_THAT(refusal(row(1, 9), {}), testing::HasSubstr("named body 9 in 'departures'"));
-  EXPECT_THAT(refusal({1, 2, {1, 0}}, {}), testing::HasSubstr("sent 'departures' with rows of 2 numbers, expected 10"));
+  EXPECT_THAT(refusal({1, 2, {1, 0}}, {}), testing::HasSubstr("sent 'departures' with rows of 2 numbers, expected 14"));
   EXPECT_THAT(refusal({}, {1, 2, {0, 0}}), testing::HasSubstr("sent 'outline' with rows of 2 numbers, expected 3"));
   EXPECT_THAT(refusal({}, {1, 3, {-1, 0, 0}}), testing::HasSubstr("named body -1 in 'outline'"));
 }

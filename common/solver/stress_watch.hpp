@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "common/solver/body_state.hpp"
+#include "common/solver/element_motion.hpp"
+
+namespace ricochet::solver {
+
+/// What is the worst of one kind in one look.
+struct Worst {
+  double size = 0.0;
+  Eigen::Vector3d place{0.0, 0.0, 0.0};
+  void take(double other, const Eigen::Vector3d& at) {
+    if (other > size) *this = {other, at};
+  }
+};
+
+/// Compares the stress in the middle of each element, fem::element_stress at its centre, with the limits of its
+/// material: sqrt(3/2 s:s) of the deviator s with yield_stress_pa, the largest principal stress with strength_pa. Looks
+/// at parts whose material has one of them; others cost nothing.
+class StressWatch {
+ public:
+  StressWatch() = default;
+  explicit StressWatch(const std::vector<BodyState>& states);
+
+  [[nodiscard]] bool watches() const { return watches_; }
+  /// The largest von Mises stress and the largest tension that are above their limits, in the middles of their elements
+  /// [Pa]; size 0 where none is.
+  struct Passed {
+    Worst yield, tension;
+  };
+  [[nodiscard]] Passed look(std::size_t part, const BodyState& state) const;
+
+ private:
+  template <int dimension>
+  void look(std::size_t part, const BodyState& state, Passed& passed) const;
+
+  bool watches_ = false;
+  /// Per part and element the inverse of middle_differences of its places; of a bar 1/length first. Empty where no
+  /// limit is.
+  std::vector<std::vector<Eigen::Matrix3d>> inverse_;
+};
+
+}  // namespace ricochet::solver
