@@ -54,6 +54,34 @@ void ExplicitContact::settle(const std::vector<BodyState>& states, const std::ve
       [&](std::size_t part) -> Eigen::VectorXd& { return *u[part]; });
 }
 
+/// The degrees of freedom of the rows and, of surfaces that slide, of all nodes of theirs.
+void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::InternalForce>>& forces,
+                                  const std::vector<BodyState>& states) {
+  std::vector<std::pair<int, int>> dofs;
+  const auto add_node = [&](int part, int node) {
+    for (int c = 0; c < surface_.components; ++c) dofs.emplace_back(part, node * surface_.components + c);
+  };
+  for (const auto& pair : surface_.pairs)
+    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
+      for (const auto& e : row->entries) {
+        if (sliding_) add_node(e.part, e.dof / surface_.components);
+        if (row == &pair.normal || pair.friction_coefficient > 0.0) dofs.emplace_back(e.part, e.dof);
+      }
+  for (const auto& idle : surface_.idle) add_node(idle.part, idle.node);
+  const auto spreads = [&](const auto& dof) {
+    return forces[static_cast<std::size_t>(dof.first)]->spreads(dof.second);
+  };
+  if (std::none_of(dofs.begin(), dofs.end(), spreads)) return;
+  for (const auto& force : forces) through_.push_back(force.get());
+  for (const auto& state : states) {
+    spread_.emplace_back(Eigen::VectorXd::Zero(state.part.dofs()));
+    held_.emplace_back(static_cast<std::size_t>(state.part.dofs()), false);
+    for (const auto& c : state.constrained) held_.back()[static_cast<std::size_t>(c.dof)] = true;
+  }
+  old_spread_ = spread_;
+  responses_ = solver::unit_responses(std::move(dofs), through_, states);
+}
+
 /// In a window a force r changes the rates by acting_time N M^-1 N^T r and the gaps by dt times that: x = dt
 /// acting_time r are the forces of the root problem. Its slip is dt times a rate, and its v is 2/dt slip.
 void ExplicitContact::make_root(const std::vector<BodyState>& states) {
@@ -63,7 +91,11 @@ void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   law.enforcement = scene::Enforcement::multiplier;  // a penalty's normal forces are known
   std::vector<solver::RootProblem::PairLaw> pairs;
   for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
-  root_.emplace(law, solver::inverse_mass_of(surface_.pairs, states, any ? surface_.components : 1), pairs, 2.0 * dt());
+  const Eigen::Index directions = any ? surface_.components : 1;
+  root_.emplace(law,
+                responses_ ? solver::compliance_of(surface_.pairs, *responses_, directions)
+                           : solver::inverse_mass_of(surface_.pairs, states, directions),
+                pairs, 2.0 * dt());
 }
 
 /// Gaps and slips at the end of the window without contact forces; of held pairs both from zero.
@@ -107,13 +139,73 @@ void ExplicitContact::push(const Pair& pair, const Force& force, std::vector<Bod
   pair.push_along(force.tangential, states, push_accelerations(states));
 }
 
+/// The forces of the window before as a solution to start from.
+solver::RootProblem::Solution ExplicitContact::last_forces(double acting_time) const {
+  auto last = root_->open();
+  const auto n = static_cast<Eigen::Index>(pairs());
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const auto& force = state_.forces[i];
+    const double of[3] = {force.normal, force.tangential[0], force.tangential[1]};
+    for (Eigen::Index d = 0; d * n < last.force.size(); ++d)
+      last.force[d * n + static_cast<Eigen::Index>(i)] = of[d] * dt() * acting_time;
+    last.states[i] = force.state;
+  }
+  return last;
+}
+
+/// S N^T r of all pairs, without what acts on a support at once. What is left at supports pulls them inside the steps.
+void ExplicitContact::spread_forces() {
+  for (auto& force : spread_) force.setZero();
+  const auto add = [&](const ContactRow& row, double force) {
+    for (const auto& e : row.entries)
+      if (!held_[static_cast<std::size_t>(e.part)][static_cast<std::size_t>(e.dof)])
+        spread_[static_cast<std::size_t>(e.part)][e.dof] += force * e.coefficient;
+  };
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    const auto& force = state_.forces[i];
+    add(pair.normal, force.normal);
+    add(pair.tangent, force.tangential[0]);
+    add(pair.binormal, force.tangential[1]);
+  }
+  for (std::size_t b = 0; b < spread_.size(); ++b)
+    if (!spread_[b].isZero(0.0)) through_[b]->spread(spread_[b]);
+}
+
+void ExplicitContact::add_reactions(std::size_t part, const BodyState& state, Eigen::VectorXd& external) const {
+  if (!inside_small_steps()) return;
+  for (const auto& c : state.constrained) external[c.dof] -= spread_[part][c.dof];
+}
+
+/// Adds a share of what the forces do to the accelerations.
+void ExplicitContact::push_all(double share, std::vector<BodyState>& states) {
+  if (inside_small_steps()) {
+    for (std::size_t b = 0; b < states.size(); ++b)
+      states[b].a += share * states[b].inverse_mass.cwiseProduct(spread_[b]);
+    return;
+  }
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const Force& force = state_.forces[i];
+    push(surface_.pairs[i], {.normal = share * force.normal, .tangential = share * force.tangential}, states);
+  }
+}
+
+/// Of the contact forces over the window that ended, inside the small steps.
+double ExplicitContact::work_inside(const std::vector<BodyState>& states,
+                                    const std::vector<const Eigen::VectorXd*>& u_before) const {
+  double work = 0.0;
+  for (std::size_t b = 0; b < states.size(); ++b)
+    work += 0.5 * (old_spread_[b] + spread_[b]).dot(states[b].u - *u_before[b]);
+  return work;
+}
+
 double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector<BodyState>& states,
                                 const std::vector<const Eigen::VectorXd*>& u_before) {
   const auto moved = [&](const ContactRow& row) {
     return row.times(displacement_of(states)) - row.times(before_of(u_before));
   };
   const double made = mean.normal * moved(pair.normal);
-  state_.work_normal_j += made;
+  if (!inside_small_steps()) state_.work_normal_j += made;
   double taken = mean.tangential[0] * moved(pair.tangent);
   if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
   state_.dissipated_friction_j -= taken;
@@ -177,16 +269,31 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
   return sum;
 }
 
+/// Of all nodes.
+double ExplicitContact::staggered_correction(const std::vector<BodyState>& states) const {
+  double sum = 0.0;
+  for (const auto& state : states) sum += 0.125 * dt() * dt() * state.a.dot(state.mass.cwiseProduct(state.a));
+  return sum;
+}
+
+const solver::RootProblem::Solution& ExplicitContact::solution(double acting_time) {
+  if (!inside_small_steps()) return root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
+  if (frozen_) return root_->hold(gap_free_, slip_free_);
+  return root_->solve(gap_free_, slip_free_, Eigen::VectorXd::Zero(slip_free_.size()), last_forces(acting_time));
+}
+
 /// `rate` of a row with the accelerations so far, to which a force adds over `acting_time`.
 template <class Rate>
 void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time) {
   auto& forces = state_.forces;
-  std::fill(forces.begin(), forces.end(), Force{});
-  if (frozen_ == participant::FrozenContact::open || forces.empty()) return;
+  if (frozen_ == participant::FrozenContact::open || forces.empty()) {
+    std::fill(forces.begin(), forces.end(), Force{});
+    return;
+  }
   if (!root_) make_root(states);
   find_free_motion(states, rate);
   find_known_normals(states, acting_time);
-  const auto& found = root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
+  const auto& found = solution(acting_time);
   const auto n = static_cast<Eigen::Index>(pairs()), size = found.force.size();
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto of = [&](Eigen::Index d) { return d * n < size ? found.force[d * n + i] / (dt() * acting_time) : 0.0; };
@@ -203,10 +310,17 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
     return row.times(velocity_of(states)) + 0.5 * dt() * row.times(acceleration_of(states));
   };
   find_forces(states, rate, 0.5 * dt());
+  if (inside_small_steps()) spread_forces();
   act(1.0, states);
 }
 
 void ExplicitContact::act(double share, std::vector<BodyState>& states) {
+  if (inside_small_steps()) {
+    const double before = staggered_correction(states);
+    push_all(share, states);
+    state_.work_normal_j -= staggered_correction(states) - before;
+    return;
+  }
   for (std::size_t i = 0; i < pairs(); ++i) {
     const Force& force = state_.forces[i];
     const double before = staggered_correction(surface_.pairs[i], states);
@@ -247,7 +361,12 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     return half_velocity + dt() * row.times(acceleration_of(states));
   };
   find_forces(states, rate, dt());
-  for (std::size_t i = 0; i < surface_.pairs.size(); ++i) push(surface_.pairs[i], state_.forces[i], states);
+  if (inside_small_steps()) {
+    old_spread_.swap(spread_);
+    spread_forces();
+  }
+  push_all(1.0, states);
+  const double dissipated_before_j = state_.dissipated_friction_j;
   for (std::size_t i = 0; i < surface_.pairs.size(); ++i) {
     const Force &old = old_forces_[i], &now = state_.forces[i];
     state_.mean_forces[i] = {.normal = 0.5 * (old.normal + now.normal),
@@ -258,6 +377,8 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     const double made = account(surface_.pairs[i], accounted, states, u_before);
     if (massless_) made_j_[i] = made;
   }
+  if (inside_small_steps())
+    state_.work_normal_j += work_inside(states, u_before) + (state_.dissipated_friction_j - dissipated_before_j);
 }
 
 int ExplicitContact::pairs_closed() const {
@@ -280,6 +401,7 @@ void ExplicitContact::restore(const State& state) {
   }
   for (const auto* forces : {&state.forces, &state.mean_forces}) surface_.require_one_a_pair(forces->size());
   if (massless_) massless_->restore(*state.massless);
+  if (inside_small_steps()) spread_forces();
 }
 
 const ContactRecord& ExplicitContact::report(const std::vector<BodyState>& states) {

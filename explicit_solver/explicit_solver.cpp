@@ -10,6 +10,7 @@
 #include "common/solver/describe.hpp"
 #include "common/solver/free_motion.hpp"
 #include "explicit_solver/block_sums.hpp"
+#include "explicit_solver/local_force.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -59,7 +60,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
   }
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
-  stepping_.emplace(stepped(), setup_, make_contact(), make_force_);
+  const bool local = problem_.scene.coupling.protocol.local_steps;
+  stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
   stepping_->answer(output);
   reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr, true);
 }

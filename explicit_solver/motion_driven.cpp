@@ -27,7 +27,11 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
     trial_external_.push_back(&trial.forces.external);
   }
   if (contact_) settle_at_start();
-  for (std::size_t b = 0; b < states_.size(); ++b) forces_.push_back(make_force(states_[b], driven_nodes(b)));
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    forces_.push_back(make_force(states_[b], driven_nodes(b)));
+    states_[b].external.transform([&](Eigen::VectorXd& load) { forces_[b]->spread(load); });
+  }
+  if (contact_) contact_->act_through(forces_, states_);
 }
 
 /// Massless contact nodes begin in balance with the others.
@@ -99,7 +103,10 @@ void MotionDriven::work_ahead(std::int64_t window) {
 /// Everything of a window that does not need the link: u of the own nodes, what of P needs no shared node, f.
 void MotionDriven::predict(std::int64_t window) {
   const double time_s = clock_.time_s(window);
-  if (contact_ && !state_.contact_started) contact_->start(states_);
+  if (contact_ && !state_.contact_started) {
+    contact_->start(states_);
+    for (std::size_t b = 0; b < states_.size(); ++b) contact_->add_reactions(b, states_[b], state_.parts[b].external);
+  }
   state_.contact_started = true;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     const auto& state = states_[b];
@@ -132,6 +139,8 @@ bool MotionDriven::accept(std::int64_t window) {
     if (state.others != nullptr) state.others->collect_moments(state);
   }
   if (contact_) contact_->apply(states_, u_before_);
+  for (std::size_t b = 0; contact_ && b < states_.size(); ++b)
+    contact_->add_reactions(b, states_[b], trials_[b].forces.external);
   for (std::size_t b = 0; b < states_.size(); ++b) {
     half_a_step(b);
     states_[b].constrain_velocity(time_s, dt(), states_[b].v);

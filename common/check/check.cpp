@@ -10,6 +10,7 @@
 #include "common/base/process.hpp"
 #include "common/check/check_bodies.hpp"
 #include "common/check/check_contact.hpp"
+#include "common/check/check_local_steps.hpp"
 #include "common/check/check_model.hpp"
 #include "common/check/check_reach.hpp"
 #include "common/check/check_switch.hpp"
@@ -42,7 +43,9 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
   return free;
 }
 
-ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant) {
+/// `local_steps`: of its parts under `local_explicit`, where somebody asks.
+ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant,
+                                 std::vector<LocalStepsPlan>* local_steps) {
   const bool implicit = participant.role == Role::implicit_solver;
   ParticipantPlan plan;
   plan.name = participant.name;
@@ -56,11 +59,13 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     plan.interface_nodes += static_cast<int>(part.shared.size());
     plan.unknowns += count_unknowns(problem, part, implicit);
     assembled.push_back({part.body, &part.part});
+    if (problem.scene.coupling.protocol.local_steps && local_steps != nullptr)
+      local_steps->push_back(plan_local_steps(problem, part));
   }
   for (const Joint& joint : problem.joints)
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
-  if (!implicit)
+  if (!implicit && !problem.scene.coupling.protocol.local_steps)
     plan.critical_time_step_s =
         critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / participant.substeps);
   return plan;
@@ -135,10 +140,10 @@ std::string body_rows(Model model, const Plan& plan) {
 
 }  // namespace
 
-std::vector<ParticipantPlan> plan_participants(const Problem& problem) {
+std::vector<ParticipantPlan> plan_participants(const Problem& problem, std::vector<LocalStepsPlan>* local_steps) {
   std::vector<ParticipantPlan> plans;
   for (const ParticipantSpec& participant : problem.scene.participants)
-    plans.push_back(plan_participant(problem, participant));
+    plans.push_back(plan_participant(problem, participant, local_steps));
   return plans;
 }
 
@@ -168,7 +173,7 @@ Plan plan(const Problem& problem) {
   const ProtocolTraits& protocol = scene.coupling.protocol;
   const bool one_step = protocol.dual && scene.substeps().most == 1;  // then dual protocols do not differ
   if (!protocol.warning.empty() && !one_step) plan.warnings.push_back(protocol.warning);
-  plan.participants = plan_participants(problem);
+  plan.participants = plan_participants(problem, &plan.local_steps);
   for (const ParticipantPlan& participant : plan.participants) check_critical_step(problem, participant, plan.warnings);
   plan.bodies = plan_bodies(problem);
   check_units(problem, plan);
@@ -180,6 +185,7 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  check_local_steps(problem, plan);
   for (const Joint& joint : problem.joints)
     plan.notes.push_back(fmt::format(
         "\"{}\" is foreign: joined to \"{}\" at {} node{}; its elements and its critical time step are known to its "

@@ -13,7 +13,14 @@ struct ParticipantPlan {
   Role role = Role::explicit_solver;
   int nodes = 0, elements = 0, interface_nodes = 0;
   int unknowns = 0;                 ///< free degrees of freedom that it integrates
-  double critical_time_step_s = 0;  ///< infinity for an implicit participant
+  double critical_time_step_s = 0;  ///< infinity for an implicit participant, and under `local_explicit`
+};
+/// Of a body under `local_explicit`.
+struct LocalStepsPlan {
+  std::string body;
+  std::vector<int> nodes;         ///< by the steps that they take in a window: 1, 2, 4, ...
+  double extra_rows = 0.0;        ///< that a window multiplies beside the whole stiffness, over all rows
+  double longest_window_s = 0.0;  ///< that the coarsest node bears as one step
 };
 struct BodyPlan {
   std::string name;
@@ -24,6 +31,7 @@ struct BodyPlan {
 struct Plan {
   std::vector<BodyPlan> bodies;
   std::vector<ParticipantPlan> participants;
+  std::vector<LocalStepsPlan> local_steps;  ///< per body of `local_explicit`
   long long windows = 0;
   int contact_pairs = 0;
   double penalty_step_ratio = 0;  ///< sqrt(2 alpha_n / m) dt, largest over the pairs; 0 without penalty
@@ -36,8 +44,9 @@ struct Plan {
   std::vector<std::string> notes;  ///< what could be left out; see check_reach.hpp
 };
 
-/// What each participant has to do; refuses nothing.
-[[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem);
+/// What each participant has to do, and under `local_explicit` its local steps; refuses nothing else.
+[[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem,
+                                                             std::vector<LocalStepsPlan>* local_steps = nullptr);
 /// The critical step of an explicit participant by the element bound [s], see critical_step.hpp; infinity for an
 /// implicit one.
 [[nodiscard]] double element_bound_time_step(const Problem& problem, const ParticipantSpec& participant);

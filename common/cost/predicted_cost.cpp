@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "common/base/parallel.hpp"
 #include "common/check/check_switch.hpp"
@@ -11,6 +12,7 @@
 #include "common/fem/stiffness_product.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
+#include "common/problem/local_steps.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::cost {
@@ -72,6 +74,9 @@ struct Share {
   std::vector<bool> owned;  ///< per element
   NodeGraph graph;
 
+  /// Products with K in a step, of which those with the rows that step locally are shares.
+  double products = 1.0;
+
   [[nodiscard]] double elements() const { return static_cast<double>(std::count(owned.begin(), owned.end(), true)); }
   [[nodiscard]] double unknowns() const {
     return static_cast<double>(graph.nodes()) * fem::components(body->section.model);
@@ -80,7 +85,7 @@ struct Share {
 
 Share share_of(const scene::BodyProblem& body, std::vector<bool> owned) {
   NodeGraph graph = node_graph(body.mesh, owned);
-  return {&body, std::move(owned), std::move(graph)};
+  return {&body, std::move(owned), std::move(graph), 1.0};
 }
 
 /// K u of one step of the whole share [s], from as many of its elements as a sample takes.
@@ -137,7 +142,8 @@ class Predictor {
       const double reached = moves_everywhere(problem_.scene.bodies[at(index)])
                                  ? 1.0
                                  : reached_share(share.graph, driven_nodes(problem_, index), steps);
-      of_step += reached * product_s(share) + slowness_ * explicit_unknown_s * share.unknowns();
+      of_step +=
+          (reached + share.products - 1.0) * product_s(share) + slowness_ * explicit_unknown_s * share.unknowns();
       of_window += output_s(share, explicit_row_unknown_s);
     }
     if (contact) of_step += slowness_ * explicit_contact_s();
@@ -233,6 +239,29 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 
+/// Whether the scene could run under `local_explicit` with its own step.
+bool bears_local_steps(const scene::Problem& problem) {
+  const auto& scene = problem.scene;
+  const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == scene::Enforcement::penalty;
+  return scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 && !penalty &&
+         !scene.massless_contact();
+}
+
+/// The products of windows of the scene's steps with local steps; where those are all that every element takes none.
+void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std::vector<Share>& whole) {
+  for (std::size_t b = 0; b < whole.size(); ++b) {
+    if (!plan.local_steps.empty()) {
+      whole[b].products += plan.local_steps[b].extra_rows;
+      continue;
+    }
+    const auto& body = *whole[b].body;
+    std::vector<int> elements(body.mesh.elements.size());
+    std::iota(elements.begin(), elements.end(), 0);
+    const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
+    whole[b].products += scene::local_steps(body, part, problem.clock.largest_size_s()).extra_rows();
+  }
+}
+
 }  // namespace
 
 MachineSpeed measure_speed() {
@@ -260,7 +289,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   for (std::size_t p = 0; p < scene.participants.size(); ++p) {
     const auto& spec = scene.participants[p];
     const double interface = plan.participants[p].interface_nodes * scene.components();
-    const auto shares = shares_of(problem, spec);
+    auto shares = shares_of(problem, spec);
     cost.field_bytes += field_bytes(scene.model, shares);
     double window_s = 0.0;
     if (spec.role == Role::implicit_solver) {
@@ -269,6 +298,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, factor));
       window_s = predictor.implicit_window_s(shares, factor.entries, interface);
     } else {
+      if (scene.coupling.protocol.local_steps) add_local_steps(problem, plan, shares);
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));
       const double substeps = spec.substeps;
       window_s =
@@ -286,18 +316,24 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   }
 
   const auto layout = scene.coupling.protocol.layout;
-  const auto whole = whole_bodies(problem);
+  auto whole = whole_bodies(problem);
   cost.all_implicit_s =
       layout == scene::Layout::all_implicit
           ? cost.stepping_s()
           : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, factor_of(whole).entries, 0.0));
-  if (layout == scene::Layout::all_explicit) {
+  if (layout == scene::Layout::all_explicit && !scene.coupling.protocol.local_steps) {
     cost.all_explicit_step_s = problem.clock.largest_size_s();
     cost.all_explicit_s = cost.stepping_s();
   } else {
     cost.all_explicit_step_s = all_explicit_step_s(problem, plan, whole);
     const double steps = std::ceil(end_s / cost.all_explicit_step_s);
     cost.all_explicit_s = steps * (of_coupler_s + predictor.explicit_window_s(whole, steps, 1.0, true));
+  }
+  if (scene.coupling.protocol.local_steps) {
+    cost.local_explicit_s = cost.stepping_s();
+  } else if (bears_local_steps(problem)) {
+    add_local_steps(problem, plan, whole);
+    cost.local_explicit_s = cost.windows * (of_coupler_s + predictor.explicit_window_s(whole, cost.windows, 1.0, true));
   }
   return cost;
 }

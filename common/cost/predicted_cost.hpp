@@ -30,6 +30,7 @@ struct PredictedCost {
   double setup_s = 0.0;       ///< of the participant that takes longest, before the first window
   double all_implicit_s = 0.0, all_explicit_s = 0.0;  ///< stepping of the baselines to the same end
   double all_explicit_step_s = 0.0;                   ///< the scene's, or what all elements together allow
+  double local_explicit_s = 0.0;  ///< the same in the scene's steps, the small ones of fine elements inside them
 
   [[nodiscard]] double stepping_s() const { return windows * window_s; }
 };

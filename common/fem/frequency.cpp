@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/fem/part.hpp"
@@ -93,9 +94,8 @@ double last_component(const Tridiagonal& t, double shift) {
 /// converged already, which leaves the largest one right (Paige 1976), and three vectors are all it stores.
 class Lanczos {
  public:
-  Lanczos(const StiffnessProduct& product, const Eigen::VectorXd& mass, int components,
-          const std::vector<bool>& fixed_dof)
-      : product_(product), scale_(inverse_root_mass(mass, components, fixed_dof)) {
+  Lanczos(TimesStiffness product, const Eigen::VectorXd& mass, int components, const std::vector<bool>& fixed_dof)
+      : product_(std::move(product)), scale_(inverse_root_mass(mass, components, fixed_dof)) {
     if (none_free()) return;
     v_ = start_vector(scale_);
     previous_ = Eigen::VectorXd::Zero(v_.size());
@@ -113,7 +113,7 @@ class Lanczos {
       v_ = w_ / beta_;
     }
     scaled_ = scale_.cwiseProduct(v_);
-    product_.multiply(scaled_, w_);
+    product_(scaled_, w_);
     w_ = scale_.cwiseProduct(w_) - beta_ * previous_;
     const double alpha = v_.dot(w_);
     w_ -= alpha * v_;
@@ -130,18 +130,27 @@ class Lanczos {
   [[nodiscard]] double uncertainty(double above) const { return beta_ * last_component(t_, above); }
 
  private:
-  const StiffnessProduct& product_;
+  TimesStiffness product_;
   Eigen::VectorXd scale_, v_, previous_, w_, scaled_;
   Tridiagonal t_;
   double beta_ = 0.0;
 };
 
+TimesStiffness times(const StiffnessProduct& product) {
+  return [&product](const Eigen::VectorXd& u, Eigen::VectorXd& force) { product.multiply(u, force); };
+}
+
 }  // namespace
 
 double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorXd& mass, int components,
                              const std::vector<bool>& fixed_dof, double tolerance, double rough) {
-  constexpr double cheap_rows = 2e7;
   const StiffnessProduct product(stiffness, components);  // several times faster than Eigen's
+  return max_frequency_squared(times(product), mass, components, fixed_dof, tolerance, rough);
+}
+
+double max_frequency_squared(const TimesStiffness& product, const Eigen::VectorXd& mass, int components,
+                             const std::vector<bool>& fixed_dof, double tolerance, double rough) {
+  constexpr double cheap_rows = 2e7;
   Lanczos lanczos(product, mass, components, fixed_dof);
   if (lanczos.none_free()) return 0.0;
   const Eigen::Index limit = 10 * lanczos.unknowns() + 100;
@@ -158,6 +167,11 @@ double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorX
 }
 
 double frequency_squared_at_least(const StiffnessProduct& stiffness, const Eigen::VectorXd& mass, int components,
+                                  const std::vector<bool>& fixed_dof, int products) {
+  return frequency_squared_at_least(times(stiffness), mass, components, fixed_dof, products);
+}
+
+double frequency_squared_at_least(const TimesStiffness& stiffness, const Eigen::VectorXd& mass, int components,
                                   const std::vector<bool>& fixed_dof, int products) {
   Lanczos lanczos(stiffness, mass, components, fixed_dof);
   if (lanczos.none_free()) return 0.0;

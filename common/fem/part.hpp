@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -79,10 +80,16 @@ using FaceArea = std::array<double, 4>;  ///< 0 beyond the nodes of the face
 [[nodiscard]] double max_frequency_squared(const SparseMatrix& stiffness, const Eigen::VectorXd& mass, int components,
                                            const std::vector<bool>& fixed_dof, double tolerance = 1e-6,
                                            double rough = 0.0);
+/// force = K u [N] of a symmetric K that need not be a matrix.
+using TimesStiffness = std::function<void(const Eigen::VectorXd& u, Eigen::VectorXd& force)>;
+[[nodiscard]] double max_frequency_squared(const TimesStiffness& stiffness, const Eigen::VectorXd& mass, int components,
+                                           const std::vector<bool>& fixed_dof, double tolerance, double rough = 0.0);
 class StiffnessProduct;
 /// A lower bound of the same by `products` steps of that Lanczos, one product with K each [1/s^2]. Ten come within some
 /// ten per cent of it in most meshes.
 [[nodiscard]] double frequency_squared_at_least(const StiffnessProduct& stiffness, const Eigen::VectorXd& mass,
+                                                int components, const std::vector<bool>& fixed_dof, int products);
+[[nodiscard]] double frequency_squared_at_least(const TimesStiffness& stiffness, const Eigen::VectorXd& mass,
                                                 int components, const std::vector<bool>& fixed_dof, int products);
 
 /// Nodal forces of a constant traction [Pa per component] on a surface of the part (node-major) [N].

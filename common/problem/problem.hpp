@@ -150,6 +150,11 @@ class ExternalForce {
   [[nodiscard]] std::vector<bool> loaded(int dofs) const;
   /// Adds nothing and allocates nothing where there is no load. `force` has part.dofs() entries, overwritten.
   void at(double time_s, Eigen::VectorXd& force) const;
+  /// `change(force)` of every load's share, once and for all.
+  template <class Change>
+  void transform(const Change& change) {
+    for (Term& term : terms_) change(term.force);
+  }
 
  private:
   struct Term {

@@ -83,6 +83,37 @@ void check_contact_keys(TableReader& root, const Scene& scene) {
   }
 }
 
+/// Levels are found for one step, and contact inside small steps needs forces that close the gap at the end of it.
+void check_local_steps(TableReader& root, const TableReader& time, const Scene& scene) {
+  if (!scene.coupling.protocol.local_steps) return;
+  if (!scene.time.step_s)
+    root.refuse("time", "no step_s, which \"local_explicit\" needs: the step of the coarse elements",
+                "step_s; elements that it is too long for take several steps in it");
+  if (!scene.time.changes.empty())
+    time.refuse("changes", "steps of other sizes under \"local_explicit\"", "one step_s, or \"all_explicit\"");
+  if (scene.contacts.empty()) return;
+  const Contact& law = scene.contact_law();
+  for (const auto& contact : root.table_or_tables("contact", "contact")) {
+    if (law.enforcement == Enforcement::penalty)
+      contact.refuse("enforcement", "\"penalty\" under \"local_explicit\"",
+                     "\"multiplier\", whose force acts inside the small steps, or \"all_explicit\"");
+    if (scene.massless_contact())
+      contact.refuse("multiplier_update", "\"massless\" under \"local_explicit\"",
+                     "\"trapezoidal_reset\", or \"all_explicit\"");
+  }
+}
+
+void require_one_process(const Scene& scene) {
+  if (!scene.coupling.protocol.local_steps) return;
+  for (const ParticipantSpec& participant : scene.participants)
+    if (participant.ranks.value_or(1) > 1)
+      throw ConfigError(
+          fmt::format("{}: found {} under \"local_explicit\", whose small steps one process takes; allowed: no ranks "
+                      "(and threads), "
+                      "or \"all_explicit\"",
+                      scene.where("participant." + participant.name + ".ranks"), *participant.ranks));
+}
+
 void load_tables(TableReader& root, Scene& scene) {
   scene.model = load_model(root);
   load_bodies(root, scene);
@@ -100,11 +131,13 @@ void load_tables(TableReader& root, Scene& scene) {
     scene.coupling = load_coupling(table, !scene.contacts.empty());
   }
   check_contact_keys(root, scene);
+  check_local_steps(root, time, scene);
   check_foreign_bodies(root, time, scene);
   check_automatic_partition(root, time, scene);
   check_fewest_substeps(scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
+  require_one_process(scene);
   require_foreign_owners(scene);
   if (root.has("output")) {
     TableReader table = root.table("output", "output");

@@ -43,6 +43,7 @@ const std::vector<ProtocolTraits>& protocols() {
        .implicit_capabilities = {Capability::repeat_window}},
       {.name = "all_implicit", .layout = Layout::all_implicit},
       {.name = "all_explicit", .layout = Layout::all_explicit},
+      {.name = "local_explicit", .layout = Layout::all_explicit, .local_steps = true},
   };
   return table;
 }

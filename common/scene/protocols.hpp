@@ -23,6 +23,7 @@ struct ProtocolTraits {
   bool dual = false;          ///< duplicated nodes with own masses, tied by multipliers; explicit substeps
   bool own_substeps = false;  ///< explicit participants may take different numbers of substeps
   bool iterated = false;      ///< repeats a window until the interface agrees
+  bool local_steps = false;   ///< elements that the window is too long for take several steps in it (fem::LocalSteps)
   bool may_switch = false;    ///< goes on with an implicit participant that integrates explicitly after separation
   /// Momentum is exact with that many substeps or fewer; of an iterated one to its tolerance.
   int exact_up_to_substeps = std::numeric_limits<int>::max();

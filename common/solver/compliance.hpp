@@ -24,7 +24,8 @@ inline void add_product(const Eigen::MatrixXd& m, const Eigen::VectorXd& x, Eige
   for (std::size_t k = 0; k < found; ++k) y += x[columns[k]] * m.col(columns[k]);
 }
 
-/// D of the contact problem [m/N], symmetric positive definite: contact forces x move their own gaps and slips by D x.
+/// D of the contact problem [m/N], symmetric positive definite (a dense one, of contact inside local steps, but nearly
+/// symmetric): contact forces x move their own gaps and slips by D x.
 /// A small one is a dense matrix, which can be factored. For a large one, D = G A^-1 G^T with A the sparse operator of
 /// a whole body, a dense one would cost the cube of the number of contact pairs. Where forces move little but what is
 /// near, it is a sparse matrix; else nothing but the product is had, at the price of a solve with A.

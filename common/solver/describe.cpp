@@ -55,7 +55,9 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();
   d.contact_owner = contact_owner;
-  d.critical_time_step_s = told_critical_step_s
+  const bool local_steps = problem.scene.coupling.protocol.local_steps;  // they bear the window by construction
+  d.critical_time_step_s = local_steps ? 0.0
+                           : told_critical_step_s
                                ? checked_critical_step(problem, participant, states, *told_critical_step_s)
                                : found_critical_step(problem, participant, states);
   for (std::size_t b = 0; b < states.size(); ++b) {

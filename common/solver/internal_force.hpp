@@ -37,6 +37,11 @@ class InternalForce {
   /// From here on all rows are computed: the motion is no longer what the part began with.
   virtual void reach_all();
 
+  /// What forces held over a window amount to at its end [N], in place: M a = S f - P(u). Where elements step locally
+  /// f acts inside the small steps, and S is not 1 (fem::LocalSteps).
+  virtual void spread(Eigen::VectorXd& force);
+  [[nodiscard]] virtual bool spreads(int dof) const;
+
   /// Whether P(u + d) = P(u) + K d. Then a trial may be corrected by what the change of a force moves, alone.
   [[nodiscard]] virtual bool linear() const = 0;
   /// Energy of the elements at u [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
@@ -65,6 +70,8 @@ inline void InternalForce::before_link(Eigen::VectorXd&, Eigen::VectorXd&) {}
 inline void InternalForce::after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) { evaluate(u, force); }
 inline void InternalForce::follow(const Eigen::VectorXd&) {}
 inline void InternalForce::reach_all() {}
+inline void InternalForce::spread(Eigen::VectorXd&) {}
+inline bool InternalForce::spreads(int) const { return false; }
 inline void InternalForce::archive(Archive&) {}
 
 }  // namespace ricochet::solver

@@ -40,4 +40,39 @@ Compliance inverse_mass_of(const std::vector<Pair>& pairs, const std::vector<Bod
   return Compliance::Sparse(rows * columns);
 }
 
+UnitResponses unit_responses(std::vector<std::pair<int, int>> dofs, const std::vector<InternalForce*>& of_part,
+                             const std::vector<BodyState>& states) {
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  UnitResponses responses{std::move(dofs), {}};
+  const auto size = std::ssize(responses.dofs);
+  responses.matrix.setZero(size, size);
+  Eigen::VectorXd force;
+  for (Eigen::Index column = 0; column < size; ++column) {
+    const auto [part, dof] = responses.dofs[static_cast<std::size_t>(column)];
+    const auto& inverse_mass = states[static_cast<std::size_t>(part)].inverse_mass;
+    if (!of_part[static_cast<std::size_t>(part)]->spreads(dof)) {
+      responses.matrix(column, column) = inverse_mass[dof];
+      continue;
+    }
+    force.setZero(inverse_mass.size());
+    force[dof] = 1.0;
+    of_part[static_cast<std::size_t>(part)]->spread(force);
+    for (Eigen::Index row = 0; row < size; ++row) {
+      const auto& [of, number] = responses.dofs[static_cast<std::size_t>(row)];
+      if (of == part) responses.matrix(row, column) = force[number] * inverse_mass[number];
+    }
+  }
+  return responses;
+}
+
+Compliance compliance_of(const std::vector<Pair>& pairs, const UnitResponses& responses, Eigen::Index directions) {
+  const auto& dofs = responses.dofs;
+  const auto column = [&](const RowEntry& e) {
+    return static_cast<int>(std::lower_bound(dofs.begin(), dofs.end(), std::pair(e.part, e.dof)) - dofs.begin());
+  };
+  const Compliance::Sparse rows = matrix_of_rows(pairs, directions, std::ssize(dofs), column);
+  return Eigen::MatrixXd(rows * responses.matrix * rows.transpose());
+}
+
 }  // namespace ricochet::solver

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "common/solver/compliance.hpp"
 #include "common/solver/contact_rows.hpp"
+#include "common/solver/internal_force.hpp"
 
 namespace ricochet::solver {
 
@@ -22,5 +24,18 @@ namespace ricochet::solver {
 /// G M^-1 G^T [1/kg]: what impulses on pairs do to their relative velocities, and forces to accelerations.
 [[nodiscard]] Compliance inverse_mass_of(const std::vector<Pair>& pairs, const std::vector<BodyState>& states,
                                          Eigen::Index directions);
+
+/// Accelerations of some degrees of freedom by forces on them that are held over a window where elements step locally:
+/// M^-1 S, one column a unit force [1/kg]. Not symmetric where one of two neighbours takes more steps than the other.
+struct UnitResponses {
+  std::vector<std::pair<int, int>> dofs;  ///< part and number, ascending
+  Eigen::MatrixXd matrix;
+};
+[[nodiscard]] UnitResponses unit_responses(std::vector<std::pair<int, int>> dofs,
+                                           const std::vector<InternalForce*>& of_part,
+                                           const std::vector<BodyState>& states);
+/// G M^-1 S G^T; every degree of freedom of a row is one of the responses'.
+[[nodiscard]] Compliance compliance_of(const std::vector<Pair>& pairs, const UnitResponses& responses,
+                                       Eigen::Index directions);
 
 }  // namespace ricochet::solver

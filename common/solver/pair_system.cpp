@@ -94,8 +94,8 @@ void PairSystem::assemble(const Eigen::MatrixXd& compliance, Eigen::Index direct
       const double factor = of.of_motion(unknown / pairs, d), own = of.own(unknown / pairs, d);
       const Eigen::Index other = d * pairs + pair, place = place_[static_cast<std::size_t>(other)];
       if (factor != 0.0) {
-        for (Eigen::Index column = 0; column < involved; ++column)  // D is symmetric
-          matrix_(row, column) += factor * compliance(involved_[static_cast<std::size_t>(column)], other);
+        for (Eigen::Index column = 0; column < involved; ++column)
+          matrix_(row, column) += factor * compliance(other, involved_[static_cast<std::size_t>(column)]);
       }
       if (own != 0.0 && place >= 0) matrix_(row, place) += own;
     }

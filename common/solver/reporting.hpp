@@ -29,7 +29,7 @@ class Reporting {
              const std::string& participant, const ContactSurface* surface, bool windows_are_cheap);
 
   /// Whether `note` needs the states of `window`.
-  [[nodiscard]] bool due(std::int64_t window) const { return ModelWatch::due(window) || shapes_->due(window); }
+  [[nodiscard]] bool due(std::int64_t window) const { return model_watch_.due(window) || shapes_->due(window); }
   /// The motion at the start.
   void note_start() { shapes_->note(0); }
   /// After a window is accepted. `of_surface`: see ModelWatch::look.

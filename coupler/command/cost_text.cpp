@@ -70,7 +70,11 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   if (layout != scene::Layout::all_implicit)
     text += fmt::format("\n  all_implicit would take {:.2g} s, {:.2g} times as long", cost.all_implicit_s,
                         cost.all_implicit_s / cost.stepping_s());
-  if (layout != scene::Layout::all_explicit)
+  const bool local_steps = scene.coupling.protocol.local_steps;
+  if (cost.local_explicit_s > 0.0 && !local_steps)
+    text += fmt::format("\n  local_explicit would take {:.2g} s, {:.2g} times as long", cost.local_explicit_s,
+                        cost.local_explicit_s / cost.stepping_s());
+  if (layout != scene::Layout::all_explicit || local_steps)
     text += fmt::format("\n  all_explicit would take {:.2g} s, {:.2g} times as long, in steps of {:.3g} s",
                         cost.all_explicit_s, cost.all_explicit_s / cost.stepping_s(), cost.all_explicit_step_s);
   return text + "\n" + fmt::format("set-up before the first step: about {:.2g} s\n", cost.setup_s) +

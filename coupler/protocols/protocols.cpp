@@ -35,6 +35,7 @@ const std::map<std::string, Maker>& makers() {
       {"fixed_point", make<FixedPoint>},
       {"all_implicit", make<FreeRun>},
       {"all_explicit", make<FreeRun>},
+      {"local_explicit", make<FreeRun>},
   };
   return makers;
 }

@@ -159,8 +159,9 @@ TEST(Readme, InitWritesASceneThatRuns) {
 
 TEST(Readme, EveryProtocolOfTheTableRunsAndSaysWhatItIs) {
   const TemporaryFolder folder;
-  for (const std::string protocol : {"hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "prakash_hjelmstad",
-                                     "gravouil_combescure", "fixed_point", "all_implicit", "all_explicit"}) {
+  for (const std::string protocol :
+       {"hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "prakash_hjelmstad", "gravouil_combescure",
+        "fixed_point", "all_implicit", "all_explicit", "local_explicit"}) {
     for (const char* page : {"README.md", "docs/protocols.md"}) {
       EXPECT_NE(page_text(page).find("\n| `" + protocol + "`"), std::string::npos) << page << ": " << protocol;
     }
@@ -187,7 +188,8 @@ TEST(Readme, EnergyAndMomentumOfTheTableAreThoseOfTheRuns) {
                          Row{"gravouil_combescure", "", "1e-4 at m = 2", 2, 0.0, 0.0, 1e-4},
                          Row{"fixed_point", "-0.21 % to 0 ", "to the tolerance", 0, -0.0021, 0.0, 0.0},
                          Row{"all_implicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0},
-                         Row{"all_explicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0}}) {
+                         Row{"all_explicit", "-0.21 % to 0 ", "exact", 0, -0.0021, 0.0, 0.0},
+                         Row{"local_explicit", "-0.21 % to 0, ", "exact", 0, -0.0021, 0.0, 0.0}}) {
     std::smatch line;
     ASSERT_TRUE(std::regex_search(text, line, std::regex("\n\\| `" + std::string(row.protocol) + "`[^\n]*")))
         << row.protocol;

@@ -65,6 +65,8 @@ std::vector<Case> by_law() {
     return with_key(with_absolute_meshes(config_text(config)), "contact", key, value);
   };
   std::vector<Case> cases;
+  cases.push_back({"local_steps_in_contact",
+                   with_protocol(with_absolute_meshes(config_text("rounded_striker")), "local_explicit"), 400});
   for (const std::string protocol : {"hughes_liu", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {
     const auto add = [&](const std::string& name, const std::string& text, int every) {
       cases.push_back({name + "_" + protocol, with_protocol_of_two_steps(text, protocol), every});

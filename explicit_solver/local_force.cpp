@@ -1,0 +1,35 @@
+#include "explicit_solver/local_force.hpp"
+
+#include <memory>
+
+namespace ricochet::explicit_solver {
+namespace {
+
+std::vector<int> with(std::vector<int> nodes, const std::vector<int>& more) {
+  nodes.insert(nodes.end(), more.begin(), more.end());
+  return nodes;
+}
+
+}  // namespace
+
+LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s)
+    : LinearElements(state),
+      steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
+      front_(state, with(driven, steps_.reached())) {}
+
+void LocalForce::evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  front_.multiply(*state_, u, force);
+  steps_.spread(force);
+}
+
+bool LocalForce::spreads(int dof) const {
+  return steps_.any() && steps_.steps_locally(dof / fem::components(state_->part.mesh.model));
+}
+
+MakeForce local_force(double window_s) {
+  return [window_s](const solver::BodyState& state, const std::vector<int>& driven) {
+    return std::make_unique<LocalForce>(state, driven, window_s);
+  };
+}
+
+}  // namespace ricochet::explicit_solver

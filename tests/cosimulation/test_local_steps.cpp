@@ -1,0 +1,77 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/support/run.hpp"
+
+// `local_explicit`: elements that the window is too long for take several steps in it.
+
+namespace ricochet::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A bar (E = 1 GPa, rho = 1000 kg/m^3, c = 1000 m/s, L = 1 m, A = 1e-4 m^2) meets a rigid plane at 1 m/s with its end
+/// of elements `ratio` times finer than the last: exact, it pushes with rho c v A = 100 N for 2 L/c = 2 ms and leaves
+/// with 1 m/s. The largest element is `ratio` (q - 1)/(q^n - 1) with q^(n - 1) = ratio, and the step 0.9 of its own.
+struct GradedBar {
+  int ratio, elements;
+
+  [[nodiscard]] double step_s() const {
+    const double q = std::pow(ratio, 1.0 / (elements - 1));
+    return 0.9 * ratio * (q - 1.0) / (std::pow(q, elements) - 1.0) / 1000.0;
+  }
+  [[nodiscard]] std::string text(const std::string& protocol, double step_s) const {
+    return R"(model = "bar"
+[[body]]
+name = "bar"
+material = { youngs_modulus_pa = 1e9, density_kg_m3 = 1000.0 }
+area_m2 = 1e-4
+mesh = { length_m = 1.0, elements = )" +
+           std::to_string(elements) + ", grading = " + std::to_string(ratio) + R"( }
+initial_velocity_m_s = [-1.0]
+[contact]
+surfaces = ["bar.start", "rigid_plane"]
+[time]
+step_s = )" +
+           std::to_string(1e9 * step_s) + "e-9\nend_s = 3e-3\n[coupling]\nprotocol = \"" + protocol + "\"\n";
+  }
+};
+
+class LocalSteps : public testing::TestWithParam<GradedBar> {};
+INSTANTIATE_TEST_SUITE_P(Ratios, LocalSteps, testing::Values(GradedBar{2, 150}, GradedBar{8, 270}, GradedBar{32, 400}),
+                         [](const auto& tested) { return "r" + std::to_string(tested.param.ratio); });
+
+double released_s(const RunResult& run) {
+  double last = 0.0;
+  const auto &time = run.column("time_s"), &force = run.column("contact_force_n");
+  for (std::size_t i = 0; i < time.size(); ++i)
+    if (force[i] > 0.0) last = time[i];
+  return last;
+}
+
+TEST_P(LocalSteps, GiveAnImpactOfTheFineEndItsForceAndDuration) {
+  const TemporaryFolder folder;
+  const GradedBar& bar = GetParam();
+  const RunResult run = run_text(bar.text("local_explicit", bar.step_s()), folder);
+  EXPECT_THAT(run.outcome.error, testing::Not(HasSubstr("warning")));
+  EXPECT_NEAR(released_s(run), 2e-3, 0.005 * 2e-3 + bar.step_s());
+  EXPECT_NEAR(run.mean("contact_force_n", 0.3e-3, 1.7e-3), 100.0, 0.1);
+  EXPECT_NEAR(run.last("momentum_n_kg_m_s"), -0.1, 0.01 * 0.1) << "rho A L v, turned round";
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_GT(run.last("energy_error"), -0.01) << "the contact node's share";
+  EXPECT_LT(run.largest("energy_error"), 1e-9);
+}
+
+TEST(LocalSteps, AreThoseOfAllExplicitWhereEveryElementBearsTheStep) {
+  const TemporaryFolder a, b;
+  const GradedBar bar{2, 100};
+  const double step_s = 0.9 * 0.5 * bar.step_s();
+  const auto local = run_text(bar.text("local_explicit", step_s), a),
+             all = run_text(bar.text("all_explicit", step_s), b);
+  EXPECT_EQ(local.column("contact_force_n"), all.column("contact_force_n"));
+  EXPECT_EQ(local.column("energy_strain_j"), all.column("energy_strain_j"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
