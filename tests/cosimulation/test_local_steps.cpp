@@ -63,6 +63,16 @@ TEST_P(LocalSteps, GiveAnImpactOfTheFineEndItsForceAndDuration) {
   EXPECT_LT(run.largest("energy_error"), 1e-9);
 }
 
+// Its planes of symmetry hold nodes that step locally: contact pulls at them inside the small steps.
+TEST(LocalSteps, KeepTheMomentumOfTetrahedraWithSupportsAmongThem) {
+  const TemporaryFolder folder;
+  const std::string text = with_protocol(with_absolute_meshes(config_text("ball_on_plate")), "local_explicit");
+  const RunResult run = run_text(with_key(text, "time", "end_s", "1e-5"), folder);
+  EXPECT_GT(run.last("contact_force_n"), 200.0);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_LT(run.largest("energy_error"), 1e-6);
+}
+
 TEST(LocalSteps, AreThoseOfAllExplicitWhereEveryElementBearsTheStep) {
   const TemporaryFolder a, b;
   const GradedBar bar{2, 100};

@@ -12,7 +12,7 @@ using testing::Pointwise;
 
 /// Stress of a body strained along its axis alone: E, or lambda + 2 mu where it cannot narrow.
 double axial_modulus(Model model) {
-  const auto [e, nu, density] = sample::steel;
+  const double e = sample::steel.youngs_modulus_pa, nu = sample::steel.poisson_ratio;
   return model == Model::bar ? e : e * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
 }
 
