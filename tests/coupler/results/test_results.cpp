@@ -252,6 +252,7 @@ std::set<std::string> keys_of_results_page() {
 TEST(Summary, HasTheKeysOfTheResultsPageAndNoOther) {
   Summary summary = finished();
   summary.outside_model.emplace_back();
+  summary.limits.emplace_back();
   summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"NAME", 0.8}}}};
   const ForceTally forces(0.5, 0.4, 2);
   const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}}), one_solid(std::nullopt, true, forces);
