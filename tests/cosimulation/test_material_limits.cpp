@@ -15,22 +15,34 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const nlohmann::json* find(const RunResult& run, const std::string& kind) {
+const nlohmann::json* passed(const RunResult& run, const std::string& kind) {
   for (const auto& entry : run.summary.at("outside_model"))
     if (entry.at("kind") == kind) return &entry;
   return nullptr;
 }
 
-std::string check(const std::string& text, const TemporaryFolder& folder) {
+std::string limits_checked(const std::string& text, const TemporaryFolder& folder) {
   const auto outcome =
       run_command({ricochet_binary(), "check", folder.write(text, "check.toml")}, folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   return outcome.out;
 }
 
-/// A block of 1 GPa, 0.25 and 1000 kg/m^3 that is pulled along its axis, slowly: over eight periods of its longest
-/// wave, whose stress so grows evenly to `pull_pa` and stays there. Its flanks are free.
-std::string pulled(const std::string& model, const std::string& protocol, double pull_pa, const std::string& limit) {
+/// Half a cosine from 0 to 1, of which so slow a pull makes vibrations of 0.4 % at most.
+constexpr double pull_s = 3.2e-3;
+std::string slowly() {
+  std::string times, factors;
+  for (int i = 0; i <= 64; ++i) {
+    times += fmt::format("{}{:.9f}", i == 0 ? "" : ", ", pull_s * i / 64.0);
+    factors += fmt::format("{}{:.9f}", i == 0 ? "" : ", ", 0.5 - 0.5 * std::cos(std::numbers::pi * i / 64.0));
+  }
+  return "{ time_s = [" + times + "], factor = [" + factors + "] }";
+}
+
+/// A block of 1 GPa, 0.25 and 1000 kg/m^3 that is pulled along its axis, over eight periods of its longest wave. Its
+/// flanks are free.
+std::string pulled_block(const std::string& model, const std::string& protocol, double pull_pa,
+                         const std::string& limit) {
   const std::string axis = model == "bar" ? "x" : model == "axisymmetric" || model == "solid" ? "z" : "y";
   const std::string zeros = model == "bar" ? "" : model == "solid" ? "0.0, 0.0, " : "0.0, ";
   const std::string across = model == "bar"            ? "elements = 10"
@@ -41,10 +53,10 @@ std::string pulled(const std::string& model, const std::string& protocol, double
       "model = \"{}\"\n[[body]]\nname = \"block\"\nmaterial = {{ youngs_modulus_pa = 1e9, poisson_ratio = 0.25, "
       "density_kg_m3 = 1000.0, {} }}\nmesh = {{ length_m = 0.1, {} }}\n"
       "support = [{{ surface = \"start\", fixed = [\"{}\"] }}]\n"
-      "traction = [{{ surface = \"end\", traction_pa = [{}{}], amplitude = {{ time_s = [0.0, 3.2e-3], factor = [0.0, "
-      "1.0] }} }}]\n[time]\n{}\nend_s = 3.4e-3\n[coupling]\nprotocol = \"{}\"\n",
-      model, limit, across, axis, zeros, pull_pa, protocol == "all_explicit" ? "safety_factor = 0.9" : "step_s = 1e-5",
-      protocol);
+      "traction = [{{ surface = \"end\", traction_pa = [{}{}], amplitude = {} }}]\n[time]\n{}\nend_s = "
+      "3.4e-3\n[coupling]\nprotocol = \"{}\"\n",
+      model, limit, across, axis, zeros, pull_pa, slowly(),
+      protocol == "all_explicit" ? "safety_factor = 0.9" : "step_s = 1e-5", protocol);
 }
 
 struct Pull {
@@ -60,20 +72,23 @@ TEST_P(Pulled, PassesItsLimitsWhereUniformStressDoes) {
   const std::string yield = fmt::format("yield_stress_pa = {:.6f}", share * 5e6), strength = "strength_pa = 5e6";
   const TemporaryFolder folder;
   for (const double sign : {1.0, -1.0}) {
-    const auto below = run_text(pulled(model, protocol, sign * 4.95e6, yield + ", " + strength), folder, "below");
+    const auto below = run_text(pulled_block(model, protocol, sign * 4.95e6, yield + ", " + strength), folder, "below");
     EXPECT_EQ(below.summary.at("status"), "done") << below.summary.at("outside_model");
-    const auto run = run_text(pulled(model, protocol, sign * 5.05e6, yield + ", " + strength), folder, "above");
+    const auto run = run_text(pulled_block(model, protocol, sign * 5.05e6, yield + ", " + strength), folder, "above");
     EXPECT_EQ(run.summary.at("status"), "left_model");
     EXPECT_EQ(run.summary.at("limits").at(0).at("strength_pa"), 5e6);
-    const auto* tension = find(run, "tension");
+    const auto* tension = passed(run, "tension");
     EXPECT_EQ(tension != nullptr, sign > 0.0) << "compression breaks nothing";
-    if (tension) EXPECT_NEAR(tension->at("size").get<double>(), 5.05e6, 0.01e6);
-    const auto* flows = find(run, "yield");
+    if (tension) {
+      EXPECT_NEAR(tension->at("size").get<double>(), 5.05e6, 0.03e6);
+    }
+    const auto* flows = passed(run, "yield");
     ASSERT_TRUE(flows);
-    EXPECT_NEAR(flows->at("size").get<double>(), share * 5.05e6, 0.01e6);
+    EXPECT_NEAR(flows->at("size").get<double>(), share * 5.05e6, 0.03e6);
     EXPECT_FALSE(flows->at("results_wrong").get<bool>());
     const double first_s = flows->at("first_s"), step_s = run.summary.at("window_size_s");
-    EXPECT_NEAR(first_s, 3.2e-3 / 1.01, 0.05e-3) << "when the pull has grown to the limit";
+    EXPECT_NEAR(first_s, pull_s * std::acos(1.0 - 2.0 / 1.01) / std::numbers::pi, 0.1e-3)
+        << "when the pull has grown to the limit";
     const double looks = protocol == "all_implicit" || model == "bar" ? 1.0 : 8.0;
     EXPECT_NEAR(first_s - flows->at("last_without_s").get<double>(), looks * step_s, 1e-9);
     EXPECT_GT(flows->at("first_size").get<double>(), share * 5e6);
@@ -92,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Blocks, Pulled,
 
 /// Bars of 1 GPa and 4 GPa, 1000 kg/m^3, that meet at x = 0: the stress is two thirds of rho c v of the first,
 /// 0.667 MPa for each m/s. Its yield stress of 10 MPa is reached at 15 m/s.
-std::string bars(double speed_m_s, const std::string& protocol) {
+std::string limited_bars(double speed_m_s, const std::string& protocol) {
   const std::string material = "material = { density_kg_m3 = 1000.0, youngs_modulus_pa = ";
   return fmt::format(
       "model = \"bar\"\n[[body]]\nname = \"left\"\n{}1e9, yield_stress_pa = 10e6 }}\nmesh = {{ start_m = -1.0, "
@@ -107,12 +122,12 @@ std::string bars(double speed_m_s, const std::string& protocol) {
 /// Where each wave crosses an element in a step, central difference has the exact waves, without overshoot.
 TEST(BarAtItsYieldVelocity, PassesTheYieldStressOnePercentAboveItAndNotOnePercentBelow) {
   const TemporaryFolder folder;
-  const auto below = run_text(bars(0.99 * 15.0, "all_explicit"), folder, "below");
+  const auto below = run_text(limited_bars(0.99 * 15.0, "all_explicit"), folder, "below");
   EXPECT_EQ(below.summary.at("status"), "done") << below.summary.at("outside_model");
-  const auto run = run_text(bars(1.01 * 15.0, "all_explicit"), folder, "above");
+  const auto run = run_text(limited_bars(1.01 * 15.0, "all_explicit"), folder, "above");
   EXPECT_EQ(run.summary.at("status"), "left_model");
   EXPECT_EQ(run.summary.at("exit_code"), 0);
-  const auto* yield = find(run, "yield");
+  const auto* yield = passed(run, "yield");
   ASSERT_TRUE(yield) << run.summary.at("outside_model");
   EXPECT_EQ(yield->at("body"), "left") << "the other body has no limit";
   EXPECT_NEAR(yield->at("size").get<double>(), 10.1e6, 10.0);
@@ -130,23 +145,24 @@ TEST(BarAtItsYieldVelocity, PassesTheYieldStressOnePercentAboveItAndNotOnePercen
 
 TEST(BarAtItsYieldVelocity, IsWarnedOfBeforeTheRun) {
   const TemporaryFolder folder;
-  EXPECT_THAT(check(bars(0.99 * 15.0, "all_explicit"), folder), Not(HasSubstr("yield stress")));
-  EXPECT_THAT(check(bars(1.01 * 15.0, "all_explicit"), folder),
+  EXPECT_THAT(limits_checked(limited_bars(0.99 * 15.0, "all_explicit"), folder), Not(HasSubstr("yield stress")));
+  EXPECT_THAT(limits_checked(limited_bars(1.01 * 15.0, "all_explicit"), folder),
               HasSubstr("warning: an impact at 15.15 m/s makes, by impedance theory, a von Mises stress of 10.1 MPa in "
                         "body \"left\", 1.01 times its yield stress of 10 MPa: linear elastic elements are right up to "
                         "15 m/s"));
-  const auto run = run_text(bars(1.01 * 15.0, "all_explicit"), folder);
+  const auto run = run_text(limited_bars(1.01 * 15.0, "all_explicit"), folder);
   EXPECT_THAT(run.outcome.error, HasSubstr("makes, by impedance theory, a von Mises stress of 10.1 MPa"));
 }
 
 class BarOfBothSolvers : public testing::TestWithParam<const char*> {};
 
-/// The trapezoidal rule overshoots behind a front.
+/// Steps shorter than the critical one, and the trapezoidal rule, overshoot behind a front that is a jump, by less than
+/// half of it.
 TEST_P(BarOfBothSolvers, IsLookedAtInBoth) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(run_text(bars(0.8 * 15.0, GetParam()), folder, "below").summary.at("outside_model").empty());
-  const auto run = run_text(bars(1.2 * 15.0, GetParam()), folder, "above");
-  const auto* yield = find(run, "yield");
+  EXPECT_TRUE(run_text(limited_bars(0.6 * 15.0, GetParam()), folder, "below").summary.at("outside_model").empty());
+  const auto run = run_text(limited_bars(1.2 * 15.0, GetParam()), folder, "above");
+  const auto* yield = passed(run, "yield");
   ASSERT_TRUE(yield);
   EXPECT_NEAR(yield->at("first_place_m").at(0).get<double>(), -0.01, 0.021);
   EXPECT_LE(yield->at("first_s").get<double>(), 5.0 * 1.8e-5);
@@ -177,12 +193,12 @@ TEST_P(Spall, BeginsWhereAndWhenTheExactWavesFirstPull) {
   const bool exact = GetParam() == std::string("all_explicit");
   const TemporaryFolder folder;
   const auto run = run_text(spalling(GetParam()), folder);
-  const auto* tension = find(run, "tension");
+  const auto* tension = passed(run, "tension");
   ASSERT_TRUE(tension) << run.summary.at("outside_model");
   EXPECT_EQ(tension->at("body"), "bar");
   EXPECT_NEAR(tension->at("first_place_m").at(0).get<double>(), 0.8, exact ? 0.0051 : 0.02);
-  EXPECT_NEAR(tension->at("first_s").get<double>(), 1.2e-3, exact ? 1.01e-5 : 2e-5);
-  EXPECT_NEAR(tension->at("size").get<double>(), 10e6, exact ? 10.0 : 2.5e6);
+  EXPECT_NEAR(tension->at("first_s").get<double>(), 1.2e-3, exact ? 1.01e-5 : 4e-5);
+  EXPECT_NEAR(tension->at("size").get<double>(), 10e6, exact ? 10.0 : 5.5e6);
   EXPECT_THAT(run.outcome.error, HasSubstr("a brittle body breaks there"));
 }
 
@@ -191,14 +207,14 @@ INSTANTIATE_TEST_SUITE_P(Bars, Spall, testing::Values("all_explicit", "hughes_li
 
 TEST(Spall, IsWarnedOfBeforeTheRun) {
   const TemporaryFolder folder;
-  EXPECT_THAT(check(spalling("hughes_liu"), folder),
+  EXPECT_THAT(limits_checked(spalling("hughes_liu"), folder),
               HasSubstr("sends, by impedance theory, a wave that a free end turns into a tension of 10 MPa in body "
                         "\"bar\", 2 times its strength of 5 MPa"));
-  EXPECT_THAT(check(replaced(spalling("hughes_liu"), "[20.0]", "[9.9]"), folder), Not(HasSubstr("strength")));
+  EXPECT_THAT(limits_checked(replaced(spalling("hughes_liu"), "[20.0]", "[9.9]"), folder), Not(HasSubstr("strength")));
 }
 
 /// configs/two_balls.toml, R' = 5 mm, E' = 25 GPa, with limits for the lower ball.
-std::string balls(double speed_m_s, const std::string& limits, const std::string& protocol) {
+std::string limited_balls(double speed_m_s, const std::string& limits, const std::string& protocol) {
   std::string text = with_absolute_meshes(with_protocol(config_text("two_balls"), protocol));
   text = replaced(text, "density_kg_m3 = 2800.0", "density_kg_m3 = 2800.0, " + limits);
   text = replaced(text, "[0.0, 10.0]", fmt::format("[0.0, {}]", speed_m_s));
@@ -221,8 +237,8 @@ class YieldingBall : public testing::TestWithParam<const char*> {};
 
 TEST_P(YieldingBall, PassesWhatHertzHasBelowThePatch) {
   const TemporaryFolder folder;
-  const auto run = run_text(balls(10.0, "yield_stress_pa = 500e6", GetParam()), folder);
-  const auto* yield = find(run, "yield");
+  const auto run = run_text(limited_balls(10.0, "yield_stress_pa = 500e6", GetParam()), folder);
+  const auto* yield = passed(run, "yield");
   ASSERT_TRUE(yield);
   constexpr double modulus = 25e9, radius = 5e-3;
   const double force = run.summary.at("peak_contact_force_n");
@@ -245,11 +261,11 @@ TEST(YieldingBall, IsWarnedOfBeforeTheRunFromItsYieldVelocityOn) {
     return 2.0 * modulus / std::numbers::pi * std::sqrt(approach / radius);
   };
   const std::string limits = fmt::format("yield_stress_pa = {:.6g}", pressure(20.0) / 1.6);
-  EXPECT_THAT(check(balls(8.5, limits, "hughes_liu"), folder), Not(HasSubstr("yield stress")));
-  EXPECT_THAT(check(balls(11.5, limits, "hughes_liu"), folder),
+  EXPECT_THAT(limits_checked(limited_balls(8.5, limits, "hughes_liu"), folder), Not(HasSubstr("yield stress")));
+  EXPECT_THAT(limits_checked(limited_balls(11.5, limits, "hughes_liu"), folder),
               AllOf(HasSubstr("makes, by Hertz' theory, a von Mises stress of "), HasSubstr("in body \"lower\""),
                     Not(HasSubstr("in body \"upper\""))));
-  EXPECT_THAT(check(balls(10.0, "strength_pa = 100e6", "hughes_liu"), folder),
+  EXPECT_THAT(limits_checked(limited_balls(10.0, "strength_pa = 100e6", "hughes_liu"), folder),
               HasSubstr("makes, by Hertz' theory, a tension of "));
 }
 

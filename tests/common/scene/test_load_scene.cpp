@@ -345,8 +345,8 @@ TEST(LoadScene, DefaultsStandInTheStructs) {
 }
 
 TEST(LoadScene, AMaterialMayHaveLimits) {
-  const Scene scene =
-      load_text(replaced(full, "density_kg_m3 = 7860", "density_kg_m3 = 7860, yield_stress_pa = 4e8, strength_pa = 9e8"));
+  const Scene scene = load_text(
+      replaced(full, "density_kg_m3 = 7860", "density_kg_m3 = 7860, yield_stress_pa = 4e8, strength_pa = 9e8"));
   EXPECT_EQ(scene.body("steel").material.yield_stress_pa, 4e8);
   EXPECT_EQ(scene.body("steel").material.strength_pa, 9e8);
   EXPECT_TRUE(std::isinf(scene.body("carbide").material.yield_stress_pa));

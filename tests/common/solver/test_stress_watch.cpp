@@ -47,14 +47,17 @@ TEST_P(StressInTheMiddle, IsWhatTheElementItselfHasThere) {
   int pulled = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     BodyState state = element(kind, model, seed);
-    const auto stress = fem::element_stress(state.part.section, state.part.material,
-                                            fem::element_geometry(state.part.mesh, 0), state.u, fem::traits(kind).centre);
+    const auto stress =
+        fem::element_stress(state.part.section, state.part.material, fem::element_geometry(state.part.mesh, 0), state.u,
+                            fem::traits(kind).centre);
     const double von_mises = fem::von_mises_stress(model, stress), tension = fem::principal_stresses(model, stress)[0];
     state.part.material.yield_stress_pa = von_mises * (1.0 - 1e-9);
     if (tension > 0.0) state.part.material.strength_pa = tension * (1.0 - 1e-9);
     const auto passed = StressWatch({state}).look(0, state);
     EXPECT_NEAR(passed.yield.size / von_mises, 1.0, 1e-9);
-    if (tension > 0.0) EXPECT_NEAR(passed.tension.size / tension, 1.0, 1e-9);
+    if (tension > 0.0) {
+      EXPECT_NEAR(passed.tension.size / tension, 1.0, 1e-9);
+    }
     pulled += tension > 0.0;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const auto& x : state.part.mesh.position) middle += x / static_cast<double>(state.part.mesh.position.size());
@@ -68,13 +71,14 @@ TEST_P(StressInTheMiddle, IsWhatTheElementItselfHasThere) {
   EXPECT_GT(pulled, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Elements, StressInTheMiddle,
-    testing::Values(Kind{ElementKind::bar, Model::bar}, Kind{ElementKind::triangle, Model::plane_strain},
-                    Kind{ElementKind::quadrilateral, Model::plane_strain},
-                    Kind{ElementKind::triangle, Model::axisymmetric},
-                    Kind{ElementKind::quadrilateral, Model::axisymmetric}, Kind{ElementKind::tetrahedron, Model::solid},
-                    Kind{ElementKind::hexahedron, Model::solid}));
+INSTANTIATE_TEST_SUITE_P(Elements, StressInTheMiddle,
+                         testing::Values(Kind{ElementKind::bar, Model::bar},
+                                         Kind{ElementKind::triangle, Model::plane_strain},
+                                         Kind{ElementKind::quadrilateral, Model::plane_strain},
+                                         Kind{ElementKind::triangle, Model::axisymmetric},
+                                         Kind{ElementKind::quadrilateral, Model::axisymmetric},
+                                         Kind{ElementKind::tetrahedron, Model::solid},
+                                         Kind{ElementKind::hexahedron, Model::solid}));
 
 TEST(StressWatch, LooksAtNothingWithoutALimit) {
   const BodyState state = element(ElementKind::hexahedron, Model::solid, 1);
