@@ -194,16 +194,21 @@ CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& a
   sums_.setZero(4 * widest, threads);
   own_.setZero(widest);
 
-  Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots);
-  Eigen::VectorXd pivots(roots);
-  for (int k = 0; k < roots; ++k) {
-    pivots[k] = factor.diagonal(interior_ + k) * factor.diagonal(interior_ + k);
-    factor.below_diagonal(interior_ + k, [&](int row, double value) { lower(row - interior_, k) = value; });
-  }
-  const Eigen::MatrixXd half = lower.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(roots, roots));
-  root_inverse_ = half.transpose() * pivots.cwiseInverse().asDiagonal() * half;
+  invert_root(roots, factor);
   solution_.setZero(unknowns);
   root_rhs_.setZero(roots);
+}
+
+/// (L D L^T)^-1 = (D^-1/2 L^-1)^T (D^-1/2 L^-1) of the root's columns.
+void CondensedFactor::invert_root(int roots, const Supernodes& factor) {
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Identity(roots, roots), half = lower;
+  for (int k = 0; k < roots; ++k)
+    factor.below_diagonal(interior_ + k, [&](int row, double value) { lower(row - interior_, k) = value; });
+  lower.triangularView<Eigen::UnitLower>().solveInPlace(half);
+  for (int k = 0; k < roots; ++k) half.row(k) /= factor.diagonal(interior_ + k);
+  lower.setZero();
+  lower.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+  root_inverse_ = lower.selfadjointView<Eigen::Lower>();
 }
 
 void CondensedFactor::collect_blocks(const std::vector<ColumnRange>& ranges, const Supernodes& factor) {

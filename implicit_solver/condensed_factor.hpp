@@ -45,6 +45,7 @@ class CondensedFactor {
  private:
   void collect_blocks(const std::vector<ColumnRange>& ranges, const Supernodes& factor);
   void collect_targets();
+  void invert_root(int roots, const Supernodes& factor);
   template <class Work>
   void for_each(int parts, const Work& work);
   [[nodiscard]] int parts_of(const Block& block) const;

@@ -13,10 +13,55 @@ namespace {
 /// side takes four times as long.
 constexpr std::size_t root_entries_per_entry = 2;
 /// Up to so many contact dofs are in the root, whose dense inverse costs their cube to find and their square to keep
-/// and to use. More of them are eliminated with all others; then what contact forces add to the motion is another solve
-/// of the whole operator. Measured on flat cylinders: with 600 a hybrid window costs the same either way, finding the
-/// inverse three times the rest of the set-up with 800.
+/// and to use. More of them are eliminated with all others if their block of A^-1 has few entries; then what contact
+/// forces add to the motion is another solve of the whole operator. Measured on flat cylinders: with 600 a hybrid
+/// window costs the same either way, finding the inverse three times the rest of the set-up with 800.
 constexpr std::size_t most_contact_dofs_in_root = 800;
+/// Where forces move what is far, up to so many, 290 MB, and so many entries of their inverse per entry of the
+/// operator: the only other way is a solve of the whole operator for every product, some hundred a window. Measured on
+/// solids that stick: with ten entries per entry finding the inverse takes as long as sixty windows by products.
+constexpr std::size_t most_coupled_dofs_in_root = 6000, coupled_entries_per_entry = 4;
+
+/// Solves that set-up may take to find few entries of A^-1, so that no window needs any for the contact problem: worth
+/// it after a tenth as many windows, since a window without them takes some ten.
+constexpr int most_solves = 800, most_solves_if_it_fits = 200;
+
+/// Motion of `dofs` by forces on them: conjugate gradients on A x = f, x and f zero where not active, from whose kth
+/// iterate nothing is moved that is more than k elements away (Hestenes, Stiefel 1952), preconditioned by the diagonal.
+class ProductSolve {
+ public:
+  ProductSolve(const fem::SparseMatrix& a, const std::vector<bool>& active, const std::vector<int>& dofs)
+      : a_(a), dofs_(dofs), scale_(a.diagonal().cwiseInverse()) {
+    for (Eigen::Index i = 0; i < scale_.size(); ++i)
+      if (!active[static_cast<std::size_t>(i)]) scale_[i] = 0.0;
+  }
+
+  void operator()(const Eigen::VectorXd& forces, Eigen::VectorXd& motion) const {
+    constexpr int most_products = 100;
+    constexpr double settled = 1e-17;
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(a_.rows()), x = r;
+    for (Eigen::Index i = 0; i < forces.size(); ++i) r[dofs_[static_cast<std::size_t>(i)]] = forces[i];
+    Eigen::VectorXd z = scale_.cwiseProduct(r), p = z, q;
+    double rz = r.dot(z);
+    const double enough = settled * settled * rz;
+    for (int k = 0; k < most_products && rz > enough; ++k) {
+      q.noalias() = a_ * p;
+      const double alpha = rz / p.dot(q), before = rz;
+      x += alpha * p;
+      r -= alpha * q;
+      z = scale_.cwiseProduct(r);
+      rz = r.dot(z);
+      p = z + rz / before * p;
+    }
+    motion.resize(forces.size());
+    for (Eigen::Index i = 0; i < forces.size(); ++i) motion[i] = x[dofs_[static_cast<std::size_t>(i)]];
+  }
+
+ private:
+  const fem::SparseMatrix& a_;
+  const std::vector<int>& dofs_;
+  Eigen::VectorXd scale_;  ///< inverse of the diagonal; 0 where not active
+};
 }  // namespace
 
 WindowSolver::WindowSolver(const CombinedParts& parts, ImplicitContact* contact,
@@ -61,12 +106,22 @@ fem::SparseMatrix WindowSolver::assemble(const Eigen::VectorXd& u, std::vector<b
   return a;
 }
 
+bool WindowSolver::contact_belongs_in_root(const fem::SparseMatrix& a, const std::vector<bool>& active) {
+  if (root_.size() <= most_contact_dofs_in_root || contact_->massless()) return true;
+  const std::size_t roots = root_.size();
+  const bool fits = roots <= most_coupled_dofs_in_root &&
+                    roots * roots <= coupled_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
+  const bool sparse = contact_->moves_what_is_near(parts_.states, ProductSolve(a, active, root_),
+                                                   fits ? most_solves_if_it_fits : most_solves);
+  return fits && !sparse;
+}
+
 void WindowSolver::choose_root(const fem::SparseMatrix& a, const std::vector<bool>& active) {
   root_ = contact_ ? contact_->root_dofs() : std::vector<int>{};
-  contact_in_root_ = root_.size() <= most_contact_dofs_in_root || contact_->massless();
-  if (!contact_in_root_) root_.clear();
+  if (!contact_in_root_) contact_in_root_ = contact_belongs_in_root(a, active);
+  if (!*contact_in_root_) root_.clear();
   const std::size_t roots = root_.size() + parts_.shared_dofs.size();
-  link_in_root_ = contact_in_root_ && roots * roots <= root_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
+  link_in_root_ = *contact_in_root_ && roots * roots <= root_entries_per_entry * static_cast<std::size_t>(a.nonZeros());
   shared_roots_.clear();
   for (const int dof : link_in_root_ ? parts_.shared_dofs : std::vector<int>{}) {
     const auto found = std::find(root_.begin(), root_.end(), dof);
@@ -89,7 +144,7 @@ void WindowSolver::linearise(const Eigen::VectorXd& u, participant::Heartbeat* h
 
 void WindowSolver::prepare_contact() {
   const auto size = static_cast<Eigen::Index>(contact_->root_dofs().size());
-  if (contact_in_root_) {
+  if (*contact_in_root_) {
     contact_->prepare(factor_->root_inverse().topLeftCorner(size, size), dt_);
     return;
   }
@@ -159,7 +214,7 @@ void WindowSolver::solve_contact_outside_root(const Eigen::VectorXd* from, Eigen
 /// Completes a solve whose root has its right-hand side; the increment is counted from `from`, if that is given.
 void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
   root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
-  if (!contact_in_root_) {
+  if (!*contact_in_root_) {
     solve_contact_outside_root(from, increment);
     return;
   }

@@ -47,6 +47,7 @@ class WindowSolver {
   [[nodiscard]] fem::SparseMatrix assemble(const Eigen::VectorXd& u, std::vector<bool>& active);
   void add_interface_stiffness(double scale, fem::SparseMatrix& a) const;
   void choose_root(const fem::SparseMatrix& a, const std::vector<bool>& active);
+  [[nodiscard]] bool contact_belongs_in_root(const fem::SparseMatrix& a, const std::vector<bool>& active);
   void prepare_contact();
   void find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
   void solve_contact_outside_root(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
@@ -61,7 +62,8 @@ class WindowSolver {
   std::optional<CondensedFactor> factor_;
   std::vector<int> root_;
   std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
-  bool link_in_root_ = true, contact_in_root_ = true;
+  bool link_in_root_ = true;
+  std::optional<bool> contact_in_root_;  ///< once chosen
   Eigen::VectorXd b_with_link_, root_rhs_, root_increment_, root_force_, from_;
   Eigen::VectorXd contact_force_, contact_increment_;  ///< of a contact outside the root, all dofs
 };

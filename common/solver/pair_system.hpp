@@ -10,8 +10,8 @@
 namespace ricochet::solver {
 
 /// The linear equations of all pairs: rows of D x (PairRows). With a dense D the matrix of those rows that are not idle
-/// is kept factored while they do not change; with one that is sparse or only multiplies, BiCGSTAB (van der Vorst 1992)
-/// solves.
+/// is kept factored while they do not change; of more than a thousand, or with a D that is sparse or only multiplies,
+/// BiCGSTAB (van der Vorst 1992) solves.
 class PairSystem {
  public:
   /// `x`: forces to start from, and the solution; all normals, then all along t, then all along the binormal.

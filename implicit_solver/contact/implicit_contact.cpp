@@ -19,10 +19,9 @@ using solver::RowEntry;
 using solver::Side;
 
 namespace {
-/// Solves that set-up may take, so that no window needs any for the contact problem: worth it after a tenth as many
-/// windows, since a window without them takes some ten. Rows written by a mortar have many degrees of freedom each, too
-/// many for the root, while the compliance of the rows themselves may be small enough for a solve each.
-constexpr int most_solves = 800;
+/// Rows written by a mortar have many degrees of freedom each, too many for the root, while the compliance of so many
+/// rows may be small enough for a solve each.
+constexpr int most_columns = 800;
 }  // namespace
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
@@ -144,12 +143,18 @@ solver::Compliance ImplicitContact::compliance_of_rows() const {
   return Eigen::MatrixXd(scale * (moved * columns));
 }
 
+bool ImplicitContact::has_columns() const { return !sliding_ && rows() <= most_columns; }
+
+bool ImplicitContact::moves_what_is_near(const std::vector<BodyState>& states, const SolveFor& solve, int most_solves) {
+  const int most = has_columns() ? std::min(most_solves, rows()) : most_solves;
+  response_.groups = near_groups(root_nodes(states), most, solve);
+  return response_.groups.has_value();
+}
+
 void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
   dt_ = dt;
   write_rows();
-  const auto size = static_cast<int>(directions()) * static_cast<int>(surface_.pairs.size());
-  const bool columns = !sliding_ && size <= most_solves;
-  auto inverse = near_inverse(root_nodes(states), columns ? size : most_solves, solve);
+  auto inverse = response_.groups ? near_inverse(root_nodes(states), *response_.groups, solve) : std::nullopt;
   if (inverse) {
     response_.near.swap(*inverse);
     start(compliance_of_rows());
@@ -164,8 +169,8 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
     solve(forces, motion);
     y.noalias() = response_.rows * motion;
   };
-  if (columns) {
-    start(columns_of_products(size));
+  if (has_columns()) {
+    start(columns_of_products(rows()));
   } else {
     start({response_.product, bound_of_couplings(states)});
   }

@@ -46,6 +46,10 @@ class ImplicitContact {
   /// Sets up the root problem from S^-1 on the root dofs; again where the operator is another, at any time but during
   /// `solve`.
   void prepare(const Eigen::MatrixXd& root_inverse, double dt);
+  /// Whether forces on the root dofs move so little of what is far that S^-1 has few entries, found with so many
+  /// solves; by `solve` or what approximates it to 1e-16. To be known before `prepare` of this kind.
+  [[nodiscard]] bool moves_what_is_near(const std::vector<solver::BodyState>& states, const SolveFor& solve,
+                                        int most_solves);
   /// The same where S^-1 would be too large for a dense matrix. `solve`: S^-1 of forces on the root dofs.
   void prepare(const std::vector<solver::BodyState>& states, SolveFor solve, double dt);
 
@@ -137,6 +141,7 @@ class ImplicitContact {
   struct Response {
     solver::Compliance::Sparse rows;
     Eigen::MatrixXd dense;
+    std::optional<NearGroups> groups;
     solver::Compliance::Sparse near;
     std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)> product;  ///< of forces of pairs
   };
@@ -162,6 +167,7 @@ class ImplicitContact {
   /// Directions in which pairs have a force: along the normal and, with friction of any contact, along tangent and
   /// binormal; pairs without friction have forces of zero there.
   [[nodiscard]] Eigen::Index directions() const { return problem_->scene.friction() ? surface_.components : 1; }
+  [[nodiscard]] int rows() const { return static_cast<int>(directions()) * static_cast<int>(pairs()); }
   [[nodiscard]] Eigen::Index unknown(std::size_t pair, Eigen::Index direction) const {
     return direction * static_cast<Eigen::Index>(pairs()) + static_cast<Eigen::Index>(pair);
   }
@@ -210,6 +216,7 @@ class ImplicitContact {
   [[nodiscard]] static bool is_free(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
   void add_root(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
   void write_rows();
+  [[nodiscard]] bool has_columns() const;
   void start(solver::Compliance compliance);
   void set_root(solver::Compliance compliance);
   /// The compliance of few rows whose many degrees of freedom are not in the root.

@@ -6,12 +6,26 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <utility>
 
 namespace ricochet::implicit_solver {
 namespace {
 
 constexpr double left_out = 1e-16, most_wrong = 1e-13;  ///< of the diagonal
 constexpr std::size_t measured_nodes = 8;
+
+/// Degrees of freedom of all nodes, and the most of one.
+struct Count {
+  Eigen::Index dofs = 0;
+  int of_a_node = 0;
+
+  explicit Count(const std::vector<NearNode>& nodes) {
+    for (const NearNode& node : nodes) {
+      dofs += std::ssize(node.dofs);
+      of_a_node = std::max(of_a_node, static_cast<int>(std::ssize(node.dofs)));
+    }
+  }
+};
 
 double distance(const NearNode& a, const NearNode& b) { return (a.position - b.position).norm(); }
 
@@ -86,27 +100,29 @@ std::optional<std::vector<int>> groups_of(const std::vector<NearNode>& nodes, co
 
 }  // namespace
 
-std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> near_inverse(const std::vector<NearNode>& nodes,
-                                                                         int most_solves, const SolveFor& solve) {
-  Eigen::Index size = 0;
-  int most_dofs = 0;
-  for (const NearNode& node : nodes) {
-    size += std::ssize(node.dofs);
-    most_dofs = std::max(most_dofs, static_cast<int>(std::ssize(node.dofs)));
-  }
-  const double reach = reach_of(nodes, size, solve);
-  const auto groups = groups_of(nodes, Cells(nodes, 2.0 * reach), most_solves / most_dofs);
+std::optional<NearGroups> near_groups(const std::vector<NearNode>& nodes, int most_solves, const SolveFor& solve) {
+  const Count count(nodes);
+  const double reach = reach_of(nodes, count.dofs, solve);
+  auto groups = groups_of(nodes, Cells(nodes, 2.0 * reach), most_solves / count.of_a_node);
   if (!groups) return std::nullopt;
+  return NearGroups{reach, std::move(*groups)};
+}
 
-  const Cells cells(nodes, reach);
+std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> near_inverse(const std::vector<NearNode>& nodes,
+                                                                         const NearGroups& groups,
+                                                                         const SolveFor& solve) {
+  const Count count(nodes);
+  const Eigen::Index size = count.dofs;
+  const int most_dofs = count.of_a_node;
+  const Cells cells(nodes, groups.reach_m);
   Eigen::VectorXd forces(size), motion, diagonal(size);
   std::vector<Eigen::Triplet<double>> entries;
-  const int last = *std::max_element(groups->begin(), groups->end());
+  const int last = *std::max_element(groups.of_node.begin(), groups.of_node.end());
   for (int push = 0; push < (last + 1) * most_dofs; ++push) {
     const auto which = static_cast<std::size_t>(push % most_dofs);  // of a node's
     std::vector<const NearNode*> pushed;
     for (std::size_t i = 0; i < nodes.size(); ++i)
-      if ((*groups)[i] == push / most_dofs && which < nodes[i].dofs.size()) pushed.push_back(&nodes[i]);
+      if (groups.of_node[i] == push / most_dofs && which < nodes[i].dofs.size()) pushed.push_back(&nodes[i]);
     forces.setZero();
     for (const NearNode* node : pushed) forces[node->dofs[which]] = 1.0;
     solve(forces, motion);

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int least = 401, factor = 4;
 constexpr int pairs_of_window[] = {1001, 10001};
+constexpr int across[] = {25, 29};  ///< elements of the solids
 /// Wide enough that the cylinders do not touch in twenty windows [m].
 constexpr double apart_m = 1e-4;
 
@@ -45,6 +46,35 @@ SceneRun run_cylinders(const std::string& folder, int pairs, double gap_m) {
   return run_scene(scene, 1, folder + "/run");
 }
 
+int solid_pairs(int across) { return (across + 1) * (across + 1); }
+
+/// Two blocks of cubes, eight deep, with the nodes of 25 or 29 along either side of the contact, on a window of 0.9
+/// h/c: what touches moves all of the surface.
+SceneRun run_solids(const std::string& folder, int across) {
+  constexpr const char* text = R"(model = "solid"
+[[body]]
+name = "lower"
+material = {{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }}
+mesh = {{ start_m = {2}, length_m = {1}, height_m = 0.01, width_m = 0.01, elements = [{0}, {0}, 8] }}
+[[body]]
+name = "upper"
+material = {{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }}
+mesh = {{ length_m = {1}, height_m = 0.01, width_m = 0.01, elements = [{0}, {0}, 8] }}
+initial_velocity_m_s = [0.0, 0.0, -1.0]
+[contact]
+surfaces = ["lower.end", "upper.start"]
+[coupling]
+protocol = "all_implicit"
+[time]
+step_s = {3}
+end_s = {4}
+)";
+  const double edge_m = 0.01 / across, step_s = 0.9 * edge_m / 5200.0;
+  const std::string scene = fmt::format("{}/solids_{}.toml", folder, across);
+  write_atomically(scene, fmt::format(fmt::runtime(text), across, 8.0 * edge_m, -8.0 * edge_m, step_s, 20.0 * step_s));
+  return run_scene(scene, 1, folder + "/run");
+}
+
 }  // namespace
 
 void ContactGrowth::repeat() {
@@ -69,10 +99,14 @@ void ContactWindows::repeat() {
     const double with_contact_s = run_cylinders(folder_, pairs, 0.0).window_s;
     ratios_[pairs].push_back(with_contact_s / run_cylinders(folder_, pairs, apart_m).window_s);
   }
+  const double fewer_s = run_solids(folder_, across[0]).window_s;
+  const double grown = run_solids(folder_, across[1]).window_s / fewer_s;
+  powers_.push_back(std::log(grown) / std::log(static_cast<double>(solid_pairs(across[1])) / solid_pairs(across[0])));
 }
 
 std::vector<Row> ContactWindows::rows() const {
-  std::vector<Row> rows;
+  std::vector<Row> rows{{fmt::format("window of solids, power of the contact pairs from {} on", solid_pairs(across[0])),
+                         fmt::format("{} pairs", solid_pairs(across[1])), powers_, Level{true, 3.0}}};
   for (const int pairs : pairs_of_window)
     rows.push_back(
         {"window with contact / without", fmt::format("{} pairs", pairs), ratios_.at(pairs), Level{true, 2.0}});

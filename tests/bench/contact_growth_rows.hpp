@@ -22,7 +22,8 @@ class ContactGrowth {
   std::map<int, std::vector<SceneRun>> runs_;  ///< by pairs
 };
 
-/// What a window takes while all pairs of such cylinders touch, over what it takes before they do.
+/// What a window takes while all pairs of such cylinders touch, over what it takes before they do; and how a window of
+/// solids grows from fewer than 800 pairs to more.
 class ContactWindows {
  public:
   explicit ContactWindows(std::string folder) : folder_(std::move(folder)) {}
@@ -32,6 +33,7 @@ class ContactWindows {
  private:
   std::string folder_;
   std::map<int, std::vector<double>> ratios_;  ///< by pairs
+  std::vector<double> powers_;
 };
 
 }  // namespace ricochet::bench

@@ -29,10 +29,12 @@ struct Rows {
   }
   std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> inverse(int most_solves = 800) {
     const Eigen::LLT<Eigen::MatrixXd> factor(operator_matrix);
-    return near_inverse(nodes, most_solves, [&](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
+    const auto solve = [&](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
       ++solves;
       motion = factor.solve(forces);
-    });
+    };
+    const auto groups = near_groups(nodes, most_solves, solve);
+    return groups ? near_inverse(nodes, *groups, solve) : std::nullopt;
   }
 };
 
