@@ -46,11 +46,11 @@ SceneRun run_cylinders(const std::string& folder, int pairs, double gap_m) {
   return run_scene(scene, 1, folder + "/run");
 }
 
-int solid_pairs(int across) { return (across + 1) * (across + 1); }
+int solid_pairs(int elements) { return (elements + 1) * (elements + 1); }
 
 /// Two blocks of cubes, eight deep, with the nodes of 25 or 29 along either side of the contact, on a window of 0.9
 /// h/c: what touches moves all of the surface.
-SceneRun run_solids(const std::string& folder, int across) {
+SceneRun run_solids(const std::string& folder, int elements) {
   constexpr const char* text = R"(model = "solid"
 [[body]]
 name = "lower"
@@ -69,9 +69,10 @@ protocol = "all_implicit"
 step_s = {3}
 end_s = {4}
 )";
-  const double edge_m = 0.01 / across, step_s = 0.9 * edge_m / 5200.0;
-  const std::string scene = fmt::format("{}/solids_{}.toml", folder, across);
-  write_atomically(scene, fmt::format(fmt::runtime(text), across, 8.0 * edge_m, -8.0 * edge_m, step_s, 20.0 * step_s));
+  const double edge_m = 0.01 / elements, step_s = 0.9 * edge_m / 5200.0;
+  const std::string scene = fmt::format("{}/solids_{}.toml", folder, elements);
+  write_atomically(scene,
+                   fmt::format(fmt::runtime(text), elements, 8.0 * edge_m, -8.0 * edge_m, step_s, 20.0 * step_s));
   return run_scene(scene, 1, folder + "/run");
 }
 
