@@ -9,9 +9,9 @@
 namespace ricochet::fem {
 namespace {
 
-/// Where a level takes two steps, a force that is held moves its stiffest mode by no less than some nu/2 of what it would at rest: with
-/// 0.01 contact forces of neighbouring nodes differ by 14 % too much (rounded striker), with 0.2 they do not, and a step of a level is 0.52
-/// of the one before.
+/// Where a level takes two steps, a force that is held moves its stiffest mode by no less than some nu/2 of what it
+/// would at rest: with 0.01 contact forces of neighbouring nodes differ by 14 % too much (rounded striker), with 0.2
+/// they do not, and a step of a level is 0.52 of the one before.
 constexpr double nu = 0.2;
 /// Of what the steps of a level bear, in lambda tau^2: at 1 its stiffest mode would not answer to a force at all.
 constexpr double level_share = 0.95;
