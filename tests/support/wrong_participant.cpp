@@ -121,16 +121,7 @@ class Wrong : public Participant {
     return d;
   }
   void initialize(const Setup& setup, LinkOutput& output) override {
-    auto mine = setup;
     if (flaw_ == "late") sleep(3);
-    if (flaw_ == "one_step") {  // of as many as there should be
-      mine.clock = setup.clock.size_s() / setup.substeps;
-      mine.substeps = 1;
-    }
-    if (flaw_ == "short_steps") mine.clock = 0.9 * mine.clock.size_s();
-    if (flaw_ == "long_steps" || flaw_ == "two_long_steps") mine.clock = 1.1 * mine.clock.size_s();
-    if (flaw_ == "two_long_steps") mine.substeps = 2;
-    if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
     if (flaw_ == "tells_what_it_is_told") {
       std::fprintf(stderr, "directions");
       for (const double value : setup.directions) std::fprintf(stderr, " %g", value);
@@ -138,9 +129,10 @@ class Wrong : public Participant {
       for (const double value : setup.scene_position_m) std::fprintf(stderr, " %g", value);
       std::fprintf(stderr, "\n");
     }
-    solver_->initialize(mine, output);
+    solver_->initialize(mine(setup), output);
     change(output);
   }
+  void reconfigure(const Setup& setup) override { solver_->reconfigure(mine(setup)); }
   void synchronise(Integration integration, const std::vector<double>& link_input, LinkOutput& output) override {
     auto input = link_input;
     if (flaw_ == "pushes") scale(input, -1.0);
@@ -184,6 +176,20 @@ class Wrong : public Participant {
   void finish() override { solver_->finish(); }
 
  private:
+  /// What the solver is told.
+  [[nodiscard]] Setup mine(const Setup& setup) const {
+    Setup mine = setup;
+    if (flaw_ == "one_step") {  // of as many as there should be
+      mine.clock = setup.clock.size_s() / setup.substeps;
+      mine.substeps = 1;
+    }
+    if (flaw_ == "short_steps") mine.clock = 0.9 * mine.clock.size_s();
+    if (flaw_ == "long_steps" || flaw_ == "two_long_steps") mine.clock = 1.1 * mine.clock.size_s();
+    if (flaw_ == "two_long_steps") mine.substeps = 2;
+    if (flaw_ == "ignores_stiffness") mine.interface_stiffness.clear();
+    return mine;
+  }
+
   /// And notes where they stand, counted from the end of a row, the last one first.
   void leave_out_columns(std::vector<std::string>& columns) {
     const std::map<std::string, std::string> quantities = {{"tells_no_strain", "energy_strain_j/"},
