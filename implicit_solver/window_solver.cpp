@@ -18,8 +18,8 @@ constexpr std::size_t root_entries_per_entry = 2;
 /// window costs the same either way, finding the inverse three times the rest of the set-up with 800.
 constexpr std::size_t most_contact_dofs_in_root = 800;
 /// Where forces move what is far, up to so many, 290 MB, and so many entries of their inverse per entry of the
-/// operator: the only other way is a solve of the whole operator for every product, some hundred a window. Measured on
-/// solids that stick: with ten entries per entry finding the inverse takes as long as sixty windows by products.
+/// operator: the only other way is a solve of the whole operator for every product. Measured on solids that stick: with
+/// ten entries per entry finding the inverse takes as long as forty windows by products.
 constexpr std::size_t most_coupled_dofs_in_root = 6000, coupled_entries_per_entry = 4;
 
 /// Solves that set-up may take to find few entries of A^-1, so that no window needs any for the contact problem: worth

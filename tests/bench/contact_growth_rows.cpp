@@ -11,7 +11,7 @@ namespace {
 
 constexpr int least = 401, factor = 4;
 constexpr int pairs_of_window[] = {1001, 10001};
-constexpr int across[] = {25, 29};  ///< elements of the solids
+constexpr int elements_across[] = {25, 29};  ///< elements of the solids
 /// Wide enough that the cylinders do not touch in twenty windows [m].
 constexpr double apart_m = 1e-4;
 
@@ -53,7 +53,7 @@ int solid_pairs(int elements) { return (elements + 1) * (elements + 1); }
 SceneRun run_solids(const std::string& folder, int elements) {
   constexpr const char* text = R"(model = "solid"
 [[body]]
-name = "lower"
+name = "steel"
 material = {{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }}
 mesh = {{ start_m = {2}, length_m = {1}, height_m = 0.01, width_m = 0.01, elements = [{0}, {0}, 8] }}
 [[body]]
@@ -62,7 +62,7 @@ material = {{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 78
 mesh = {{ length_m = {1}, height_m = 0.01, width_m = 0.01, elements = [{0}, {0}, 8] }}
 initial_velocity_m_s = [0.0, 0.0, -1.0]
 [contact]
-surfaces = ["lower.end", "upper.start"]
+surfaces = ["steel.end", "upper.start"]
 [coupling]
 protocol = "all_implicit"
 [time]
@@ -100,14 +100,16 @@ void ContactWindows::repeat() {
     const double with_contact_s = run_cylinders(folder_, pairs, 0.0).window_s;
     ratios_[pairs].push_back(with_contact_s / run_cylinders(folder_, pairs, apart_m).window_s);
   }
-  const double fewer_s = run_solids(folder_, across[0]).window_s;
-  const double grown = run_solids(folder_, across[1]).window_s / fewer_s;
-  powers_.push_back(std::log(grown) / std::log(static_cast<double>(solid_pairs(across[1])) / solid_pairs(across[0])));
+  const double fewer_s = run_solids(folder_, elements_across[0]).window_s;
+  const double grown = run_solids(folder_, elements_across[1]).window_s / fewer_s;
+  powers_.push_back(std::log(grown) /
+                    std::log(static_cast<double>(solid_pairs(elements_across[1])) / solid_pairs(elements_across[0])));
 }
 
 std::vector<Row> ContactWindows::rows() const {
-  std::vector<Row> rows{{fmt::format("window of solids, power of the contact pairs from {} on", solid_pairs(across[0])),
-                         fmt::format("{} pairs", solid_pairs(across[1])), powers_, Level{true, 3.0}}};
+  std::vector<Row> rows{
+      {fmt::format("window of solids, power of the contact pairs from {} on", solid_pairs(elements_across[0])),
+       fmt::format("{} pairs", solid_pairs(elements_across[1])), powers_, Level{true, 3.0}}};
   for (const int pairs : pairs_of_window)
     rows.push_back(
         {"window with contact / without", fmt::format("{} pairs", pairs), ratios_.at(pairs), Level{true, 2.0}});
