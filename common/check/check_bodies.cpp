@@ -65,8 +65,9 @@ void check_units(const Problem& problem, Plan& plan) {
     if (uncrossed || (gmsh && largest_m > huge_m && of.mass_kg > huge_kg))
       plan.warnings.push_back(fmt::format(
           "body \"{}\" is {:.4g} m large and has {:.4g} kg; a wave runs {:.3g} m until {:.3g} s: is it in millimetres? "
-          "Lengths are metres, those of {} too",
-          of.name, largest_m, of.mass_kg, crossed_m, problem.scene.time.end_s, gmsh ? "a Gmsh file" : "a [mesh]"));
+          "Lengths are metres{}",
+          of.name, largest_m, of.mass_kg, crossed_m, problem.scene.time.end_s,
+          gmsh ? ", in a Gmsh file too, unless mesh.length_unit says otherwise" : ""));
   }
 }
 

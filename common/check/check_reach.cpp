@@ -39,7 +39,7 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
     for (const int node : fem::surface_nodes(body.mesh, surface)) interval.add(axis_of(body, node));
   };
   for (const Traction& traction : spec.tractions)
-    if (any(traction.traction_pa)) add_surface(traction.surface);
+    if (traction.pressure_pa != 0.0 || any(traction.traction_pa)) add_surface(traction.surface);
   for (const PrescribedDisplacement& prescribed : spec.prescribed) add_surface(prescribed.surface);
   for (const Support& support : spec.supports)
     for (const int c : support.components)

@@ -253,19 +253,35 @@ double element_critical_time_step(const Part& part) {
   return largest > 0.0 ? 2.0 / std::sqrt(largest) : std::numeric_limits<double>::infinity();
 }
 
-Eigen::VectorXd traction_force(const Part& part, const std::string& surface, const std::vector<double>& traction_pa) {
+namespace {
+
+/// `traction_of` says of a face its force per area [Pa].
+template <class TractionOf>
+Eigen::VectorXd force_on_faces(const Part& part, const std::string& surface, const TractionOf& traction_of) {
   const int dofs_per_node = components(part.mesh.model);
   (void)surface_nodes(part.mesh, surface);  // refuses an unknown surface by name
   Eigen::VectorXd force = Eigen::VectorXd::Zero(part.dofs());
   for (const Face& face : part.mesh.surfaces.at(surface)) {
     const FaceArea area = face_area(part.section, part.mesh, face);
+    const auto traction_pa = traction_of(face);
     for (std::size_t i = 0; i < face.size(); ++i) {
-      for (int c = 0; c < dofs_per_node; ++c) {
-        force[face[i] * dofs_per_node + c] += area[i] * traction_pa[at(c)];
-      }
+      for (int c = 0; c < dofs_per_node; ++c) force[face[i] * dofs_per_node + c] += area[i] * traction_pa[at(c)];
     }
   }
   return force;
+}
+
+}  // namespace
+
+Eigen::VectorXd traction_force(const Part& part, const std::string& surface, const std::vector<double>& traction_pa) {
+  return force_on_faces(part, surface, [&](const Face&) -> const std::vector<double>& { return traction_pa; });
+}
+
+Eigen::VectorXd pressure_force(const Part& part, const std::string& surface, double pressure_pa) {
+  return force_on_faces(part, surface, [&](const Face& face) {
+    const Eigen::Vector3d traction_pa = -pressure_pa * face_normal(part.mesh, face);
+    return std::array<double, 3>{traction_pa[0], traction_pa[1], traction_pa[2]};
+  });
 }
 
 Eigen::VectorXd gravity_force(const Part& part, const std::vector<double>& gravity_m_s2) {

@@ -97,6 +97,9 @@ class StiffnessProduct;
 [[nodiscard]] Eigen::VectorXd traction_force(const Part& part, const std::string& surface,
                                              const std::vector<double>& traction_pa);
 
+/// The same of a pressure [Pa] against the outward normal, of which a quadrilateral that is not flat has its mean one.
+[[nodiscard]] Eigen::VectorXd pressure_force(const Part& part, const std::string& surface, double pressure_pa);
+
 /// Nodal forces of a body force per unit mass [m/s^2 per component], consistent with the lumped mass [N].
 [[nodiscard]] Eigen::VectorXd gravity_force(const Part& part, const std::vector<double>& gravity_m_s2);
 

@@ -55,9 +55,11 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
   const std::string key = "body." + body.name + ".mesh";
   try {
-    fem::Mesh mesh = std::holds_alternative<StructuredMesh>(body.mesh)
-                         ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
-                         : fem::read_gmsh(std::get<GmshMesh>(body.mesh).path, scene.model, body.name);
+    const auto* gmsh = std::get_if<GmshMesh>(&body.mesh);
+    fem::Mesh mesh = gmsh == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
+                                     : fem::read_gmsh(gmsh->path, scene.model, body.name);
+    if (gmsh != nullptr)
+      for (Eigen::Vector3d& position : mesh.position) position *= gmsh->unit_m;
     fem::check_mesh(mesh, body.name);
     return mesh;
   } catch (const ConfigError& error) {

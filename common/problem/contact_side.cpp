@@ -146,7 +146,9 @@ bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b, c
     return (x - x.dot(normal) * normal).norm() > direction_tolerance * x.norm();
   };
   const auto driven = [&](const Body& body) {
-    const auto pulled = [&](const Traction& traction) { return along(in_space(traction.traction_pa)); };
+    const auto pulled = [&](const Traction& traction) {
+      return traction.pressure_pa != 0.0 || along(in_space(traction.traction_pa));
+    };
     const auto moved = [&](const PrescribedDisplacement& p) { return along(Eigen::Vector3d::Unit(p.component)); };
     return along(in_space(body.gravity_m_s2)) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
            std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);

@@ -7,8 +7,11 @@ ExternalForce::ExternalForce(const Body& body, const fem::Part& part) {
     if (!force.isZero(0.0)) terms_.push_back({amplitude, std::move(force)});
   };
   add({}, fem::gravity_force(part, body.gravity_m_s2));
-  for (const Traction& traction : body.tractions)
+  for (const Traction& traction : body.tractions) {
+    if (traction.pressure_pa != 0.0)
+      add(traction.amplitude, fem::pressure_force(part, traction.surface, traction.pressure_pa));
     add(traction.amplitude, fem::traction_force(part, traction.surface, traction.traction_pa));
+  }
 }
 
 std::vector<bool> ExternalForce::loaded(int dofs) const {

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/scene/loaders.hpp"
+#include "common/scene/material_library.hpp"
 #include "common/scene/toml_file.hpp"
 
 namespace ricochet::scene {
@@ -32,6 +33,18 @@ Material load_material(TableReader table, Model model) {
   return material;
 }
 
+/// A table of its own, the name of one of the scene's, or that of one of the library.
+Material load_material_of(TableReader& body, Model model, const std::map<std::string, Material>& materials) {
+  if (!body.is_text("material")) return load_material(body.table("material", "material"), model);
+  std::vector<std::string> known;
+  for (const auto& entry : materials) known.push_back(entry.first);
+  for (const LibraryMaterial& entry : material_library()) known.push_back(entry.name);
+  const std::string name = body.word("material", known);
+  if (const auto own = materials.find(name); own != materials.end()) return own->second;
+  const auto named = [&name](const LibraryMaterial& entry) { return entry.name == name; };
+  return std::find_if(material_library().begin(), material_library().end(), named)->material;
+}
+
 GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
   for (const char* key :
        {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across"})
@@ -41,7 +54,9 @@ GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
   if (!is_file(path.string()))
     table.refuse("gmsh", "\"" + given + "\", and there is no file " + path.string(),
                  "a Gmsh MSH 4.1 file, relative to the scene file");
-  return {path.string()};
+  const std::vector<std::pair<std::string, double>> units{
+      {"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}};
+  return {path.string(), table.choice("length_unit", units, 1.0)};
 }
 
 /// elements = 20 for a bar, [across, along] in two dimensions and of a solid cylinder, [x, y, z] of a block; grading
@@ -87,6 +102,7 @@ void load_extent_across(TableReader& table, Model model, StructuredMesh& mesh) {
 
 std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
   if (table.has("gmsh")) return load_gmsh(table, folder);
+  table.only_if(false, "length_unit", "gmsh; lengths of a structured mesh are metres");
   StructuredMesh mesh;
   mesh.length_m = table.number("length_m", above(0.0));
   mesh.start_m = table.number("start_m", any_number(), 0.0);
@@ -132,8 +148,16 @@ Support load_support(TableReader& table, Model model, const std::vector<std::str
 }
 
 Traction load_traction(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
-  Traction traction{load_surface(table, surfaces), {}, {}};
-  traction.traction_pa = table.numbers("traction_pa", any_number(), component_names(model).size());
+  const std::size_t components = component_names(model).size();
+  Traction traction{load_surface(table, surfaces), std::vector<double>(components, 0.0), {}};
+  table.only_if(model != Model::bar, "pressure_pa", "two or three dimensions: of a bar, traction_pa");
+  table.only_if(!table.has("pressure_pa"), "traction_pa", "no pressure_pa beside it: an entry has one of them");
+  if (table.has("pressure_pa"))
+    traction.pressure_pa = table.number("pressure_pa", any_number());
+  else if (!table.has("traction_pa") && model != Model::bar)
+    table.missing("traction_pa", fmt::format("{} numbers, or pressure_pa in their place", components));
+  else
+    traction.traction_pa = table.numbers("traction_pa", any_number(), components);
   traction.amplitude = load_amplitude(table);
   table.finish();
   return traction;
@@ -193,13 +217,21 @@ std::vector<std::string> surface_names(Model model, const Body& body) {
   return {"start", "end", "inner", "outer"};
 }
 
-Body load_body(TableReader& table, Model model, const std::string& folder) {
+std::map<std::string, Material> load_materials(TableReader& root, Model model) {
+  std::map<std::string, Material> materials;
+  for (const auto& [name, table] : root.tables_by_name("material", "material"))
+    materials[name] = load_material(table, model);
+  return materials;
+}
+
+Body load_body(TableReader& table, Model model, const std::string& folder,
+               const std::map<std::string, Material>& materials) {
   Body body;
   body.name = table.name("name");
   table.rename("body." + body.name);
   for (const char* key : {"joined_to", "surface", "interface_nodes", "mass_kg"})
     table.only_if(false, key, "foreign = true");
-  body.material = load_material(table.table("material", "material"), model);
+  body.material = load_material_of(table, model, materials);
   body.mesh = load_mesh(table.table("mesh", "mesh"), model, folder);
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
   table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");

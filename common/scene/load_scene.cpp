@@ -25,12 +25,13 @@ void load_bodies(TableReader& root, Scene& scene) {
     for (const std::string& other : scene.body_names())
       if (other == name) table.refuse("name", "\"" + name + "\" a second time", "a new name");
   };
+  const std::map<std::string, Material> materials = load_materials(root, scene.model);
   for (TableReader& table : root.tables("body", "body")) {
     if (says_foreign(table)) {
       foreign.push_back(table);
       continue;
     }
-    Body body = load_body(table, scene.model, folder);
+    Body body = load_body(table, scene.model, folder, materials);
     require_new(table, body.name);
     scene.bodies.push_back(std::move(body));
   }

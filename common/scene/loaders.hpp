@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,10 @@ namespace ricochet::scene {
 /// Surfaces of a structured mesh; empty for a Gmsh mesh, whose surfaces are known only once it is read.
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
 
-[[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder);
+/// The scene's tables [material.NAME].
+[[nodiscard]] std::map<std::string, Material> load_materials(TableReader& root, Model model);
+[[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder,
+                             const std::map<std::string, Material>& materials);
 /// The entry says foreign = true.
 [[nodiscard]] bool says_foreign(TableReader& table);
 /// `scene` has its other bodies already.

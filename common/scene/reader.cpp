@@ -84,6 +84,8 @@ std::string TableReader::full(const std::string& key) const {
 
 bool TableReader::has(const std::string& key) const { return value_->contains(key); }
 
+bool TableReader::is_text(const std::string& key) const { return has(key) && value_->at(key).is_string(); }
+
 bool TableReader::is_array(const std::string& key) const { return has(key) && value_->at(key).is_array(); }
 
 const Toml* TableReader::take(const std::string& key) {
@@ -249,6 +251,16 @@ std::vector<TableReader> TableReader::table_or_tables(const std::string& key, co
   std::vector<TableReader> one;
   one.push_back(table(key, kind));
   return one;
+}
+
+std::map<std::string, TableReader> TableReader::tables_by_name(const std::string& key, const std::string& kind) {
+  std::map<std::string, TableReader> result;
+  const Toml* value = take(key);
+  if (value == nullptr) return result;
+  if (!value->is_table()) fail(*value, full(key), value_text(*value), "tables, each with a name: [" + key + ".NAME]");
+  for (const auto& [name, entry] : value->as_table())
+    result.emplace(name, TableReader(entry, kind, full(key) + "." + name, context_));
+  return result;
 }
 
 const Toml& TableReader::body_table(const std::string& key, const std::vector<std::string>& allowed) {

@@ -42,6 +42,7 @@ class TableReader {
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
+  [[nodiscard]] bool is_text(const std::string& key) const;
   /// From here on the table is called `path` in errors and in `lines` (a body once its name is known).
   void rename(const std::string& path);
 
@@ -75,6 +76,8 @@ class TableReader {
   [[nodiscard]] std::vector<TableReader> tables(const std::string& key, const std::string& kind);
   /// One table ([key]) or an array of them; empty if the key is missing.
   [[nodiscard]] std::vector<TableReader> table_or_tables(const std::string& key, const std::string& kind);
+  /// Tables of one kind by names of the user's ([key.NAME]); empty if the key is missing.
+  [[nodiscard]] std::map<std::string, TableReader> tables_by_name(const std::string& key, const std::string& kind);
   /// A table whose keys must be among `allowed` (bodies): numbers in `range`, or lists of texts.
   [[nodiscard]] std::map<std::string, double> numbers_by_name(const std::string& key, const Range& range,
                                                               const std::vector<std::string>& allowed);

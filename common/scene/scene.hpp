@@ -44,7 +44,8 @@ struct StructuredMesh {
 /// Gmsh MSH 4.1 file; the physical surface (1D: curve, 3D: volume) named like the body holds its elements, other
 /// physical groups name surfaces and element groups.
 struct GmshMesh {
-  std::string path;  ///< absolute, resolved against the scene file's folder
+  std::string path;     ///< absolute, resolved against the scene file's folder
+  double unit_m = 1.0;  ///< length of its unit
 };
 
 /// Piecewise linear factor over time, constant outside the given times. Empty: factor 1.
@@ -63,6 +64,7 @@ struct Traction {
   std::string surface;
   std::vector<double> traction_pa;  ///< one entry per component, force per area of the reference surface
   Amplitude amplitude;
+  double pressure_pa = 0.0;  ///< in place of them: against the outward normal of the reference surface
 };
 
 struct PrescribedDisplacement {

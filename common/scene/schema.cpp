@@ -4,17 +4,20 @@ namespace ricochet::scene {
 
 const Schema& scene_schema() {
   static const Schema tables{
-      {"scene", {"model", "body", "contact", "partition", "time", "coupling", "participant", "output", "checkpoint"}},
+      {"scene",
+       {"model", "material", "body", "contact", "partition", "time", "coupling", "participant", "output",
+        "checkpoint"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing", "foreign", "joined_to", "surface",
         "interface_nodes", "mass_kg"}},
       {"material", {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3", "yield_stress_pa", "strength_pa"}},
       {"mesh",
-       {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across", "gmsh"}},
+       {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across", "gmsh",
+        "length_unit"}},
       {"initial_displacement_m", {"start", "end"}},
       {"support", {"surface", "fixed"}},
-      {"traction", {"surface", "traction_pa", "amplitude"}},
+      {"traction", {"surface", "traction_pa", "pressure_pa", "amplitude"}},
       {"prescribed", {"surface", "component", "displacement_m", "amplitude"}},
       {"amplitude", {"time_s", "factor"}},
       {"absorbing", {"surface", "wave"}},

@@ -50,5 +50,21 @@ TEST(Script, BuildsAndRunsUnitTestsAloneWhenThatIsToBeQuick) {
   EXPECT_EQ(calls.find("racing"), std::string::npos) << calls;
 }
 
+TEST(Script, NeitherInstallsNorBuildsIfThatIsNotWanted) {
+  const TemporaryFolder folder;
+  const std::string build = folder.path().string() + "/build";
+  std::filesystem::create_directory(build);
+  const auto run = [&](const std::string& arguments) {
+    return run_command({"/bin/sh", "-c", "RICOCHET_BUILD_DIR=" + build + " " RICOCHET_SOURCE "/ricochet " + arguments},
+                       folder.path().string());
+  };
+  const Outcome missing = run("run --no-build scene.toml");
+  EXPECT_EQ(missing.code, 4);
+  EXPECT_NE(missing.error.find("found no program " + build + "/ricochet"), std::string::npos) << missing.error;
+  (void)folder.write("#!/bin/sh\necho \"$@\"\n", "build/ricochet");
+  std::filesystem::permissions(build + "/ricochet", std::filesystem::perms::owner_all);
+  EXPECT_EQ(run("run --no-build scene.toml --out x").out, "run scene.toml --out x\n");
+}
+
 }  // namespace
 }  // namespace ricochet::test

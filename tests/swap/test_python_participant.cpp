@@ -72,6 +72,21 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
 INSTANTIATE_TEST_SUITE_P(Protocols, PythonBars, testing::Values("hughes_liu", "kim"),
                          [](const auto& test) { return std::string(test.param); });
 
+/// Its bars take the scene's material by name; a material of the library is none that it knows.
+TEST(PythonBars, KnowMaterialsByTheScenesNames) {
+  TemporaryFolder folder;
+  std::string text = two_bars("hughes_liu", python_folder + "/explicit_bar.py");
+  const auto inline_tables = run_text(text, folder, "inline");
+  const std::string table = "{ youngs_modulus_pa = 206.8e9, density_kg_m3 = 7844.066 }";
+  for (int bar = 0; bar < 2; ++bar) text = replaced(text, "material = " + table, "material = \"shared\"");
+  const std::string named = text + "[material.shared]\nyoungs_modulus_pa = 206.8e9\ndensity_kg_m3 = 7844.066\n";
+  EXPECT_EQ(run_text(named, folder, "named").history, inline_tables.history);
+  const std::string library = replaced(replaced(text, "\"shared\"", "\"copper\""), "\"shared\"", "\"copper\"");
+  const auto refused = run_file(folder.write(library, "library.toml"), folder, "library");
+  EXPECT_EQ(refused.outcome.code, 4) << "the participant refused";
+  EXPECT_THAT(refused.outcome.error, testing::HasSubstr("the same numbers in a table [material.copper]"));
+}
+
 /// explicit_bar.py with more; `more` stands before its last line.
 std::string bar_with(const TemporaryFolder& folder, const std::string& name, const std::string& capabilities,
                      const std::string& more) {

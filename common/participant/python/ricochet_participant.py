@@ -127,6 +127,13 @@ def read_scene(path, name):
     entries = [entry for entry in scene.get("participant", []) if entry["name"] == name]
     if not entries:
         raise ConfigError(f"{path}: found no [[participant]] with name = \"{name}\"")
+    for body in scene["body"]:
+        if isinstance(body.get("material"), str):
+            own = scene.get("material", {})
+            if body["material"] not in own:
+                raise ConfigError(f"{path}: found material \"{body['material']}\" of ricochet's library, whose numbers this "
+                                  f"program has not; allowed: the same numbers in a table [material.{body['material']}]")
+            body["material"] = own[body["material"]]
     files = [(body["mesh"], "gmsh") for body in scene["body"] if "gmsh" in body.get("mesh", {})]
     files += [(body, "interface_nodes") for body in scene["body"] if "interface_nodes" in body]
     for table, key in files:

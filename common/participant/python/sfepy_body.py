@@ -61,7 +61,7 @@ class Part:
         scene, own, self.sha256 = read_scene(path, name)
         body = next(b for b in scene["body"] if [b["name"]] == own["bodies"])
         groups = scene["partition"].get("implicit_groups", {}).get(body["name"])
-        if scene["model"] != "axisymmetric" or not groups or set(body) - KNOWN or "gmsh" not in body["mesh"]:
+        if scene["model"] != "axisymmetric" or not groups or set(body) - KNOWN or set(body["mesh"]) != {"gmsh"}:
             raise ConfigError(f"{path}: body '{body['name']}' has what sfepy_body.py does not know")
         mesh = meshio.read(body["mesh"]["gmsh"])
 

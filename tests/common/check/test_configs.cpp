@@ -1,12 +1,15 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "common/base/error.hpp"
 #include "common/check/check.hpp"
 #include "common/scene/loaders.hpp"
+#include "common/scene/material_library.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/schema.hpp"
 
@@ -74,6 +77,18 @@ TEST(SceneDocs, EveryKeyStandsInItsTable) {
     for (std::size_t at = text.find("\n| `"); at != std::string::npos; at = text.find("\n| `", at + 1)) ++rows;
     EXPECT_EQ(rows, keys.size()) << "keys of " << table << " that do not exist";
   }
+}
+
+TEST(SceneDocs, TellsTheMaterialsOfTheLibrary) {
+  const std::string text = section(read(RICOCHET_SOURCE "/docs/scene.md"), "Materials of the library");
+  const auto mega = [](double stress_pa) {
+    return std::isfinite(stress_pa) ? fmt::format("{:g} ", stress_pa / 1e6) : "";
+  };
+  for (const auto& [name, material, source] : material_library())
+    EXPECT_THAT(text, testing::HasSubstr(fmt::format("\n| `{}` | {:g} | {:g} | {:g} | {}| {}| {} |\n", name,
+                                                     material.youngs_modulus_pa / 1e9, material.poisson_ratio,
+                                                     material.density_kg_m3, mega(material.yield_stress_pa),
+                                                     mega(material.strength_pa), source)));
 }
 
 TEST(SceneDocs, EveryProtocolIsNamed) {

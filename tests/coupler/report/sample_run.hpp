@@ -31,7 +31,7 @@ class SampleRun : public testing::Test {
     write("summary.json", R"({"status": "done", "error": "", "protocol": "hughes_liu", "scene": "scenes/impact.toml",
       "first_contact_s": 1e-6, "separation_time_s": 3e-6, "plateau_stress_pa": 840e6, "energy_error_last": -1e-4,
       "energy_error_lowest": -2e-4, "energy_error_highest": 0, "momentum_error_max": 1e-13, "contact_impulse_n_s": 1.5,
-      "contact": {"iterations_mean": 2, "iterations_max": 9, "residual_max": 2e-4, "windows_unconverged": 3}, "version": "0.1.0",
+      "contact": {"iterations_mean": 2, "iterations_max": 9, "residual_max": 2e-4, "windows_unconverged": 3}, "version": "0.3.0",
       "theory": {"contact_duration_s": 2e-6, "contact_duration_body": "steel", "contact_stress_pa": 850e6,
       "first_step_s": 2e-6},
       "outside_model": [{"kind": "strain", "text": "strain of 3 % <there>"}], "valid_until_s": 2.5e-6,
