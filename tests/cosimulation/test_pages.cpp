@@ -79,6 +79,30 @@ TEST(Pages, EveryLinkLeadsSomewhere) {
   EXPECT_GT(links, 80);
 }
 
+TEST(Pages, MakeASiteInWhichEveryLinkLeadsSomewhere) {
+  const TemporaryFolder folder;
+  const Outcome built =
+      run_command({"/bin/sh", "-c",
+                   "mkdocs build --strict --quiet --config-file " RICOCHET_SOURCE "/.mkdocs.yml --site-dir " +
+                       folder.path().string() + "/site"},
+                  folder.path().string());
+  ASSERT_EQ(built.code, 0) << built.out << built.error;
+  int links = 0;
+  for (const auto& page : pages()) {
+    if (page.rfind("docs/", 0) != 0 || page == "docs/index.md") continue;
+    const fs::path file = folder.path() / "site" / fs::path(page).stem() / "index.html";
+    ASSERT_TRUE(fs::exists(file)) << page;
+    for (const auto& link : all(file_text(file.string()), "href=\"([^\":]*#[^\"]+)\"")) {
+      const auto hash = link.find('#');
+      const fs::path target = hash == 0 ? file : file.parent_path() / link.substr(0, hash) / "index.html";
+      EXPECT_NE(file_text(target.string()).find("id=\"" + link.substr(hash + 1) + "\""), std::string::npos)
+          << page << " links to " << link;
+      ++links;
+    }
+  }
+  EXPECT_GT(links, 200);
+}
+
 TEST(Pages, EveryPathTheyNameExists) {
   int paths = 0;
   for (const auto& page : pages()) {
