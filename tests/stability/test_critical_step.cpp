@@ -4,7 +4,7 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, rows 8 and 9: steps near the critical one, and stiff implicit neighbours of explicit elements.
+// docs/limits.md, 8 and 9: steps near the critical one, and stiff implicit neighbours of explicit elements.
 
 namespace ricochet::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, rows 13 and 14: stiff regularised friction, and Poisson's ratio near one half.
+// docs/limits.md, 13 and 14: stiff regularised friction, and Poisson's ratio near one half.
 
 namespace ricochet::test {
 namespace {

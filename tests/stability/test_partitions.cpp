@@ -1,6 +1,6 @@
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, row 15: the smallest and the largest implicit parts of two bars (A1).
+// docs/limits.md, 15: the smallest and the largest implicit parts of two bars (A1).
 
 namespace ricochet::test {
 namespace {

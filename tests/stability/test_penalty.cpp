@@ -2,7 +2,7 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, rows 1 to 5: penalties and the exact gap constraint under the trapezoidal rule and central
+// docs/limits.md, 1 to 5: penalties and the exact gap constraint under the trapezoidal rule and central
 // differences.
 
 namespace ricochet::test {

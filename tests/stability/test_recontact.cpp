@@ -2,7 +2,7 @@
 
 #include "tests/stability/edges.hpp"
 
-// docs/limits.md, row 12: configs/bouncing_bar.toml touches, parts and touches again. Exact as long as the bar does not
+// docs/limits.md, 12: configs/bouncing_bar.toml touches, parts and touches again. Exact as long as the bar does not
 // vibrate: fall sqrt(2 h / g), contact 2 L / c, flight 2 v / g.
 
 namespace ricochet::test {

@@ -1,4 +1,4 @@
-// `ricochet stability` with real processes, against exact limits (docs/limits.md, rows 6 and 7).
+// `ricochet stability` with real processes, against exact limits (docs/limits.md, 6 and 7).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -198,7 +198,7 @@ TEST(AbsorbingEdge, IsThatOfTheBodyWithoutAbsorbingSurfaces) {
   }
 }
 
-// docs/limits.md, row 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
+// docs/limits.md, 10: what it dissipates is in SplitOscillator.LosesWhatTheAcceptanceTableSays.
 TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) {
   TemporaryFolder folder;
   for (const int m : {1, 2}) {

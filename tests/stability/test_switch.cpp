@@ -3,7 +3,7 @@
 #include "tests/stability/edges.hpp"
 #include "tests/support/vtu.hpp"
 
-// docs/limits.md, row 11: what the switch to explicit integration costs, measured in the metric that central difference
+// docs/limits.md, 11: what the switch to explicit integration costs, measured in the metric that central difference
 // conserves.
 
 namespace ricochet::test {

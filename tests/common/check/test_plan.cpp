@@ -38,7 +38,7 @@ std::string penalty_bars(double alpha_over_k, double step_s, const std::string& 
   return replaced(text, "2.226e-6", fmt::format("{:.17g}", step_s)) + "[coupling]\nprotocol = \"" + protocol + "\"\n";
 }
 
-/// docs/limits.md, row 3: (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha/k)^2))), s = 2 for two deformable bodies.
+/// docs/limits.md, 3: (h/c) sqrt(2 / (1 + sqrt(1 + (s alpha/k)^2))), s = 2 for two deformable bodies.
 double penalty_limit(double alpha_over_k, double sides) {
   return bar_element / bar_speed * std::sqrt(2.0 / (1.0 + std::sqrt(1.0 + std::pow(sides * alpha_over_k, 2))));
 }
