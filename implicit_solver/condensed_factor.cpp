@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/computer.hpp"
 #include "common/base/error.hpp"
 #include "implicit_solver/panels.hpp"
 
@@ -37,6 +38,7 @@ struct Cholmod {
     // In supernodes it would start four threads for every short loop, whatever processors there are and `threads` says:
     // they then wait for each other half of the time.
     if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(0);
+    use_one_thread_in_blas();
     cholmod_start(&common);
     common.print = 0;  // errors are ours to report
   }

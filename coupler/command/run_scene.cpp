@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/archive.hpp"
+#include "common/base/computer.hpp"
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
@@ -190,6 +191,12 @@ void resume_run(const std::string& folder, const std::string& scene_path, std::o
   results.go_on_from(from.window, participant_names(problem.scene));
   fmt::print(stderr, "going on from window {} (t = {:.6g} s) with the scene {}; {}\n", from.window, from.time_s,
              printable(problem.scene.path), printable(programs));
+  if (const Computer here = this_computer(); from.computer != here)
+    fmt::print(stderr,
+               "note: the run began with processor \"{}\" and BLAS \"{}\", here they are \"{}\" and \"{}\": last bits "
+               "may differ from those of a run without a break\n",
+               printable(from.computer.processor), printable(from.computer.blas), printable(here.processor),
+               printable(here.blas));
   run_accepted(problem, plan, executables, results, std::move(from));
 }
 

@@ -111,6 +111,8 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
                {"wall_s", checkpoint.wall_s},
                {"cpu_s", checkpoint.cpu_s},
                {"stepping_s", checkpoint.stepping_s},
+               {"processor", this_computer().processor},
+               {"blas", this_computer().blas},
                {"coupler", told("", checkpoint.coupler)},
                {"parts", Json::array()}};
   std::error_code error;
@@ -201,6 +203,7 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
       const auto participant = entry.at("participant").get<std::string>();
       checkpoint.parts.push_back({participant, bytes_of(participant, entry)});
     }
+    checkpoint.computer = {json.value("processor", ""), json.value("blas", "")};
     const auto digest = digest_of(json);
     if (json.at("sha256").get<std::string>() != digest || checkpoint.window != window)
       throw ConfigError(fmt::format("{} is not what was written: it has another SHA-256 than it says", path));

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/computer.hpp"
 #include "coupler/results/beginning.hpp"
 
 namespace ricochet::coupler {
@@ -23,6 +24,7 @@ struct Checkpoint {
   };
   std::vector<Part> parts;
   bool by_this_user = false;  ///< of one that was read: this user's key signed it
+  Computer computer{};        ///< of one that was read: of the coupler that wrote it
 };
 
 /// The folder `checkpoint` of a run's results. A cut is a file WINDOW.state of the coupler, one WINDOW.NAME.state of

@@ -237,6 +237,18 @@ class Refused : public testing::Test {
   std::string scene_, results_;
 };
 
+/// Debian's reference BLAS stands beside OpenBLAS, which the script asks for.
+TEST_F(Refused, NotWithAnotherBlasButItSaysSo) {
+  const auto outcome = run_command(
+      {"/bin/sh", "-c",
+       "LD_LIBRARY_PATH=$(dirname /usr/lib/*/blas/libblas.so.3) " + ricochet_binary() + " resume " + results_},
+      folder_.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("the run began with processor \""));
+  EXPECT_THAT(outcome.error, HasSubstr("/blas/libblas.so.3"));
+  EXPECT_THAT(outcome.error, HasSubstr("last bits may differ"));
+}
+
 TEST_F(Refused, WithoutACheckpoint) {
   std::filesystem::remove_all(results_ + "/checkpoint");
   expect_refused({"has no checkpoint; `ricochet run` makes one every checkpoint.every_s seconds"});

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+namespace ricochet {
+
+/// What last bits depend on besides the programs. Empty: not to be found.
+struct Computer {
+  std::string processor;  ///< the model as /proc/cpuinfo has it
+  std::string blas;       ///< OpenBLAS as it names itself, or the file of another library with dgemm_
+
+  friend bool operator==(const Computer&, const Computer&) = default;
+};
+
+[[nodiscard]] Computer this_computer();
+
+/// A BLAS with threads sums in another order for each number of them, and slows the short products of this program.
+void use_one_thread_in_blas();
+
+}  // namespace ricochet
