@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <sstream>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
@@ -45,7 +47,12 @@ Toml to_toml(double number) {
 Toml to_toml(const decltype(Override::value)& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* number = std::get_if<double>(&value)) return to_toml(*number);
+  if (const auto* answer = std::get_if<bool>(&value)) return *answer;
   Toml::array_type list;
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    for (const auto& text : *texts) list.push_back(text);
+    return list;
+  }
   for (const double number : std::get<std::vector<double>>(value)) list.push_back(to_toml(number));
   return list;
 }
@@ -97,7 +104,57 @@ void keep_paths(Toml& root, const fs::path& folder) {
   each("participant", [&](Toml& participant) { make_absolute(participant, "executable", folder); });
 }
 
+std::optional<double> number_in(const Toml& value) {
+  if (value.is_floating()) return value.as_floating();
+  if (value.is_integer()) return static_cast<double>(value.as_integer());
+  return std::nullopt;
+}
+
+std::string trimmed(const std::string& text) {
+  const char* const blanks = " \t";
+  const std::size_t first = text.find_first_not_of(blanks);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// What stands behind the '=', as TOML has it; nothing if TOML has no such value.
+std::optional<Toml> toml_value(const std::string& text) {
+  try {
+    return parse_toml("--set", "value = " + text).at("value");
+  } catch (const ConfigError&) {
+    return std::nullopt;
+  }
+}
+
+/// A list of numbers, or of texts.
+decltype(Override::value) list_in(const Toml& value, const std::string& argument) {
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+  for (const Toml& entry : value.as_array()) {
+    if (const auto number = number_in(entry)) numbers.push_back(*number);
+    if (entry.is_string()) texts.push_back(entry.as_string().str);
+  }
+  if (numbers.size() == value.size()) return numbers;
+  if (texts.size() == value.size()) return texts;
+  throw ConfigError("--set " + argument + ": found a list of several kinds; allowed: numbers, or texts in quotes");
+}
+
 }  // namespace
+
+Override parse_override(const std::string& argument) {
+  const std::size_t equals = argument.find('=');
+  const std::string key = trimmed(argument.substr(0, equals));
+  const std::string text = equals == std::string::npos ? "" : trimmed(argument.substr(equals + 1));
+  if (key.empty() || text.empty())
+    throw ConfigError(fmt::format("--set: found \"{}\", allowed: KEY=VALUE, for example time.step_s=1e-7", argument));
+  const auto value = toml_value(text);
+  if (!value) return {key, text};
+  if (const auto number = number_in(*value)) return {key, *number};
+  if (value->is_boolean()) return {key, value->as_boolean()};
+  if (value->is_string()) return {key, value->as_string().str};
+  if (value->is_array()) return {key, list_in(*value, argument)};
+  throw ConfigError(fmt::format("--set {}: found {}, allowed: a number, a text, true, false or a list", argument,
+                                value->is_table() ? "a table" : "a date"));
+}
 
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {
   if (!is_file(scene_path)) throw ConfigError(scene_path + ": no such scene file");

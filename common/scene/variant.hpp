@@ -11,8 +11,11 @@ namespace ricochet::scene {
 /// "partition.implicit_length_m.steel", "coupling.protocol".
 struct Override {
   std::string key;
-  std::variant<double, std::string, std::vector<double>> value;
+  std::variant<double, std::string, std::vector<double>, bool, std::vector<std::string>> value;
 };
+
+/// "KEY=VALUE" as a command line has it: a value as in a scene file, and a text needs no quotes. Throws ConfigError.
+[[nodiscard]] Override parse_override(const std::string& argument);
 
 /// Writes the scene file with some keys changed, to be loaded like any other: tables that are missing are added, paths
 /// in it and in the changes count from its folder, a step takes the place of a safety factor or of a largest step.

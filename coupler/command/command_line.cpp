@@ -30,13 +30,23 @@ const char* const exit_codes =
 
 struct Arguments {
   std::string scene, study, out, name, results;
+  std::vector<std::string> set;
   ContractRequest contract;
   std::optional<double> step_s, until_s;
   std::optional<std::string> time;
   StabilityRequest stability;
 };
 
+void define_set(CLI::App& app, Arguments& arguments) {
+  app.add_option("--set", arguments.set,
+                 "Set a key of the scene, as time.step_s=1e-7 or coupling.protocol=kim; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
 void define_run(CLI::App& app, Arguments& arguments) {
+  define_set(app, arguments);
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
   app.add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
 }
@@ -48,6 +58,7 @@ void define_slurm_script(CLI::App& app, Arguments& arguments) {
 }
 
 void define_check(CLI::App& app, Arguments& arguments) {
+  define_set(app, arguments);
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
 }
 
@@ -65,6 +76,7 @@ void define_stability(CLI::App& app, Arguments& arguments) {
 }
 
 void define_study(CLI::App& app, Arguments& arguments) {
+  define_set(app, arguments);
   app.add_option("STUDY", arguments.study, "Study file (TOML)")->required();
   app.add_option("--out", arguments.out, "Results folder; default: out/<name of the study file>")->type_name("DIR");
 }
@@ -150,7 +162,9 @@ int done(const Arguments& arguments) {
 
 const Subcommand subcommands[] = {
     {"run", "Compute a scene: start its participants, couple them, write the results", define_run,
-     done<[](const Arguments& a) { run_scene(a.scene, a.out); }>},
+     done<[](const Arguments& a) {
+       run_scene({a.scene, a.set}, a.out);
+     }>},
     {"resume", "Go on with a run from its last checkpoint, to the same numbers", define_resume,
      done<[](const Arguments& a) { resume_run(a.results, a.scene, a.until_s, a.step_s); }>},
     {"checkpoint", "Have a run that goes on save all that it would go on from", define_checkpoint,
@@ -158,11 +172,13 @@ const Subcommand subcommands[] = {
     {"slurm-script", "Write the batch script that computes a scene on Slurm, from limit to limit", define_slurm_script,
      done<[](const Arguments& a) { write_slurm_script(a.scene, a.out, a.time); }>},
     {"check", "Report and refuse all that can be known before a process starts", define_check,
-     done<[](const Arguments& a) { check_scene(a.scene); }>},
+     done<[](const Arguments& a) {
+       check_scene({a.scene, a.set});
+     }>},
     {"stability", "Measure at which steps the coupled scheme is stable", define_stability,
      done<[](const Arguments& a) { study_stability(a.stability); }>},
     {"study", "Compute a scene by many methods and settings: error against time", define_study,
-     done<[](const Arguments& a) { run_study(a.study, a.out); }>},
+     done<[](const Arguments& a) { run_study(a.study, a.out, a.set); }>},
     {"report", "Write the charts once more: DIR/report.html, and each as a picture in DIR/charts", define_report,
      done<[](const Arguments& a) { write_report(a.results); }>},
     {"check-participant", "Run a program through the contract of docs/participants.md", define_contract,

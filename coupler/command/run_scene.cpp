@@ -142,9 +142,9 @@ struct Planned {
 };
 
 /// Says meanwhile what takes long of it.
-Planned plan_scene(const std::string& scene_path, Announcer& announcer) {
+Planned plan_scene(const GivenScene& given, Announcer& announcer) {
   announcer.begin("reading the scene and its meshes, pairing the contact");
-  auto problem = load_problem(scene_path);
+  auto problem = given.load();
   announcer.begin("finding critical steps, and what can be refused");
   auto plan = scene::plan(problem);
   return {std::move(problem), std::move(plan)};
@@ -152,14 +152,20 @@ Planned plan_scene(const std::string& scene_path, Announcer& announcer) {
 
 }  // namespace
 
-void run_scene(const std::string& scene_path, const std::string& out) {
+void run_scene(const GivenScene& given, const std::string& out) {
   auto [problem, plan] = [&] {
     Announcer announcer;
-    return plan_scene(scene_path, announcer);
+    return plan_scene(given, announcer);
   }();
   const auto executables = find_executables(problem.scene);
-  const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
-  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files_of_run(problem.scene), {problem.scene.path});
+  const std::string stem = std::filesystem::path(given.path).stem().string();
+  auto files = files_of_run(problem.scene);
+  if (!given.set.empty()) files.insert(files.end(), {"scene.toml", "fields/scene.pvd"});
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files, {given.path});
+  if (!given.set.empty()) {
+    scene::write_variant(given.path, given.changes(), results.file("scene.toml"));
+    problem = load_problem(results.file("scene.toml"));
+  }
   if (problem.scene.time.largest_step_s) {
     problem = load_problem(choose_step(problem, results));
     plan = scene::plan(problem);
@@ -218,9 +224,9 @@ void request_checkpoint(const std::string& folder) {
   fmt::print("checkpoint at window {}: {} resume {} goes on from there\n", after.back(), command_name, folder);
 }
 
-void check_scene(const std::string& scene_path) {
+void check_scene(const GivenScene& given) {
   Announcer announcer;
-  const auto [problem, plan] = plan_scene(scene_path, announcer);
+  const auto [problem, plan] = plan_scene(given, announcer);
   fmt::print("{}{}", printable(scene::to_text(problem, plan)), printable(impact_text(problem, plan)));
   for (const auto& warning : limit_warnings(problem, plan)) fmt::print("warning: {}\n", printable(warning));
   std::fflush(stdout);

@@ -3,13 +3,15 @@
 #include <optional>
 #include <string>
 
+#include "coupler/processes/given_scene.hpp"
+
 namespace ricochet::coupler {
 
 /// `ricochet run`: checks the scene, starts its participants, couples them to the end, writes the results into `out`
 /// (empty: "out/<name of the scene file>") and prints the table. Whatever happens, no participant outlives this call
 /// and history.csv and summary.json are there once the scene has been accepted. Throws ricochet::Error (its exit code
-/// says what kind) or Interrupted.
-void run_scene(const std::string& scene_path, const std::string& out);
+/// says what kind) or Interrupted. A changed scene is computed as `out`/scene.toml.
+void run_scene(const GivenScene& given, const std::string& out);
 
 /// `ricochet resume`: goes on with the run in the folder `results` from its last whole checkpoint, to the end of its
 /// scene or to `until_s`. `scene_path`: the scene, if the user names it; empty: as the checkpoint names it, which must
@@ -23,6 +25,6 @@ void resume_run(const std::string& results, const std::string& scene_path, std::
 void request_checkpoint(const std::string& results);
 
 /// `ricochet check`: prints what the run would be, without starting a process. Throws ConfigError.
-void check_scene(const std::string& scene_path);
+void check_scene(const GivenScene& given);
 
 }  // namespace ricochet::coupler

@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
+#include "coupler/processes/given_scene.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/results/results_directory.hpp"
 #include "coupler/study/study_reference.hpp"
@@ -213,12 +214,18 @@ void Study::run() {
 
 }  // namespace
 
-void run_study(const std::string& study_path, const std::string& out) {
+void run_study(const std::string& study_path, const std::string& out, const std::vector<std::string>& set) {
   auto file = load_study(study_path);
+  const GivenScene given{file.scene, set};
+  if (!set.empty()) (void)given.load();  // refused before anything is written
   const std::string stem = std::filesystem::path(file.path).stem().string();
   const ResultsDirectory results(out.empty() ? "out/" + stem : out,
-                                 {"results.csv", "study.json", "histories.csv", "report.html"},
+                                 {"results.csv", "study.json", "histories.csv", "report.html", "scene.toml"},
                                  {file.path, file.scene});
+  if (!set.empty()) {
+    file.scene = results.file("scene.toml");
+    scene::write_variant(given.path, given.changes(), file.scene);
+  }
   const bool histories = file.histories.wanted();
   Study(std::move(file), results).run();
   report::write_report(results.path());

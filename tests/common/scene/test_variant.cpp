@@ -50,6 +50,39 @@ TEST_F(Variant, ChangesNumbersAndWordsAndNothingElse) {
   EXPECT_EQ(after.bodies[0].initial_velocity_m_s, before.bodies[0].initial_velocity_m_s);
 }
 
+template <class T>
+T value_of(const std::string& argument) {
+  return std::get<T>(parse_override(argument).value);
+}
+
+TEST(Override, IsReadFromAnArgument) {
+  EXPECT_EQ(parse_override(" time.step_s = 2e-8").key, "time.step_s");
+  EXPECT_EQ(value_of<double>("time.step_s=2e-8"), 2e-8);
+  EXPECT_EQ(value_of<double>("coupling.substeps=4"), 4.0);
+  EXPECT_EQ(value_of<std::string>("coupling.protocol=kim"), "kim") << "without quotes";
+  EXPECT_EQ(value_of<std::string>("coupling.protocol=\"kim\""), "kim");
+  EXPECT_EQ(value_of<bool>("body.a.mesh.periodic_across=true"), true);
+  EXPECT_EQ(value_of<std::vector<double>>("body.a.mesh.elements=[4, 8]"), (std::vector<double>{4, 8}));
+  EXPECT_EQ(value_of<std::vector<std::string>>("participant.a.bodies=[\"x\", \"y\"]"),
+            (std::vector<std::string>{"x", "y"}));
+}
+
+TEST(Override, IsRefusedByTheArgument) {
+  for (const auto& [argument, says] : {std::pair<std::string, std::string>{"time.step_s", "allowed: KEY=VALUE"},
+                                       {"=3", "allowed: KEY=VALUE"},
+                                       {"a.b=", "allowed: KEY=VALUE"},
+                                       {"a.b=[1, \"x\"]", "--set a.b=[1, \"x\"]: found a list of several kinds"},
+                                       {"a.b={c = 1}", "found a table"},
+                                       {"a.b=2020-01-01", "found a date"}}) {
+    try {
+      (void)parse_override(argument);
+      ADD_FAILURE() << argument;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(says));
+    }
+  }
+}
+
 TEST_F(Variant, FindsTheInterfaceNodesOfAForeignBody) {
   const auto nodes = folder_.write("-0.127\n", "nodes.csv");
   const auto text = replaced(joined_bars, "surface = \"start\"", "interface_nodes = \"nodes.csv\"");
