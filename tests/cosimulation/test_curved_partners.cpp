@@ -118,7 +118,7 @@ TEST(RoundOnFlat, HasOneForceInEitherOrderOfTheNames) {
       for (std::size_t i = 0; time[i] < apart_m / speed_m_s - step_s; ++i) ASSERT_EQ(force[i], 0.0) << time[i];
       const double peak = run.summary.at("peak_contact_force_n").get<double>();
       if (one == 0.0) one = peak;
-      EXPECT_NEAR(peak / one, 1.0, 0.01) << cells << plate_first;
+      EXPECT_NEAR(peak / one, 1.0, 1e-9) << cells << plate_first;
     }
   }
 }
