@@ -340,7 +340,7 @@ void ExplicitContact::reconfigure(std::vector<BodyState>& states) {
 bool ExplicitContact::follow(std::vector<BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before) {
   if (!sliding_ || frozen_) return false;
   const std::vector<Pair> old = surface_.pairs;
-  if (!sliding_->follow(states, 0.0, surface_.pairs)) return false;
+  if (!sliding_->follow(states, 0.0, -0.5 * dt(), state_.mean_forces, surface_.pairs)) return false;
   root_.reset();
   for (std::size_t i = 0; i < old.size(); ++i) {
     const Force& force = old_forces_[i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/problem/contact_pairs.hpp"
 #include "common/problem/rigid_obstacle.hpp"
@@ -54,14 +55,28 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
   return static_cast<int>(body - bodies.data());
 }
 
+/// The surface named second has the finer mesh; of equal ones the body that comes first carries the rows, so that the
+/// order of the names changes nothing. Pairs of nodes are the same either way.
+bool second_carries_rows(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
+  if (needs_pairs(context.scene) || a.normal.dot(b.normal) >= 0.0 || match_in_pairs(a, b)) return false;
+  const double ratio = b.shortest_edge_m / a.shortest_edge_m;
+  return std::abs(ratio - 1.0) > flat_tolerance ? ratio < 1.0 : b.body < a.body;
+}
+
 ContactGeometry build_one(const ContactContext& context, const std::vector<BodyProblem>& bodies) {
-  const ContactSide a = make_side(context, bodies, context.contact.first, context.contact.normal);
+  ContactSide a = make_side(context, bodies, context.contact.first, context.contact.normal);
   if (a.flat && !context.contact.normal.empty())
     context.refuse(fmt::format("a normal for surface \"{}\", which is flat", a.name), "no key normal");
   std::optional<ContactSide> b;
   if (context.contact.second) b = make_side(context, bodies, *context.contact.second, {});
   ContactGeometry geometry;
   geometry.name = context.contact.name;
+  geometry.named_normal = a.normal;
+  if (b && second_carries_rows(context, a, *b)) {
+    geometry.second_named_first = true;
+    std::swap(a, *b);
+    if (!a.flat) a.normal = -geometry.named_normal;
+  }
   geometry.body_a = index_of(bodies, a.body);
   geometry.body_b = b ? index_of(bodies, b->body) : -1;
   geometry.normal = a.normal;

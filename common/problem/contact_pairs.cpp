@@ -55,11 +55,14 @@ Matches match(const ContactSide& a, const ContactSide& b) {
   return found;
 }
 
+bool flat_and_parallel(const ContactSide& a, const ContactSide& b) {
+  return a.flat && b.flat && a.normal.dot(b.normal) <= flat_tolerance - 1.0;
+}
+
 /// Pairs of nodes where they match, else none.
 std::vector<ContactPair> matching_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
   std::vector<ContactPair> pairs;
-  const bool parallel = a.flat && b.flat && a.normal.dot(b.normal) <= flat_tolerance - 1.0;
-  if (!parallel) {
+  if (!flat_and_parallel(a, b)) {
     require_matching(context,
                      {fmt::format("those of \"{}\" and \"{}\", which are curved or not parallel", a.name, b.name)});
     return pairs;
@@ -151,6 +154,10 @@ void set_mortar_pairs(const ContactContext& context, const ContactSide& a, const
 
 }  // namespace
 
+bool match_in_pairs(const ContactSide& a, const ContactSide& b) {
+  return flat_and_parallel(a, b) && a.nodes.size() == b.nodes.size() && match(a, b).lonely.empty();
+}
+
 bool needs_pairs(const Scene& scene) {
   const Contact& law = scene.contact_law();
   return scene.massless_contact() ||
@@ -188,8 +195,10 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
                    "surfaces that face each other");
   const fem::Mesh& mesh_a = a.body->mesh;
   geometry.touch_normal = a.normal;
-  geometry.lifted_m = geometry.shift_m = context.contact.initial_gap_m * a.normal;
-  geometry.flat = a.flat && b.flat && a.normal.dot(b.normal) <= flat_tolerance - 1.0;
+  geometry.lifted_m = context.contact.initial_gap_m * geometry.named_normal;
+  if (geometry.second_named_first) geometry.lifted_m *= -1.0;
+  geometry.shift_m = geometry.lifted_m;
+  geometry.flat = flat_and_parallel(a, b);
   geometry.pairs = matching_pairs(context, a, b);
   for (auto& pair : geometry.pairs)
     complete(context.contact, mesh_a,

@@ -13,6 +13,8 @@ namespace ricochet::scene {
 /// they touch. Bodies that may slide have what rows are written anew from, too.
 void set_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b, ContactGeometry& geometry);
 
+/// Both are flat and their nodes lie opposite each other.
+[[nodiscard]] bool match_in_pairs(const ContactSide& a, const ContactSide& b);
 /// Laws that move masses or weigh by impedances go by pairs of nodes.
 [[nodiscard]] bool needs_pairs(const Scene& scene);
 /// Refuses what has no node opposite, under a law that needs one.

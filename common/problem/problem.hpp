@@ -15,27 +15,32 @@
 /// A scene turned into meshes, contact pairs and partitions: what both solvers and `check` start from.
 namespace ricochet::scene {
 
-/// A contact node of the first surface and what lies opposite.
+/// A contact node of the surface that carries the rows and what lies opposite.
 struct ContactPair {
-  int node_a = -1;  ///< of the first surface's body mesh
+  int node_a = -1;  ///< of body_a's mesh
   int patch = 0;    ///< smooth piece of that surface: a node between two has a pair for each
-  /// Of the second surface: one node at the same place, several where meshes differ; of what is rigid none.
+  /// Of the other surface: one node at the same place, several where meshes differ; of what is rigid none.
   std::vector<WeightedNode> b;
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
   double gap0_m = 0.0;                    ///< initial gap >= 0
-  double area_m2 = 0.0;                   ///< tributary area: integral of N dA over the first surface's faces
+  double area_m2 = 0.0;                   ///< tributary area: integral of N dA over that surface's faces
   double distance_m = 0.0;                ///< from the axis (first coordinate of node a), for the nose and for output
 };
 
 struct ContactGeometry {
-  std::string name;                       ///< of one of several
-  int body_a = -1;                        ///< index into Problem::bodies
-  int body_b = -1;                        ///< -1: what is rigid
-  bool round = false;                     ///< that is a sphere or a cylinder
-  Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
-  bool matching = false;                  ///< pairs of nodes: every `b` is one node of weight 1, or none
-  std::vector<ContactPair> pairs;         ///< sorted by distance
-  bool flat = true;                       ///< both surfaces are, and parallel
+  std::string name;  ///< of one of several
+  /// Index into Problem::bodies. The rows are those of nodes of body_a, whose surface has the finer mesh; where both
+  /// are as fine, of the body that comes first, and of pairs of nodes the one named first. "First" and "second" surface
+  /// are those of body_a and body_b here and in all that follows, but where the named ones are spoken of.
+  int body_a = -1;
+  int body_b = -1;                              ///< -1: what is rigid
+  bool round = false;                           ///< that is a sphere or a cylinder
+  bool second_named_first = false;              ///< body_a has the surface that the scene names second
+  Eigen::Vector3d normal{0.0, 0.0, 0.0};        ///< n, out of body a, of a curved surface its mean; bar: (+-1, 0, 0)
+  Eigen::Vector3d named_normal{0.0, 0.0, 0.0};  ///< the same out of the surface named first, as columns have it
+  bool matching = false;                        ///< pairs of nodes: every `b` is one node of weight 1, or none
+  std::vector<ContactPair> pairs;               ///< sorted by distance
+  bool flat = true;                             ///< both surfaces are, and parallel
   /// By how much the second body is taken to be off its mesh at the start: initial_gap_m along the normal.
   Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};
   /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such
@@ -91,7 +96,7 @@ struct Problem {
 /// The direction that momentum is balanced along, and tangent_of it: the normal of the first contact; without one, the
 /// axis.
 [[nodiscard]] inline Eigen::Vector3d momentum_normal(const Problem& problem) {
-  if (!problem.contacts.empty()) return problem.contacts.front().normal;
+  if (!problem.contacts.empty()) return problem.contacts.front().named_normal;
   return Eigen::Vector3d::Unit(problem.scene.components() - 1);
 }
 

@@ -84,6 +84,13 @@ Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   return {true, axes_of(to).transpose() * axes_of(from)};
 }
 
+/// What acts on B in the scene's directions, on the body that the scene names second: that may be A.
+Turn turn_to_named(const scene::ContactGeometry& geometry, const Eigen::Vector3d& from) {
+  Turn turn = turn_of(from, geometry.named_normal);
+  if (geometry.second_named_first) turn = {true, -axes_of(geometry.named_normal).transpose() * axes_of(from)};
+  return turn;
+}
+
 }  // namespace
 
 Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::ContactPair& pair,
@@ -95,7 +102,7 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
   std::vector<PartNode> nodes;
   for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
   nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
-  Turn to_contact = turn_of(pair.normal, geometry.normal);
+  Turn to_contact = turn_to_named(geometry, pair.normal);
   if (problem.scene.model == scene::Model::axisymmetric) to_contact.matrix(1, 0) = 0.0;
   const auto along = [&](const Eigen::Vector3d& direction) {
     return ends_at_symmetry(problem, geometry, pair, direction) ? ContactRow{}

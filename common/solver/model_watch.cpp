@@ -75,8 +75,11 @@ void ModelWatch::prepare_elements(const std::vector<BodyState>& states) {
 }
 
 void ModelWatch::prepare_pairs(const scene::Problem& problem) {
-  for (std::size_t i = 0; i < problem.contacts.size(); ++i)
-    prepare_pairs(problem, problem.contacts[i], problem.scene.contacts[i].first.surface);
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    const auto& named = problem.scene.contacts[i];
+    prepare_pairs(problem, problem.contacts[i],
+                  problem.contacts[i].second_named_first ? named.second->surface : named.first.surface);
+  }
 }
 
 void ModelWatch::prepare_pairs(const scene::Problem& problem, const scene::ContactGeometry& contact,

@@ -134,7 +134,8 @@ void SlidingRows::move(Sliding& sliding, const Eigen::Vector3d& place_m, double 
   }
 }
 
-bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs) {
+bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, double middle_s,
+                         const std::vector<PairForce>& forces, std::vector<Pair>& pairs) {
   bool moved = false;
   for (auto& sliding : contacts_) {
     const auto& geometry = problem_->contacts[sliding.contact];
@@ -145,8 +146,52 @@ bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, s
     move(sliding, place_m, least_gap_m(states, sliding.contact, pairs));
     moved = true;
   }
-  if (moved) write(pairs);
-  return moved;
+  if (!moved) return false;
+  const std::vector<Pair> before = pairs;
+  write(pairs);
+  balance(before, forces, states, middle_s, pairs);
+  offset(pairs);
+  return true;
+}
+
+/// Finds the offsets of contacts that have changed; `pairs` are without them.
+void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,
+                          const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
+  struct Jump {
+    double work_j = 0.0, force_n = 0.0, least_m = std::numeric_limits<double>::infinity();
+  };
+  const auto gap = [&](const Pair& pair) {
+    return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
+  };
+  std::vector<Jump> jumps(problem_->contacts.size());
+  const std::vector<int> same = same_pairs(before, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Jump& jump = jumps[pairs[i].contact];
+    const double now_m = gap(pairs[i]);
+    jump.least_m = std::min(jump.least_m, now_m);
+    const auto old = static_cast<std::size_t>(same[i]);
+    if (same[i] < 0 || !(forces[old].normal > 0.0)) continue;
+    jump.work_j += forces[old].normal * (gap(before[old]) - now_m);
+    jump.force_n += forces[old].normal;
+  }
+  for (auto& sliding : contacts_) {
+    const auto& geometry = problem_->contacts[sliding.contact];
+    if (!sliding.changed || geometry.flat) continue;
+    const Jump& jump = jumps[sliding.contact];
+    const double most_m = slide_share * geometry.sliding->edge_m;
+    double& offset_m = sliding.slide.offset_m;
+    offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m)
+                                  : std::max(0.0, std::min(offset_m, -jump.least_m));
+  }
+}
+
+void SlidingRows::offset(std::vector<Pair>& pairs) {
+  for (auto& sliding : contacts_) {
+    if (!sliding.changed) continue;
+    for (Pair& pair : pairs)
+      if (pair.contact == sliding.contact) pair.gap0_m += sliding.slide.offset_m;
+    sliding.changed = false;
+  }
 }
 
 /// Pairs of contacts that have not changed stay as they are.
@@ -160,7 +205,6 @@ void SlidingRows::write(std::vector<Pair>& pairs) {
                    [i](const Pair& p) { return p.contact == i; });
       continue;
     }
-    sliding->changed = false;
     for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
       written.push_back(pair_of(*problem_, i, pair, parts_));
   }
@@ -182,7 +226,10 @@ bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
     contacts_[i].changed = state[i].follows;
   }
   if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid
-  if (any_follows) write(pairs);
+  if (any_follows) {
+    write(pairs);
+    offset(pairs);
+  }
   return any_follows || any_stops;
 }
 

@@ -6,7 +6,7 @@
 #include "common/base/archive.hpp"
 #include "common/problem/problem.hpp"
 #include "common/solver/body_state.hpp"
-#include "common/solver/contact_rows.hpp"
+#include "common/solver/contact_surface.hpp"
 
 namespace ricochet::solver {
 
@@ -24,6 +24,12 @@ namespace ricochet::solver {
 /// the bodies are. Each set of rows has forces that keep momentum and, in their place, angular momentum.
 /// While bodies are apart by more than an edge the contact sleeps: rows are written where the bodies are, and stay
 /// until these may be half an edge from each other.
+///
+/// Bodies deform, and the rows do not turn with them: rows that are written anew have other gaps g' than the old ones g
+/// at the same motion, and the forces r do work sum r (g - g') while they close them. All gaps of a curved contact
+/// therefore have an offset,
+///   c = sum r (g - g') / sum r,   |c| <= slide_share of the edge,
+/// with which that work is none. It is handed back as soon as no pair has a force.
 class SlidingRows {
  public:
   static constexpr double slide_share = 0.01;
@@ -33,9 +39,10 @@ class SlidingRows {
 
   /// Whether any contact may slide.
   [[nodiscard]] bool any() const { return !contacts_.empty(); }
-  /// Brings the pairs to where the bodies are `ahead_s` later, at their present velocities. Returns whether it wrote
-  /// them anew.
-  bool follow(const std::vector<BodyState>& states, double ahead_s, std::vector<Pair>& pairs);
+  /// Brings the pairs to where the bodies are `ahead_s` later, at their present velocities. `forces` of the pairs in
+  /// the window before work on jumps of gaps as these are `middle_s` later. Returns whether it wrote them anew.
+  bool follow(const std::vector<BodyState>& states, double ahead_s, double middle_s,
+              const std::vector<PairForce>& forces, std::vector<Pair>& pairs);
 
   struct Slide {
     bool follows = false, asleep = false;    ///< rows are others than those of the start; written apart
@@ -43,8 +50,9 @@ class SlidingRows {
     Eigen::Vector3d normal{0.0, 0.0, 0.0};   ///< n, where the bodies then touch
     Eigen::Vector3d place_m{0.0, 0.0, 0.0};  ///< s when they were
     double free_m = 0.0;                     ///< how far from there it may get before it may touch
+    double offset_m = 0.0;                   ///< c, that all gaps have
 
-    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m); }
+    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m, offset_m); }
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;
@@ -63,6 +71,9 @@ class SlidingRows {
   void move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const;
   [[nodiscard]] Eigen::Vector3d mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const;
   void write(std::vector<Pair>& pairs);
+  void balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,
+               const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs);
+  void offset(std::vector<Pair>& pairs);
 
   const scene::Problem* problem_;
   std::vector<PartNodes> parts_;

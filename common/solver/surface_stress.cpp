@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 namespace ricochet::solver {
 namespace {
@@ -45,9 +46,9 @@ std::optional<fem::NaturalPoint> face_middle(const fem::Element& nodes, const fe
 SurfaceStress::SurfaceStress(const scene::Problem& problem, const std::vector<BodyState>& states) {
   if (problem.contacts.empty()) return;
   const auto& contact = problem.contacts.front();
-  if (!collect(problem, states, contact.body_a, true) && contact.body_b >= 0) {
-    collect(problem, states, contact.body_b, false);
-  }
+  int first = contact.body_a, second = contact.body_b;
+  if (contact.second_named_first) std::swap(first, second);
+  if (!collect(problem, states, first, true) && second >= 0) collect(problem, states, second, false);
 }
 
 bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<BodyState>& states, int body, bool first) {

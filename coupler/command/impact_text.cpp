@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "coupler/results/theory.hpp"
 
@@ -20,9 +21,10 @@ struct Impact {
 
 std::string line(const scene::ContactGeometry& contact, const scene::Problem& problem, double speed_m_s,
                  const Impact& impact, const std::string& by) {
-  const auto& a = problem.bodies[static_cast<std::size_t>(contact.body_a)].name;
-  const std::string b =
-      contact.body_b < 0 ? "what is rigid" : problem.bodies[static_cast<std::size_t>(contact.body_b)].name;
+  int first = contact.body_a, second = contact.body_b;
+  if (contact.second_named_first) std::swap(first, second);
+  const auto& a = problem.bodies[static_cast<std::size_t>(first)].name;
+  const std::string b = second < 0 ? "what is rigid" : problem.bodies[static_cast<std::size_t>(second)].name;
   return fmt::format("impact of \"{}\" on {}{}{} at {:.4g} m/s: about {:.4g} N for {:.4g} s, by {}\n", a,
                      contact.body_b < 0 ? "" : "\"", b, contact.body_b < 0 ? "" : "\"", speed_m_s, impact.force_n,
                      impact.duration_s, by);

@@ -11,7 +11,7 @@ using solver::ContactState;
 void ImplicitContact::follow(const std::vector<BodyState>& states) {
   if (!sliding_) return;
   std::vector<solver::Pair> before = surface_.pairs;
-  if (!sliding_->follow(states, 0.5 * dt_, surface_.pairs)) return;
+  if (!sliding_->follow(states, 0.5 * dt_, 0.5 * dt_, state_.mean_forces, surface_.pairs)) return;
   const std::vector<int> same = solver::same_pairs(before, surface_.pairs);
   if (before_.pairs.empty()) {  // else a window is tried again
     before_.pairs = std::move(before);
