@@ -40,7 +40,8 @@ participant::Description ExplicitSolver::describe() {
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
                               Capability::reconfigure, Capability::save_state};
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
-  if (ranks_ == nullptr && (!alone() || !problem_.scene.massless_contact()))
+  // What is loaded is to be continued linearly.
+  if (ranks_ == nullptr && !solver::any_yields(states_) && (!alone() || !problem_.scene.massless_contact()))
     description.capabilities.push_back(Capability::load_state);
   return description;
 }

@@ -8,6 +8,7 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/reporting.hpp"
+#include "explicit_solver/material_force.hpp"
 #include "explicit_solver/ranks.hpp"
 #include "explicit_solver/stepping.hpp"
 
@@ -24,7 +25,7 @@ class ExplicitSolver : public participant::Participant {
   /// `told_critical_step_s`: see solver::describe. `ranks`: of a participant of several processes, of which this is the
   /// first; it must outlive this object. `make_force`: what the elements of a part answer.
   ExplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {},
-                 Ranks* ranks = nullptr, MakeForce make_force = linear_force);
+                 Ranks* ranks = nullptr, MakeForce make_force = material_force);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;

@@ -182,6 +182,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
     const Eigen::VectorXd& internal = trials_[b].forces.internal;
     Eigen::VectorXd& external = trials_[b].forces.external;
     forces_[b]->follow(internal);
+    forces_[b]->settle();
     if (velocity == Velocity::now) {
       for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
     } else {

@@ -91,6 +91,7 @@ void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::Vector
   accepted_.force = force;
   elements_->evaluate(state.u, accepted_.internal);
   elements_->follow(accepted_.internal);
+  elements_->settle();
   state.external.at(time_s, accepted_.external);
   for (const auto& d : state.dashpots) accepted_.external[d.dof] += d.force(state.v[d.dof]);
   state.a = state.inverse_mass.cwiseProduct(accepted_.external - accepted_.internal);
@@ -124,6 +125,7 @@ void SubcycledWindow::advance_held(const BodyState& state, double begin_s, int s
 void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, const Eigen::VectorXd& force) {
   tried_ = true;
   steps_ = steps;
+  elements_->go_back();
   trial_force_ = force;
   given_ = {};
   clear_correction();
@@ -234,6 +236,7 @@ double SubcycledWindow::interface_work() const {
 }
 
 void SubcycledWindow::accept(BodyState& state) {
+  elements_->settle();
   state.totals.energy_interface_j += interface_work();
   state.take(given_);
   state.take(d_given_);

@@ -8,6 +8,7 @@
 #include "common/participant/participant.hpp"
 #include "common/solver/body_state.hpp"
 #include "common/solver/free_motion.hpp"
+#include "common/solver/plastic_bars.hpp"
 #include "common/solver/reporting.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
@@ -23,7 +24,7 @@ class ImplicitSolver : public participant::Participant {
  public:
   /// `told_critical_step_s`: see solver::describe. `make_force`: what the elements of a part answer.
   ImplicitSolver(scene::Problem problem, const std::string& name, std::optional<double> told_critical_step_s = {},
-                 const MakeForce& make_force = solver::linear_elements);
+                 const MakeForce& make_force = solver::material_elements);
 
   participant::Description describe() override;
   void initialize(const participant::Setup& setup, participant::LinkOutput& output) override;
@@ -79,6 +80,7 @@ class ImplicitSolver : public participant::Participant {
   void account();
   [[nodiscard]] double shared_staggered_energy(std::size_t part) const;
   void resynchronise_residual();
+  void follow_elements();
   void update_status();
 
   scene::Problem problem_;

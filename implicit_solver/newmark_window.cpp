@@ -21,6 +21,10 @@ constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_lim
 /// then take it from 1 to 1e-7, and a factorisation costs more than ten.
 constexpr double slow_share = 0.2;
 constexpr int most_improvements = 50;
+/// An improvement that goes too far is shortened until the slope of the window's potential along it is so much of what
+/// it was at its beginning, or less.
+constexpr double level_share = 0.1;
+constexpr int most_shortenings = 20;
 }  // namespace
 
 NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contact, Eigen::MatrixXd interface_stiffness,
@@ -138,12 +142,38 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     before_ = trial.increment;
     rhs_ = quarter * imbalance_;
     solver_.improve(rhs_, trial.increment);
+    shorten(trial);
     const double moved =
         std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), trial.increment.lpNorm<Eigen::Infinity>());
     if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved) break;
   }
   trial_linearised_at_ = solver_.linearised_at();
   forget();  // rhs_ is another
+}
+
+/// Elements that soften and stiffen again, as where they yield and unload, have Newton's steps swing to and fro over
+/// the minimum of the window's potential. Its slope along a step is minus what is out of balance; where the step ends
+/// uphill, the place between is found where it is level (false position).
+void NewmarkWindow::shorten(WindowTrial& trial) {
+  const Eigen::VectorXd step = trial.increment - before_;
+  const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step);
+  const auto downhill = [&](double share) {
+    trial.increment = before_ + share * step;
+    find_imbalance(trial);
+    return imbalance_.dot(step);
+  };
+  double low = 0.0, at_low = first, high = 1.0, at_high = downhill(1.0);
+  if (!(first > 0.0) || !(at_high < -0.5 * first)) {
+    trial.increment = before_ + step;
+    return;
+  }
+  double share = 1.0, slope = at_high;
+  for (int k = 0; k < most_shortenings && std::abs(slope) > level_share * first; ++k) {
+    share = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+    slope = downhill(share);
+    (slope > 0.0 ? low : high) = share;
+    (slope > 0.0 ? at_low : at_high) = slope;
+  }
 }
 
 /// f - P - L - M a* at the free dofs for the present increment, without contact forces. Returns the largest of the

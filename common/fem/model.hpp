@@ -1,12 +1,20 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
-/// Small-strain linear elasticity in three dimensions and in three reduced models. Node-major degrees of freedom: dof =
-/// node * components + c.
+/// Small-strain elasticity, and of bars plasticity, in three dimensions and in three reduced models. Node-major degrees
+/// of freedom: dof = node * components + c.
 namespace ricochet::fem {
 
 enum class Model { bar, plane_strain, axisymmetric, solid };
+
+/// Von Mises plasticity with linear isotropic hardening: the yield stress is yield_stress_pa + hardening_pa times the
+/// equivalent plastic strain [Pa].
+struct Plasticity {
+  double yield_stress_pa = 0.0;
+  double hardening_pa = 0.0;
+};
 
 struct Material {
   double youngs_modulus_pa = 0.0;
@@ -15,6 +23,7 @@ struct Material {
   /// Up to which the body is what its elements are, linear elastic: von Mises stress and principal tension [Pa].
   double yield_stress_pa = std::numeric_limits<double>::infinity();
   double strength_pa = std::numeric_limits<double>::infinity();
+  std::optional<Plasticity> plasticity = std::nullopt;  ///< none: elastic
 };
 
 /// Factor that turns the two-dimensional (or line) integral of a model into a volume: cross section [m^2] of a bar,

@@ -18,6 +18,7 @@ static_assert(std::endian::native == std::endian::little, "the file is declared 
 
 using Parts = std::vector<const Part*>;
 using Fields = std::vector<const Eigen::VectorXd*>;
+using Plastic = std::vector<PlasticStrain>;
 
 /// One DataArray: its length in bytes as UInt64, then the values, encoded in one go.
 template <class Number>
@@ -76,7 +77,7 @@ std::vector<std::string_view> stress_names(Model model) {
   throw std::invalid_argument("unknown model");
 }
 
-std::string stresses(Model model, const Parts& parts, const Fields& displacement) {
+std::string stresses(Model model, const Parts& parts, const Fields& displacement, const Plastic& plastic) {
   const std::vector<std::string_view> names = stress_names(model);
   constexpr std::array<std::string_view, 3> principal_names = {"stress_principal_max", "stress_principal_mid",
                                                                "stress_principal_min"};
@@ -85,9 +86,11 @@ std::string stresses(Model model, const Parts& parts, const Fields& displacement
     const Part& part = *parts[p];
     for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
       const ElementGeometry element = element_geometry(part.mesh, e);
-      const StressVector stress =
+      StressVector stress =
           element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *displacement[p]),
                          traits(element.kind).centre);
+      if (p < plastic.size() && plastic[p].strain)
+        stress[0] -= part.material.youngs_modulus_pa * (*plastic[p].strain)[e];
       const Eigen::Vector3d principal = principal_stresses(model, stress);
       for (std::size_t c = 0; c < names.size(); ++c) stress_values[c].push_back(stress[static_cast<Eigen::Index>(c)]);
       for (std::size_t c = 0; c < 3; ++c) principal_values[c].push_back(principal[static_cast<Eigen::Index>(c)]);
@@ -97,6 +100,19 @@ std::string stresses(Model model, const Parts& parts, const Fields& displacement
   for (std::size_t c = 0; c < names.size(); ++c) text += data_array("Float64", names[c], 1, stress_values[c]);
   for (std::size_t c = 0; c < 3; ++c) text += data_array("Float64", principal_names[c], 1, principal_values[c]);
   return text;
+}
+
+/// Empty where no part yields.
+std::string equivalent_plastic_strains(const Parts& parts, const Plastic& plastic) {
+  std::vector<double> values;
+  bool any = false;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const bool yields = p < plastic.size() && plastic[p].equivalent != nullptr;
+    any = any || yields;
+    for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(parts[p]->mesh.elements.size()); ++e)
+      values.push_back(yields ? (*plastic[p].equivalent)[e] : 0.0);
+  }
+  return any ? data_array("Float64", "equivalent_plastic_strain", 1, values) : "";
 }
 
 std::string element_numbers(const Parts& parts) {
@@ -122,7 +138,8 @@ void check_sizes(const Parts& parts, const Fields& displacement, const Fields& v
 
 }  // namespace
 
-void write_vtu(const std::string& path, const Parts& parts, const Fields& displacement, const Fields& velocity) {
+void write_vtu(const std::string& path, const Parts& parts, const Fields& displacement, const Fields& velocity,
+               const Plastic& plastic) {
   check_sizes(parts, displacement, velocity);
   std::size_t nodes = 0, elements = 0;
   for (const Part* part : parts) {
@@ -137,7 +154,8 @@ void write_vtu(const std::string& path, const Parts& parts, const Fields& displa
   text += points(parts) + cells(parts);
   text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", parts, displacement) +
           nodal_vectors("velocity", parts, velocity) + "</PointData>\n";
-  text += "<CellData>\n" + stresses(parts[0]->mesh.model, parts, displacement) + element_numbers(parts) +
+  text += "<CellData>\n" + stresses(parts[0]->mesh.model, parts, displacement, plastic) +
+          equivalent_plastic_strains(parts, plastic) + element_numbers(parts) +
           "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   write_atomically(path, text);
 }

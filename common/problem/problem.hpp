@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -92,6 +93,12 @@ struct Problem {
   /// that was found for it [s]; else empty.
   std::vector<double> critical_time_steps_s;
 };
+
+/// Whether a body has a material with plasticity.
+[[nodiscard]] inline bool yields(const Problem& problem) {
+  return std::any_of(problem.bodies.begin(), problem.bodies.end(),
+                     [](const BodyProblem& body) { return body.material.plasticity.has_value(); });
+}
 
 /// The direction that momentum is balanced along, and tangent_of it: the normal of the first contact; without one, the
 /// axis.

@@ -2,7 +2,38 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
+
 namespace ricochet::solver {
+namespace {
+
+double start(const fem::Mesh& mesh, int element) {
+  return mesh.position[fem::at(mesh.elements[fem::at(element)][0])][0];
+}
+
+std::vector<int> along_bar(const BodyState& state) {
+  if (!state.plastic) return {};
+  std::vector<int> elements(state.part.mesh.elements.size());
+  std::iota(elements.begin(), elements.end(), 0);
+  std::sort(elements.begin(), elements.end(),
+            [&](int x, int y) { return start(state.part.mesh, x) < start(state.part.mesh, y); });
+  return elements;
+}
+
+/// A displacement whose strain is the plastic one.
+Eigen::VectorXd plastic_displacement(const BodyState& state, const std::vector<int>& along) {
+  const auto& mesh = state.part.mesh;
+  Eigen::VectorXd moved = Eigen::VectorXd::Zero(state.part.dofs());
+  for (const int element : along) {
+    const auto& bar = mesh.elements[fem::at(element)];
+    const double length_m = mesh.position[fem::at(bar[1])][0] - mesh.position[fem::at(bar[0])][0];
+    moved[bar[1]] = moved[bar[0]] + length_m * state.plastic->strain[element];
+  }
+  return moved;
+}
+
+}  // namespace
 
 AxialStressShares::AxialStressShares(const scene::Problem& problem, const std::vector<BodyState>& states) {
   if (problem.scene.output.axial_stress_every == 0) return;
@@ -30,7 +61,7 @@ void AxialStressShares::add_body(const scene::Problem& problem, const BodyState&
     }
   }
   shares.finalize();
-  bodies_.push_back({shares, {}});
+  bodies_.push_back({shares, {}, along_bar(state)});
 }
 
 void AxialStressShares::append(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) {
@@ -38,6 +69,7 @@ void AxialStressShares::append(const std::vector<BodyState>& states, std::int64_
     auto& body = bodies_[b];
     require_finite(states[b], states[b].u, window);
     body.stress.noalias() = body.shares * states[b].u;
+    if (!body.along.empty()) body.stress -= body.shares * plastic_displacement(states[b], body.along);
     row.insert(row.end(), body.stress.begin(), body.stress.end());
   }
 }

@@ -11,6 +11,7 @@
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
 #include "common/solver/other_ranks.hpp"
+#include "common/solver/plastic_state.hpp"
 
 /// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
 namespace ricochet::solver {
@@ -92,7 +93,8 @@ struct BodyState : BodyMotion {
   Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
   Eigen::VectorXd place;  ///< per dof, reference: of models with an angular momentum, plane strain and solids [m]
   std::vector<bool> own;  ///< of a share of a part, per local node: not another rank's; else empty
-  OtherRanks* others = nullptr;  ///< of a share of a part: who steps the rest of it
+  std::shared_ptr<PlasticState> plastic;  ///< of a material that yields, in the accepted window; else null
+  OtherRanks* others = nullptr;           ///< of a share of a part: who steps the rest of it
 
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);

@@ -71,6 +71,9 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
     }
     for (const auto& quantity : body_quantities)
       d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
+    if (!state.plastic) continue;
+    for (const auto& quantity : plastic_quantities)
+      d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
   }
   if (contact_owner) {
     for (const auto& quantity : contact_quantities) d.record_columns.emplace_back(quantity.first);
@@ -92,19 +95,28 @@ void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vect
 }
 
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row) {
-  for (const auto& state : states) append_quantities(state.totals, row);
+  for (const auto& state : states) {
+    append_quantities(state.totals, row);
+    if (!state.plastic) continue;
+    row.push_back(state.plastic->work_j);
+    row.push_back(state.plastic->equivalent.size() > 0 ? state.plastic->equivalent.maxCoeff() : 0.0);
+  }
 }
 
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
                   const std::vector<BodyState>& states) {
   std::vector<const fem::Part*> parts;
   std::vector<const Eigen::VectorXd*> displacement, velocity;
+  std::vector<fem::PlasticStrain> plastic;
   for (const auto& state : states) {
     parts.push_back(&state.part);
     displacement.push_back(&state.u);
     velocity.push_back(&state.v);
+    plastic.emplace_back();
+    if (state.plastic) plastic.back() = {&state.plastic->strain, &state.plastic->equivalent};
   }
-  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, displacement, velocity);
+  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, displacement, velocity,
+                 plastic);
 }
 
 }  // namespace ricochet::solver

@@ -29,8 +29,12 @@ class InternalForce {
   /// The halves of `evaluate`: u with the shared nodes where they were, then where they are.
   virtual void before_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
   virtual void after_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
-  /// P of a step, which will not be repeated. `rows` may grow.
+  /// P of a step, which was evaluated last; the next step begins there. `rows` may grow.
   virtual void follow(const Eigen::VectorXd& force);
+  /// The steps followed so far are those of an accepted window: none of them will be repeated.
+  virtual void settle();
+  /// Undoes the steps followed since then, which are to be tried again.
+  virtual void go_back();
 
   /// The rows to compute, ascending, none touching the next; in all others there is neither force nor acceleration.
   [[nodiscard]] virtual const std::vector<Rows>& rows() const = 0;
@@ -69,6 +73,8 @@ inline void put_back(const std::string& kept, InternalForce& force) {
 inline void InternalForce::before_link(Eigen::VectorXd&, Eigen::VectorXd&) {}
 inline void InternalForce::after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) { evaluate(u, force); }
 inline void InternalForce::follow(const Eigen::VectorXd&) {}
+inline void InternalForce::settle() {}
+inline void InternalForce::go_back() {}
 inline void InternalForce::reach_all() {}
 inline void InternalForce::spread(Eigen::VectorXd&) {}
 inline bool InternalForce::spreads(int) const { return false; }

@@ -153,7 +153,8 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
-  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size()));
+  const auto kept_strains = state.plastic ? drawn.element.size() : 0;
+  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_strains));
   return drawn;
 }
 
@@ -188,6 +189,10 @@ void ShapeRecorder::keep(std::int64_t window) {
     auto& values = part.kept[windows_.size()];
     for (std::size_t i = 0; i < part.kept_dof.size(); ++i)
       values[static_cast<Eigen::Index>(i)] = states_[p].u[part.kept_dof[i]];
+    if (!states_[p].plastic) continue;
+    auto strain = values.tail(static_cast<Eigen::Index>(part.element.size()));
+    for (Eigen::Index i = 0; i < strain.size(); ++i)
+      strain[i] = states_[p].plastic->strain[part.element[static_cast<std::size_t>(i)]];
   }
   windows_.push_back(window);
 }
@@ -236,11 +241,15 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
       for (int c = 0; c < components; ++c) displacement.push_back(static_cast<float>(u[node * components + c]));
     }
     stress.reserve(drawn.element.size());
-    for (const int e : drawn.element) {
+    for (std::size_t i = 0; i < drawn.element.size(); ++i) {
+      const int e = drawn.element[i];
       const auto geometry = fem::element_geometry(mesh_part.mesh, e);
-      const auto tensor =
+      auto tensor =
           fem::element_stress(mesh_part.section, mesh_part.material, geometry,
                               fem::element_displacement(mesh_part.mesh, e, u), fem::traits(geometry.kind).centre);
+      if (states_[part].plastic)
+        tensor[0] -=
+            mesh_part.material.youngs_modulus_pa * drawn.kept[w][static_cast<Eigen::Index>(drawn.kept_dof.size() + i)];
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
     }

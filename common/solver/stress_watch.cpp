@@ -46,6 +46,7 @@ double largest_principal_stress(const BodyState& state, int element) {
   const auto stress =
       fem::element_stress(part.section, part.material, geometry, fem::element_displacement(part.mesh, element, state.u),
                           fem::traits(geometry.kind).centre);
+  if (state.plastic) return stress[0] - part.material.youngs_modulus_pa * state.plastic->strain[element];
   return fem::principal_stresses(part.mesh.model, stress)[0];
 }
 
@@ -119,8 +120,9 @@ void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed)
     Displacements u;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       u[i].template head<dimension>() = state.u.template segment<dimension>(nodes[i] * dimension);
-    const Eigen::Matrix<double, dimension, dimension> gradient =
+    Eigen::Matrix<double, dimension, dimension> gradient =
         middle_differences<dimension>(nodes.kind, u) * inverse_[part][e].template topLeftCorner<dimension, dimension>();
+    if (state.plastic) gradient(0, 0) -= state.plastic->strain[static_cast<Eigen::Index>(e)];  // of bars alone
     const double hoop = mesh.model == fem::Model::axisymmetric ? hoop_strain(mesh, nodes, u) : 0.0;
     const Size size = limits.size(gradient, hoop);
     if (size.von_mises_squared > limits.yield_squared)

@@ -59,6 +59,8 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
     if (states[p].body != body || found == part.mesh.surfaces.end()) continue;
     model_ = part.mesh.model;
     part_ = static_cast<int>(p);
+    plastic_ = states[p].plastic;
+    young_pa_ = part.material.youngs_modulus_pa;
     const int components = fem::components(model_);
     const auto elements = elements_by_face(part.mesh, found->second);
     for (const fem::Face& face : found->second) {
@@ -69,6 +71,7 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
         const auto middle = face_middle(nodes, face);
         if (!middle) continue;
         Element own;
+        own.element = element;
         const fem::FaceArea area = fem::face_area(part.section, part.mesh, face);
         own.area_m2 = std::accumulate(area.begin(), area.end(), 0.0);
         const auto geometry = fem::element_geometry(part.mesh, element);
@@ -92,6 +95,7 @@ double SurfaceStress::smallest_principal(const Element& own, const Eigen::Ref<co
   fem::ElementVector nodal(static_cast<Eigen::Index>(own.dofs.size()));
   for (std::size_t i = 0; i < own.dofs.size(); ++i) nodal[static_cast<Eigen::Index>(i)] = u[own.dofs[i]];
   const fem::StressVector stress = own.stress_of_displacement * nodal;
+  if (plastic_) return stress[0] - young_pa_ * plastic_->strain[own.element];
   if (model_ == fem::Model::bar) return stress[0];  // the lateral principal stresses of a bar are zero
   return fem::principal_stresses(model_, stress)[2];
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "common/problem/problem.hpp"
@@ -31,12 +32,15 @@ class SurfaceStress {
     std::vector<int> dofs;
     Eigen::MatrixXd stress_of_displacement;  ///< stress in the middle of the face per unit nodal displacement [Pa/m]
     double area_m2 = 0.0;
+    int element = 0;  ///< of the part
   };
   [[nodiscard]] double smallest_principal(const Element& own, const Eigen::Ref<const Eigen::VectorXd>& u) const;
   bool collect(const scene::Problem& problem, const std::vector<BodyState>& states, int body, bool first);
 
   fem::Model model_ = fem::Model::bar;
   int part_ = -1;
+  std::shared_ptr<const PlasticState> plastic_;  ///< of the part, if that yields
+  double young_pa_ = 0.0;
   double area_m2_ = 0.0;
   std::vector<Element> elements_;
 };

@@ -21,8 +21,15 @@ auto member_of(const Table& table, const std::string& name) -> decltype(table[0]
   return nullptr;
 }
 
+/// Values of one quantity, made one: their sum, or the largest.
+void join(double BodyTotals::*member, double value, BodyTotals& all) {
+  const bool largest = member == &BodyTotals::equivalent_plastic_strain_max;
+  all.*member = largest ? std::max(all.*member, value) : all.*member + value;
+}
+
 void add_to(BodyTotals& sum, const BodyTotals& row) {
   for (const auto& [name, member] : body_quantities) sum.*member += row.*member;
+  for (const auto& [name, member] : plastic_quantities) join(member, row.*member, sum);
 }
 
 /// Everyone says the angular momentum of each body that it says the momentum of: of solids (which have momentum along
@@ -46,9 +53,9 @@ bool tell_angular_momentum(const std::vector<History::Source>& sources, const Co
 
 double EnergyBalance::created_j(const HistoryRow& row) {
   const double energy = row.sum.energy_kinetic_j + row.sum.energy_strain_j;
-  if (!first_j_) first_j_ = energy;
+  if (!first_j_) first_j_ = energy + row.sum.plastic_work_j;
   largest_work_j_ = std::max(largest_work_j_, std::abs(row.sum.energy_external_j));
-  return energy + row.contact.energy_friction_j - row.sum.energy_external_j - *first_j_;
+  return row.sum.plastic_work_j + energy + row.contact.energy_friction_j - row.sum.energy_external_j - *first_j_;
 }
 
 void Errors::add(HistoryRow& row) {
@@ -142,6 +149,7 @@ std::optional<History::Column> History::parse_named(const std::string& quantity,
   Column parsed;
   const auto body = std::find(bodies_.begin(), bodies_.end(), name);
   parsed.of_body = member_of(body_quantities, quantity);
+  if (!parsed.of_body) parsed.of_body = member_of(plastic_quantities, quantity);
   if (body != bodies_.end() && parsed.of_body) {
     parsed.body = static_cast<int>(body - bodies_.begin());
     return parsed;
@@ -222,12 +230,11 @@ void History::merge(Stream& stream, HistoryRow& row) const {
       row.contact.contacts[column.contact].*column.of_one_contact = values[c];
       continue;
     }
-    own.*column.of_body += values[c];
-    auto& target = column.body >= 0 ? row.bodies[static_cast<std::size_t>(column.body)] : row.sum;
-    target.*column.of_body += values[c];
+    join(column.of_body, values[c], own);
+    join(column.of_body, values[c], column.body >= 0 ? row.bodies[static_cast<std::size_t>(column.body)] : row.sum);
   }
-  const double created =
-      own.energy_kinetic_j + own.energy_strain_j + friction - own.energy_external_j - own.energy_interface_j;
+  const double created = own.energy_kinetic_j + own.energy_strain_j + own.plastic_work_j + friction -
+                         own.energy_external_j - own.energy_interface_j;
   if (!stream.first_created_j) stream.first_created_j = created;
   row.created_j.push_back(created - *stream.first_created_j);
 }

@@ -22,8 +22,8 @@ struct HistoryRow {
   BodyTotals sum;                  ///< over the bodies; momentum and impulse too
   ContactRecord contact;
   /// Energy that a participant holds beyond what it was given through loads and its link, since the first row [J]:
-  /// E - E_0 + friction - external - interface. Zero for an exact method; says where energy is made when a run blows
-  /// up.
+  /// E - E_0 + plastic work + friction - external - interface. Zero for an exact method; says where energy is made when
+  /// a run blows up.
   std::vector<double> created_j;
   double energy_error = 0;        ///< see Errors
   double energy_reference_j = 0;  ///< what energy_error is relative to
@@ -32,8 +32,8 @@ struct HistoryRow {
   std::optional<double> angular_momentum_error{};  ///< empty: it is not balanced, or somebody does not tell it
 };
 
-/// Energy that nobody gave: kinetic + strain + friction - external - E_0, with E_0 the kinetic + strain of the first
-/// row.
+/// Energy that nobody gave: kinetic + strain + plastic work + friction - external - E_0, with E_0 the kinetic + strain
+/// + plastic work of the first row.
 class EnergyBalance {
  public:
   /// Of this row [J].
@@ -88,9 +88,10 @@ class Errors {
 /// Merges the history rows of all participants by window. Sums run over the bodies in the scene's order and within a
 /// body over the participants in the scene's order, so that they do not depend on how bodies are spread over processes.
 ///
-/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyTotals as quantities;
-/// "energy_interface_j", the work its link did on it, if it is not given per body; of the contact's owner the members
-/// of ContactRecord and, of each of several contacts, "<quantity>/<contact>" with those of ContactTotals.
+/// Columns of a participant: "window"; per body "<quantity>/<body>" with the members of BodyTotals as quantities, the
+/// plastic ones of bodies that yield; "energy_interface_j", the work its link did on it, if it is not given per body;
+/// of the contact's owner the members of ContactRecord and, of each of several contacts, "<quantity>/<contact>" with
+/// those of ContactTotals.
 class History {
  public:
   struct Source {

@@ -64,6 +64,12 @@ constexpr Column solid_columns[] = {
     {"momentum_b_kg_m_s", [](const HistoryRow& row) -> double { return row.sum.momentum_b_kg_m_s; }},
 };
 
+constexpr Column plastic_columns[] = {
+    {"plastic_work_j", [](const HistoryRow& row) -> double { return row.sum.plastic_work_j; }},
+    {"equivalent_plastic_strain_max",
+     [](const HistoryRow& row) -> double { return row.sum.equivalent_plastic_strain_max; }},
+};
+
 constexpr Column radius_column = {"contact_radius_m",
                                   [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};
 
@@ -104,6 +110,9 @@ void for_each_further(const HistoryShape& shape, const F& f) {
   }
   for (int i = 3 - shape.angular; i < 3; ++i) f(angular_columns[i]);
   if (shape.round) f(radius_column);
+  if (shape.yields) {
+    for (const auto& column : plastic_columns) f(column);
+  }
 }
 
 /// The gap is none without a contact, and where no pair is left of bodies that have slid off each other.
@@ -137,6 +146,7 @@ HistoryShape history_shape(const scene::Problem& problem) {
                      .solid = problem.scene.components() == 3,
                      .angular = angular_components(problem),
                      .round = problem.scene.components() == 3 || problem.scene.model == scene::Model::axisymmetric,
+                     .yields = scene::yields(problem),
                      .contacts = problem.scene.contact_names()};
   shape.bodies = problem.scene.body_names();
   return shape;

@@ -259,6 +259,10 @@ std::string to_json(const Summary& s, const Tally& tally) {
   for (const auto& contact : tally.each_contact) json["contacts"][contact.name] = result_json(contact, tally.solid());
   json["plateau_stress_pa"] = number(tally.plateau_stress_pa());
   if (tally.theory()) json["theory"] = theory_json(*tally.theory());
+  if (tally.plastic) {
+    json["plastic_work_j"] = number(tally.plastic->work_j);
+    json["equivalent_plastic_strain_max"] = number(tally.plastic->largest_equivalent_strain);
+  }
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
   json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
@@ -303,6 +307,9 @@ std::string to_table(const Summary& s, const Tally& tally) {
   if (tally.angular_momentum_error_max) {
     text += row("angular momentum error", fmt::format("{:.3e}", *tally.angular_momentum_error_max));
   }
+  if (tally.plastic)
+    text += row("plastic work", fmt::format("{:.4g} J, equivalent plastic strain up to {:.3g}", tally.plastic->work_j,
+                                            tally.plastic->largest_equivalent_strain));
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
   text += switch_rows(s);

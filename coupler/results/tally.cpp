@@ -14,7 +14,11 @@ Tally tally_of(const scene::Problem& problem) {
     each.push_back({names[i], forces(scene::rise_time_s(problem, problem.contacts[i])), {}});
   std::optional<ForceTally> all;
   if (!problem.contacts.empty()) all = forces(scene::rise_time_s(problem));
-  return Tally(impact_theory(problem), problem.scene.components() == 3, std::move(all), std::move(each));
+  const bool yields = scene::yields(problem);
+  Tally tally(yields ? std::nullopt : impact_theory(problem), problem.scene.components() == 3, std::move(all),
+              std::move(each));
+  if (yields) tally.plastic.emplace();
+  return tally;
 }
 
 }  // namespace ricochet::coupler

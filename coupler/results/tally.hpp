@@ -38,6 +38,13 @@ struct ContactTally {
   std::int64_t last_window_ = 0;
 };
 
+/// How bodies have yielded so far.
+struct PlasticTally {
+  double work_j = 0, largest_equivalent_strain = 0;
+
+  void archive(Archive& a) { a(work_j, largest_equivalent_strain); }
+};
+
 /// What is kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
 /// from 15 % to 65 % of 2L/c after the first contact, and not beyond the first step of the stress.
 class Tally {
@@ -69,6 +76,7 @@ class Tally {
     if (row.energy_reference_j > 0)
       interface_energy_max =
           std::max(interface_energy_max, std::abs(row.sum.energy_interface_j) / row.energy_reference_j);
+    if (plastic) plastic = {row.sum.plastic_work_j, row.sum.equivalent_plastic_strain_max};
     energy_error_last = row.energy_error;
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
@@ -103,6 +111,7 @@ class Tally {
     a(rows, energy_error_last, energy_error_lowest, energy_error_highest, momentum_error_max, gap_smallest_m,
       interface_energy_max, contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact,
       angular_momentum_error_max, plateau_sum_pa_, plateau_rows_, peak_contact_pressure_pa, largest_contact_radius_m);
+    if (plastic) a(*plastic);
     if (forces) a(*forces);
     for (auto& result : each_contact) a(result);
   }
@@ -118,6 +127,7 @@ class Tally {
   ContactTally contact;
   std::optional<ForceTally> forces;  ///< of all contacts together
   std::vector<ContactResult> each_contact;
+  std::optional<PlasticTally> plastic;               ///< empty: no body yields
   std::optional<double> angular_momentum_error_max;  ///< empty: it is not computed
 
  private:

@@ -352,6 +352,18 @@ TEST(LoadScene, AMaterialMayHaveLimits) {
   EXPECT_TRUE(std::isinf(scene.body("carbide").material.yield_stress_pa));
 }
 
+TEST(LoadScene, ABarMayYield) {
+  EXPECT_FALSE(load_text(bars).body("left").material.plasticity.has_value());
+  for (const double hardening : {0.0, 1e9}) {
+    const std::string more = hardening > 0.0 ? ", hardening_pa = 1e9" : "";
+    const Scene yields =
+        load_text(replaced(bars, "density_kg_m3 = 7844.066",
+                           "density_kg_m3 = 7844.066, plasticity = { yield_stress_pa = 4e8" + more + " }"));
+    EXPECT_EQ(yields.body("left").material.plasticity->yield_stress_pa, 4e8);
+    EXPECT_EQ(yields.body("left").material.plasticity->hardening_pa, hardening);
+  }
+}
+
 TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {
   const Scene scene = load_text(replaced(bars, "elements = 20", "elements = 20, grading = 3.0"));
   EXPECT_EQ(scene.components(), 1);

@@ -255,7 +255,9 @@ TEST(Summary, HasTheKeysOfTheResultsPageAndNoOther) {
   summary.limits.emplace_back();
   summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"NAME", 0.8}}}};
   const ForceTally forces(0.5, 0.4, 2);
-  const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}}), one_solid(std::nullopt, true, forces);
+  const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}});
+  Tally one_solid(std::nullopt, true, forces);
+  one_solid.plastic.emplace();
   std::set<std::string> keys;
   for (const auto& tally : {several, one_solid, tally_on_plateau()})
     add_keys(nlohmann::json::parse(to_json(summary, tally)), "", keys);

@@ -1,0 +1,12 @@
+#include "explicit_solver/material_force.hpp"
+
+#include "common/solver/plastic_bars.hpp"
+
+namespace ricochet::explicit_solver {
+
+std::unique_ptr<solver::InternalForce> material_force(const solver::BodyState& state, const std::vector<int>& driven) {
+  if (state.plastic) return std::make_unique<solver::PlasticBars>(state);
+  return linear_force(state, driven);
+}
+
+}  // namespace ricochet::explicit_solver
