@@ -259,6 +259,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
   for (const auto& contact : tally.each_contact) json["contacts"][contact.name] = result_json(contact, tally.solid());
   json["plateau_stress_pa"] = number(tally.plateau_stress_pa());
   if (tally.theory()) json["theory"] = theory_json(*tally.theory());
+  json["added_mass_kg"] = number(s.added_mass_kg);
+  json["added_mass_share"] = number(s.added_mass_share);
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
   json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
@@ -305,6 +307,11 @@ std::string to_table(const Summary& s, const Tally& tally) {
   }
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
+  if (s.added_mass_kg > 0)
+    text +=
+        row("added mass", fmt::format("{:.6g} kg, {:.3g} % of the bodies', by mass scaling: momenta and energies are "
+                                      "of the scaled masses",
+                                      s.added_mass_kg, 100.0 * s.added_mass_share));
   text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
   for (const auto& warning : {contact_warning(tally), substeps_warning(s, tally)}) {
