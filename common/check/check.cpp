@@ -11,6 +11,7 @@
 #include "common/check/check_bodies.hpp"
 #include "common/check/check_contact.hpp"
 #include "common/check/check_local_steps.hpp"
+#include "common/check/check_mass_scaling.hpp"
 #include "common/check/check_model.hpp"
 #include "common/check/check_plasticity.hpp"
 #include "common/check/check_reach.hpp"
@@ -188,6 +189,7 @@ Plan plan(const Problem& problem) {
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
   check_local_steps(problem, plan);
+  check_mass_scaling(problem, plan);
   for (const Joint& joint : problem.joints)
     plan.notes.push_back(fmt::format(
         "\"{}\" is foreign: joined to \"{}\" at {} node{}; its elements and its critical time step are known to its "

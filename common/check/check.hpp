@@ -31,7 +31,8 @@ struct BodyPlan {
 struct Plan {
   std::vector<BodyPlan> bodies;
   std::vector<ParticipantPlan> participants;
-  std::vector<LocalStepsPlan> local_steps;  ///< per body of `local_explicit`
+  std::vector<LocalStepsPlan> local_steps;         ///< per body of `local_explicit`
+  double added_mass_kg = 0, added_mass_share = 0;  ///< by mass scaling, and over what all bodies have by their density
   long long windows = 0;
   int contact_pairs = 0;
   double penalty_step_ratio = 0;  ///< sqrt(2 alpha_n / m) dt, largest over the pairs; 0 without penalty

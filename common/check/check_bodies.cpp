@@ -9,6 +9,7 @@
 #include "common/fem/element.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
+#include "common/problem/mass_scaling.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -39,7 +40,7 @@ std::vector<BodyPlan> plan_bodies(const Problem& problem) {
     plan.name = body.name;
     plan.extent_m = extent_of(body.mesh);
     plan.mass_kg = body_lumped_mass(body).sum();
-    plan.volume_m3 = plan.mass_kg / body.material.density_kg_m3;
+    plan.volume_m3 = (plan.mass_kg - added_mass(problem, static_cast<int>(b)).kg) / body.material.density_kg_m3;
     for (const double v : problem.scene.bodies[b].initial_velocity_m_s) plan.speed_m_s = std::hypot(plan.speed_m_s, v);
     plan.energy_j = 0.5 * plan.mass_kg * plan.speed_m_s * plan.speed_m_s;
     plans.push_back(std::move(plan));

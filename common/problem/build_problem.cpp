@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
+#include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
@@ -29,6 +30,7 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
   body.section = section_of(scene.model, spec);
   body.material = spec.material;
   body.mesh = build_mesh(scene, spec);
+  scale_mass(scene, body);
   for (std::size_t i = 0; i < spec.tractions.size(); ++i)
     require_surface(scene, fmt::format("body.{}.traction[{}].surface", spec.name, i), body.mesh,
                     spec.tractions[i].surface);

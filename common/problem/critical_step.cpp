@@ -6,6 +6,7 @@
 
 #include "common/fem/element_copies.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
@@ -22,7 +23,7 @@ fem::Part part_of(const BodyProblem& body, const std::vector<bool>& of_element) 
   std::vector<int> elements;
   for (std::size_t e = 0; e < of_element.size(); ++e)
     if (of_element[e]) elements.push_back(static_cast<int>(e));
-  return fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
+  return body_part(body, elements);
 }
 
 /// Mass and supports of a part's nodes.
@@ -99,6 +100,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
     for (Eigen::Index i = 0; i < own.size(); ++i)
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }
+  add_scaled_mass(body, mass);
   return mass;
 }
 
@@ -171,7 +173,15 @@ double critical_time_step(const Problem& problem, const ParticipantSpec& partici
 }
 
 double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
-  return fem::element_critical_time_step(part_of(body, of_element));
+  if (body.density_factor.empty()) return fem::element_critical_time_step(part_of(body, of_element));
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < static_cast<int>(of_element.size()); ++e) {
+    if (!of_element[at(e)]) continue;
+    const double frequency_squared =
+        fem::element_max_frequency_squared(body.section, body.material, fem::element_geometry(body.mesh, e));
+    smallest = std::min(smallest, step_of(frequency_squared / body.density_factor[at(e)]));
+  }
+  return smallest;
 }
 
 std::vector<double> element_critical_steps(const Problem& problem) {

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "common/problem/build.hpp"
+#include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
@@ -25,7 +26,7 @@ ParticipantPart make_part(const Problem& problem, int index, const std::vector<i
   const BodyProblem& body = problem.bodies[at(index)];
   ParticipantPart result;
   result.body = index;
-  result.part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements, extra_nodes);
+  result.part = body_part(body, elements, extra_nodes);
   const std::vector<bool> shared = shared_nodes(problem, index);
   for (int i = 0; i < result.part.nodes(); ++i)
     if (shared[at(result.part.body_node[at(i)])]) result.shared.push_back(i);

@@ -65,6 +65,7 @@ struct BodyProblem {
   fem::Section section;
   fem::Material material;
   fem::Mesh mesh;                             ///< the whole body
+  std::vector<double> density_factor;         ///< per element, by mass scaling (mass_scaling.hpp); empty: all 1
   std::vector<bool> implicit_element;         ///< per element; those at joined nodes are
   std::vector<bool> implicit_node;            ///< per node: integrated by the implicit participant
   std::vector<bool> joined_node;              ///< per node: a foreign body has it, too

@@ -115,6 +115,30 @@ void require_one_process(const Scene& scene) {
                       scene.where("participant." + participant.name + ".ranks"), *participant.ranks));
 }
 
+/// The step that it allows is the run's, unless that is given.
+void load_mass_scaling(TableReader& root, Scene& scene) {
+  if (!root.has("mass_scaling")) return;
+  const ProtocolTraits& protocol = scene.coupling.protocol;
+  if (protocol.name != "all_explicit")
+    root.refuse("mass_scaling", fmt::format("mass scaling under \"{}\"", protocol.name),
+                "protocol = \"all_explicit\", which it is a variant of");
+  TableReader table = root.table("mass_scaling", "mass_scaling");
+  scene.mass_scaling_step_s = table.number("step_s", above(0.0));
+  table.finish();
+  if (!scene.time.step_s) scene.time.step_s = scene.mass_scaling_step_s;
+}
+
+/// A program of somebody else's has masses of its own.
+void require_own_masses(const Scene& scene) {
+  if (!scene.mass_scaling_step_s) return;
+  for (const ParticipantSpec& participant : scene.participants)
+    if (participant.foreign())
+      throw ConfigError(fmt::format(
+          "{}: found \"{}\" under [mass_scaling], which changes masses that this program has by itself; allowed: the "
+          "shipped solver, or no [mass_scaling]",
+          scene.where("participant." + participant.name + ".executable"), participant.executable));
+}
+
 void load_tables(TableReader& root, Scene& scene) {
   scene.model = load_model(root);
   load_bodies(root, scene);
@@ -131,6 +155,7 @@ void load_tables(TableReader& root, Scene& scene) {
     TableReader table = root.table("coupling", "coupling");
     scene.coupling = load_coupling(table, !scene.contacts.empty());
   }
+  load_mass_scaling(root, scene);
   check_contact_keys(root, scene);
   check_local_steps(root, time, scene);
   check_foreign_bodies(root, time, scene);
@@ -139,6 +164,7 @@ void load_tables(TableReader& root, Scene& scene) {
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
   require_one_process(scene);
+  require_own_masses(scene);
   require_foreign_owners(scene);
   if (root.has("output")) {
     TableReader table = root.table("output", "output");

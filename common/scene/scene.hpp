@@ -261,6 +261,8 @@ struct Scene {
   std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
   Output output;
   Checkpointing checkpoint;
+  /// [mass_scaling] of `all_explicit`: elements that this step is too long for are made heavier until they bear it.
+  std::optional<double> mass_scaling_step_s;
   std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file
 
   /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.

@@ -6,7 +6,7 @@ const Schema& scene_schema() {
   static const Schema tables{
       {"scene",
        {"model", "material", "body", "contact", "partition", "time", "coupling", "participant", "output",
-        "checkpoint"}},
+        "checkpoint", "mass_scaling"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing", "foreign", "joined_to", "surface",
@@ -38,6 +38,7 @@ const Schema& scene_schema() {
        {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads",
         "substeps"}},
       {"output", {"history_every", "fields_every", "axial_stress_every"}},
+      {"mass_scaling", {"step_s"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };
   return tables;

@@ -263,6 +263,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
     json["plastic_work_j"] = number(tally.plastic->work_j);
     json["equivalent_plastic_strain_max"] = number(tally.plastic->largest_equivalent_strain);
   }
+  json["added_mass_kg"] = number(s.added_mass_kg);
+  json["added_mass_share"] = number(s.added_mass_share);
   json["largest_drift"] = number(s.largest_drift);
   json["interface_drift_m"] = number(s.interface_drift_m);
   json["interface_energy_max"] = s.interface_known ? number(tally.interface_energy_max) : Json(nullptr);
@@ -312,6 +314,11 @@ std::string to_table(const Summary& s, const Tally& tally) {
                                             tally.plastic->largest_equivalent_strain));
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
+  if (s.added_mass_kg > 0)
+    text +=
+        row("added mass", fmt::format("{:.6g} kg, {:.3g} % of the bodies', by mass scaling: momenta and energies are "
+                                      "of the scaled masses",
+                                      s.added_mass_kg, 100.0 * s.added_mass_share));
   text += switch_rows(s);
   for (const auto& note : s.notes) text += row("note", note);
   for (const auto& warning : {contact_warning(tally), substeps_warning(s, tally)}) {

@@ -59,8 +59,9 @@ struct Summary {
   double cpu_s = 0;  ///< of the coupler and of the participants that it launched and saw end
   Phases phases;
   double largest_drift = 0;
-  int substeps = 1;              ///< explicit steps in a window of a dual protocol
-  bool interface_known = false;  ///< every participant tells the work of its link
+  double added_mass_kg = 0, added_mass_share = 0;  ///< by mass scaling, and over what all bodies have by their density
+  int substeps = 1;                                ///< explicit steps in a window of a dual protocol
+  bool interface_known = false;                    ///< every participant tells the work of its link
   double interface_drift_m = 0;  ///< dual protocols: largest difference of the displacements of one shared node
   std::vector<BodyLimits> limits;
   std::vector<Departed> outside_model;

@@ -29,6 +29,8 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.transport = scene.coupling.transport;
   summary.run_id = make_run_id();
   summary.windows_planned = plan.windows;
+  summary.added_mass_kg = plan.added_mass_kg;
+  summary.added_mass_share = plan.added_mass_share;
   if (scene.coupling.protocol.dual) summary.substeps = scene.substeps().most;
   summary.clock = problem.clock;
   for (const auto& body : problem.bodies) {

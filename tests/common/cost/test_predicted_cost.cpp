@@ -46,6 +46,21 @@ TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
   EXPECT_GE(cost_of(bars).all_explicit_s, flies) << "gravity moves all of it";
 }
 
+TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
+  auto scene = scene_of("rounded_striker");
+  scene.coupling.protocol = scene::protocol_traits("all_explicit");
+  scene.participants = {{.name = "explicit", .bodies = scene.body_names()}};
+  scene.time.step_s = scene.mass_scaling_step_s = 1e-8;
+  const PredictedCost scaled = cost_of(scene);
+  EXPECT_EQ(scaled.all_explicit_step_s, 1e-8);
+  EXPECT_EQ(scaled.all_explicit_s, scaled.stepping_s());
+  scene.mass_scaling_step_s.reset();
+  scene.time.step_s = 0.9 * 1.78e-9;
+  const PredictedCost own = cost_of(scene);
+  EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01);
+  EXPECT_GT(own.stepping_s(), 4 * scaled.stepping_s());
+}
+
 TEST(PredictedCost, IsMeasuredInUnitsOfThisMachine) {
   const auto problem = scene::build_problem(scene_of("two_bars"));
   const auto plan = scene::plan(problem);
