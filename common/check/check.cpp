@@ -185,6 +185,7 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  note_ignored_cards(scene, plan);
   check_local_steps(problem, plan);
   for (const Joint& joint : problem.joints)
     plan.notes.push_back(fmt::format(

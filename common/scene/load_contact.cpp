@@ -170,7 +170,7 @@ void load_implicit_groups(TableReader& table, const Scene& scene, Partition& par
   for (const auto& [body, groups] : partition.implicit_groups)
     if (std::holds_alternative<StructuredMesh>(scene.body(body).mesh))
       table.refuse("implicit_groups", "groups of body \"" + body + "\", whose structured mesh has none",
-                   "bodies read from a Gmsh file; use implicit_length_m");
+                   "bodies read from a mesh file; use implicit_length_m");
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ const Schema& scene_schema() {
       {"material", {"youngs_modulus_pa", "poisson_ratio", "density_kg_m3", "yield_stress_pa", "strength_pa"}},
       {"mesh",
        {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across", "gmsh",
-        "length_unit"}},
+        "inp", "length_unit"}},
       {"initial_displacement_m", {"start", "end"}},
       {"support", {"surface", "fixed"}},
       {"traction", {"surface", "traction_pa", "pressure_pa", "amplitude"}},
