@@ -207,9 +207,9 @@ class InpReader {
     const auto first = value_of<Number>(data.line, data.fields[0], "the first element");
     const auto last = value_of<Number>(data.line, data.fields[1], "the last element");
     const auto step = data.fields.size() == 3 ? value_of<Number>(data.line, data.fields[2], "a step") : 1;
-    if (step < 1 || last < first)
-      fail(data.line, fmt::format("found {}, {}, {} of GENERATE; allowed: first <= last and a step of 1 or more", first,
-                                  last, step));
+    if (first < 1 || step < 1 || last < first)
+      fail(data.line, fmt::format("found {}, {}, {} of GENERATE; allowed: 1 <= first <= last and a step of 1 or more",
+                                  first, last, step));
     // Numbers of the range that no element has are passed over, as CalculiX does.
     for (auto at = place_.lower_bound(first); at != place_.end() && at->first <= last; ++at)
       if ((at->first - first) % step == 0) members_[set].push_back(at->first);
