@@ -188,6 +188,7 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  note_ignored_cards(scene, plan);
   check_local_steps(problem, plan);
   check_mass_scaling(problem, plan);
   for (const Joint& joint : problem.joints)

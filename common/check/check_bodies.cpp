@@ -1,12 +1,15 @@
 #include "common/check/check_bodies.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "common/fem/element.hpp"
+#include "common/fem/inp_file.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/problem/mass_scaling.hpp"
@@ -68,7 +71,20 @@ void check_units(const Problem& problem, Plan& plan) {
           "body \"{}\" is {:.4g} m large and has {:.4g} kg; a wave runs {:.3g} m until {:.3g} s: is it in millimetres? "
           "Lengths are metres{}",
           of.name, largest_m, of.mass_kg, crossed_m, problem.scene.time.end_s,
-          gmsh ? ", in a Gmsh file too, unless mesh.length_unit says otherwise" : ""));
+          gmsh ? ", in a mesh file too, unless mesh.length_unit says otherwise" : ""));
+  }
+}
+
+void note_ignored_cards(const Scene& scene, Plan& plan) {
+  std::set<std::string> seen;
+  for (const Body& body : scene.bodies) {
+    const auto* file = std::get_if<GmshMesh>(&body.mesh);
+    if (file == nullptr || !fem::is_inp_file(file->path) || !seen.insert(file->path).second) continue;
+    const std::vector<std::string> cards = fem::ignored_inp_cards(file->path);
+    if (!cards.empty())
+      plan.notes.push_back(fmt::format(
+          "{} is read for its mesh alone; {} left out: materials, supports, loads and steps are those of the scene",
+          file->path, fmt::join(cards, ", ")));
   }
 }
 

@@ -10,7 +10,10 @@ namespace ricochet::scene {
 
 /// Warns of bodies that look as if they were given in another unit than SI's: materials with the wave speed or the
 /// density of none, and bodies so large that no wave crosses a twentieth of them in the run, or of tens of tonnes from
-/// a Gmsh file.
+/// a mesh file.
 void check_units(const Problem& problem, Plan& plan);
+
+/// Notes which cards of .inp files say nothing about a mesh and are left out, each file once.
+void note_ignored_cards(const Scene& scene, Plan& plan);
 
 }  // namespace ricochet::scene

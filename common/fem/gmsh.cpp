@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/fem/gmsh_file.hpp"
+#include "common/fem/inp_file.hpp"
 #include "common/fem/mesh.hpp"
 #include "common/fem/mesh_check.hpp"
 #include "common/fem/part.hpp"
@@ -43,6 +44,9 @@ void require_group(const GmshFile& file, int dimension, const std::string& body)
   }
   if (contains(known, body)) return;
   const std::string list = known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "));
+  if (file.sets)
+    throw ConfigError(fmt::format("{}: no *ELSET \"{}\" for the body of that name; the file has: {}{}", file.path, body,
+                                  list, did_you_mean(body, known)));
   throw ConfigError(fmt::format("{}: no physical {} \"{}\"{}; the file has: {}{}", file.path, kinds[at(dimension)],
                                 body, elsewhere, list, did_you_mean(body, known)));
 }
@@ -53,11 +57,14 @@ std::vector<const GmshElement*> elements_of(const GmshFile& file, int dimension,
   for (const GmshElement& element : file.elements) {
     if (element.entity.first != dimension) continue;
     if (file.entity_groups.at(element.entity).empty()) {
+      if (file.sets) fail(file, element, "is in no *ELSET: of which body is it?");
       fail(file, element, fmt::format("in entity {} belongs to no physical group", element.entity.second));
     }
     if (contains(group_names(file, element), body)) kept.push_back(&element);
   }
-  if (kept.empty()) throw ConfigError(fmt::format("{}: physical group \"{}\" has no elements", file.path, body));
+  if (kept.empty())
+    throw ConfigError(
+        fmt::format("{}: {} \"{}\" has no elements", file.path, file.sets ? "*ELSET" : "physical group", body));
   return kept;
 }
 
@@ -215,17 +222,16 @@ void refuse_coincident_nodes(const GmshFile& file, const std::map<GmshTag, int>&
       if (apart.tail<2>().cwiseAbs().maxCoeff() > tolerance) continue;
       const auto [first, second] = std::minmax(nodes[i].first, nodes[j].first);
       throw ConfigError(
-          fmt::format("{}: nodes {} and {} of one body lie at the same place {}: the mesh is cut there; merge the "
-                      "geometry with 'Coherence;'",
-                      file.path, first, second, place_text(mesh.model, nodes[i].second)));
+          fmt::format("{}: nodes {} and {} of one body lie at the same place {}: the mesh is cut there; {}", file.path,
+                      first, second, place_text(mesh.model, nodes[i].second),
+                      file.sets ? "merge them where the mesh is made" : "merge the geometry with 'Coherence;'"));
     }
   }
 }
 
 }  // namespace
 
-Mesh read_gmsh(const std::string& path, Model model, const std::string& body) {
-  const GmshFile file = read_gmsh_file(path);
+Mesh body_mesh(const GmshFile& file, Model model, const std::string& body) {
   const auto kept = elements_of(file, components(model), body);
   Mesh mesh;
   mesh.model = model;
@@ -234,6 +240,10 @@ Mesh read_gmsh(const std::string& path, Model model, const std::string& body) {
   refuse_coincident_nodes(file, local, mesh);
   take_surfaces(file, kept, local, mesh);
   return mesh;
+}
+
+Mesh read_gmsh(const std::string& path, Model model, const std::string& body) {
+  return body_mesh(read_gmsh_file(path), model, body);
 }
 
 }  // namespace ricochet::fem

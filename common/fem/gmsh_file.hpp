@@ -25,6 +25,7 @@ struct GmshElement {
 
 struct GmshFile {
   std::string path;
+  bool sets = false;                                     ///< of an Abaqus file (inp_file.hpp), whose groups are sets
   std::map<GmshEntity, std::string> group_name;          ///< (dimension, physical tag) -> name
   std::map<GmshEntity, std::vector<int>> entity_groups;  ///< geometric entity -> its physical tags
   std::map<GmshTag, Eigen::Vector3d> nodes;              ///< [m]

@@ -2,6 +2,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "common/fem/inp_file.hpp"
 #include "common/problem/build.hpp"
 #include "common/scene/reader.hpp"
 
@@ -50,16 +51,32 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
   return mesh;
 }
 
+fem::Mesh mesh_of_file(const Scene& scene, const GmshMesh& spec, const std::string& body) {
+  fem::Mesh mesh = fem::is_inp_file(spec.path) ? fem::read_inp(spec.path, scene.model, body, scene.bodies.size() == 1)
+                                               : fem::read_gmsh(spec.path, scene.model, body);
+  for (Eigen::Vector3d& position : mesh.position) position *= spec.unit_m;
+  return mesh;
+}
+
+/// A set of nodes has no faces, without which there is neither an area nor a normal.
+std::string node_set_text(const Scene& scene, const std::string& surface) {
+  for (const Body& body : scene.bodies) {
+    const auto* file = std::get_if<GmshMesh>(&body.mesh);
+    if (file != nullptr && fem::is_inp_file(file->path) && fem::inp_has_node_set(file->path, surface))
+      return fmt::format("; {} has a *NSET of that name, whose nodes have no faces: write *SURFACE, NAME={} there",
+                         file->path, surface);
+  }
+  return "";
+}
+
 }  // namespace
 
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
   const std::string key = "body." + body.name + ".mesh";
   try {
-    const auto* gmsh = std::get_if<GmshMesh>(&body.mesh);
-    fem::Mesh mesh = gmsh == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
-                                     : fem::read_gmsh(gmsh->path, scene.model, body.name);
-    if (gmsh != nullptr)
-      for (Eigen::Vector3d& position : mesh.position) position *= gmsh->unit_m;
+    const auto* file = std::get_if<GmshMesh>(&body.mesh);
+    const fem::Mesh mesh = file == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
+                                           : mesh_of_file(scene, *file, body.name);
     fem::check_mesh(mesh, body.name);
     return mesh;
   } catch (const ConfigError& error) {
@@ -71,8 +88,9 @@ void require_surface(const Scene& scene, const std::string& key, const fem::Mesh
   if (mesh.surfaces.count(surface) > 0) return;
   std::vector<std::string> known;
   for (const auto& entry : mesh.surfaces) known.push_back(entry.first);
-  throw ConfigError(fmt::format("{}: found surface \"{}\"{}; allowed: {}", scene.where(key), surface,
-                                did_you_mean(surface, known), one_of(known)));
+  throw ConfigError(
+      fmt::format("{}: found surface \"{}\"{}; allowed: {}{}", scene.where(key), surface, did_you_mean(surface, known),
+                  known.empty() ? "none, the mesh has no surface" : one_of(known), node_set_text(scene, surface)));
 }
 
 }  // namespace ricochet::scene

@@ -102,12 +102,16 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
   side.normal = model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, side.faces()[0]);
   if (model == Model::bar && side.nodes.size() > 1)
     context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
-  if (model == Model::bar || is_flat(side)) return side;
+  if (model == Model::bar || (is_flat(side) && !with_placed_plane(context.contact))) return side;
   side.flat = false;
   side.normal = mean_normal(context, side, normal);
   for (std::size_t i = 0; i < side.nodes.size(); ++i)
     if (side.position(i).dot(side.normal) > side.point.dot(side.normal)) side.point = side.position(i);
   return side;
+}
+
+bool with_placed_plane(const Contact& contact) {
+  return !contact.second && contact.obstacle == Obstacle::plane && !contact.rigid_place_m.empty();
 }
 
 std::string place_on(const ContactSide& side, const Eigen::Vector3d& x) {

@@ -41,9 +41,12 @@ struct ContactSide {
   }
 };
 
-/// `normal`: of a curved surface, if it is given.
+/// `normal`: of a curved surface or a placed plane, if it is given.
 [[nodiscard]] ContactSide make_side(const ContactContext& context, const std::vector<BodyProblem>& bodies,
                                     const SurfaceName& name, const std::vector<double>& normal);
+
+/// Whether a contact is with a rigid plane that has a place and a normal of its own.
+[[nodiscard]] bool with_placed_plane(const Contact& contact);
 
 /// A place on a side, for the texts of errors.
 [[nodiscard]] std::string place_on(const ContactSide& side, const Eigen::Vector3d& x);

@@ -13,6 +13,22 @@
 namespace ricochet::scene {
 namespace {
 
+/// Each node's distance is measured along the plane's normal.
+std::vector<ContactPair> placed_plane_pairs(const ContactContext& context, const ContactSide& side) {
+  const Eigen::Vector3d place = in_space(context.contact.rigid_place_m);
+  std::vector<ContactPair> pairs;
+  for (std::size_t i = 0; i < side.nodes.size(); ++i) {
+    pairs.push_back({.node_a = side.nodes[i], .b = {}, .normal = side.normal, .area_m2 = side.area_m2[i]});
+    const double gap_m = (place - side.position(i)).dot(side.normal);
+    if (gap_m < -flat_tolerance * side.shortest_edge_m)
+      context.refuse(fmt::format("a node of \"{}\" {:.6g} m behind the rigid plane, at {}", side.name, -gap_m,
+                                 place_on(side, side.position(i))),
+                     "a plane in front of all of them: another rigid_place_m or normal");
+    complete(context.contact, side.body->mesh, std::max(gap_m, 0.0), pairs.back());
+  }
+  return pairs;
+}
+
 std::vector<ContactPair> plane_pairs(const ContactContext& context, const ContactSide& side) {
   std::vector<ContactPair> pairs;
   for (std::size_t i = 0; i < side.nodes.size(); ++i) {
@@ -97,6 +113,7 @@ void refuse_sliding(const ContactContext& context, const ContactSide& side) {
 }  // namespace
 
 std::vector<ContactPair> rigid_pairs(const ContactContext& context, const ContactSide& side) {
+  if (with_placed_plane(context.contact)) return placed_plane_pairs(context, side);
   if (context.contact.obstacle == Obstacle::plane) return plane_pairs(context, side);
   require_matching(context, {fmt::format("those of \"{}\" against what is round", side.name)});
   refuse_sliding(context, side);

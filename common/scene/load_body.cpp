@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "common/fem/inp_file.hpp"
 #include "common/scene/loaders.hpp"
 #include "common/scene/material_library.hpp"
 #include "common/scene/toml_file.hpp"
@@ -60,15 +61,24 @@ Material load_material_of(TableReader& body, Model model, const std::map<std::st
   return std::find_if(material_library().begin(), material_library().end(), named)->material;
 }
 
-GmshMesh load_gmsh(TableReader& table, const std::string& folder) {
-  for (const char* key :
+/// A mesh file, by the key "gmsh" or "inp"; by the end of its name the reader knows later which of them it was.
+GmshMesh load_mesh_file(TableReader& table, const std::string& folder) {
+  const char* key = table.has("inp") ? "inp" : "gmsh";
+  const bool abaqus = table.has("inp");
+  table.only_if(!abaqus, "gmsh", "no inp beside it: a mesh is read from one file");
+  for (const char* other :
        {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across"})
-    table.only_if(false, key, "a structured mesh; this one is read from a Gmsh file");
-  const std::string given = table.text("gmsh");
+    table.only_if(false, other, "a structured mesh; this one is read from a file");
+  const std::string given = table.text(key);
+  if (fem::is_inp_file(given) != abaqus)
+    table.refuse(key, "\"" + given + "\"",
+                 abaqus ? "an Abaqus or CalculiX input file, whose name ends with .inp"
+                        : "a Gmsh MSH 4.1 file; the key of an .inp file is inp");
   const std::filesystem::path path = (std::filesystem::path(folder) / given).lexically_normal();
   if (!is_file(path.string()))
-    table.refuse("gmsh", "\"" + given + "\", and there is no file " + path.string(),
-                 "a Gmsh MSH 4.1 file, relative to the scene file");
+    table.refuse(
+        key, "\"" + given + "\", and there is no file " + path.string(),
+        abaqus ? "an .inp file, relative to the scene file" : "a Gmsh MSH 4.1 file, relative to the scene file");
   const std::vector<std::pair<std::string, double>> units{
       {"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}};
   return {path.string(), table.choice("length_unit", units, 1.0)};
@@ -116,8 +126,8 @@ void load_extent_across(TableReader& table, Model model, StructuredMesh& mesh) {
 }
 
 std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
-  if (table.has("gmsh")) return load_gmsh(table, folder);
-  table.only_if(false, "length_unit", "gmsh; lengths of a structured mesh are metres");
+  if (table.has("gmsh") || table.has("inp")) return load_mesh_file(table, folder);
+  table.only_if(false, "length_unit", "gmsh or inp; lengths of a structured mesh are metres");
   StructuredMesh mesh;
   mesh.length_m = table.number("length_m", above(0.0));
   mesh.start_m = table.number("start_m", any_number(), 0.0);

@@ -53,8 +53,10 @@ void load_obstacle(TableReader& table, Model model, Contact& contact) {
     table.refuse("surfaces", "\"rigid_cylinder\"", R"(a rigid cylinder only with model = "plane_strain" or "solid")");
   table.only_if(round, "rigid_radius_m", R"("rigid_sphere" or "rigid_cylinder" as the second surface)");
   table.only_if(cylinder && solid, "rigid_axis", R"("rigid_cylinder" as the second surface and model = "solid")");
-  table.only_if(round && model != Model::axisymmetric, "rigid_place_m",
-                R"("rigid_sphere" or "rigid_cylinder" as the second surface, model = "plane_strain" or "solid")");
+  const bool plane = !contact.second && !round;
+  table.only_if(plane ? model != Model::bar : round && model != Model::axisymmetric, "rigid_place_m",
+                R"("rigid_sphere" or "rigid_cylinder" as the second surface, model = "plane_strain" or "solid"; or )"
+                R"("rigid_plane" there in two or three dimensions)");
   table.only_if(!round, "nose_radius_m", "a second surface that is not round itself");
   contact.rigid_radius_m = round ? table.number("rigid_radius_m", above(0.0)) : 0.0;
   if (cylinder && solid) {
@@ -76,6 +78,17 @@ void load_normal(TableReader& table, const Scene& scene, Contact& contact) {
   for (const double x : contact.normal) square += x * x;
   if (!(square > 0.0)) table.refuse("normal", "a direction without length", "a vector out of the first surface");
   for (double& x : contact.normal) x /= std::sqrt(square);
+}
+
+/// A plane that has a place has a direction, too, and its distance follows from both.
+void check_placed_plane(TableReader& table, Model model, const Contact& contact) {
+  if (contact.second || contact.obstacle != Obstacle::plane || contact.rigid_place_m.empty()) return;
+  if (contact.normal.empty())
+    table.missing("normal", "beside rigid_place_m the direction of the plane, out of the body and into the plane");
+  if (model == Model::axisymmetric && contact.normal[0] != 0.0)
+    table.refuse("normal", "a plane askew to the axis, which would be a cone", "[0.0, 1.0] or [0.0, -1.0]");
+  for (const char* key : {"initial_gap_m", "nose_radius_m"})
+    table.only_if(false, key, "a plane without rigid_place_m, from which its distance follows");
 }
 
 /// A scene's only contact needs no name; of several each has one, which its columns and the overrides of studies use.
@@ -170,7 +183,7 @@ void load_implicit_groups(TableReader& table, const Scene& scene, Partition& par
   for (const auto& [body, groups] : partition.implicit_groups)
     if (std::holds_alternative<StructuredMesh>(scene.body(body).mesh))
       table.refuse("implicit_groups", "groups of body \"" + body + "\", whose structured mesh has none",
-                   "bodies read from a Gmsh file; use implicit_length_m");
+                   "bodies read from a mesh file; use implicit_length_m");
 }
 
 }  // namespace
@@ -183,6 +196,7 @@ Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   load_surfaces(table, scene, contact);
   load_obstacle(table, scene.model, contact);
   load_normal(table, scene, contact);
+  check_placed_plane(table, scene.model, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
   table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");
   contact.nose_radius_m = table.has("nose_radius_m") ? table.number("nose_radius_m", above(0.0)) : 0.0;

@@ -134,8 +134,8 @@ struct Contact {
   Obstacle obstacle = Obstacle::plane;
   double rigid_radius_m = 0.0;        ///< of a sphere or a cylinder
   int rigid_axis = 2;                 ///< of a cylinder against a solid: the coordinate it lies along
-  std::vector<double> rigid_place_m;  ///< its middle is beside this place along the normal; empty: the origin
-  std::vector<double> normal;         ///< of a curved first surface, a unit vector; empty: the mean of its faces
+  std::vector<double> rigid_place_m;  ///< beside its middle along the normal, empty: the origin; of a plane in it
+  std::vector<double> normal;         ///< a unit vector; empty: the mean of the first surface's faces
   double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
   double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
   Enforcement enforcement = Enforcement::multiplier;

@@ -16,7 +16,7 @@ const Schema& scene_schema() {
       {"plasticity", {"yield_stress_pa", "hardening_pa"}},
       {"mesh",
        {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading", "periodic_across", "gmsh",
-        "length_unit"}},
+        "inp", "length_unit"}},
       {"initial_displacement_m", {"start", "end"}},
       {"support", {"surface", "fixed"}},
       {"traction", {"surface", "traction_pa", "pressure_pa", "amplitude"}},

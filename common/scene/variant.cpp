@@ -98,7 +98,8 @@ void keep_paths(Toml& root, const fs::path& folder) {
     for (auto& table : root.at(name).as_array()) act(table);
   };
   each("body", [&](Toml& body) {
-    if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), "gmsh", folder);
+    for (const char* key : {"gmsh", "inp"})
+      if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), key, folder);
     make_absolute(body, "interface_nodes", folder);
   });
   each("participant", [&](Toml& participant) { make_absolute(participant, "executable", folder); });

@@ -104,7 +104,7 @@ TEST(AnotherUnit, OfAMeshIsAskedFor) {
   const std::string text = with_key(config_text("striker_gmsh"), "time", "end_s", "1e-3");
   const auto scaled = checked(text, folder);
   EXPECT_THAT(scaled.out + scaled.error,
-              HasSubstr("is it in millimetres? Lengths are metres, in a Gmsh file too, unless mesh.length_unit says"));
+              HasSubstr("is it in millimetres? Lengths are metres, in a mesh file too, unless mesh.length_unit says"));
   EXPECT_THAT(checked(with_absolute_meshes(text), folder).out, Not(HasSubstr("millimetres")));
 }
 

@@ -164,7 +164,7 @@ TEST(Groups, OfAStructuredMeshAreRefused) {
                            implicit_one;
   const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string());
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.error, testing::HasSubstr("read from a Gmsh file"));
+  EXPECT_THAT(outcome.error, testing::HasSubstr("read from a mesh file"));
 }
 
 TEST(Groups, OfTheImplicitParticipantAreRefused) {

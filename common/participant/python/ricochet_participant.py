@@ -119,7 +119,7 @@ def arguments():
 
 
 def read_scene(path, name):
-    """A scene file as a dict, its entry of the participant, and the SHA-256 of it, of its Gmsh meshes and of its files of
+    """A scene file as a dict, its entry of the participant, and the SHA-256 of it, of its mesh files and of its files of
     interface nodes, whose paths are absolute in the dict. The coupler has checked the values already."""
     with open(path, "rb") as file:
         data = file.read()
@@ -134,7 +134,7 @@ def read_scene(path, name):
                 raise ConfigError(f"{path}: found material \"{body['material']}\" of ricochet's library, whose numbers this "
                                   f"program has not; allowed: the same numbers in a table [material.{body['material']}]")
             body["material"] = own[body["material"]]
-    files = [(body["mesh"], "gmsh") for body in scene["body"] if "gmsh" in body.get("mesh", {})]
+    files = [(body["mesh"], key) for body in scene["body"] for key in ("gmsh", "inp") if key in body.get("mesh", {})]
     files += [(body, "interface_nodes") for body in scene["body"] if "interface_nodes" in body]
     for table, key in files:
         table[key] = os.path.join(os.path.dirname(os.path.abspath(path)), table[key])

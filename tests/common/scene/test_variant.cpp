@@ -144,6 +144,22 @@ TEST_F(Variant, CountsChangedPathsFromTheFolderOfTheScene) {
             3 * build_problem(coarse).bodies[0].mesh.elements.size());
 }
 
+TEST_F(Variant, FindsAnAbaqusMeshThatItChanges) {
+  const std::string mesh = "*NODE\n1, 0.\n2, 1.\n3, 2.\n*ELEMENT, TYPE=T3D2\n1, 1, 2\n";
+  (void)folder_.write(mesh, "one.inp");
+  (void)folder_.write(mesh + "2, 2, 3\n", "two.inp");
+  const auto scene = folder_.write(
+      "model = \"bar\"\n[[body]]\nname = \"rod\"\nmaterial = \"steel_a36\"\nmesh = { inp = \"one.inp\" }\n[time]\n"
+      "end_s = 1.0\n[coupling]\nprotocol = \"all_explicit\"\n",
+      "rod.toml");
+  fs::create_directory(folder_.path() / "elsewhere");
+  const std::string out = (folder_.path() / "elsewhere/variant.toml").string();
+  write_variant(scene, {}, out);
+  EXPECT_EQ(build_problem(load_scene(out)).bodies[0].mesh.elements.size(), 1U);
+  write_variant(scene, {{"body.rod.mesh.inp", "two.inp"}}, out);
+  EXPECT_EQ(build_problem(load_scene(out)).bodies[0].mesh.elements.size(), 2U);
+}
+
 TEST_F(Variant, PutsAStepInThePlaceOfASafetyFactor) {
   const std::string text =
       "model = \"bar\"\n[[body]]\nname = \"rod\"\nmaterial = { youngs_modulus_pa = 1e9, density_kg_m3 "
