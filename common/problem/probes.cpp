@@ -57,7 +57,7 @@ class Stretch {
       : low_(gauge.section_m - 0.5 * std::max(gauge.length_m, 1e-7 * body_length_m)),
         high_(2.0 * gauge.section_m - low_) {}
 
-  /// Of the interval's length; 1 of one without length that lies within.
+  /// A share of the interval's length; 1 of one without length that lies within.
   [[nodiscard]] double share_of(const fem::Interval& interval) const {
     if (interval.length() <= 0.0) return interval.low >= low_ && interval.high <= high_ ? 1.0 : 0.0;
     const double covered = std::min(high_, interval.high) - std::max(low_, interval.low);

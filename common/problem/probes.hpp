@@ -31,8 +31,8 @@ struct MeasuredPlace {
 /// "x", "y", ... of the displacement; "xx", "yy", ... of strain and stress, in the order of element.hpp.
 [[nodiscard]] std::vector<std::string> strain_names(Model model);
 
-/// Names of the columns of probes.csv behind the time, in its order. Of a probe: displacement, velocity, acceleration,
-/// strain (shear as the tensor's), stress, von Mises stress; of a gauge: strain and stress along the axis.
+/// Names of the columns of probes.csv behind the time, in its order. A probe has displacement, velocity, acceleration,
+/// strain (shear as the tensor's), stress, von Mises stress; a gauge has strain and stress along the axis.
 [[nodiscard]] std::vector<std::string> probe_columns(const Scene& scene);
 
 }  // namespace ricochet::scene

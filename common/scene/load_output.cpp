@@ -6,7 +6,7 @@
 #include "common/base/names.hpp"
 #include "common/scene/loaders.hpp"
 
-/// What a run writes: how often, and of which places.
+/// The output of a run: how often, and of which places.
 namespace ricochet::scene {
 namespace {
 

@@ -11,10 +11,10 @@
 
 namespace ricochet::solver {
 
-/// What a participant knows of the probes and gauges of the scene. Motion at a place is the sum N_i u_i over the nodes
-/// of its element; each node counts where it is integrated, so that a node that two processes share counts once. Strain
-/// is that of the element B u, stress D B u, and counts where the element is owned; of a gauge each point has its
-/// share. The coupler adds the shares of all participants up.
+/// The shares of a participant in the probes and gauges of the scene. Motion at a place is the sum N_i u_i over the
+/// nodes of its element; each node counts where it is integrated, so that a node that two processes share counts once.
+/// Strain is that of the element B u, stress D B u, and counts where the element is owned; of a gauge each point has
+/// its share. The coupler adds the shares of all participants up.
 class ProbeShares {
  public:
   ProbeShares() = default;  ///< no place

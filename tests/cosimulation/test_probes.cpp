@@ -342,7 +342,7 @@ TEST(Probe, RowsMayComeByTime) {
               !names_in(run.folder + "/fields").empty());
 }
 
-/// What is refused, and with which words.
+/// A wrong key is refused by name.
 TEST(Probe, NamesWhatIsWrong) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& output, const std::string& expected) {
