@@ -44,6 +44,7 @@ class ExplicitSolver : public participant::Participant {
     if (const auto* c = contact()) c->append_forces(row);
   }
   void axial_stress(std::vector<double>& row) override { reporting_.append_axial_stress(reported(), window_, row); }
+  void probes(std::vector<double>& row) override { reporting_.append_probes(reported(), window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return reporting_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return reporting_.outline(reported()); }

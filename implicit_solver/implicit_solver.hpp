@@ -41,6 +41,7 @@ class ImplicitSolver : public participant::Participant {
     if (contact_) contact_->append_forces(row);
   }
   void axial_stress(std::vector<double>& row) override { reporting_.append_axial_stress(states_, window_, row); }
+  void probes(std::vector<double>& row) override { reporting_.append_probes(states_, window_, row); }
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return reporting_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return reporting_.outline(states_); }

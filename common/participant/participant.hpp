@@ -51,6 +51,9 @@ struct Description {
   /// and the share of the layer's volume that elements of this participant fill. May stay empty: it tells no axial
   /// stress.
   std::vector<std::string> axial_stress_columns;
+  /// "COLUMN/SHARE" of what `probes` appends: a column of probes.csv, and the share of it that this participant tells.
+  /// May stay empty: it tells of no probe and no gauge.
+  std::vector<std::string> probe_columns;
   bool contact_owner = false;  ///< true: enforces the scene's contact and reports its states
 };
 
@@ -76,6 +79,7 @@ struct Setup {
   std::vector<double> scene_position_m;
   int history_every = 1, fields_every = 0;  ///< windows; fields_every 0: none
   int axial_stress_every = 0;               ///< windows; 0: none
+  int probes_every = 0;                     ///< windows; 0: none
   double until_separated_plus_s = -1;       ///< contact owner: finished this long after separation; < 0: never
   int separation_windows = 10;              ///< contact owner: windows with all pairs open and gaps growing = separated
   std::int64_t last_window = 0;             ///< the run ends here at the latest
@@ -173,6 +177,10 @@ class Participant {
   /// the last accepted window [Pa], tension positive: the sum over its elements of their integral, over the volume of
   /// the whole layer. Called every `axial_stress_every` accepted windows and at the start.
   virtual void axial_stress(std::vector<double>& /*row*/) {}
+  /// Appends, for each of `probe_columns`, this participant's share of the value after the last accepted window: motion
+  /// is a sum over nodes, of which each counts where it is integrated, strain and stress a mean over elements. Called
+  /// every `probes_every` accepted windows and at the start.
+  virtual void probes(std::vector<double>& /*row*/) {}
   /// Contact owner: appends the force of each contact of the scene along its normal [N], the impulse over the last
   /// accepted window divided by its size. Called for every window, whatever history rows there are. (May stay empty:
   /// the history rows stand for it then.)

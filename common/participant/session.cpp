@@ -38,6 +38,7 @@ Description checked(Description d) {
           fmt::format("it has {} interface nodes of {} components, but {} coordinates and {} masses", count,
                       d.components, d.interface_position_m.size(), d.interface_mass_kg.size()));
   d.record_columns.insert(d.record_columns.begin(), "window");
+  if (!d.probe_columns.empty()) d.probe_columns.insert(d.probe_columns.begin(), "window");
   if (!d.axial_stress_columns.empty()) d.axial_stress_columns.insert(d.axial_stress_columns.begin(), "window");
   return d;
 }

@@ -89,9 +89,11 @@ class Session {
   using Tell = void (Participant::*)(std::vector<double>&);
   void record();
   void record_axial_stress();
+  void record_probes();
   void record_contact_forces();
   void append_row(Tell tell, std::size_t columns, std::vector<double>& rows);
   [[nodiscard]] bool wants_axial_stress(std::int64_t window) const;
+  [[nodiscard]] bool wants_probes(std::int64_t window) const;
   void write_fields();
   void put_absolute(wire::Array& absolute) const;
   void put_rates(wire::Rates& reply) const;
@@ -115,13 +117,14 @@ class Session {
   std::int64_t substep_ = 0, accepted_substep_ = 0;  ///< of the trial (0: whole window); of the window under way
   double timeout_s_ = -1.0;
   bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
-  bool synchronised_ = false, accept_due_ = false, record_due_ = false, stress_due_ = false,
+  bool synchronised_ = false, accept_due_ = false, record_due_ = false, stress_due_ = false, probes_due_ = false,
        fields_due_ = false;  ///< put off
   bool moves_ = false;       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
-  std::vector<double> rows_, stress_rows_, force_rows_;  ///< of history, axial stress, contact forces; not sent yet
-  std::int64_t force_columns_ = -1;                      ///< contacts whose forces it tells; < 0: not known yet
-  std::vector<double> spans_;                            ///< window, begin, end of each computing span
+  /// Of history, axial stress, probes, contact forces; not sent yet.
+  std::vector<double> rows_, stress_rows_, probe_rows_, force_rows_;
+  std::int64_t force_columns_ = -1;  ///< contacts whose forces it tells; < 0: not known yet
+  std::vector<double> spans_;        ///< window, begin, end of each computing span
   double compute_s_ = 0.0, wait_s_ = 0.0;
 };
 

@@ -49,6 +49,8 @@ void Session::record_axial_stress() {
   append_row(&Participant::axial_stress, description_.axial_stress_columns.size(), stress_rows_);
 }
 
+void Session::record_probes() { append_row(&Participant::probes, description_.probe_columns.size(), probe_rows_); }
+
 /// Of every window of the contact's owner; the first tells how many numbers a row has.
 void Session::record_contact_forces() {
   if (!description_.contact_owner) return;
@@ -66,6 +68,11 @@ void Session::record_contact_forces() {
 bool Session::wants_axial_stress(std::int64_t window) const {
   const int every = setup_.axial_stress_every;
   return every > 0 && !description_.axial_stress_columns.empty() && window % every == 0;
+}
+
+bool Session::wants_probes(std::int64_t window) const {
+  const int every = setup_.probes_every;
+  return every > 0 && !description_.probe_columns.empty() && window % every == 0;
 }
 
 /// What the participant tells of the last accepted window, behind its number. `columns`: with the window.
@@ -88,6 +95,7 @@ void Session::put_records(bool requested, wire::Records& reply) {
   };
   put(reply.records, description_.record_columns.size(), rows_);
   put(reply.axial_stress, description_.axial_stress_columns.size(), stress_rows_);
+  put(reply.probes, description_.probe_columns.size(), probe_rows_);
   put(reply.contact_forces, static_cast<std::size_t>(1 + std::max<std::int64_t>(force_columns_, 0)), force_rows_);
   reply.departures.resize(0, wire::departure_columns);
   if (requested) put_departures(reply.departures);

@@ -42,6 +42,7 @@ void check_setup(const wire::Initialize& request) {
   require_count("history_every", request.history_every, 1);
   require_count("fields_every", request.fields_every, 0);
   require_count("axial_stress_every", request.axial_stress_every, 0);
+  require_count("probes_every", request.probes_every, 0);
   require_count("separation_windows", request.separation_windows, 0);
   require_count("substeps", request.substeps, 1);
   require(request.last_window >= 0, "the coupler set last_window = {}, expected >= 0", request.last_window);
@@ -70,6 +71,7 @@ void Session::describe(wire::Description& reply) const {
   for (const auto capability : d.capabilities) reply.capabilities.emplace_back(name_of(capability));
   reply.record_columns = d.record_columns;
   reply.axial_stress_columns = d.axial_stress_columns;
+  reply.probe_columns = d.probe_columns;
   reply.contact_owner = d.contact_owner;
 }
 
@@ -89,6 +91,7 @@ void Session::initialize(const wire::Initialize& request, wire::Initialized& rep
   setup_.history_every = static_cast<int>(request.history_every);
   setup_.fields_every = static_cast<int>(request.fields_every);
   setup_.axial_stress_every = static_cast<int>(request.axial_stress_every);
+  setup_.probes_every = static_cast<int>(request.probes_every);
   setup_.until_separated_plus_s = request.until_separated_plus_s;
   setup_.separation_windows = static_cast<int>(request.separation_windows);
   setup_.last_window = request.last_window;
@@ -135,8 +138,10 @@ void Session::synchronise(const wire::Synchronise& request, wire::Synchronised& 
   if (accepted_window_ > 0) return;
   rows_.clear();  // the coupler may synchronise the start more than once
   stress_rows_.clear();
+  probe_rows_.clear();
   record_due_ = true;
   stress_due_ = wants_axial_stress(0);
+  probes_due_ = wants_probes(0);
   fields_due_ = setup_.fields_every > 0;
 }
 
@@ -228,6 +233,7 @@ void Session::accept_trial() {
   accepted_window_ = window_;
   record_due_ = window_ % setup_.history_every == 0;
   stress_due_ = wants_axial_stress(window_);
+  probes_due_ = wants_probes(window_);
   fields_due_ = setup_.fields_every > 0 && (window_ % setup_.fields_every == 0 || window_ == setup_.last_window);
   if (description_.contact_owner) accept();
 }
@@ -243,6 +249,7 @@ void Session::finish_window() {
   accept();
   if (std::exchange(record_due_, false)) record();
   if (std::exchange(stress_due_, false)) record_axial_stress();
+  if (std::exchange(probes_due_, false)) record_probes();
   if (std::exchange(fields_due_, false)) write_fields();
 }
 
@@ -279,13 +286,14 @@ void Session::read_state(wire::State& reply) {
 void Session::archive(Archive& a) {
   a(accepted_window_, fields_window_);
   a.same_size(link_);
-  a(contact_, rows_, stress_rows_, force_rows_, force_columns_);
+  a(contact_, rows_, stress_rows_, probe_rows_, force_rows_, force_columns_);
   const auto whole = [](const std::vector<double>& rows, std::size_t columns) {
     return columns == 0 ? rows.empty() : rows.size() % columns == 0;
   };
   if (accepted_window_ < 0 || accepted_window_ > setup_.last_window ||
       !whole(rows_, description_.record_columns.size()) ||
-      !whole(stress_rows_, description_.axial_stress_columns.size()) || force_columns_ < -1 ||
+      !whole(stress_rows_, description_.axial_stress_columns.size()) ||
+      !whole(probe_rows_, description_.probe_columns.size()) || force_columns_ < -1 ||
       !whole(force_rows_, static_cast<std::size_t>(1 + std::max<std::int64_t>(force_columns_, 0))))
     a.refuse("it is of another run");
   window_ = accepted_window_;

@@ -9,6 +9,7 @@
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/problem/mass_scaling.hpp"
+#include "common/problem/probes.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
@@ -95,6 +96,19 @@ void find_fewest_substeps(Problem& problem) {
   }
 }
 
+/// Times from row to row become whole windows, the nearest number and at least one.
+void count_windows_of_output(Problem& problem) {
+  Output& output = problem.scene.output;
+  const double size_s = problem.clock.largest_size_s();
+  const auto count = [&](const std::optional<double>& every_s, int& every) {
+    constexpr double most = std::numeric_limits<int>::max();
+    if (every_s) every = static_cast<int>(std::min(most, std::max(1.0, std::round(*every_s / size_s))));
+  };
+  count(output.history_every_s, output.history_every);
+  count(output.fields_every_s, output.fields_every);
+  count(output.probes_every_s, output.probes_every);
+}
+
 }  // namespace
 
 Problem build_bodies(const Scene& scene) {
@@ -115,6 +129,8 @@ Problem build_problem(const Scene& scene) {
   for (const StepChange& change : scene.time.changes)
     problem.clock.change(static_cast<std::int64_t>(problem.clock.window_at(change.from_s)), change.step_s);
   find_fewest_substeps(problem);
+  count_windows_of_output(problem);
+  static_cast<void>(measured_places(problem));  // refuses what no body has
   return problem;
 }
 

@@ -114,15 +114,6 @@ CouplingSettings load_coupling(TableReader& table, bool has_contact) {
   return coupling;
 }
 
-Output load_output(TableReader& table) {
-  Output output;
-  output.history_every = table.integer("history_every", 1, most, output.history_every);
-  output.fields_every = table.integer("fields_every", 0, most, output.fields_every);
-  output.axial_stress_every = table.integer("axial_stress_every", 0, most, output.axial_stress_every);
-  table.finish();
-  return output;
-}
-
 Checkpointing load_checkpoint(TableReader& table) {
   Checkpointing checkpoint{.asked = true};
   checkpoint.every_windows = table.integer("every_windows", 0, most, checkpoint.every_windows);

@@ -168,7 +168,7 @@ void load_tables(TableReader& root, Scene& scene) {
   require_foreign_owners(scene);
   if (root.has("output")) {
     TableReader table = root.table("output", "output");
-    scene.output = load_output(table);
+    scene.output = load_output(table, scene);
   }
   if (root.has("checkpoint")) {
     TableReader table = root.table("checkpoint", "checkpoint");

@@ -29,7 +29,8 @@ void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& sce
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
 [[nodiscard]] CouplingSettings load_coupling(TableReader& table, bool has_contact);
-[[nodiscard]] Output load_output(TableReader& table);
+/// `scene` has its bodies and its time already.
+[[nodiscard]] Output load_output(TableReader& table, const Scene& scene);
 Checkpointing load_checkpoint(TableReader& table);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);

@@ -53,6 +53,13 @@ std::string Scene::where(const std::string& key) const {
   }
 }
 
+int Output::probes_told_every() const {
+  if (!wants_probes()) return 0;
+  const bool filtered =
+      std::any_of(gauges.begin(), gauges.end(), [](const Gauge& gauge) { return gauge.rise_time_s > 0.0; });
+  return filtered ? 1 : probes_every;
+}
+
 bool Scene::friction() const {
   return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.friction_coefficient > 0.0; });
 }

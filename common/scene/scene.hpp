@@ -230,10 +230,33 @@ struct ParticipantSpec {
   [[nodiscard]] bool foreign() const { return !executable.empty(); }
 };
 
+/// A place of a body whose motion, strain and stress are told.
+struct Probe {
+  std::string name, body;
+  std::vector<double> at_m;  ///< one entry per component, reference configuration
+};
+
+/// A strain gauge: mean axial strain and stress of what lies about a section of a body.
+struct Gauge {
+  std::string name, body, surface;  ///< surface: of its faces alone; empty: of the whole section
+  double section_m = 0.0;           ///< coordinate of the body's axis in its middle
+  double length_m = 0.0;            ///< along the axis; 0: the section itself
+  double rise_time_s = 0.0;         ///< from 10 to 90 % of a step, by a filter of first order; 0: it sees at once
+};
+
 struct Output {
   int history_every = 1;       ///< windows per row of history.csv
   int fields_every = 0;        ///< windows per VTU snapshot; 0: none
   int axial_stress_every = 0;  ///< windows per row of axial_stress.csv; 0: none
+  int probes_every = 1;        ///< windows per row of probes.csv; 0: none
+  /// In place of the counts, which build_problem finds: time from row to row.
+  std::optional<double> history_every_s, fields_every_s, probes_every_s;
+  std::vector<Probe> probes;
+  std::vector<Gauge> gauges;
+
+  [[nodiscard]] bool wants_probes() const { return probes_every > 0 && !(probes.empty() && gauges.empty()); }
+  /// Windows from row to row that participants tell of them; the filter of a gauge needs every window.
+  [[nodiscard]] int probes_told_every() const;
 };
 
 /// What a run does when a participant dies, hangs or is lost.

@@ -37,8 +37,12 @@ const Schema& scene_schema() {
       {"participant",
        {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads",
         "substeps"}},
-      {"output", {"history_every", "fields_every", "axial_stress_every"}},
       {"mass_scaling", {"step_s"}},
+      {"output",
+       {"history_every", "history_every_s", "fields_every", "fields_every_s", "axial_stress_every", "probes_every",
+        "probes_every_s", "probe", "gauge"}},
+      {"probe", {"name", "body", "at_m"}},
+      {"gauge", {"name", "body", "section_m", "length_m", "surface", "rise_time_s"}},
       {"checkpoint", {"every_windows", "every_s", "on_failure", "attempts"}},
   };
   return tables;

@@ -81,6 +81,10 @@ void set(Toml& root, const Override& change) {
   if (change.key == "time.step_s") {
     for (const char* other : {"safety_factor", "largest_step_s"}) at->as_table().erase(other);
   }
+  if (words.front() == "output" && words.size() == 2) {  // a count takes the place of a time
+    const bool count = words.back().size() > 6 && words.back().compare(words.back().size() - 6, 6, "_every") == 0;
+    at->as_table().erase(count ? words.back() + "_s" : words.back().substr(0, words.back().rfind("_s")));
+  }
   at->as_table()[words.back()] = to_toml(change.value);
 }
 

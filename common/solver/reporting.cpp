@@ -6,6 +6,8 @@ void Reporting::describe(const scene::Problem& problem, const std::vector<BodySt
                          participant::Description& d) {
   axial_stress_ = AxialStressShares(problem, states);
   d.axial_stress_columns = axial_stress_.columns();
+  probes_ = ProbeShares(problem, states);
+  d.probe_columns = probes_.columns();
 }
 
 void Reporting::begin(const scene::Problem& problem, const std::vector<BodyState>& states,

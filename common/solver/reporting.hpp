@@ -12,16 +12,17 @@
 #include "common/solver/body_state.hpp"
 #include "common/solver/contact_surface.hpp"
 #include "common/solver/model_watch.hpp"
+#include "common/solver/probe_shares.hpp"
 #include "common/solver/shape_recorder.hpp"
 #include "common/solver/watched_outline.hpp"
 
 namespace ricochet::solver {
 
-/// What a shipped solver tells of its bodies beside the answers to the link: stress on the axis, what left the model,
-/// outlines, pictures, and how its contact stands. `states`: always the same whole parts.
+/// What a shipped solver tells of its bodies beside the answers to the link: stress on the axis, probes and gauges,
+/// what left the model, outlines, pictures, and how its contact stands. `states`: always the same whole parts.
 class Reporting {
  public:
-  /// Adds the columns of `axial_stress` to the description.
+  /// Adds the columns of `axial_stress` and `probes` to the description.
   void describe(const scene::Problem& problem, const std::vector<BodyState>& states, participant::Description& d);
   /// Before the first window. `surface`: of who enforces the contact, else null; it must outlive this object unmoved.
   /// `windows_are_cheap`: see ModelWatch.
@@ -43,6 +44,9 @@ class Reporting {
   void append_axial_stress(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) {
     axial_stress_.append(states, window, row);
   }
+  void append_probes(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) const {
+    probes_.append(states, window, row);
+  }
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return model_watch_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline(const std::vector<BodyState>& states) const {
     return outline_.nodes(states);
@@ -58,6 +62,7 @@ class Reporting {
   const participant::Setup* setup_ = nullptr;  ///< from `begin` on
   const ContactSurface* surface_ = nullptr;
   AxialStressShares axial_stress_;
+  ProbeShares probes_;
   ModelWatch model_watch_;
   WatchedOutline outline_;
   std::optional<ShapeRecorder> shapes_;  ///< from `begin` on

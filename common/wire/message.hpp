@@ -110,7 +110,7 @@ struct Description {
   Array interface_position_m;  ///< n x components
   Array interface_mass_kg;     ///< n x 1: own lumped mass
   double critical_time_step_s = 0;
-  std::vector<std::string> capabilities, record_columns, axial_stress_columns;
+  std::vector<std::string> capabilities, record_columns, axial_stress_columns, probe_columns;
   bool contact_owner = false;
 
   /// Whether it names the capability.
@@ -127,7 +127,7 @@ struct Initialize {
   Array interface_stiffness;  ///< (n x components)^2, to the implicit participant; empty: none [N/m]
   Array directions;           ///< components x components: n, t and b of the scene, one a row
   Array scene_position_m;     ///< n x components: where the scene has the interface nodes
-  std::int64_t history_every = 1, fields_every = 0, axial_stress_every = 0;
+  std::int64_t history_every = 1, fields_every = 0, axial_stress_every = 0, probes_every = 0;
   double until_separated_plus_s = 0;
   std::int64_t separation_windows = 0, last_window = 0;
 };
@@ -185,6 +185,7 @@ struct Advance {
 struct Records {
   Array records;         ///< history, rows x record_columns
   Array axial_stress;    ///< rows x axial_stress_columns
+  Array probes;          ///< rows x probe_columns
   Array departures;      ///< rows x departure_columns: kind, body, last window without, first window, looks, size, its
                          ///< window, x, y, z, size in the first look, its x, y, z
   Array contact_forces;  ///< rows x (1 + contacts): window, force of each contact [N]

@@ -62,6 +62,8 @@ std::vector<Field> records() {
       field<&Body::records, Body>("records", "", "history rows not sent before, rows x record columns"),
       field<&Body::axial_stress, Body>(
           "axial_stress", "Pa", "rows not sent before, rows x axial stress columns; the first number is the window"),
+      field<&Body::probes, Body>("probes", "",
+                                 "rows not sent before, rows x probe columns; the first number is the window"),
       field<&Body::departures, Body>(
           "departures", "",
           "what has left the model so far, rows x 14: kind (1 strain, 2 rotation, 3 slip, 4 inverted element, 5 node "
@@ -159,6 +161,10 @@ const std::vector<KindEntry>& schema() {
             "its "
             "elements fill, whose share of the layer's mean axial stress, tension positive, it tells; none: it tells "
             "none"),
+        field<&Description::probe_columns>(
+            "probe_columns", "",
+            "names of the columns of `probes`; the first is `window`, then `COLUMN/SHARE` for each column of "
+            "`probes.csv` of which it tells a share, and that share, 0 to 1; none: it tells of no probe and no gauge"),
         field<&Description::contact_owner>("contact_owner", "",
                                            "it enforces the scene's contact and reports its states")}},
       {Kind::initialize,
@@ -190,6 +196,8 @@ const std::vector<KindEntry>& schema() {
         field<&Initialize::axial_stress_every>(
             "axial_stress_every", "windows",
             "one row of `axial_stress` each so many windows, from the start on; 0: none"),
+        field<&Initialize::probes_every>("probes_every", "windows",
+                                         "one row of `probes` each so many windows, from the start on; 0: none"),
         field<&Initialize::until_separated_plus_s>(
             "until_separated_plus_s", "s",
             "contact owner: the run ends this long after separation; < 0: it does not end so"),

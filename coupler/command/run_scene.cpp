@@ -69,10 +69,11 @@ void run_accepted(const scene::Problem& problem, scene::Plan plan, const std::ve
   }
   const bool reported = try_report(results.path());
   const std::string waves = problem.scene.output.axial_stress_every > 0 ? ", axial_stress.csv" : "";
+  const std::string probes = problem.scene.output.wants_probes() ? ", probes.csv" : "";
   const std::string fields = problem.scene.output.fields_every > 0 ? ", fields/" + stem + ".pvd (ParaView)" : "";
   fmt::print("{}", printable(fmt::format(
                        "{}results in {}: history.csv{}, summary.json, trace.json (ui.perfetto.dev), logs/{}{}\n", table,
-                       results.path(), waves, fields, reported ? ", report.html" : "")));
+                       results.path(), waves + probes, fields, reported ? ", report.html" : "")));
 }
 
 std::string checkpoints_of(const std::string& results) {

@@ -42,6 +42,7 @@ Link::Link(Peer peer, const PeerDescription& description, const InterfaceRows& r
       rows_(rows),
       records_("records", "history row", description.record_columns.size()),
       axial_stress_("axial_stress", "axial stress row", description.axial_stress_columns.size()),
+      probes_("probes", "probe row", description.probe_columns.size()),
       contact_forces_("contact_forces", "contact forces", 1 + contacts_of(description)) {
   const std::size_t size = rows_.nodes() * static_cast<std::size_t>(rows_.components());
   for (auto* values : {&received_input_, &trial_input_, &output_accepted_, &output_}) values->assign(size, 0.0);
@@ -69,6 +70,7 @@ std::vector<double> Link::own_mass_kg() const {
 void Link::post_initialize(wire::Initialize request, const std::vector<double>& own_masses) {
   records_.expect_every(request.history_every);
   axial_stress_.expect_every(request.axial_stress_every);
+  probes_.expect_every(request.probes_every);
   contact_forces_.expect_every(description_.contact_owner ? 1 : 0, 1);
   if (request.driven_by.empty()) request.driven_by = name_of(implicit() ? Drive::force : Drive::displacement);
   driven_by_force_ = request.driven_by == name_of(Drive::force);
@@ -151,7 +153,7 @@ void Link::wait_state_restored() { wait<wire::StateRestored>(); }
 void Link::archive(Archive& a) {
   const auto size = output_.size();
   a(received_input_, output_, velocity_, acceleration_, contact_, departures_, outline_, largest_drift_, window_,
-    records_, axial_stress_, contact_forces_);
+    records_, axial_stress_, probes_, contact_forces_);
   if (received_input_.size() != size || output_.size() != size) a.refuse("another interface");
   trial_input_ = received_input_;
   output_is_accepted_ = true;
@@ -312,8 +314,10 @@ void Link::take_records_of(const wire::Records& answer, bool asked_for) {
   const std::int64_t requested = records_requested_ ? window_ : -1;
   records_.take(answer.records, name(), window_, requested);
   axial_stress_.take(answer.axial_stress, name(), window_, requested);
+  probes_.take(answer.probes, name(), window_, requested);
   require_asked_for(answer.records, asked_for, "records");
   require_asked_for(answer.axial_stress, asked_for, "axial_stress");
+  require_asked_for(answer.probes, asked_for, "probes");
   require_asked_for(answer.contact_forces, asked_for, "contact_forces");
   if (answer.contact_forces.rows > 0) contact_forces_.take(answer.contact_forces, name(), window_, requested);
 }

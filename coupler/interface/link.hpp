@@ -92,6 +92,8 @@ class Link {
   [[nodiscard]] const wire::Array& outline() const { return outline_; }
   /// History rows received since the last call (row-major, as many columns as the description names).
   [[nodiscard]] std::vector<double> take_records() { return records_.taken(); }
+  /// The same of the rows of probes and gauges.
+  [[nodiscard]] std::vector<double> take_probes() { return probes_.taken(); }
   /// The same of contact forces, rows of 1 + contacts numbers; who does not tell them has none.
   [[nodiscard]] std::vector<double> take_contact_forces() { return contact_forces_.taken(); }
   /// The same of the rows of axial stress.
@@ -127,7 +129,7 @@ class Link {
   double largest_drift_ = 0.0;
   double setup_s_ = 0.0;
   std::int64_t window_ = 0;
-  WindowRows records_, axial_stress_, contact_forces_;
+  WindowRows records_, axial_stress_, probes_, contact_forces_;
 };
 
 }  // namespace ricochet::coupler

@@ -90,6 +90,7 @@ wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t 
       std::gcd(static_cast<std::int64_t>(scene.output.history_every), EnergyWatch::every_of(last_window));  // for both
   request.fields_every = scene.output.fields_every;
   request.axial_stress_every = scene.output.axial_stress_every;
+  request.probes_every = scene.output.probes_told_every();
   request.until_separated_plus_s = scene.time.until_separated_plus_s.value_or(-1.0);
   request.separation_windows = scene.coupling.separation_windows;
   request.last_window = last_window;

@@ -270,7 +270,8 @@ void Peers::limit(std::size_t index, const wire::Description& description) {
   constexpr std::size_t least = std::size_t{1} << 18;  // texts, and the times of `finished`
   constexpr std::size_t most_rows = 4200;  // of each kind in one answer: as many windows as a baseline takes at once
   const auto numbers = 8 * description.interface_position_m.data.size() +
-                       most_rows * (2 * description.record_columns.size() + description.axial_stress_columns.size());
+                       most_rows * (2 * description.record_columns.size() + description.axial_stress_columns.size() +
+                                    description.probe_columns.size());
   const bool tells_state = description.has(Capability::load_state) || description.has(Capability::save_state);
   const std::size_t bytes = least + sizeof(double) * numbers;
   if (peers_[index].inside) return;

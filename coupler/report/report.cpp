@@ -120,6 +120,10 @@ std::vector<Chart> charts_of(const std::filesystem::path& folder, const HistoryT
         charts.begin() + std::min<std::ptrdiff_t>(1, std::ssize(charts));  // beside the stress at the contact
     charts.insert(after, std::make_move_iterator(waves.begin()), std::make_move_iterator(waves.end()));
   }
+  if (const auto probes = folder / "probes.csv"; std::filesystem::exists(probes)) {
+    auto seen = probe_charts(read_history(probes.string()), times);
+    charts.insert(charts.end(), std::make_move_iterator(seen.begin()), std::make_move_iterator(seen.end()));
+  }
   for (auto& chart : charts) chart.caption = events_text(events);
   // A run that was killed has written no trace; the rest of the page is worth having all the same.
   const auto trace = folder / "trace.json";

@@ -107,6 +107,7 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
                {"window", window},
                {"time_s", checkpoint.time_s},
                {"history", told(checkpoint.history)},
+               {"probes", told(checkpoint.probes)},
                {"fields", told(checkpoint.fields)},
                {"wall_s", checkpoint.wall_s},
                {"cpu_s", checkpoint.cpu_s},
@@ -193,12 +194,19 @@ Checkpoint CheckpointFolder::read(std::int64_t window) const {
                       "began",
                       path, version, format, RICOCHET_VERSION, format_version));
     }
-    Checkpoint checkpoint{json.at("scene").get<std::string>(),    json.at("scene_sha256").get<std::string>(),
-                          json.at("protocol").get<std::string>(), count(json, "window"),
-                          json.at("time_s").get<double>(),        beginning(json.at("history")),
-                          beginning(json.at("fields")),           json.at("wall_s").get<double>(),
-                          json.at("cpu_s").get<double>(),         json.at("stepping_s").get<double>(),
-                          bytes_of("", json.at("coupler")),       {}};
+    Checkpoint checkpoint{json.at("scene").get<std::string>(),
+                          json.at("scene_sha256").get<std::string>(),
+                          json.at("protocol").get<std::string>(),
+                          count(json, "window"),
+                          json.at("time_s").get<double>(),
+                          beginning(json.at("history")),
+                          beginning(json.at("probes")),
+                          beginning(json.at("fields")),
+                          json.at("wall_s").get<double>(),
+                          json.at("cpu_s").get<double>(),
+                          json.at("stepping_s").get<double>(),
+                          bytes_of("", json.at("coupler")),
+                          {}};
     for (const auto& entry : json.at("parts")) {
       const auto participant = entry.at("participant").get<std::string>();
       checkpoint.parts.push_back({participant, bytes_of(participant, entry)});
@@ -222,6 +230,7 @@ std::optional<Checkpoint> CheckpointFolder::last(std::vector<std::string>& damag
     try {
       auto found = read(present.back());
       if (found.history.bytes > 0) static_cast<void>(require_beginning(results + "/history.csv", found.history));
+      if (found.probes.bytes > 0) static_cast<void>(require_beginning(results + "/probes.csv", found.probes));
       FieldDigests::require(results, found.fields);
       return found;
     } catch (const ConfigError& error) {

@@ -16,7 +16,7 @@ struct Checkpoint {
   std::string scene_path, scene_sha256, protocol;
   std::int64_t window = 0;
   double time_s = 0;                             ///< at the end of that window
-  Beginning history, fields;                     ///< history.csv and the list of FieldDigests up to here
+  Beginning history, probes, fields;             ///< history.csv, probes.csv, the list of FieldDigests up to here
   double wall_s = 0, cpu_s = 0, stepping_s = 0;  ///< spent so far
   std::string coupler;                           ///< its part
   struct Part {

@@ -1,25 +1,14 @@
 #include "coupler/results/history_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <limits>
 #include <string_view>
 #include <utility>
 
-#include "common/base/error.hpp"
-#include "common/base/process.hpp"
-#include "common/base/write_file.hpp"
-
 namespace ricochet::coupler {
 namespace {
-
-constexpr std::chrono::milliseconds flush_interval{200};
 
 /// A column of the whole scene; those of the bodies follow.
 struct Column {
@@ -121,16 +110,6 @@ void tell_no_gap(ContactTotals& contact, bool has_contact) {
     contact.gap_min_m = std::numeric_limits<double>::quiet_NaN();
 }
 
-/// No link of somebody else's is followed, and nothing is waited for.
-int open_for_rows(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw_errno(errno, "cannot write " + path);
-  struct stat status {};
-  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return descriptor;
-  close(descriptor);
-  throw ConfigError(fmt::format("cannot write {}: it is no regular file", path));
-}
-
 }  // namespace
 
 int angular_components(const scene::Problem& problem) {
@@ -166,67 +145,18 @@ std::vector<std::string> history_columns(const HistoryShape& shape) {
 }
 
 HistoryFile::HistoryFile(std::string path, HistoryShape shape, const Beginning& keep)
-    : path_(std::move(path)),
-      shape_(std::move(shape)),
-      descriptor_(open_for_rows(path_)),
-      flushed_(std::chrono::steady_clock::now()) {
-  try {
-    if (keep.bytes > 0) digest_ = require_beginning(path_, keep);
-    if (ftruncate(descriptor_, keep.bytes) != 0) throw_errno(errno, "cannot write " + path_);
-    if (keep.bytes > 0) return;
-    pending_ = fmt::format("{}\n", fmt::join(history_columns(shape_), ","));
-    flush();  // a run that dies at once leaves a table without rows, not an empty file
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
-}
-
-HistoryFile::~HistoryFile() {
-  try {
-    flush();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", command_name, error.what());
-  }
-  close(descriptor_);
-}
+    : shape_(std::move(shape)), rows_(std::move(path), history_columns(shape_), keep) {}
 
 void HistoryFile::add(HistoryRow row) {
   tell_no_gap(row.contact, shape_.has_contact);
   for (auto& contact : row.contact.contacts) tell_no_gap(contact, true);
-  auto out = std::back_inserter(pending_);
-  const char* separator = "";
-  const auto put = [&](double value) {
-    out = fmt::format_to(out, "{}{:.17g}", separator, value);
-    separator = ",";
-  };
-  for (const auto& column : columns) put(column.value(row));
-  for (const auto& body : row.bodies) put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
-  for_each_further(shape_, [&](const Column& column) { put(column.value(row)); });
+  for (const auto& column : columns) rows_.put(column.value(row));
+  for (const auto& body : row.bodies) rows_.put(body.mass_kg > 0 ? body.momentum_n_kg_m_s / body.mass_kg : 0.0);
+  for_each_further(shape_, [&](const Column& column) { rows_.put(column.value(row)); });
   for (const auto& contact : row.contact.contacts) {
-    for_each_of_a_contact(shape_, [&](std::string_view, double ContactTotals::*member) { put(contact.*member); });
+    for_each_of_a_contact(shape_, [&](std::string_view, double ContactTotals::*member) { rows_.put(contact.*member); });
   }
-  pending_ += '\n';
-  if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();
-}
-
-void HistoryFile::flush() {
-  flushed_ = std::chrono::steady_clock::now();
-  const std::string rows = std::exchange(pending_, {});
-  const auto before = lseek(descriptor_, 0, SEEK_END);
-  const int error = write_all(descriptor_, rows);
-  if (error == 0) {
-    digest_.add(rows);
-    return;
-  }
-  if (before >= 0 && ftruncate(descriptor_, before) != 0)
-    std::fprintf(stderr, "%s: %s ends with half a row\n", command_name, path_.c_str());
-  throw_errno(error, "cannot write " + path_);
-}
-
-Beginning HistoryFile::so_far() {
-  flush();
-  return {lseek(descriptor_, 0, SEEK_END), digest_.hex()};
+  rows_.end_row();
 }
 
 }  // namespace ricochet::coupler

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
-#include "common/base/sha256.hpp"
 #include "common/problem/problem.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/history.hpp"
+#include "coupler/results/row_file.hpp"
 
 namespace ricochet::coupler {
 
@@ -29,29 +27,20 @@ struct HistoryShape {
 /// Names of the columns of history.csv, units in the names.
 [[nodiscard]] std::vector<std::string> history_columns(const HistoryShape& shape);
 
-/// Writes history.csv: one line per merged row, numbers with 17 digits, so that equal runs give equal files.
-/// Whole lines only reach the file, at least every 0.2 s, so that it can be read at any time and after any failure.
+/// Writes history.csv: one line per merged row.
 class HistoryFile {
  public:
-  /// Replaces the file, or goes on after the beginning `keep`, which a run before wrote. Throws ConfigError if it
-  /// cannot be written, is no regular file, or does not begin so.
+  /// See RowFile.
   HistoryFile(std::string path, HistoryShape shape, const Beginning& keep = {});
-  HistoryFile(const HistoryFile&) = delete;
-  HistoryFile& operator=(const HistoryFile&) = delete;
-  ~HistoryFile();
 
   void add(HistoryRow row);
-  void flush();
+  void flush() { rows_.flush(); }
   /// The file with all rows so far, which are flushed.
-  [[nodiscard]] Beginning so_far();
+  [[nodiscard]] Beginning so_far() { return rows_.so_far(); }
 
  private:
-  std::string path_;
   HistoryShape shape_;
-  int descriptor_;
-  Sha256 digest_;  ///< of what is written
-  std::string pending_;
-  std::chrono::steady_clock::time_point flushed_;
+  RowFile rows_;
 };
 
 }  // namespace ricochet::coupler

@@ -33,8 +33,8 @@ RunStatus status_of(const std::exception& error) {
 
 std::vector<std::string> files_of_run(const scene::Scene& scene) {
   const std::string stem = std::filesystem::path(scene.path).stem().string();
-  std::vector<std::string> names = {"history.csv", "axial_stress.csv", "summary.json",
-                                    "trace.json",  "report.html",      "fields/" + stem + ".pvd"};
+  std::vector<std::string> names = {"history.csv", "axial_stress.csv",       "probes.csv", "summary.json", "trace.json",
+                                    "report.html", "fields/" + stem + ".pvd"};
   for (const auto& participant : scene.participants) {
     names.push_back("logs/" + participant.name + ".log");
     names.push_back("keys/" + participant.name + ".key");

@@ -125,6 +125,7 @@ void CoupledRun::setup() {
   if (scene_.output.axial_stress_every > 0) {
     axial_stress_ = std::make_unique<AxialStress>(stress_sources, scene_.body_names());
   }
+  prepare_probes(descriptions);
   coupling_ = std::make_unique<Coupling>(set_.peers().all(), joined(problem_, descriptions), problem_.clock);
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
@@ -204,6 +205,7 @@ void CoupledRun::archive(Archive& a) {
   a(*coupling_, *protocol_, *loop_, *history_, tally_, *watch_, outside_, since_last_row_.contact_iterations,
     since_last_row_.contact_residual, forces_told_);
   if (axial_stress_) a(*axial_stress_);
+  if (probes_) a(*probes_);
 }
 
 void CoupledRun::restore() {
@@ -245,6 +247,7 @@ void CoupledRun::save(std::int64_t window) {
                         window,
                         problem_.clock.time_s(window),
                         history_file_.so_far(),
+                        probe_file_ ? probe_file_->so_far() : Beginning{},
                         {},
                         wall_s(),
                         cpu_spent_s(),
@@ -353,9 +356,11 @@ void CoupledRun::take_records(std::int64_t window) {
     }
     history_->add(p, records);
     if (axial_stress_) axial_stress_->add(p, links[p].take_axial_stress());
+    if (probes_) probes_->add(p, links[p].take_probes());
   }
   note_departures(window);
   const auto valid_until_s = outside_.valid_until_s();
+  if (probes_) write_probes(valid_until_s);
   for (auto& link : links) take_contact_forces(link.take_contact_forces(), valid_until_s);
   while (auto row = history_->next(problem_.clock)) {
     count_contact(*row);

@@ -11,6 +11,7 @@
 #include "coupler/processes/participants.hpp"
 #include "coupler/results/axial_stress.hpp"
 #include "coupler/results/history_file.hpp"
+#include "coupler/results/probes.hpp"
 #include "coupler/results/results_directory.hpp"
 #include "coupler/results/summary.hpp"
 #include "coupler/results/trace.hpp"
@@ -68,6 +69,9 @@ class CoupledRun {
   void save_if_due(std::int64_t window);
   void save(std::int64_t window);
   void take_records(std::int64_t window);
+  void prepare_probes(const std::vector<PeerDescription>& descriptions);
+  void note_untold_probes(const std::vector<PeerDescription>& descriptions);
+  void write_probes(std::optional<double> valid_until_s);
   void take_contact_forces(const std::vector<double>& rows, std::optional<double> valid_until_s);
   void add_forces(const HistoryRow& row);
   void count_contact(const HistoryRow& row);
@@ -100,6 +104,8 @@ class CoupledRun {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<History> history_;
   std::unique_ptr<AxialStress> axial_stress_;  ///< null if the scene does not ask
+  std::unique_ptr<Probes> probes_;             ///< the same
+  std::unique_ptr<RowFile> probe_file_;        ///< the same
   std::unique_ptr<EnergyWatch> watch_;
   std::vector<std::optional<SceneComparison>> comparisons_;   ///< per participant, until its first row has come
   std::vector<std::unique_ptr<FirstWindows>> first_windows_;  ///< of foreign participants, as far as they are looked at

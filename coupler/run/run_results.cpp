@@ -90,6 +90,46 @@ void CoupledRun::take_times(const std::vector<wire::Finished>& last_words) {
   }
 }
 
+void CoupledRun::prepare_probes(const std::vector<PeerDescription>& descriptions) {
+  if (!scene_.output.wants_probes()) return;
+  std::vector<History::Source> sources;
+  for (const auto& description : descriptions) sources.push_back({description.participant, description.probe_columns});
+  probes_ = std::make_unique<Probes>(sources, scene_);
+  std::vector<std::string> columns = probes_->columns();
+  columns.insert(columns.begin(), "time_s");
+  probe_file_ = std::make_unique<RowFile>(results_.file("probes.csv"), columns, from_ ? from_->probes : Beginning{});
+  note_untold_probes(descriptions);
+}
+
+void CoupledRun::note_untold_probes(const std::vector<PeerDescription>& descriptions) {
+  const auto untold = probes_->untold();
+  if (untold.empty()) return;
+  std::vector<std::string> bodies, silent;
+  const auto add_body = [&](const auto& place) {
+    if (std::find(untold.begin(), untold.end(), place.name) != untold.end()) bodies.push_back(place.body);
+  };
+  for (const auto& probe : scene_.output.probes) add_body(probe);
+  for (const auto& gauge : scene_.output.gauges) add_body(gauge);
+  for (const auto& description : descriptions) {
+    const auto& of = scene_.participant(description.participant).bodies;
+    const bool has_it = description.role == Role::implicit_solver ||
+                        std::find_first_of(of.begin(), of.end(), bodies.begin(), bodies.end()) != of.end();
+    if (has_it && description.probe_columns.empty()) silent.push_back(description.participant);
+  }
+  warn(fmt::format("{} in probes.csv is nan where shares are missing: {} tells of no probe and no gauge",
+                   fmt::join(untold, ", "), fmt::join(silent, ", ")));
+}
+
+void CoupledRun::write_probes(std::optional<double> valid_until_s) {
+  while (const auto row = probes_->next(problem_.clock)) {
+    if (valid_until_s && row->time_s > *valid_until_s) continue;
+    if (row->window % scene_.output.probes_every != 0) continue;
+    probe_file_->put(row->time_s);
+    for (const double value : row->values) probe_file_->put(value);
+    probe_file_->end_row();
+  }
+}
+
 /// Each file, whatever happens to the others; then throws what went wrong first.
 void CoupledRun::write_files() {
   progress_.close();
@@ -112,6 +152,7 @@ void CoupledRun::write_files() {
     }
   };
   attempt([this] { history_file_.flush(); });
+  if (probe_file_) attempt([this] { probe_file_->flush(); });
   attempt([this] { write_fields_and_trace(); });
   attempt([this] { write_summary(); });
   if (first) std::rethrow_exception(first);

@@ -98,7 +98,8 @@ scene::Problem StabilityStudy::variant(std::size_t column, std::optional<double>
   std::vector<scene::Override> changes;
   std::visit([&](const auto& value) { changes.push_back({against_.key, value}); }, against_.values[column]);
   if (step_s) changes.push_back({"time.step_s", *step_s});
-  changes.push_back({"output.axial_stress_every", 0.0});  // its windows are no run
+  for (const char* output : {"output.axial_stress_every", "output.probes_every"})
+    changes.push_back({output, 0.0});  // its windows are no run
   const std::string path = results_.file(fmt::format("variants/{:04}.toml", ++variants_));
   scene::write_variant(problem_.scene.path, changes, path);
   return scene::build_problem(scene::load_scene(path));

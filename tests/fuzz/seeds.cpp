@@ -85,7 +85,7 @@ void begin(Said& said, int nodes, int components, const std::string& driven_by, 
   initialize.directions.resize(components, components);
   initialize.scene_position_m.resize(nodes, components);
   initialize.last_window = 50;
-  initialize.fields_every = initialize.axial_stress_every = 2;
+  initialize.fields_every = initialize.axial_stress_every = initialize.probes_every = 2;
   auto& synchronise = said.next<wire::Synchronise>();
   synchronise.integration = "explicit_central";
   synchronise.link_absolute.resize(nodes, components);

@@ -24,6 +24,7 @@ class SmallParticipant : public participant::Participant {
     d.interface_position_m.assign(size(), 0.5);
     d.interface_mass_kg.assign(nodes_, 2.0);
     if (bit(4)) d.axial_stress_columns = {"rod/0/1/1"};
+    if (bit(4)) d.probe_columns = {"p.strain/1"};
     d.contact_owner = bit(5);
     d.record_columns = {"displacement_m"};
     for (const auto& [capability, name] : NamesOf<participant::Capability>::table)
@@ -51,6 +52,9 @@ class SmallParticipant : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return {1, moved_, 0.0}; }
   void record(std::vector<double>& row) override { row.push_back(moved_); }
   void axial_stress(std::vector<double>& row) override {
+    if (bit(4)) row.push_back(moved_);
+  }
+  void probes(std::vector<double>& row) override {
     if (bit(4)) row.push_back(moved_);
   }
   std::vector<participant::Departure> departures() override { return {{}}; }

@@ -29,10 +29,10 @@ inline std::set<std::string> names_in(const std::string& folder) {
   return names;
 }
 
-/// The same bytes: history, axial stress, fields and shapes; of the summary all but times and names, and `other_keys`.
+/// The same bytes: history, axial stress, probes, fields and shapes; of the summary all but times and names, and `other_keys`.
 inline void expect_same_results(const std::string& folder, const std::string& undisturbed,
                                 const std::vector<std::string>& other_keys = {}) {
-  for (const auto* file : {"/history.csv", "/axial_stress.csv"})
+  for (const auto* file : {"/history.csv", "/axial_stress.csv", "/probes.csv"})
     EXPECT_TRUE(file_text(folder + file) == file_text(undisturbed + file)) << file << " differs in " << folder;
   auto summary = lasting_summary(folder), expected = lasting_summary(undisturbed);
   for (const auto& key : other_keys) {

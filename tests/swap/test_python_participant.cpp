@@ -180,6 +180,22 @@ main(ExplicitBar))");
   return path;
 }
 
+/// A probe where a program of somebody else's has the elements is nan and named, one elsewhere is told.
+TEST(PythonBar, LeavesOfProbesNothingUnsaid) {
+  TemporaryFolder folder;
+  const auto text = two_bars("hughes_liu", python_folder + "/explicit_bar.py") +
+                    "[[output.probe]]\nname = \"far\"\nbody = \"left\"\nat_m = [-0.2]\n"
+                    "[[output.probe]]\nname = \"near\"\nbody = \"left\"\nat_m = [-0.01]\n";
+  const RunResult run = run_text(text, folder);
+  EXPECT_THAT(run.outcome.error, testing::HasSubstr("far in probes.csv is nan where shares are missing: of_left tells "
+                                                    "of no probe and no gauge"));
+  const History told = read_history(run.folder + "/probes.csv");
+  for (const char* column : {"velocity_x_m_s", "stress_xx_pa"}) {
+    for (const double value : told.at(std::string("far.") + column)) EXPECT_TRUE(std::isnan(value)) << column;
+    for (const double value : told.at(std::string("near.") + column)) EXPECT_TRUE(std::isfinite(value)) << column;
+  }
+}
+
 /// What nobody but the participant itself knows reaches axial_stress.csv; layers of which nobody tells are not in it.
 TEST(PythonBar, TellsItsAxialStressLikeOurs) {
   TemporaryFolder folder;

@@ -80,7 +80,8 @@ class Session:
             interface_position_m=array(d.interface_position_m, d.components), capabilities=list(d.capabilities),
             interface_mass_kg=array(d.interface_mass_kg, 1), critical_time_step_s=float(d.critical_time_step_s),
             record_columns=["window", *d.record_columns], contact_owner=d.contact_owner,
-            axial_stress_columns=["window", *d.axial_stress_columns] if d.axial_stress_columns else [])
+            axial_stress_columns=["window", *d.axial_stress_columns] if d.axial_stress_columns else [],
+            probe_columns=[])
 
     def initialize(self, request):
         self.require(request["window_size_s"] > 0 and request["history_every"] >= 1 and request["substeps"] >= 1,
@@ -215,7 +216,8 @@ class Session:
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
                             spans_s=array(self.spans, 3), records=self.records(True),
-                            axial_stress=self.axial_stress(True), departures=array([], 14), contact_forces=array([], 1))
+                            axial_stress=self.axial_stress(True), probes=array([], 1), departures=array([], 14),
+                            contact_forces=array([], 1))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -295,5 +297,5 @@ class Session:
 
     def answer(self, records_requested):  # it does not look for what leaves the model
         return {"records": self.records(records_requested), "axial_stress": self.axial_stress(records_requested),
-                "departures": array([], 14), "contact_forces": array([], 1),
+                "probes": array([], 1),"departures": array([], 14), "contact_forces": array([], 1),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

@@ -8,7 +8,7 @@ import msgpack, numpy as np, zmq
 
 VERSION = 7
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
-ANSWER = ("records:array axial_stress:array departures:array contact_forces:array outline:array pairs_closed:integer gap_min_m:float "
+ANSWER = ("records:array axial_stress:array probes:array departures:array contact_forces:array outline:array pairs_closed:integer gap_min_m:float "
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
 FIELDS = {  # every message of docs/wire.md
     "hello": "participant:text role:text solver:text solver_version:text scene_sha256:text process_id:integer "
@@ -17,10 +17,10 @@ FIELDS = {  # every message of docs/wire.md
     "describe": "",
     "description": "components:integer bodies:texts interface_body:array interface_position_m:array "
                    "interface_mass_kg:array critical_time_step_s:float capabilities:texts record_columns:texts axial_stress_columns:texts "
-                   "contact_owner:boolean",
+                   "probe_columns:texts contact_owner:boolean",
     "initialize": "protocol:text output_directory:text window_size_s:float substeps:integer driven_by:text "
                   "interface_mass_kg:array interface_stiffness:array directions:array scene_position_m:array "
-                  "history_every:integer fields_every:integer axial_stress_every:integer until_separated_plus_s:float "
+                  "history_every:integer fields_every:integer axial_stress_every:integer probes_every:integer until_separated_plus_s:float "
                   "separation_windows:integer last_window:integer",
     "progress": "doing:text share_done:float",
     "initialized": "setup_s:float absolute:array",
@@ -43,7 +43,7 @@ FIELDS = {  # every message of docs/wire.md
     "state_restored": "",
     "finish": "",
     "finished": "compute_s:float wait_s:float largest_drift:float spans_s:array records:array "
-                "axial_stress:array departures:array contact_forces:array",
+                "axial_stress:array probes:array departures:array contact_forces:array",
     "failure": "error_code:integer error_culprit:text error_text:text",
 }
 FIELDS = {kind: dict(field.split(":") for field in f"{HEADER} {own}".split()) for kind, own in FIELDS.items()}

@@ -211,16 +211,28 @@ Chart make_chart(const Json& entry, const std::vector<Series>& shown, const std:
 
 }  // namespace
 
-std::vector<Chart> history_charts(const HistoryTable& table, const std::vector<double>& events_s) {
+namespace {
+
+std::vector<Chart> charts_by(const std::string& list, const HistoryTable& table, const std::vector<double>& events_s) {
   std::vector<Chart> charts;
   if (table.rows() < 2) return charts;  // no line to draw
   const auto& time = table.columns.front();
   const auto axis = time_axis(time, events_s);
-  for (const auto& entry : Json::parse(asset("charts.json"))) {
+  for (const auto& entry : Json::parse(asset(list))) {
     const auto shown = series_of(entry, table);
     if (!shown.empty()) charts.push_back(make_chart(entry, shown, time, axis));
   }
   return charts;
+}
+
+}  // namespace
+
+std::vector<Chart> history_charts(const HistoryTable& table, const std::vector<double>& events_s) {
+  return charts_by("charts.json", table, events_s);
+}
+
+std::vector<Chart> probe_charts(const HistoryTable& table, const std::vector<double>& events_s) {
+  return charts_by("probe_charts.json", table, events_s);
 }
 
 }  // namespace ricochet::report

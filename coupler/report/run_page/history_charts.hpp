@@ -17,4 +17,7 @@ namespace ricochet::report {
 /// `events_s`: times that every chart marks.
 [[nodiscard]] std::vector<Chart> history_charts(const HistoryTable& table, const std::vector<double>& events_s);
 
+/// The same by charts/probe_charts.json, of the table probes.csv.
+[[nodiscard]] std::vector<Chart> probe_charts(const HistoryTable& table, const std::vector<double>& events_s);
+
 }  // namespace ricochet::report

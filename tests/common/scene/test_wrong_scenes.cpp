@@ -784,6 +784,8 @@ const std::vector<Wrong> runs{
      {"energy_loss_limit: found 0", "> 0"}},
     {"timeout_zero", c, "protocol = \"hughes_liu\"", "timeout_s = 0", 20, {"timeout_s: found 0", "> 0"}},
     {"history_never", c, "fields_every = 0", "history_every = 0", 22, {"an integer from 1"}},
+    {"probes_negative", c, "fields_every = 0", "probes_every = -1", 22, {"an integer from 0"}},
+    {"fields_twice", c, "fields_every = 0", "fields_every = 1\nfields_every_s = 1e-6", 23, {"both fields_every and"}},
     {"axial_stress_negative", c, "fields_every = 0", "axial_stress_every = -1", 22, {"an integer from 0"}},
 };
 

@@ -30,13 +30,17 @@ class CheckpointFolderTest : public testing::Test {
     checkpoint.window = window;
     checkpoint.time_s = 2e-6;
     checkpoint.history = {4 * window, sha256_hex(history().substr(0, static_cast<std::size_t>(4 * window)))};
+    checkpoint.probes = {2 * window, sha256_hex(std::string(static_cast<std::size_t>(2 * window), 'p'))};
     checkpoint.coupler = std::string("\0coupler", 8);
     checkpoint.parts = {{"a", "bytes of a"}, {"b", ""}};
     return checkpoint;
   }
   /// Of the run: longer than what any of these checkpoints needs.
   static std::string history() { return std::string(500, 'h'); }
-  void SetUp() override { write("history.csv", history()); }
+  void SetUp() override {
+    write("history.csv", history());
+    write("probes.csv", std::string(500, 'p'));
+  }
   void write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((temporary_.path() / name).parent_path());
     std::ofstream(temporary_.path() / name) << text;
@@ -55,6 +59,18 @@ class CheckpointFolderTest : public testing::Test {
   CheckpointFolder folder_{(temporary_.path() / "checkpoint").string()};
   std::vector<std::string> damaged_;
 };
+
+TEST_F(CheckpointFolderTest, IsPassedOverIfProbesAreNotWhatWasWritten) {
+  folder_.write(at(3));
+  folder_.write(at(7));
+  write("probes.csv", std::string(10, 'p') + "x" + std::string(20, 'p'));
+  const auto found = last();
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->window, 3);
+  EXPECT_EQ(found->probes.bytes, 6);
+  ASSERT_EQ(damaged_.size(), 1U);
+  EXPECT_THAT(damaged_[0], HasSubstr("probes.csv is not what was written"));
+}
 
 TEST_F(CheckpointFolderTest, GivesBackTheLastOne) {
   EXPECT_FALSE(last());

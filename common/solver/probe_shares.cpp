@@ -1,0 +1,174 @@
+#include "common/solver/probe_shares.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace ricochet::solver {
+namespace {
+
+int local_node(const fem::Part& part, int body_node) {
+  const auto found = std::lower_bound(part.body_node.begin(), part.body_node.end(), body_node);
+  return found != part.body_node.end() && *found == body_node ? static_cast<int>(found - part.body_node.begin()) : -1;
+}
+
+bool owns(const fem::Part& part, int body_element) {
+  return std::find(part.body_element.begin(), part.body_element.end(), body_element) != part.body_element.end();
+}
+
+/// Stress of an element at a point as a matrix: its columns are the stresses of unit displacements.
+Eigen::MatrixXd stress_operator(const scene::BodyProblem& body, const scene::StrainPoint& point) {
+  const auto element = fem::element_geometry(body.mesh, point.element);
+  const Eigen::Index dofs = element.x.rows() * fem::components(body.mesh.model);
+  Eigen::MatrixXd stress;
+  for (Eigen::Index dof = 0; dof < dofs; ++dof) {
+    const fem::ElementVector unit = Eigen::VectorXd::Unit(dofs, dof);
+    const Eigen::VectorXd column = fem::element_stress(body.section, body.material, element, unit, point.at);
+    if (dof == 0) stress.resize(column.size(), dofs);
+    stress.col(dof) = column;
+  }
+  return stress;
+}
+
+/// Strains of the tensor, then stresses.
+Eigen::MatrixXd strain_and_stress(const scene::BodyProblem& body, const scene::StrainPoint& point) {
+  const Eigen::MatrixXd stress = stress_operator(body, point);
+  Eigen::MatrixXd strain = fem::elasticity(body.section.model, body.material).partialPivLu().solve(stress);
+  for (Eigen::Index shear = 3; shear < strain.rows(); ++shear) strain.row(shear) *= 0.5;  // from 2 e_xy
+  Eigen::MatrixXd both(2 * stress.rows(), stress.cols());
+  both << strain, stress;
+  return both;
+}
+
+}  // namespace
+
+ProbeShares::ProbeShares(const scene::Problem& problem, const std::vector<BodyState>& states) {
+  const auto names = scene::probe_columns(problem.scene);
+  std::size_t first = 0;
+  for (const auto& place : scene::measured_places(problem)) {
+    const auto width =
+        place.gauge ? std::size_t{2}
+                    : fem::at(3 * problem.scene.components()) + 2 * scene::strain_names(problem.scene.model).size() + 1;
+    add(problem, place, states, {names.begin() + std::ptrdiff_t(first), names.begin() + std::ptrdiff_t(first + width)});
+    first += width;
+  }
+}
+
+void ProbeShares::add_motion(const scene::BodyProblem& body, const scene::StrainPoint& point, std::size_t part,
+                             const BodyState& state, Told& told, double& share) {
+  const auto& element = body.mesh.elements[fem::at(point.element)];
+  const auto values = fem::shape_values(element.kind, point.at);
+  const int components = fem::components(body.mesh.model);
+  Motion motion{part, {}};
+  for (std::size_t i = 0; i < element.size(); ++i) {
+    const int node = local_node(state.part, element[i]);
+    if (node < 0 || !state.integrated[fem::at(node * components)]) continue;
+    motion.nodes.emplace_back(node, values[static_cast<Eigen::Index>(i)]);
+    share += motion.nodes.back().second;
+  }
+  if (!motion.nodes.empty()) told.motion.push_back(std::move(motion));
+}
+
+/// The element that holds the probe.
+void ProbeShares::add_strain_of_probe(const scene::BodyProblem& body, const scene::StrainPoint& point, std::size_t part,
+                                      const BodyState& state, Told& told) {
+  const int components = fem::components(body.mesh.model);
+  Strained strained{part, {}, strain_and_stress(body, point), true};
+  for (const int node : body.mesh.elements[fem::at(point.element)]) {
+    for (int c = 0; c < components; ++c) strained.dofs.push_back(local_node(state.part, node) * components + c);
+  }
+  told.strains.push_back(std::move(strained));
+}
+
+/// All elements of the part together: the mean is one sum over the nodes of all.
+void ProbeShares::add_strain_of_gauge(const scene::BodyProblem& body, const std::vector<scene::StrainPoint>& points,
+                                      std::size_t part, const BodyState& state, Told& told) {
+  const int components = fem::components(body.mesh.model);
+  std::map<int, Eigen::Vector2d> shares;
+  for (const auto& point : points) {
+    const Eigen::MatrixXd rows = strain_and_stress(body, point);
+    const Eigen::Index axial = components - 1;  // the axis is the last coordinate
+    Eigen::Index column = 0;
+    for (const int node : body.mesh.elements[fem::at(point.element)]) {
+      for (int c = 0; c < components; ++c, ++column) {
+        const Eigen::Vector2d share(rows(axial, column), rows(rows.rows() / 2 + axial, column));
+        shares.try_emplace(local_node(state.part, node) * components + c, Eigen::Vector2d::Zero()).first->second +=
+            point.share * share;
+      }
+    }
+  }
+  Strained strained{part, {}, Eigen::MatrixXd(2, static_cast<Eigen::Index>(shares.size())), false};
+  for (const auto& [dof, share] : shares) {
+    strained.rows.col(static_cast<Eigen::Index>(strained.dofs.size())) = share;
+    strained.dofs.push_back(dof);
+  }
+  told.strains.push_back(std::move(strained));
+}
+
+void ProbeShares::add(const scene::Problem& problem, const scene::MeasuredPlace& place,
+                      const std::vector<BodyState>& states, const std::vector<std::string>& names) {
+  const auto& body = problem.bodies[fem::at(place.body)];
+  Told told;
+  double motion_share = 0.0, strain_share = 0.0;
+  for (std::size_t part = 0; part < states.size(); ++part) {
+    const auto& state = states[part];
+    if (state.body != place.body) continue;
+    if (!place.gauge) add_motion(body, place.points.front(), part, state, told, motion_share);
+    std::vector<scene::StrainPoint> own;
+    for (const auto& point : place.points) {
+      if (owns(state.part, point.element)) own.push_back(point);
+    }
+    for (const auto& point : own) strain_share += point.share;
+    if (own.empty()) continue;
+    if (place.gauge) {
+      add_strain_of_gauge(body, own, part, state, told);
+    } else {
+      add_strain_of_probe(body, own.front(), part, state, told);
+    }
+  }
+  const auto motions = place.gauge ? std::size_t{0} : fem::at(3 * problem.scene.components());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool tells = i < motions ? !told.motion.empty() : !told.strains.empty();
+    if (tells) columns_.push_back(fmt::format("{}/{:.9g}", names[i], i < motions ? motion_share : strain_share));
+  }
+  if (!told.motion.empty() || !told.strains.empty()) told_.push_back(std::move(told));
+}
+
+Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState& state) {
+  Eigen::VectorXd u(static_cast<Eigen::Index>(strained.dofs.size()));
+  for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = state.u[strained.dofs[static_cast<std::size_t>(i)]];
+  Eigen::VectorXd values = strained.rows * u;
+  if (!strained.von_mises) return values;
+  const fem::StressVector stress = values.tail(values.size() / 2);
+  values.conservativeResize(values.size() + 1);
+  values[values.size() - 1] = fem::von_mises_stress(state.part.mesh.model, stress);
+  return values;
+}
+
+void ProbeShares::append(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) const {
+  for (const auto& told : told_) {
+    for (const auto& motion : told.motion) {
+      const auto& state = states[motion.part];
+      require_finite(state, state.u, window);
+      const int components = fem::components(state.part.mesh.model);
+      for (const auto* vector : {&state.u, &state.v, &state.a}) {
+        for (int c = 0; c < components; ++c) {
+          double sum = 0.0;
+          for (const auto& [node, share] : motion.nodes) sum += share * (*vector)[node * components + c];
+          row.push_back(sum);
+        }
+      }
+    }
+    for (const auto& strained : told.strains) {
+      const auto& state = states[strained.part];
+      require_finite(state, state.u, window);
+      const Eigen::VectorXd values = values_of(strained, state);
+      row.insert(row.end(), values.begin(), values.end());
+    }
+  }
+}
+
+}  // namespace ricochet::solver
