@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "common/base/parallel.hpp"
 #include "common/check/check_switch.hpp"
 #include "common/cost/node_graph.hpp"
+#include "common/cost/rewrites.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
@@ -31,6 +33,10 @@ constexpr double cached_entry_s = 0.42e-9, entry_s = 1.15e-9, cached_entries = 2
 constexpr double root_entry_s = 0.35e-9;  // of the dense inverse of the root, in a solve
 // Of a contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.
 constexpr double implicit_pair_s = 0.3e-6, explicit_pair_s = 0.12e-6, explicit_pair_entry_s = 13e-9;
+// Of a pair whose rows are written anew, where touching places of curved surfaces are sought and where not, in the
+// plane and of solids; on the implicit side, of an entry of the rows times a column of the compliance besides:
+constexpr double rewritten_pair_s = 15e-6, rewritten_solid_pair_s = 70e-6, flat_share = 0.35;
+constexpr double rewritten_entry_s = 1.0e-9;
 // Of output:
 constexpr double explicit_row_unknown_s = 1.2e-9, implicit_row_unknown_s = 2.2e-9;  // of a row of history.csv
 constexpr double field_element_s = 0.85e-6;                                         // of a file of fields
@@ -131,7 +137,8 @@ bool moves_everywhere(const scene::Body& spec) {
 /// What the participants of a scene, or of a baseline on it, take.
 class Predictor {
  public:
-  Predictor(const scene::Problem& problem, double slowness) : problem_(problem), slowness_(slowness) {}
+  Predictor(const scene::Problem& problem, double slowness, std::vector<double> rewrites)
+      : problem_(problem), slowness_(slowness), rewrites_(std::move(rewrites)) {}
 
   /// `steps` of a run, of which a window has `steps_of_window`; with the contact or without [s].
   [[nodiscard]] double explicit_window_s(const std::vector<Share>& shares, double steps, double steps_of_window,
@@ -146,12 +153,16 @@ class Predictor {
           (reached + share.products - 1.0) * product_s(share) + slowness_ * explicit_unknown_s * share.unknowns();
       of_window += output_s(share, explicit_row_unknown_s);
     }
-    if (contact) of_step += slowness_ * explicit_contact_s();
+    if (contact) {
+      of_step += slowness_ * explicit_contact_s();
+      for (std::size_t i = 0; i < rewrites_.size(); ++i) of_step += slowness_ * rewrites_[i] * rewrite_s(i) / steps;
+    }
     return steps_of_window * of_step + of_window;
   }
 
-  /// `interface`: unknowns shared with others.
-  [[nodiscard]] double implicit_window_s(const std::vector<Share>& shares, double entries, double interface) const {
+  /// `interface`: unknowns shared with others; `windows` of a run.
+  [[nodiscard]] double implicit_window_s(const std::vector<Share>& shares, double entries, double interface,
+                                         double windows) const {
     double of_window = slowness_ * implicit_s, roots = interface;
     for (const Share& share : shares)
       of_window += slowness_ * implicit_unknown_s * share.unknowns() + output_s(share, implicit_row_unknown_s);
@@ -160,6 +171,10 @@ class Predictor {
     const double solve_s = solve_of_entries_s(entries);
     for (const auto& contact : problem_.contacts)
       of_window += slowness_ * implicit_pair_s * static_cast<double>(contact.pairs.size());
+    const bool dense = root_entry_s * roots * roots < solve_s;
+    for (std::size_t i = 0; i < rewrites_.size(); ++i)
+      of_window +=
+          slowness_ * rewrites_[i] * (rewrite_s(i) + (dense ? compliance_s(i, roots - interface) : 0.0)) / windows;
     // A root whose dense inverse costs more is none (WindowSolver).
     return of_window + slowness_ * (solve_s + std::min(solve_s, root_entry_s * roots * roots));
   }
@@ -174,6 +189,25 @@ class Predictor {
     return time_s;
   }
 
+  /// Of the rows of a contact that are written anew.
+  [[nodiscard]] double rewrite_s(std::size_t contact) const {
+    const auto& geometry = problem_.contacts[contact];
+    const double of_pair_s = problem_.scene.components() == 3 ? rewritten_solid_pair_s : rewritten_pair_s;
+    return (geometry.flat ? flat_share : 1.0) * of_pair_s * static_cast<double>(geometry.pairs.size());
+  }
+
+  /// Of what forces on these rows move, from the dense inverse of the root.
+  [[nodiscard]] double compliance_s(std::size_t contact, double roots) const {
+    const int components = problem_.scene.components();
+    const double directions = problem_.scene.friction() ? components : 1.0;
+    double rows = 0.0, entries = 0.0;
+    for (const auto& pair : problem_.contacts[contact].pairs) {
+      rows += directions;
+      entries += directions * components * static_cast<double>(1 + pair.b.size());
+    }
+    return rewritten_entry_s * entries * (roots + rows);
+  }
+
   /// Rows of history and files of fields, spread over the windows [s].
   [[nodiscard]] double output_s(const Share& share, double row_unknown_s) const {
     const auto& output = problem_.scene.output;
@@ -184,6 +218,7 @@ class Predictor {
 
   const scene::Problem& problem_;
   double slowness_;
+  std::vector<double> rewrites_;  ///< per contact, in a run
 };
 
 FactorSize factor_of(const std::vector<Share>& shares) {
@@ -277,11 +312,11 @@ MachineSpeed measure_speed() {
 }
 
 PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
-                           const MachineSpeed& speed) {
+                           const MachineSpeed& speed, const std::vector<double>& contact_s) {
   const auto& scene = problem.scene;
   const double slowness = speed.slowness;
   const double of_coupler_s = slowness * coupler_s / scene.output.history_every;
-  const Predictor predictor(problem, slowness);
+  const Predictor predictor(problem, slowness, rewrites(problem, end_s, contact_s));
   PredictedCost cost;
   cost.windows = problem.clock.window_at(end_s);
 
@@ -296,7 +331,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       const FactorSize factor = factor_of(shares);
       cost.factor_bytes += bytes_of_entry * factor.entries;
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, factor));
-      window_s = predictor.implicit_window_s(shares, factor.entries, interface);
+      window_s = predictor.implicit_window_s(shares, factor.entries, interface, cost.windows);
     } else {
       if (scene.coupling.protocol.local_steps) add_local_steps(problem, plan, shares);
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));
@@ -317,10 +352,10 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
 
   const auto layout = scene.coupling.protocol.layout;
   auto whole = whole_bodies(problem);
-  cost.all_implicit_s =
-      layout == scene::Layout::all_implicit
-          ? cost.stepping_s()
-          : cost.windows * (of_coupler_s + predictor.implicit_window_s(whole, factor_of(whole).entries, 0.0));
+  cost.all_implicit_s = layout == scene::Layout::all_implicit
+                            ? cost.stepping_s()
+                            : cost.windows * (of_coupler_s + predictor.implicit_window_s(
+                                                                 whole, factor_of(whole).entries, 0.0, cost.windows));
   if (layout == scene::Layout::all_explicit && !scene.coupling.protocol.local_steps) {
     cost.all_explicit_step_s = problem.clock.largest_size_s();
     cost.all_explicit_s = cost.stepping_s();

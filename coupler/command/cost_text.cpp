@@ -9,6 +9,7 @@
 
 #include "common/check/check_reach.hpp"
 #include "common/cost/predicted_cost.hpp"
+#include "coupler/command/impact_text.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/results/history_file.hpp"
 #include "coupler/results/theory.hpp"
@@ -55,7 +56,8 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   const auto& participants = problem.scene.participants;
   const double nodes_bytes = memory_need_bytes(problem);
   if (!std::all_of(participants.begin(), participants.end(), known)) return memory_text(nodes_bytes) + "\n";
-  const auto cost = cost::predict_cost(problem, plan, expected_end_s(problem), cost::measure_speed());
+  const auto cost = cost::predict_cost(problem, plan, expected_end_s(problem), cost::measure_speed(),
+                                       contact_durations_s(problem, plan));
   std::string text = memory_text(nodes_bytes + cost.factor_bytes) + "\n";
   text += fmt::format("predicted: {:.2g} s for {:.0f} steps of {:.3g} us", cost.stepping_s(), cost.windows,
                       1e6 * cost.window_s);

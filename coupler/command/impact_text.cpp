@@ -5,10 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
 
+#include "common/problem/facet_sagitta.hpp"
 #include "coupler/results/theory.hpp"
 
 namespace ricochet::coupler {
@@ -17,6 +19,7 @@ namespace {
 struct Impact {
   double force_n = 0.0, duration_s = 0.0;
   double pressure_pa = 0.0;  ///< of Hertz: in the middle of the patch, the largest
+  double approach_m = 0.0;   ///< of Hertz: by how much the bodies come nearer while they touch
 };
 
 std::string line(const scene::ContactGeometry& contact, const scene::Problem& problem, double speed_m_s,
@@ -118,7 +121,7 @@ std::optional<Impact> hertz(const scene::Problem& problem, const scene::Plan& pl
   const double k = shape->share * 4.0 / 3.0 / compliance * std::sqrt(shape->radius_m);
   const double approach_m = std::pow(1.25 * speed_m_s * speed_m_s / (inverse_mass * k), 0.4);
   const double force_n = k * std::pow(approach_m, 1.5), patch_m2 = std::numbers::pi * shape->radius_m * approach_m;
-  const Impact impact{force_n, 2.9432 * approach_m / speed_m_s, 1.5 * force_n / (shape->share * patch_m2)};
+  const Impact impact{force_n, 2.9432 * approach_m / speed_m_s, 1.5 * force_n / (shape->share * patch_m2), approach_m};
   return is_slow(problem, plan, contact, impact.duration_s) ? std::optional(impact) : std::nullopt;
 }
 
@@ -179,19 +182,74 @@ void warn_of_round(const scene::Problem& problem, const scene::ContactGeometry& 
   }
 }
 
+/// Where Hertz' law does not hold, a body is in contact for as long as waves run to and fro in it, the largest time of
+/// either; with a force like a half sine the bodies come nearer by v/pi times that.
+double approach_by_waves(const scene::Problem& problem, const scene::Plan& plan, const scene::ContactGeometry& contact,
+                         double speed_m_s) {
+  double longest_s = 0.0;
+  for (const int body : {contact.body_a, contact.body_b}) {
+    if (body < 0) continue;
+    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    const double length_m = plan.bodies[static_cast<std::size_t>(body)].extent_m.dot(contact.normal.cwiseAbs());
+    longest_s = std::max(longest_s, 2.0 * length_m / std::sqrt(material.youngs_modulus_pa / material.density_kg_m3));
+  }
+  return speed_m_s * longest_s / std::numbers::pi;
+}
+
+/// Facets of a curved surface that stand off it by a share of the approach hold few nodes in the patch of contact:
+/// forces then depend on where these lie.
+void warn_of_facets(const scene::Problem& problem, std::size_t contact, double approach_m, const std::string& by,
+                    std::vector<std::string>& warnings) {
+  constexpr double most = 0.1;
+  for (const auto& facets : scene::curved_facets(problem, contact)) {
+    if (!(facets.sagitta_m > most * approach_m)) continue;
+    warnings.push_back(
+        fmt::format("surface \"{}\": its facets, {:.3g} m long where the bodies meet, stand off the round surface by "
+                    "{:.3g} m, and the bodies approach by about {:.3g} m in the impact, by {}: forces depend on where "
+                    "the nodes lie; with facets of {:.2g} m, {:.3g} times finer, it is a tenth",
+                    facets.surface, facets.edge_m, facets.sagitta_m, approach_m, by,
+                    facets.edge_m * std::sqrt(most * approach_m / facets.sagitta_m),
+                    std::sqrt(facets.sagitta_m / (most * approach_m))));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> limit_warnings(const scene::Problem& problem, const scene::Plan& plan) {
   std::vector<std::string> warnings;
-  for (const auto& contact : problem.contacts) {
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    const auto& contact = problem.contacts[i];
     const double speed_m_s = closing_speed(problem, contact);
     if (speed_m_s <= 0.0 || contact.pairs.empty()) continue;
-    if (!curvature(problem, contact))
+    if (!curvature(problem, contact)) {
       warn_of_flat(problem, contact, speed_m_s, warnings);
-    else if (const auto impact = hertz(problem, plan, contact, speed_m_s))
+    } else if (const auto impact = hertz(problem, plan, contact, speed_m_s)) {
       warn_of_round(problem, contact, *impact, speed_m_s, warnings);
+      warn_of_facets(problem, i, impact->approach_m, "Hertz' theory", warnings);
+    } else {
+      warn_of_facets(problem, i, approach_by_waves(problem, plan, contact, speed_m_s), "the time of waves", warnings);
+    }
   }
   return warnings;
+}
+
+std::vector<double> contact_durations_s(const scene::Problem& problem, const scene::Plan& plan) {
+  const auto loaded = [](const scene::Body& body) {
+    return !body.gravity_m_s2.empty() || !body.tractions.empty() || !body.prescribed.empty();
+  };
+  const auto& bodies = problem.scene.bodies;
+  const auto theory = impact_theory(problem);
+  std::vector<double> durations(problem.contacts.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    const auto& contact = problem.contacts[i];
+    const double speed_m_s = closing_speed(problem, contact);
+    if (!(speed_m_s > 0.0) || contact.pairs.empty() || std::any_of(bodies.begin(), bodies.end(), loaded)) continue;
+    if (theory)
+      durations[i] = theory->contact_duration_s;
+    else if (const auto impact = hertz(problem, plan, contact, speed_m_s))
+      durations[i] = impact->duration_s;
+  }
+  return durations;
 }
 
 std::string impact_text(const scene::Problem& problem, const scene::Plan& plan) {

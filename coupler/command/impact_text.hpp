@@ -15,9 +15,15 @@ namespace ricochet::coupler {
 ///   Source: K. L. Johnson, Contact Mechanics (1985), 11.4.
 [[nodiscard]] std::string impact_text(const scene::Problem& problem, const scene::Plan& plan);
 
+/// By these theories how long the bodies of each contact touch; infinite where neither applies or loads may press them
+/// together.
+[[nodiscard]] std::vector<double> contact_durations_s(const scene::Problem& problem, const scene::Plan& plan);
+
 /// Where the stress of these theories at the initial velocities is above material.yield_stress_pa or strength_pa, a
 /// warning each: with flat surfaces the axial stress v / sum 1/(rho c) of free flanks, and as much tension from a free
 /// end; of round ones first yield at p_max = 1.6 times the yield stress, and the tension (1 - 2 nu)/3 p_max at the rim.
+/// And where the facets of a curved surface stand off it by more than a tenth of what the bodies approach in the impact
+/// (d above; without it v/pi times the time of waves to and fro).
 [[nodiscard]] std::vector<std::string> limit_warnings(const scene::Problem& problem, const scene::Plan& plan);
 
 }  // namespace ricochet::coupler

@@ -1,6 +1,7 @@
 // Curved surfaces whose facets do not match, either named first: a core in a bore, a ball on a plate, an edge, a disc
 // that rolls and a slider that wanders.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -199,6 +200,50 @@ TEST(Wandering, ASliderCarriesItsWeightAllTheWay) {
     EXPECT_LT(std::abs(run.last("normal_impulse_t_n_s")), 1e-4 * weight_n * period_s) << base_first;
     EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 0.01) << base_first;
   }
+}
+
+/// `check` names a curved surface whose facets stand off it by more than a tenth of the approach: h^2/(4 R) in the
+/// middle of a square one, 1.6 um of 15.5 um by Hertz; in the plane h^2/(8 R).
+TEST(CoarseFacets, AreSaidWithTheApproachOfTheImpact) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& text) {
+    const Outcome outcome =
+        run_command({ricochet_binary(), "check", folder.write(text, "scene.toml")}, folder.path().string());
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  for (const int across : {5, 8}) {
+    std::string bodies;
+    for (const bool lower : {true, false}) {
+      const std::string name = lower ? "lower" : "upper";
+      (void)folder.write(dome_msh(name, {.radius_m = 0.1,
+                                         .start_m = lower ? -0.004 : 0.0,
+                                         .up = lower,
+                                         .half_x = false,
+                                         .half_y = false,
+                                         .across = lower ? 6 : across,
+                                         .along = 6}),
+                         name + ".msh");
+      bodies += body_of(name, fmt::format("initial_velocity_m_s = [0.0, 0.0, {}]", lower ? "2.0" : "-2.0"));
+    }
+    const std::string said = check("model = \"solid\"\n" + bodies + contact_of("lower.cap", "upper.cap", false) +
+                                   time_and_protocol(1e-7, 1e-6, "all_explicit"));
+    EXPECT_THAT(said, testing::Not(testing::HasSubstr("surface \"lower.cap\"")));
+    if (across == 8) EXPECT_THAT(said, testing::Not(testing::HasSubstr("facets")));
+    if (across == 5)
+      EXPECT_THAT(said, testing::HasSubstr("surface \"upper.cap\": its facets, 0.0008 m long where the bodies meet, "
+                                           "stand off the round surface by 1.6e-06 m, and the bodies approach by about "
+                                           "1.55e-05 m in the impact, by Hertz' theory"));
+  }
+  (void)folder.write(disc_msh("disc", 0.0, 0.01, 0.01, 16, false), "disc.msh");
+  const PlaneGrid base = rectangle(-0.02, 0.02, -0.006, 0.0, 40, 6);
+  (void)folder.write(base.msh("base", {{"top", base.high()}}), "base.msh");
+  EXPECT_THAT(
+      check("model = \"plane_strain\"\n" + body_of("disc", "initial_velocity_m_s = [0.0, -1.0]") + body_of("base", "") +
+            contact_of("base.top", "disc.cap", false) + time_and_protocol(1e-7, 1e-6, "all_explicit")),
+      testing::AllOf(testing::HasSubstr("surface \"disc.cap\": its facets, 0.000981 m long"),
+                     testing::HasSubstr("by the time of waves"),
+                     testing::Not(testing::HasSubstr("surface \"base.top\""))));
 }
 
 double processor_time_s() {

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tests/support/dome_mesh.hpp"
 #include "tests/support/run.hpp"
 
 // What `ricochet check` predicts of the scenes in configs/, beside what runs of them take: a table to read. How fast a
@@ -63,6 +64,50 @@ TEST(PredictedCostOfShippedScenes, TableBesideWhatIsMeasured) {
     std::fflush(stdout);
     EXPECT_GE(1.002 * steps, own.steps) << name << ": the prediction is of the end, or of the latest one";
     EXPECT_GT(window_us, 0.0);
+  }
+}
+
+/// Two domes that meet at 4 m/s and, if `oblique`, slide by 2 m/s, with friction.
+std::string domes(bool oblique, const std::string& protocol, const TemporaryFolder& folder) {
+  std::string text = "model = \"solid\"\n";
+  for (const bool lower : {true, false}) {
+    const std::string name = lower ? "lower" : "upper";
+    (void)folder.write(dome_msh(name, {.radius_m = 0.1,
+                                       .start_m = lower ? -0.004 : 0.0,
+                                       .up = lower,
+                                       .half_x = false,
+                                       .half_y = false,
+                                       .across = lower ? 8 : 7,
+                                       .along = 8}),
+                       name + ".msh");
+    text += fmt::format(
+        "[[body]]\nname = \"{0}\"\nmaterial = {{ youngs_modulus_pa = 48e9, poisson_ratio = 0.2, density_kg_m3 = "
+        "2800.0 }}\nmesh = {{ gmsh = \"{0}.msh\" }}\ninitial_velocity_m_s = [{1}, 0.0, {2}]\n",
+        name, oblique ? (lower ? "1.0" : "-1.0") : "0.0", lower ? "2.0" : "-2.0");
+  }
+  return text + "[contact]\nsurfaces = [\"lower.cap\", \"upper.cap\"]\nnormal = [0.0, 0.0, 1.0]\n" +
+         "friction_coefficient = 0.3\n[time]\nstep_s = 8e-8\nend_s = 40e-6\n[coupling]\nprotocol = \"" + protocol +
+         "\"\n" +
+         (protocol == "hughes_liu" ? "[partition]\nimplicit_length_m = { lower = 0.0011, upper = 0.0011 }\n" : "");
+}
+
+/// Rows that are written anew are part of the prediction.
+TEST(PredictedCostOfImpacts, StraightAndObliqueBesideWhatIsMeasured) {
+  for (const char* protocol : {"all_explicit", "all_implicit", "hughes_liu"}) {
+    double straight_s = 0.0;
+    for (const bool oblique : {false, true}) {
+      const TemporaryFolder folder;
+      const std::string text = domes(oblique, protocol, folder);
+      const Outcome check =
+          run_command({ricochet_binary(), "check", folder.write(text, "scene.toml")}, folder.path().string());
+      ASSERT_EQ(check.code, 0) << check.error;
+      const double predicted_s = number_after(check.out, "predicted: "),
+                   measured_s = measure(text, folder, "run").stepping_s;
+      std::printf("%-14s %-9s %.3g/%.3g s = %.2f\n", protocol, oblique ? "oblique" : "straight", predicted_s,
+                  measured_s, predicted_s / measured_s);
+      if (oblique) EXPECT_GT(predicted_s, 1.1 * straight_s) << protocol;
+      straight_s = predicted_s;
+    }
   }
 }
 
