@@ -60,6 +60,7 @@ protocol = "{5}"
 [output]
 history_every = 50
 fields_every = 12500
+axial_stress_every = 12500
 )",
                      young_pa, density, yield_pa, hardening, area_m2, protocol, hardening > 0.0 ? 4 : 1);
 }
@@ -93,6 +94,10 @@ TEST_P(CyclicBar, DissipatesTheAreaOfItsLoop) {
   const std::string fields = fmt::format("{}/fields/{}_00012500.vtu", run.folder,
                                          std::string(protocol) == "all_explicit" ? "explicit" : "implicit");
   for (const double stress : vtu_array(fields, "stress_axial")) EXPECT_NEAR(stress / stress_pa, 1.0, 5e-3);
+  for (const auto& [layer, stress] : read_history(run.folder + "/axial_stress.csv")) {
+    if (layer == "time_s") continue;
+    EXPECT_NEAR(stress.back() / stress_pa, 1.0, 5e-3) << layer;
+  }
   for (const double strain : vtu_array(fields, "equivalent_plastic_strain"))
     EXPECT_NEAR(strain / point.equivalent, 1.0, 2e-3);
   // Newmark's velocity differs from that of the given motion where this has a kink, of elastic bars, too.
