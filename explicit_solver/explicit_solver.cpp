@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/solver/describe.hpp"
 #include "common/solver/free_motion.hpp"
+#include "common/solver/plastic_bars.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
 

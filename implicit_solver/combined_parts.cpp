@@ -46,6 +46,16 @@ void CombinedParts::evaluate_moved(std::size_t part, const Eigen::VectorXd& incr
   forces[part]->evaluate(moved, force);
 }
 
+void CombinedParts::settle() const {
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    if (forces[b]->linear()) continue;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(states[b].part.dofs());
+    forces[b]->evaluate(states[b].u, force);
+    forces[b]->follow(force);
+    forces[b]->settle();
+  }
+}
+
 void CombinedParts::external_force(double time_s, Eigen::VectorXd& external) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
     if (states[b].external.zero()) continue;

@@ -52,6 +52,8 @@ class CombinedParts {
   }
   /// P(u_n + increment) of a part [N].
   void evaluate_moved(std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const;
+  /// Elements with a memory keep that of the accepted window, whose displacement the states have.
+  void settle() const;
   /// Loads at a time into the segments of the parts that have some [N].
   void external_force(double time_s, Eigen::VectorXd& external) const;
   /// Load on a dashpot's dof: `external_force` leaves out the parts without loads.

@@ -194,22 +194,12 @@ void ImplicitSolver::accept() {
     state.a = parts_.segment(trial_.acceleration, b);
   }
   std::swap(forces_, trial_.end);
-  follow_elements();
+  parts_.settle();
   if (contact_) contact_->accept();
   const int every = problem_.scene.coupling.resynchronise_every;
   if (every > 0 && window_ % every == 0) resynchronise_residual();
   update_status();
   reporting_.note(window_, states_, states_);
-}
-
-/// Elements with a memory remember the accepted window.
-void ImplicitSolver::follow_elements() {
-  for (std::size_t b = 0; b < states_.size(); ++b) {
-    if (parts_.forces[b]->linear()) continue;
-    parts_.forces[b]->evaluate(states_[b].u, internal_[b]);
-    parts_.forces[b]->follow(internal_[b]);
-    parts_.forces[b]->settle();
-  }
 }
 
 /// Replaces the residual that the increments have carried along by q = f - P(u) - L itself; round-off would otherwise

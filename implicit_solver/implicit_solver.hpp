@@ -81,7 +81,6 @@ class ImplicitSolver : public participant::Participant {
   void account();
   [[nodiscard]] double shared_staggered_energy(std::size_t part) const;
   void resynchronise_residual();
-  void follow_elements();
   void update_status();
 
   scene::Problem problem_;

@@ -1,80 +1,19 @@
-// material.plasticity of bars: elastic-plastic waves, cyclic loading, the ledger, kills, what is refused, and the same
-// law in a program of its own.
+// material.plasticity of bars: elastic-plastic waves, cyclic loading and the ledger.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <signal.h>
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "tests/support/process_table.hpp"
-#include "tests/support/run.hpp"
-#include "tests/support/same_results.hpp"
+#include "tests/support/plastic_bar_scenes.hpp"
 #include "tests/support/vtu.hpp"
 
-namespace ricochet::test {
+namespace ricochet::test::plastic {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double young_pa = 2e11, density = 8000.0, yield_pa = 4e8, hardening_pa = 2e10, speed_m_s = 20.0;
-constexpr double area_m2 = 1e-4, sound_m_s = 5000.0;
-
-/// A bar of 1 m that flies onto a rigid wall at twice its yield velocity; until its free end's wave is back.
-struct Impact {
-  std::string protocol = "hughes_liu";
-  int elements = 100;
-  double end_s = 0.15e-3, hardening = hardening_pa;
-  std::string implicit = "0.1", coupling = "", contact = "", participants = "", more = "";
-};
-
-std::string scene_of(const Impact& impact) {
-  const bool baseline = impact.protocol.rfind("all_", 0) == 0 || impact.protocol == "local_explicit";
-  const std::string partition =
-      baseline ? "" : fmt::format("[partition]\nimplicit_length_m = {{ rod = {} }}\n", impact.implicit);
-  return fmt::format(R"(model = "bar"
-[[body]]
-name = "rod"
-material = {{ youngs_modulus_pa = {}, density_kg_m3 = {}, plasticity = {{ yield_stress_pa = {}, hardening_pa = {} }} }}
-mesh = {{ length_m = 1.0, elements = {} }}
-area_m2 = {}
-initial_velocity_m_s = [{}]
-[contact]
-surfaces = ["rod.end", "rigid_plane"]
-{}{}[time]
-step_s = {:.17g}
-end_s = {}
-[coupling]
-protocol = "{}"
-{}{}{})",
-                     young_pa, density, yield_pa, impact.hardening, impact.elements, area_m2, speed_m_s, impact.contact,
-                     partition, 0.9 / impact.elements / sound_m_s, impact.end_s, impact.protocol, impact.coupling,
-                     impact.participants, impact.more);
-}
-
-/// What follows the elastic precursor of yield_pa: a second front of the speed c_p, behind which the bar rests.
-struct Plateau {
-  double speed_m_s = std::sqrt(young_pa * hardening_pa / (young_pa + hardening_pa) / density);
-  double stress_pa = yield_pa + density * speed_m_s * (test::speed_m_s - yield_pa / (density * sound_m_s));
-  double plastic_strain = (stress_pa - yield_pa) / hardening_pa;
-  /// Plastic work at a time: what the front has run over, times the mean stress [J].
-  [[nodiscard]] double work_j(double time_s) const {
-    return 0.5 * (yield_pa + stress_pa) * plastic_strain * area_m2 * speed_m_s * time_s;
-  }
-};
-
-/// Strain without hardening gathers in the element that yields first.
-const std::string go_on = "outside_model = \"go_on\"\n";
-
-double largest_error(const RunResult& run) {
-  double largest = 0.0;
-  for (const double e : run.column("energy_error")) largest = std::max(largest, std::abs(e));
-  return largest;
-}
 
 class PlasticWave : public testing::TestWithParam<const char*> {};
 
@@ -121,6 +60,7 @@ protocol = "{5}"
 [output]
 history_every = 50
 fields_every = 12500
+axial_stress_every = 12500
 )",
                      young_pa, density, yield_pa, hardening, area_m2, protocol, hardening > 0.0 ? 4 : 1);
 }
@@ -154,6 +94,10 @@ TEST_P(CyclicBar, DissipatesTheAreaOfItsLoop) {
   const std::string fields = fmt::format("{}/fields/{}_00012500.vtu", run.folder,
                                          std::string(protocol) == "all_explicit" ? "explicit" : "implicit");
   for (const double stress : vtu_array(fields, "stress_axial")) EXPECT_NEAR(stress / stress_pa, 1.0, 5e-3);
+  for (const auto& [layer, stress] : read_history(run.folder + "/axial_stress.csv")) {
+    if (layer == "time_s") continue;
+    EXPECT_NEAR(stress.back() / stress_pa, 1.0, 5e-3) << layer;
+  }
   for (const double strain : vtu_array(fields, "equivalent_plastic_strain"))
     EXPECT_NEAR(strain / point.equivalent, 1.0, 2e-3);
   // Newmark's velocity differs from that of the given motion where this has a kink, of elastic bars, too.
@@ -230,151 +174,5 @@ TEST(PlasticWave, IsTheSameWhereverTheBarIsDivided) {
   for (const double work : work_j) EXPECT_NEAR(work / work_j.front(), 1.0, 4e-3);
 }
 
-TEST(PlasticBar, GoesOnAfterAKillToTheSameBytes) {
-  const TemporaryFolder folder;
-  const Impact impact{.elements = 400,
-                      .end_s = 2e-3,
-                      .more =
-                          "[checkpoint]\nevery_windows = 300\n[output]\n"
-                          "fields_every = 1000\naxial_stress_every = 100\n"};
-  const RunResult whole = run_text(scene_of(impact), folder, "whole");
-  EXPECT_GT(whole.last("plastic_work_j"), 0.0);
-  const auto scene = folder.write(scene_of(impact), "whole.toml");
-  const auto out = (folder.path() / "out").string();
-  Process run({ricochet_binary(), "run", scene, "--out", out}, folder.path() / "o", folder.path() / "e");
-  ASSERT_TRUE(wait_until([&] { return !checkpoints_in(out).empty(); }, 20.0));
-  kill(run.pid(), SIGKILL);
-  run.wait(10.0);
-  const auto windows = checkpoints_in(out);
-  ASSERT_FALSE(windows.empty());
-  EXPECT_LT(windows.back(), whole.summary.at("windows").get<int>());
-  const auto outcome = resume(out, folder);
-  EXPECT_EQ(outcome.code, 0) << outcome.error;
-  expect_same_results(out, whole.folder);
-}
-
-/// From each checkpoint of a run, among them those in the midst of the plastic wave.
-TEST(PlasticBar, GoesOnFromACheckpointInThePlasticWaveToTheSameBytes) {
-  const TemporaryFolder folder;
-  for (const char* protocol : {"hughes_liu", "prakash_hjelmstad", "fixed_point"}) {
-    const Impact impact{.protocol = protocol, .more = "[checkpoint]\nevery_windows = 40\n"};
-    const RunResult whole = run_text(scene_of(impact), folder, protocol);
-    const std::string half = (folder.path() / (std::string(protocol) + "_half")).string();
-    std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
-    const auto windows = checkpoints_in(half);
-    ASSERT_EQ(windows.size(), 2U);
-    std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
-    const Outcome outcome = resume(half, folder);
-    ASSERT_EQ(outcome.code, 0) << outcome.error;
-    expect_same_results(half, whole.folder);
-  }
-}
-
-TEST(PlasticBar, IsASoundParticipantOfEitherSide) {
-  const TemporaryFolder folder;
-  const std::string scene = folder.write(scene_of({}));
-  for (const char* name : {"explicit", "implicit"}) {
-    const Outcome checked =
-        run_command({ricochet_binary(), "check-participant", "--scene", scene, "--name", name}, folder.path().string());
-    EXPECT_EQ(checked.code, 0) << checked.out << checked.error;
-    EXPECT_THAT(checked.out,
-                AllOf(HasSubstr("passed   a repeated trial of a window gives the same bits"),
-                      HasSubstr("passed   another process goes on from its saved state to the same bits")));
-  }
-}
-
-/// tests/swap/plastic_bar.py has the law and central differences of its own.
-TEST(PlasticBar, MovesAsAProgramOfAnotherLanguageSays) {
-  const TemporaryFolder folder;
-  const auto with = [](const std::string& program) {
-    return Impact{.participants = "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"rod\"]\n" +
-                                  program + "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"};
-  };
-  const RunResult ours = run_text(scene_of(with("")), folder, "ours");
-  const RunResult theirs =
-      run_text(scene_of(with(fmt::format("executable = \"{}/tests/swap/plastic_bar.py\"\n", RICOCHET_SOURCE))), folder,
-               "theirs");
-  EXPECT_GT(ours.last("equivalent_plastic_strain_max"), 1e-3);
-  for (const char* name : {"contact_pressure_mean_pa", "plastic_work_j", "equivalent_plastic_strain_max",
-                           "energy_kinetic_j", "energy_strain_j", "momentum_n_kg_m_s"}) {
-    const auto &a = ours.column(name), &b = theirs.column(name);
-    ASSERT_EQ(a.size(), b.size());
-    const double largest = std::max(ours.largest(name), -ours.smallest(name));
-    for (std::size_t n = 0; n < a.size(); ++n) ASSERT_NEAR(a[n], b[n], 1e-9 * largest) << name << ", row " << n;
-  }
-}
-
-struct Refusal {
-  const char* name;
-  Impact impact;
-  const char* found;
-};
-
-class RefusedPlasticBar : public testing::TestWithParam<Refusal> {};
-
-TEST_P(RefusedPlasticBar, IsNamed) {
-  const auto& [name, impact, found] = GetParam();
-  const TemporaryFolder folder;
-  for (const char* command : {"check", "run"}) {
-    const auto outcome =
-        run_command({ricochet_binary(), command, folder.write(scene_of(impact))}, folder.path().string());
-    EXPECT_EQ(outcome.code, 2) << outcome.out;
-    EXPECT_THAT(outcome.error, AllOf(HasSubstr("body.rod.material.plasticity: found plasticity"), HasSubstr(found),
-                                     HasSubstr("allowed: ")));
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Methods, RefusedPlasticBar,
-    testing::Values(
-        Refusal{"local_explicit", {.protocol = "local_explicit"}, "under \"local_explicit\", whose small steps"},
-        Refusal{"belytschko_mullen", {.protocol = "belytschko_mullen"}, "under \"belytschko_mullen\" on the side of"},
-        Refusal{"gravouil_combescure", {.protocol = "gravouil_combescure"}, "on the implicit side"},
-        Refusal{"substeps",
-                {.protocol = "prakash_hjelmstad", .coupling = "substeps = 2\n"},
-                "with 2 substeps of \"explicit\""},
-        Refusal{"massless", {.contact = "multiplier_update = \"massless\"\n"}, "multiplier_update = \"massless\""},
-        Refusal{"penalty",
-                {.contact = "enforcement = \"penalty\"\npenalty_pa_m = 1e12\n"},
-                "enforcement = \"penalty\" on the implicit side"},
-        Refusal{
-            "ranks",
-            {.participants = "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"rod\"]\nranks = "
-                             "2\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"},
-            "with 2 ranks of \"explicit\""}),
-    [](const auto& info) { return std::string(info.param.name); });
-
-TEST(PlasticBar, IsRefusedByTheStudyOfStability) {
-  const TemporaryFolder folder;
-  const auto outcome =
-      run_command({ricochet_binary(), "stability", folder.write(scene_of({.elements = 10}))}, folder.path().string());
-  EXPECT_EQ(outcome.code, 2) << outcome.out;
-  EXPECT_THAT(outcome.error, HasSubstr("load_state"));
-}
-
-/// Under belytschko_mullen and with substeps, where the implicit side alone yields; penalty where all is explicit.
-TEST(PlasticBar, YieldsWhereTheOtherSideAloneIsElastic) {
-  const TemporaryFolder folder;
-  const std::string elastic = R"([[body]]
-name = "far"
-material = { youngs_modulus_pa = 2e11, density_kg_m3 = 8000.0 }
-mesh = { length_m = 1.0, elements = 100, start_m = 1.0 }
-area_m2 = 1e-4
-[contact]
-surfaces = ["rod.end", "far.start"])";
-  for (const std::string protocol : {"belytschko_mullen", "prakash_hjelmstad"}) {
-    std::string text = scene_of({.protocol = protocol, .implicit = "2.0, far = 0.1"});
-    text = replaced(text, "[contact]\nsurfaces = [\"rod.end\", \"rigid_plane\"]", elastic);
-    text = replaced(text, "initial_velocity_m_s = [20]", "initial_velocity_m_s = [40]");
-    if (protocol == "prakash_hjelmstad") text = with_key(text, "coupling", "substeps", "2");
-    const RunResult run = run_text(text, folder, protocol);
-    EXPECT_GT(run.last("plastic_work_j"), 1.0) << protocol;
-    EXPECT_LT(largest_error(run), 2e-2) << protocol;
-  }
-  const Impact penalty{.protocol = "all_explicit", .contact = "enforcement = \"penalty\"\npenalty_pa_m = 1e13\n"};
-  const RunResult run = run_text(scene_of(penalty), folder, "penalty");
-  EXPECT_NEAR(run.last("plastic_work_j") / Plateau{}.work_j(run.last("time_s")), 1.0, 5e-2);
-}
-
 }  // namespace
-}  // namespace ricochet::test
+}  // namespace ricochet::test::plastic
