@@ -65,7 +65,7 @@ TEST_P(PythonBars, GiveTheHistoryOfOurs) {
   EXPECT_NEAR(largest(python.column("contact_force_n")), 1.45e5, 1e4);  // they did meet; Z v is 1.33e5
   for (const auto& process : python.summary.at("processes")) {          // each its own way in one run
     const std::string role = process.at("role"), of_implicit = usable_processors() < 3 ? "inside" : "shm";
-    EXPECT_EQ(process.at("transport"), role == "explicit" ? "zmq" : role == "implicit" ? of_implicit : "");
+    EXPECT_EQ(process.at("transport"), role == "explicit" ? "shm" : role == "implicit" ? of_implicit : "");
   }
 }
 

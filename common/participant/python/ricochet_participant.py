@@ -159,7 +159,7 @@ def reason(error):
 
 def converse(session, channel):
     session.send = channel.send
-    channel.send(session.hello())
+    channel.send(channel.offer_shared_memory(session.hello()))
     while session.state != "finished":
         begin = time.monotonic()
         request = channel.receive(session.timeout_s)

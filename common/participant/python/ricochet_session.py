@@ -42,7 +42,7 @@ class Session:
         return self.message("hello", participant=d.name, role=d.role, solver=d.solver, process_id=os.getpid(),
                             machine=os.environ.get("SLURMD_NODENAME") or os.uname().nodename,
                             solver_version=d.solver_version, scene_sha256=d.scene_sha256, shared_memory_path="",
-                            shared_memory_key=0)  # offers none: its messages stay on ZeroMQ
+                            shared_memory_key=0)  # the channel offers some
 
     def handle(self, request):
         """The reply, or None if there is none."""

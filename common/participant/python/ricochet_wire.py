@@ -6,7 +6,11 @@ import math, os, sys, time
 
 import msgpack, numpy as np, zmq
 
+import ricochet_memory
+
 VERSION = 7
+MAX_MESSAGE_BYTES = 1 << 30  # as codec.hpp
+LOOK_EVERY_S = 0.05  # how often a wait in shared memory looks at the connection
 HEADER = "kind:text version:integer run_id:text sequence:integer window:integer substep:integer"
 ANSWER = ("records:array axial_stress:array probes:array departures:array contact_forces:array outline:array pairs_closed:integer gap_min_m:float "
           "gap_rate_min_m_s:float separated:boolean separation_time_s:float finished_early:boolean")
@@ -180,9 +184,11 @@ def read_key(path, end):
 
 
 class Channel:
-    """One DEALER socket. Every wait has a deadline; a connection that breaks ends the run."""
+    """One DEALER socket, and shared memory from `welcome` on if the coupler takes it. Every wait has a deadline; a
+    connection that breaks ends the run."""
 
     def __init__(self, endpoint, watch_stdin, key=None):
+        self.offered = self.shared = None
         self.socket = s = zmq.Context.instance().socket(zmq.DEALER)
         if key:
             s.curve_serverkey, s.curve_publickey, s.curve_secretkey = read_key(key, time.monotonic() + 60)
@@ -196,8 +202,24 @@ class Channel:
         except zmq.ZMQError as error:
             raise ConfigError(f"cannot connect to '{endpoint}': {error}") from None
 
+    def offer_shared_memory(self, hello):
+        self.offered = ricochet_memory.offered()
+        if self.offered:
+            hello |= {"shared_memory_path": self.offered.path, "shared_memory_key": self.offered.key}
+        return hello
+
     def receive(self, timeout_s):
         end = time.monotonic() + timeout_s
+        if self.shared:
+            return decode(self.receive_shared(timeout_s, end))
+        message = decode(self.receive_frame(timeout_s, end))
+        if message["kind"] == "welcome":
+            if message["shared_memory"] and not self.offered:
+                raise ProtocolError("the coupler sent 'welcome' with shared memory, which 'hello' has not offered")
+            self.shared = self.offered if message["shared_memory"] else None
+        return message
+
+    def receive_frame(self, timeout_s, end):
         while not self.socket.poll(0):
             ready = dict(self.poller.poll(max(0, math.ceil(1000 * (end - time.monotonic())))))
             if self.socket in ready or self.socket.poll(0):
@@ -206,12 +228,41 @@ class Channel:
                 raise RunError("the coupler is gone")
             if time.monotonic() >= end:
                 raise RunError(f"the coupler has not answered within {timeout_s:.3g} s")
-        return decode(self.socket.recv())
+        return self.socket.recv()
+
+    def receive_shared(self, timeout_s, end):
+        next_look = time.monotonic() + LOOK_EVERY_S
+        try:
+            while (message := self.shared.receiver.receive(MAX_MESSAGE_BYTES)) is None:
+                now = time.monotonic()
+                if now >= end:
+                    raise RunError(f"the coupler has not answered within {timeout_s:.3g} s")
+                if now >= next_look:
+                    next_look = now + LOOK_EVERY_S
+                    ready = dict(self.poller.poll(0))
+                    ready.pop(self.socket, None)
+                    if ready and (message := self.shared.receiver.receive(MAX_MESSAGE_BYTES)) is None:
+                        raise RunError("the coupler is gone")
+                    if message is not None:
+                        break  # its last words
+                self.shared.wait(min(end, next_look))
+            return message
+        except ricochet_memory.Corrupted as error:
+            raise ProtocolError(f"the coupler corrupted the shared memory: {error}") from None
 
     def send(self, message):
-        self.socket.send(encode(message), zmq.DONTWAIT)
+        data = encode(message)
+        if not self.shared:
+            self.socket.send(data, zmq.DONTWAIT)
+            return
+        try:
+            self.shared.sender.send(data)
+        except ricochet_memory.Corrupted as error:
+            raise ProtocolError(f"the coupler corrupted the shared memory: {error}") from None
 
     def close(self):
+        if self.shared:
+            self.shared.flush_all()
         self.socket.disable_monitor()
         self.monitor.close()
         self.socket.close()
