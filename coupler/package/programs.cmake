@@ -6,6 +6,8 @@ if(RICOCHET_NATIVE)
 what is to be installed is configured with -DRICOCHET_NATIVE=OFF\")" COMPONENT programs)
 endif()
 install(TARGETS ricochet explicit_solver implicit_solver COMPONENT programs)
+install(DIRECTORY coupler/python/ricochet DESTINATION lib/python3/dist-packages COMPONENT programs FILES_MATCHING PATTERN "*.py"
+  PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet COMPONENT programs)
 
 # Licences: ours, and those of the libraries that consist of headers, whose code is within the programs.
@@ -34,5 +36,6 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS libopenblas0-serial)  # factors of solids take a quarter of the time
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS nodejs)  # pictures of `ricochet report`; everything else does without
+# Pictures of `ricochet report`; `import ricochet`, its arrays and frames. Everything else does without.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "nodejs, python3, python3-numpy, python3-pandas")
 include(CPack)

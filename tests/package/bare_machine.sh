@@ -45,5 +45,6 @@ for file in history.csv axial_stress.csv summary.json trace.json report.html fie
 done
 inside ricochet report /root/impact | tee "$folder/report"  # pages without node, pictures with it
 grep -q 'no picture files: `node` is not on PATH' "$folder/report" || fail "the report does not say what it lacks"
+inside test -s /usr/lib/python3/dist-packages/ricochet/__init__.py || fail "no Python package"
 inside test -s /usr/share/doc/ricochet/copyright || fail "no licence"
 echo "bare_machine.sh: $(basename "$package"), $(du -k "$package" | cut -f1) kB, installs and runs"
