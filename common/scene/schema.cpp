@@ -5,8 +5,8 @@ namespace ricochet::scene {
 const Schema& scene_schema() {
   static const Schema tables{
       {"scene",
-       {"model", "material", "body", "contact", "partition", "time", "coupling", "participant", "output",
-        "checkpoint", "mass_scaling"}},
+       {"model", "material", "body", "contact", "partition", "time", "coupling", "participant", "output", "checkpoint",
+        "mass_scaling"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "gravity_m_s2", "support", "traction", "prescribed", "absorbing", "foreign", "joined_to", "surface",

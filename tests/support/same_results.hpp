@@ -29,7 +29,8 @@ inline std::set<std::string> names_in(const std::string& folder) {
   return names;
 }
 
-/// The same bytes: history, axial stress, probes, fields and shapes; of the summary all but times and names, and `other_keys`.
+/// The same bytes: history, axial stress, probes, fields and shapes; of the summary all but times and names, and
+/// `other_keys`.
 inline void expect_same_results(const std::string& folder, const std::string& undisturbed,
                                 const std::vector<std::string>& other_keys = {}) {
   for (const auto* file : {"/history.csv", "/axial_stress.csv", "/probes.csv"})
