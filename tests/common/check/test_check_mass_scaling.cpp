@@ -20,17 +20,18 @@ using testing::Not;
 
 /// The contact end of the right bar is ten times finer than the other, and every element is to bear the step of its
 /// coarsest.
-const std::string graded = replaced(replaced(bars, "start_m = 0.508e-3, length_m = 0.254, elements = 20",
-                                             "start_m = 0.508e-3, length_m = 0.254, elements = 60, grading = 10.0"),
-                                    "step_s = 2.226e-6\n", "") +
-                           "[coupling]\nprotocol = \"all_explicit\"\n";
-const std::string heavy = graded + "[mass_scaling]\nstep_s = 1.5e-6\n";
+const std::string graded_and_explicit =
+    replaced(replaced(bars, "start_m = 0.508e-3, length_m = 0.254, elements = 20",
+                      "start_m = 0.508e-3, length_m = 0.254, elements = 60, grading = 10.0"),
+             "step_s = 2.226e-6\n", "") +
+    "[coupling]\nprotocol = \"all_explicit\"\n";
+const std::string heavy_bars = graded_and_explicit + "[mass_scaling]\nstep_s = 1.5e-6\n";
 
-Plan plan_of(const std::string& text) { return plan(build_problem(load_text(text))); }
+Plan scaled_plan(const std::string& text) { return plan(build_problem(load_text(text))); }
 
-std::string refusal_of(const std::string& text) {
+std::string refusal_of_scaling(const std::string& text) {
   try {
-    (void)plan_of(text);
+    (void)scaled_plan(text);
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -38,7 +39,7 @@ std::string refusal_of(const std::string& text) {
 }
 
 TEST(MassScalingPlan, SaysHowManyElementsGetHowMuchMassAndAtWhichContact) {
-  const Plan heavier = plan_of(heavy), lighter = plan_of(graded);
+  const Plan heavier = scaled_plan(heavy_bars), lighter = scaled_plan(graded_and_explicit);
   double mass_kg = 0.0, own_kg = 0.0;
   for (std::size_t b = 0; b < 2; ++b) {
     mass_kg += heavier.bodies[b].mass_kg;
@@ -56,16 +57,16 @@ TEST(MassScalingPlan, SaysHowManyElementsGetHowMuchMassAndAtWhichContact) {
 }
 
 TEST(MassScalingPlan, LetsTheStepBeTaken) {
-  const Problem problem = build_problem(load_text(heavy));
+  const Problem problem = build_problem(load_text(heavy_bars));
   const Plan heavier = plan(problem);
   EXPECT_EQ(problem.clock.size_s(), 1.5e-6) << "which it is for, as none is given";
   EXPECT_GE(critical_time_step(heavier.participants), 1.5e-6 / 0.9);
   EXPECT_NEAR(element_bound_time_step(problem, problem.scene.participants.front()), 1.5e-6 / 0.9, 1e-15);
-  EXPECT_LT(critical_time_step(plan_of(graded).participants), 0.5e-6);
+  EXPECT_LT(critical_time_step(scaled_plan(graded_and_explicit).participants), 0.5e-6);
 }
 
 TEST(MassScalingPlan, AddsNothingWhereEveryElementBearsTheStep) {
-  const Plan plan = plan_of(graded + "[mass_scaling]\nstep_s = 1e-7\n");
+  const Plan plan = scaled_plan(graded_and_explicit + "[mass_scaling]\nstep_s = 1e-7\n");
   EXPECT_EQ(plan.added_mass_kg, 0.0);
   EXPECT_THAT(plan.notes, Contains(HasSubstr("mass scaling adds nothing")));
   EXPECT_TRUE(plan.warnings.empty());
@@ -73,19 +74,19 @@ TEST(MassScalingPlan, AddsNothingWhereEveryElementBearsTheStep) {
 
 TEST(MassScalingPlan, RefusesWhatItCannotDoByName) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
-      {replaced(heavy, "all_explicit", "local_explicit"),
+      {replaced(heavy_bars, "all_explicit", "local_explicit"),
        {"mass_scaling", "under \"local_explicit\"", "\"all_explicit\""}},
-      {replaced(heavy, "all_explicit", "all_implicit"), {"mass_scaling", "under \"all_implicit\""}},
-      {replaced(heavy, "all_explicit", "hughes_liu"), {"mass_scaling", "under \"hughes_liu\""}},
-      {replaced(heavy, "step_s = 1.5e-6", "step_s = 0"), {"mass_scaling.step_s"}},
-      {replaced(heavy, "step_s = 1.5e-6", ""), {"mass_scaling.step_s"}},
-      {replaced(heavy, "[time]\n", "[time]\nstep_s = 2.2e-6\n"), {"time.step_s", "the critical time step"}},
-      {heavy + "[[participant]]\nname = \"e\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\nexecutable = "
-               "\"./mine\"\n",
+      {replaced(heavy_bars, "all_explicit", "all_implicit"), {"mass_scaling", "under \"all_implicit\""}},
+      {replaced(heavy_bars, "all_explicit", "hughes_liu"), {"mass_scaling", "under \"hughes_liu\""}},
+      {replaced(heavy_bars, "step_s = 1.5e-6", "step_s = 0"), {"mass_scaling.step_s"}},
+      {replaced(heavy_bars, "step_s = 1.5e-6", ""), {"mass_scaling.step_s"}},
+      {replaced(heavy_bars, "[time]\n", "[time]\nstep_s = 2.2e-6\n"), {"time.step_s", "the critical time step"}},
+      {heavy_bars + "[[participant]]\nname = \"e\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\nexecutable = "
+                    "\"./mine\"\n",
        {"executable", "mine", "under [mass_scaling]", "the shipped solver"}},
   };
   for (const auto& [text, parts] : wrong)
-    for (const auto& part : parts) EXPECT_THAT(refusal_of(text), HasSubstr(part)) << text;
+    for (const auto& part : parts) EXPECT_THAT(refusal_of_scaling(text), HasSubstr(part)) << text;
 }
 
 }  // namespace

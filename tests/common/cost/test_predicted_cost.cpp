@@ -49,7 +49,9 @@ TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
 TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
   auto scene = scene_of("rounded_striker");
   scene.coupling.protocol = scene::protocol_traits("all_explicit");
-  scene.participants = {{.name = "explicit", .bodies = scene.body_names()}};
+  scene.participants.assign(1, {});
+  scene.participants.front().name = "explicit";
+  scene.participants.front().bodies = scene.body_names();
   scene.time.step_s = scene.mass_scaling_step_s = 1e-8;
   const PredictedCost scaled = cost_of(scene);
   EXPECT_EQ(scaled.all_explicit_step_s, 1e-8);
