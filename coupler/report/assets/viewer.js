@@ -235,8 +235,10 @@ class Viewer {
   resize() {
     const width = this.place.clientWidth;
     if (width === 0 || width === this.width) return;
+    const before = Math.min(this.width ?? 0, 2.2 * (this.height ?? 0));
     this.width = width;
     this.height = Math.round(Math.min(0.5 * width + 60, 480));
+    if (before > 0) this.camera.zoom *= Math.min(width, 2.2 * this.height) / before;  // the same bodies stay in sight
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, this.height);
     Object.assign(this.camera, { left: -width / 2, right: width / 2, top: this.height / 2, bottom: -this.height / 2 });
