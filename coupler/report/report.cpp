@@ -20,7 +20,7 @@
 #include "coupler/report/run_page/stress_waves.hpp"
 #include "coupler/report/run_page/summary_page.hpp"
 #include "coupler/report/run_page/timeline.hpp"
-#include "coupler/report/shapes/shape_picture.hpp"
+#include "coupler/report/shapes/shape_viewer.hpp"
 #include "coupler/report/stability_page/stability_maps.hpp"
 #include "coupler/report/stability_page/stability_page.hpp"
 #include "coupler/report/study_page/study_page.hpp"
@@ -141,11 +141,10 @@ std::string page_of(const std::filesystem::path& folder) {
   add_limits(table, summary);
   const auto events = events_of(summary);
   const auto shapes = read_shapes(folder.string(), summary);
-  auto charts = charts_of(folder, table, events);
+  const auto charts = charts_of(folder, table, events);
   const double first_contact_s = number(summary, "first_contact_s").value_or(std::numeric_limits<double>::quiet_NaN());
-  if (auto picture = shape_picture(shapes, table, first_contact_s))
-    charts.insert(charts.begin(), std::move(*picture));  // first of all: what happened
-  std::string figures, json;
+  const auto viewer = shape_viewer(shapes, table, first_contact_s);
+  std::string figures = viewer ? viewer->html : "", json;  // first of all: what happened
   for (const auto& chart : charts) {
     figures += to_html(chart);
     json += (json.empty() ? "" : ",\n") + to_json(chart);
@@ -156,7 +155,7 @@ std::string page_of(const std::filesystem::path& folder) {
                                         {"tables", tables_html(summary)},
                                         {"help", help_html(table, events, shapes)},
                                         {"figures", figures},
-                                        {"libraries", libraries_html()},
+                                        {"libraries", libraries_html() + (viewer ? viewer->scripts : "")},
                                         {"charts", inside_script("[" + json + "]")},
                                         {"script", std::string(asset("page.js"))}});
 }

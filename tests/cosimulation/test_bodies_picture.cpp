@@ -81,7 +81,6 @@ TEST(BodiesPicture, SaysWhoLeftNothingToDraw) {
   EXPECT_EQ(run_command({ricochet_binary(), "report", run.folder}, folder.path().string()).code, 0);
   EXPECT_THAT(file_text(run.folder + "/report.html"),
               testing::HasSubstr("The elements of 'explicit' are not drawn: it left no fields/explicit.shapes.json."));
-  EXPECT_TRUE(std::filesystem::exists(run.folder + "/charts/deformed_bodies.svg"));
 }
 
 TEST(BodiesPicture, OfAFormerRunIsRemovedByTheNext) {

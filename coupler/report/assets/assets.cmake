@@ -19,7 +19,8 @@ add_custom_command(
   OUTPUT ${report_charts}/installed
   COMMAND ${CMAKE_COMMAND} -DNPM=${NPM} -DFROM=${report_source} -DINTO=${report_charts} -DOMIT_TESTS=${omit_tests}
     -P ${report_source}/install_charts.cmake
-  DEPENDS ${report_source}/package.json ${report_source}/package-lock.json ${report_source}/install_charts.cmake
+  DEPENDS ${report_source}/package.json ${report_source}/package-lock.json ${report_source}/three_parts.mjs
+    ${report_source}/install_charts.cmake
   COMMENT "Installing the chart libraries with npm"
   VERBATIM)
 

@@ -27,6 +27,8 @@ foreach(library vega vega-lite vega-embed)
   embed(${library}.js ${MODULES}/${library}/build/${library}.min.js)
   embed(${library}.license ${MODULES}/${library}/LICENSE)
 endforeach()
+embed(three.js ${MODULES}/../three_bundle.js)
+embed(three.license ${MODULES}/three/LICENSE)
 file(APPEND ${OUTPUT}.part "};\n
 }  // namespace\n
 std::string_view asset(std::string_view name) {

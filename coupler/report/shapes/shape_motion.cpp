@@ -41,36 +41,6 @@ double fastest_approach(const Shapes& shapes) {
 
 }  // namespace
 
-std::vector<std::size_t> chosen_times(const std::vector<double>& times_s, double wanted_s, std::size_t most) {
-  std::vector<std::size_t> chosen;
-  const auto distance = [&](std::size_t i) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto c : chosen) nearest = std::min(nearest, std::abs(times_s[i] - times_s[c]));
-    return nearest;
-  };
-  const auto add = [&](std::size_t i) {
-    if (chosen.size() < most && distance(i) > 0.0) chosen.push_back(i);
-  };
-  if (times_s.empty()) return chosen;
-  add(0);
-  add(times_s.size() - 1);
-  if (std::isfinite(wanted_s)) {
-    const auto nearest = std::min_element(times_s.begin(), times_s.end(), [&](double a, double b) {
-      return std::abs(a - wanted_s) < std::abs(b - wanted_s);
-    });
-    add(static_cast<std::size_t>(nearest - times_s.begin()));
-  }
-  for (std::size_t round = 0; round < times_s.size(); ++round) {
-    std::size_t farthest = 0;
-    for (std::size_t i = 1; i < times_s.size(); ++i) {
-      if (distance(i) > distance(farthest) * (1 + 1e-9)) farthest = i;
-    }
-    add(farthest);
-  }
-  std::sort(chosen.begin(), chosen.end());
-  return chosen;
-}
-
 Place Magnification::place(const Place& position, const Place& displacement, const Place& velocity_m_s,
                            double time_s) const {
   const auto beyond = beyond_flight(displacement, velocity_m_s, std::min(time_s, flight_s));

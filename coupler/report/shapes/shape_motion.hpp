@@ -7,11 +7,6 @@
 
 namespace ricochet::report {
 
-/// At most `most` of the times, ascending: the first, the last, the one nearest to `wanted_s` (nan: none), and of the
-/// others those that are farthest from all chosen before.
-[[nodiscard]] std::vector<std::size_t> chosen_times(const std::vector<double>& times_s, double wanted_s,
-                                                    std::size_t most);
-
 /// How displacements are drawn. Small ones cannot be seen to scale, and all of them enlarged would have bodies that fly
 /// towards each other pass through each other. The displacement that is enlarged is the one beyond that of the free
 /// flight up to the first contact:

@@ -145,15 +145,6 @@ TEST_F(ShapeFiles, APageHasThePictureFirstOrSaysWhoIsMissing) {
   EXPECT_THAT(config_error([this] { write_report(folder_); }), HasSubstr("fields/*.shapes.json"));
 }
 
-TEST(ChosenTimes, AreTheEndsTheWantedOneAndOthersFarFromThose) {
-  EXPECT_THAT(chosen_times({0, 1, 2, 3, 4, 5, 6, 7, 8}, nan_s, 5), ElementsAre(0, 2, 4, 6, 8));
-  EXPECT_THAT(chosen_times({0, 1, 2, 3, 4, 5, 6, 7, 8}, 1.2, 3), ElementsAre(0, 1, 8));
-  EXPECT_THAT(chosen_times({0, 1, 2, 3, 4, 5, 6, 7, 8}, 0.4, 3), ElementsAre(0, 4, 8)) << "the first is there already";
-  EXPECT_THAT(chosen_times({0, 3, 4}, nan_s, 6), ElementsAre(0, 1, 2));
-  EXPECT_THAT(chosen_times({2}, nan_s, 6), ElementsAre(0));
-  EXPECT_THAT(chosen_times({}, nan_s, 6), IsEmpty());
-}
-
 /// Two bodies of 1 m, `gap` apart, the left one coming at 1 m/s; then both are pressed together by `press`.
 Shapes pressed_bodies(double gap, double contact_s, double press) {
   Shapes shapes;

@@ -1,4 +1,4 @@
-#include "coupler/report/shapes/shape_view.hpp"
+#include "coupler/report/shapes/cell_looks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -129,78 +129,6 @@ std::vector<std::vector<CellLook>> cell_looks(const Shapes& shapes) {
     for (; i < end; ++i) looks[uses[i].piece][uses[i].cell].edges[uses[i].edge] = kind;
   }
   return looks;
-}
-
-ShapeView::ShapeView(std::string model, bool turned) : model_(std::move(model)), turned_(turned) {
-  if (model_ == "solid") {
-    constexpr Place eye = {0.4, -0.8, 0.45};  // to the right of the first coordinate, before it, above
-    const auto turn = [turned](const Place& x) { return turned ? Place{x[1], x[2], x[0]} : x; };
-    const Place towards = unit(eye), right = unit({-eye[1], eye[0], 0.0});
-    towards_ = turn(towards);
-    right_ = turn(right);
-    up_ = turn(across(towards, right));
-  } else if (turned) {
-    right_ = {0.0, 1.0, 0.0};
-    up_ = {mirrored() ? 1.0 : -1.0, 0.0, 0.0};
-  } else {
-    right_ = {1.0, 0.0, 0.0};
-    up_ = {0.0, 1.0, 0.0};
-  }
-}
-
-Pixel ShapeView::seen(const Place& x) const { return {along(right_, x), along(up_, x)}; }
-
-Pixel ShapeView::mirror_image(const Pixel& seen) const {
-  return turned_ ? Pixel{seen[0], -seen[1]} : Pixel{-seen[0], seen[1]};
-}
-
-std::vector<ShapeView::Axis> ShapeView::axes() const {
-  std::vector<std::string> letters = {"x", "y", "z"};
-  if (model_ == "axisymmetric") letters = {"r", "z"};
-  letters.resize(model_ == "bar" ? 1 : model_ == "solid" ? 3 : 2);
-  std::vector<Axis> axes;
-  for (std::size_t c = 0; c < letters.size(); ++c) {
-    Place direction{};
-    direction[c] = 1.0;
-    axes.push_back({letters[c], seen(direction)});
-  }
-  return axes;
-}
-
-void ShapeView::add(const ShapePiece& piece, const std::vector<Place>& places, const std::vector<CellLook>& looks,
-                    std::size_t window, double strip_m, std::vector<SeenCell>& cells) const {
-  for (std::size_t c = 0; c < piece.cells.size(); ++c) {
-    if (looks[c].hidden) continue;
-    const auto& cell = piece.cells[c];
-    const std::size_t corners = corners_of(cell);
-    SeenCell seen_cell;
-    seen_cell.edges = looks[c].edges;
-    seen_cell.stress_pa = piece.stress_pa[window][c];
-    seen_cell.body = piece.body;
-    if (corners == 2) {
-      const double a = corner_of(places, cell, 0)[0], b = corner_of(places, cell, 1)[0], half = 0.5 * strip_m;
-      seen_cell.corner = {{{a, -half}, {b, -half}, {b, half}, {a, half}}};
-      seen_cell.count = 4;
-      cells.push_back(seen_cell);
-      continue;
-    }
-    seen_cell.count = corners;
-    for (std::size_t i = 0; i < corners; ++i) {
-      const auto& x = corner_of(places, cell, i);
-      seen_cell.corner[i] = seen(x);
-      seen_cell.depth_m += along(towards_, x) / static_cast<double>(corners);
-    }
-    if (model_ == "solid") {
-      const auto normal = normal_of(places, cell);
-      if (along(towards_, normal) <= 0.0) continue;                           // it faces away
-      const double light = along(up_, normal) - 0.3 * along(right_, normal);  // from above and a little from the left
-      seen_cell.shade = light > 0.5 ? 0 : light > -0.35 ? 1 : 2;
-    }
-    cells.push_back(seen_cell);
-    if (!mirrored()) continue;
-    for (auto& corner : seen_cell.corner) corner = mirror_image(corner);
-    cells.push_back(seen_cell);
-  }
 }
 
 }  // namespace ricochet::report

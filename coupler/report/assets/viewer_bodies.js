@@ -1,0 +1,103 @@
+// The numbers of <script id="bodies"> (see data_of in shape_viewer.cpp), which viewer.js draws.
+"use strict";
+
+// YlOrRd and RdBu of colorbrewer2.org: told apart by colour-blind eyes; the second from compression to tension.
+const magnitudeColours = ["ffffcc", "ffeda0", "fed976", "feb24c", "fd8d3c", "fc4e2a", "e31a1c", "bd0026", "800026"];
+const signedColours = ["053061", "2166ac", "4393c3", "92c5de", "d1e5f0", "f7f7f7", "fddbc7", "f4a582", "d6604d",
+  "b2182b", "67001f"];
+
+function unpacked(text, Type) {
+  return new Type(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+}
+
+function element(parent, name, properties = {}) {
+  return parent.appendChild(Object.assign(document.createElement(name), properties));
+}
+
+class Box {
+  constructor() { this.low = [Infinity, Infinity, Infinity]; this.high = [-Infinity, -Infinity, -Infinity]; }
+  include(x) {
+    for (let c = 0; c < 3; ++c) {
+      this.low[c] = Math.min(this.low[c], x[c]);
+      this.high[c] = Math.max(this.high[c], x[c]);
+    }
+  }
+  get empty() { return !(this.low[0] <= this.high[0]); }
+  get centre() { return this.low.map((low, c) => 0.5 * (low + this.high[c])); }
+  get size() { return Math.max(...this.low.map((low, c) => this.high[c] - low)); }
+  distance(x) {
+    return Math.hypot(...x.map((value, c) => Math.max(0, this.low[c] - value, value - this.high[c])));
+  }
+}
+
+// The numbers of the page: places and stresses of each piece at each of the kept times.
+class Bodies {
+  constructor(data) {
+    Object.assign(this, data);
+    this.solid = data.model === "solid";
+    this.components = data.model === "bar" ? 1 : this.solid ? 3 : 2;
+    this.signed = data.model === "bar";
+    for (const piece of this.pieces) {
+      piece.cell = unpacked(piece.cell, Int32Array);
+      piece.edge = unpacked(piece.edge, Uint8Array);
+      piece.place = piece.place.map((text) => unpacked(text, Float32Array));
+      piece.stress = piece.stress.map((text) => unpacked(text, Float32Array));
+    }
+    this.box = new Box();
+    this.times.forEach((_, time) => this.eachNode(time, (piece, x) => this.box.include(x)));
+    if (this.model === "axisymmetric") this.box.include(this.box.high.map((x, c) => (c === 0 ? -x : x)));
+    const colours = (this.signed ? signedColours : magnitudeColours);
+    this.colours = colours.map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
+    this.hex = colours.map((hex) => "#" + hex);
+  }
+  node(piece, time, i) {
+    const n = this.components, place = piece.place[time];
+    return [place[n * i], n > 1 ? place[n * i + 1] : 0, n > 2 ? place[n * i + 2] : 0];
+  }
+  eachNode(time, each) {
+    for (const piece of this.pieces) {
+      const count = piece.place[time].length / this.components;
+      for (let i = 0; i < count; ++i) each(piece, this.node(piece, time, i));
+    }
+  }
+  // Corners of a cell; of a bar those of a strip.
+  corners(piece, time, cell) {
+    const nodes = piece.cell.subarray(4 * cell, 4 * cell + 4);
+    if (nodes[2] >= 0) return Array.from(nodes.filter((i) => i >= 0), (i) => this.node(piece, time, i));
+    const half = 0.5 * Math.max(this.bodies[piece.body].strip_m, 0.015 * this.box.size);
+    const [a, b] = [this.node(piece, time, nodes[0])[0], this.node(piece, time, nodes[1])[0]];
+    return [[a, -half, 0], [b, -half, 0], [b, half, 0], [a, half, 0]];
+  }
+  colour(stress) {
+    const share = this.signed ? 0.5 + 0.5 * stress / this.high_pa : stress / this.high_pa;
+    const at = Math.min(1, Math.max(0, share)) * (this.colours.length - 1);
+    const below = Math.min(Math.floor(at), this.colours.length - 2);
+    return this.colours[below].map((value, c) => value + (at - below) * (this.colours[below + 1][c] - value));
+  }
+  // Where two bodies come near each other: {name, centre, size, time}, at the first time they do.
+  contacts() {
+    const found = [];
+    for (let a = 0; a < this.bodies.length && found.length < 12; ++a) {
+      for (let b = a + 1; b < this.bodies.length; ++b) {
+        const place = this.contactOf(a, b);
+        if (place) found.push({ name: `${this.bodies[a].name} – ${this.bodies[b].name}`, ...place });
+      }
+    }
+    return found;
+  }
+  contactOf(a, b) {
+    const near = 0.02 * this.box.size;
+    for (const time of [this.first, ...this.times.keys()]) {
+      const whole = { [a]: new Box(), [b]: new Box() }, close = { [a]: new Box(), [b]: new Box() };
+      this.eachNode(time, (piece, x) => whole[piece.body]?.include(x));
+      this.eachNode(time, (piece, x) => {
+        const other = whole[piece.body === a ? b : a];
+        if (whole[piece.body] && !other.empty && other.distance(x) <= near) close[piece.body].include(x);
+      });
+      if (close[a].empty || close[b].empty) continue;
+      const box = close[a].size < close[b].size ? close[a] : close[b];
+      return { centre: box.centre, size: Math.max(box.size, 0.05 * this.box.size), time };
+    }
+    return null;
+  }
+}

@@ -1,0 +1,186 @@
+#include "coupler/report/shapes/shape_viewer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/base/base64.hpp"
+#include "coupler/report/assets/assets.hpp"
+#include "coupler/report/parts/quantity.hpp"
+#include "coupler/report/parts/text.hpp"
+#include "coupler/report/shapes/cell_looks.hpp"
+#include "coupler/report/shapes/shape_motion.hpp"
+
+namespace ricochet::report {
+namespace {
+
+/// Where the colours end, and the stress that is largest.
+struct StressScale {
+  double high_pa = 1;
+  double largest_pa = 0, largest_s = 0;
+};
+
+/// Ends at a stress that all but one in two hundred cells stay below, where the largest is much larger: the corner of a
+/// contact would leave the rest without colours.
+StressScale stress_scale(const Shapes& shapes) {
+  StressScale scale;
+  std::vector<double> sizes;
+  for (const auto& piece : shapes.pieces) {
+    for (std::size_t w = 0; w < shapes.times_s.size(); ++w) {
+      for (const double stress : piece.stress_pa[w]) {
+        sizes.push_back(std::abs(stress));
+        if (std::abs(stress) <= std::abs(scale.largest_pa)) continue;
+        scale.largest_pa = stress;
+        scale.largest_s = shapes.times_s[w];
+      }
+    }
+  }
+  const double most = std::abs(scale.largest_pa);
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.995 * static_cast<double>(sizes.size() - 1)));
+  std::nth_element(sizes.begin(), at, sizes.end());
+  const double end = *at > 0 && most > 1.25 * *at ? *at : most;
+  if (end > 0) scale.high_pa = end;
+  return scale;
+}
+
+template <class Number>
+Json packed(const std::vector<Number>& values) {
+  return base64({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)});
+}
+
+std::size_t components_of(const Shapes& shapes) { return shapes.model == "bar" ? 1 : shapes.model == "solid" ? 3 : 2; }
+
+/// Where the nodes are drawn at the end of a window.
+std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, std::size_t window,
+                                const Magnification& magnification) {
+  const auto& velocity = shapes.bodies[static_cast<std::size_t>(piece.body)].velocity_m_s;
+  std::vector<float> places;
+  for (std::size_t i = 0; i < piece.position.size(); ++i) {
+    const auto x =
+        magnification.place(piece.position[i], piece.displacement[window][i], velocity, shapes.times_s[window]);
+    for (std::size_t c = 0; c < components_of(shapes); ++c) places.push_back(static_cast<float>(x[c]));
+  }
+  return places;
+}
+
+/// {"body", "cell": four int32 each, "edge": four bytes each (0 none, 1 inner, 2 outline), "place": a window's
+/// components of each node as float32, "stress": a window's float32 of each cell}. Faces that nobody sees are left out.
+Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
+             const Magnification& magnification) {
+  std::vector<int> cells;
+  std::vector<std::uint8_t> edges;
+  for (std::size_t c = 0; c < piece.cells.size(); ++c) {
+    if (looks[c].hidden) continue;
+    cells.insert(cells.end(), piece.cells[c].begin(), piece.cells[c].end());
+    for (const auto kind : looks[c].edges) edges.push_back(static_cast<std::uint8_t>(kind));
+  }
+  Json places = Json::array(), stresses = Json::array();
+  for (std::size_t w = 0; w < shapes.times_s.size(); ++w) {
+    std::vector<float> stress;
+    for (std::size_t c = 0; c < piece.cells.size(); ++c) {
+      if (!looks[c].hidden) stress.push_back(static_cast<float>(piece.stress_pa[w][c]));
+    }
+    places.push_back(packed(drawn_places(shapes, piece, w, magnification)));
+    stresses.push_back(packed(stress));
+  }
+  return {
+      {"body", piece.body}, {"cell", packed(cells)}, {"edge", packed(edges)}, {"place", places}, {"stress", stresses}};
+}
+
+/// Which of the kept times is nearest to the largest contact force; the last one if there is no force.
+std::size_t window_of_peak(const Shapes& shapes, const HistoryTable& history) {
+  const auto* force = history.find("contact_force_n");
+  double peak = 0, peak_s = std::numeric_limits<double>::infinity();
+  for (std::size_t row = 0; force && row < history.rows(); ++row) {
+    if (!((*force)[row] > peak)) continue;
+    peak = (*force)[row];
+    peak_s = history.columns[0][row];
+  }
+  if (!std::isfinite(peak_s)) return shapes.times_s.size() - 1;
+  const auto nearest = std::min_element(shapes.times_s.begin(), shapes.times_s.end(), [&](double a, double b) {
+    return std::abs(a - peak_s) < std::abs(b - peak_s);
+  });
+  return static_cast<std::size_t>(nearest - shapes.times_s.begin());
+}
+
+Json data_of(const Shapes& shapes, const HistoryTable& history, const Magnification& magnification,
+             const StressScale& scale) {
+  const auto looks = cell_looks(shapes);
+  const auto unit = display_unit(scale.high_pa, "Pa");
+  Json data = {{"model", shapes.model},        {"first", window_of_peak(shapes, history)},
+               {"times", Json::array()},       {"high_pa", scale.high_pa},
+               {"stress_factor", unit.factor}, {"stress_unit", unit.name},
+               {"bodies", Json::array()},      {"pieces", Json::array()}};
+  data["stress"] = shapes.model == "bar" ? "axial stress" : "von Mises stress";
+  for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
+  for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
+  for (std::size_t p = 0; p < shapes.pieces.size(); ++p)
+    data["pieces"].push_back(data_of(shapes, shapes.pieces[p], looks[p], magnification));
+  return data;
+}
+
+std::string magnification_text(const Shapes& shapes, const Magnification& magnification) {
+  if (magnification.factor == 1.0) return "Displacements are drawn to scale.";
+  const bool flies = std::any_of(shapes.bodies.begin(), shapes.bodies.end(),
+                                 [](const auto& body) { return body.velocity_m_s != Place{}; });
+  const char* which = !flies                                  ? "Displacements"
+                      : std::isfinite(magnification.flight_s) ? "Displacements from the first contact on"
+                                                              : "Displacements beyond those of free flight";
+  return fmt::format("{} are drawn {:g} times as large as they are.", which, magnification.factor);
+}
+
+std::string note_of(const Shapes& shapes, const Magnification& magnification, const StressScale& scale) {
+  std::string note = shapes.model == "bar" ? "Axial stress of each element. Blue: compression; red: tension."
+                                           : "Von Mises stress in the middle of each element.";
+  note += " " + magnification_text(shapes, magnification);
+  if (shapes.model == "bar")
+    note += " Bars are as thick as a square of their cross section is wide, or thicker to be seen.";
+  if (shapes.model == "axisymmetric")
+    note += " Both halves of the section are drawn, one computed, the other its mirror image.";
+  const bool repeats = std::any_of(shapes.pieces.begin(), shapes.pieces.end(), [](const auto& piece) {
+    return std::any_of(piece.node.begin(), piece.node.end(), [](int node) { return node < 0; });
+  });
+  if (repeats) note += " The mesh repeats across; one period of it is drawn.";
+  if (shapes.nose) note += " The rounded nose is a gap of the contact, which the mesh does not have.";
+  if (shapes.model == "solid") note += " Of solids the surface is kept: a section shows it from inside.";
+  if (std::abs(scale.largest_pa) > scale.high_pa) {
+    note += fmt::format(" The largest stress, {} at {}, lies beyond the colours.", quantity(scale.largest_pa, "Pa", 4),
+                        quantity(scale.largest_s, "s", 4));
+  }
+  for (const auto& text : shapes.missing) note += " " + text;
+  return note;
+}
+
+std::string scripts_of(const Json& data) {
+  return fmt::format(
+      "<script>/*! three\n{}*/\n{}</script>\n<script type=\"application/json\" id=\"bodies\">{}</script>\n"
+      "<script>\n{}</script>\n<script>\n{}</script>\n",
+      asset("three.license"), inside_script(asset("three.js")), inside_script(data.dump()),
+      inside_script(asset("viewer_bodies.js")), inside_script(asset("viewer.js")));
+}
+
+}  // namespace
+
+std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable& history, double first_contact_s) {
+  if (shapes.pieces.empty() || shapes.times_s.empty()) return std::nullopt;
+  const auto* gap = history.find("gap_min_m");
+  const double first_gap_m = gap && history.rows() > 0 ? gap->front() : std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::size_t> windows(shapes.times_s.size());
+  std::iota(windows.begin(), windows.end(), std::size_t{0});
+  const auto magnification = magnification_of(shapes, windows, first_contact_s, first_gap_m);
+  const auto scale = stress_scale(shapes);
+  ShapeViewer viewer;
+  viewer.data = data_of(shapes, history, magnification, scale);
+  viewer.scripts = scripts_of(viewer.data);
+  viewer.html = fmt::format(
+      "<figure>\n<figcaption><h2>Deformed bodies: {} at {} times</h2><p>{}</p></figcaption>\n"
+      "<div id=\"deformed_bodies\"></div>\n</figure>\n",
+      viewer.data["stress"].get<std::string>(), shapes.times_s.size(),
+      escape_html(note_of(shapes, magnification, scale)));
+  return viewer;
+}
+
+}  // namespace ricochet::report
