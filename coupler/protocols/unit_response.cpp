@@ -4,6 +4,7 @@
 
 #include "common/base/error.hpp"
 #include "coupler/interface/vectors.hpp"
+#include "coupler/protocols/probe_groups.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -36,6 +37,16 @@ void require_same(const Link& link, const Eigen::VectorXd& found, const Eigen::V
                   link.name(), row / components, row % components, what, found[row], expected[row], allowed));
 }
 
+Eigen::MatrixXd response_one_by_one(const std::vector<double>& probes, const ChangeOfAnswer& answer) {
+  const auto size = static_cast<Eigen::Index>(probes.size());
+  Eigen::MatrixXd matrix(size, size);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const double probe = probes[static_cast<std::size_t>(j)];
+    matrix.col(j) = answer(probe * Eigen::VectorXd::Unit(size, j)) / probe;
+  }
+  return matrix;
+}
+
 }  // namespace
 
 std::string linear_bodies_are_needed(bool implicit) {
@@ -54,16 +65,15 @@ Eigen::MatrixXd unit_response(Link& link, Response response, const Step& step, c
   };
   const std::vector<double> base_input = link.input();
   const Eigen::VectorXd base = answer_to(base_input);
-  Eigen::MatrixXd matrix(base.size(), base.size());
-  for (std::size_t j = 0; j < base_input.size(); ++j) {
-    std::vector<double> input = base_input;
-    input[j] += probes[j];
-    matrix.col(static_cast<Eigen::Index>(j)) = (answer_to(input) - base) / probes[j];
-  }
+  const auto change_of_answer = [&](const Eigen::VectorXd& change) -> Eigen::VectorXd {
+    return answer_to(to_vector(view(base_input) + change)) - base;
+  };
+  const auto grouped = response_by_groups(link, probes, change_of_answer);
+  const Eigen::MatrixXd matrix = grouped ? *grouped : response_one_by_one(probes, change_of_answer);
   // All inputs at once, of another size and sign.
   Eigen::VectorXd change = -2.0 * view(probes);
   for (Eigen::Index j = 1; j < change.size(); j += 2) change[j] *= 0.75;
-  const Eigen::VectorXd expected = matrix * change, found = answer_to(to_vector(view(base_input) + change)) - base,
+  const Eigen::VectorXd expected = matrix * change, found = change_of_answer(change),
                         again = answer_to(base_input) - base;
   const double scale = change.size() > 0 ? expected.cwiseAbs().maxCoeff() : 0.0;
   require_same(link, again, Eigen::VectorXd::Zero(again.size()), scale,

@@ -15,7 +15,8 @@ enum class Response { output, velocity };
 [[nodiscard]] std::string linear_bodies_are_needed(bool implicit);
 
 /// How the answer of a participant at the end of a window depends on its link input: column j is the change of the
-/// answer per unit of link input j, by one trial window each; as wide as the link. `probes`: the change that
+/// answer per unit of link input j, by one trial window each, or for
+/// many at once (probe_groups.hpp); as wide as the link. `probes`: the change that
 /// is tried, per input, large enough to stand out of the rounding of the answer itself. Needs the capability
 /// "repeat_window" and a synchronised link; leaves a trial behind, so synchronise again. Throws ConfigError naming the
 /// participant if a trial again of the first input, or of all inputs at once with another size and sign, gives another
