@@ -32,6 +32,7 @@ struct Arguments {
   std::string scene, study, out, name, results;
   std::vector<std::string> set;
   ContractRequest contract;
+  bool estimate_error = false;
   std::optional<double> step_s, until_s;
   std::optional<std::string> time;
   StabilityRequest stability;
@@ -49,6 +50,8 @@ void define_run(CLI::App& app, Arguments& arguments) {
   define_set(app, arguments);
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
   app.add_option("--out", arguments.out, "Results folder; default: out/<name of the scene file>")->type_name("DIR");
+  app.add_flag("--estimate-error", arguments.estimate_error,
+               "Error bars of the results by cause, from companion runs on coarser meshes and steps");
 }
 
 void define_slurm_script(CLI::App& app, Arguments& arguments) {
@@ -163,7 +166,7 @@ int done(const Arguments& arguments) {
 const Subcommand subcommands[] = {
     {"run", "Compute a scene: start its participants, couple them, write the results", define_run,
      done<[](const Arguments& a) {
-       run_scene({a.scene, a.set}, a.out);
+       run_scene({a.scene, a.set}, a.out, a.estimate_error);
      }>},
     {"resume", "Go on with a run from its last checkpoint, to the same numbers", define_resume,
      done<[](const Arguments& a) { resume_run(a.results, a.scene, a.until_s, a.step_s); }>},

@@ -24,6 +24,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/checkpoints.hpp"
 #include "coupler/run/compute_scene.hpp"
+#include "coupler/study/error_estimate.hpp"
 #include "coupler/study/step_choice.hpp"
 
 namespace ricochet::coupler {
@@ -153,11 +154,12 @@ Planned plan_scene(const GivenScene& given, Announcer& announcer) {
 
 }  // namespace
 
-void run_scene(const GivenScene& given, const std::string& out) {
+void run_scene(const GivenScene& given, const std::string& out, bool with_error_bars) {
   auto [problem, plan] = [&] {
     Announcer announcer;
     return plan_scene(given, announcer);
   }();
+  if (with_error_bars) require_companions(problem.scene);
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(given.path).stem().string();
   auto files = files_of_run(problem.scene);
@@ -172,6 +174,10 @@ void run_scene(const GivenScene& given, const std::string& out) {
     plan = scene::plan(problem);
   }
   run_accepted(problem, std::move(plan), executables, results, {});
+  if (!with_error_bars) return;
+  std::fflush(stdout);
+  fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results)));
+  try_report(results.path());
 }
 
 void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s,

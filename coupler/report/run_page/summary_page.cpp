@@ -9,6 +9,7 @@
 #include "coupler/report/parts/history_table.hpp"
 #include "coupler/report/parts/quantity.hpp"
 #include "coupler/report/parts/text.hpp"
+#include "coupler/report/run_page/error_bars.hpp"
 
 namespace ricochet::report {
 namespace {
@@ -217,7 +218,8 @@ std::string tables_html(const Json& summary) {
       summary.contains("theory")
           ? "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n<tbody>\n"
           : "<table>\n<thead><tr><th></th><th colspan=\"3\">computed</th></tr></thead>\n<tbody>\n";
-  text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n";
+  text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n" +
+          error_bars_html(summary);
   text +=
       "<table class=\"processes\">\n<thead><tr><th>process</th><th>role</th><th>transport</th><th>wall [s]</th>"
       "<th>compute [s]</th><th>wait [s]</th><th>waited for [s]</th></tr></thead>\n<tbody>\n";

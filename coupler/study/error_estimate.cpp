@@ -1,0 +1,274 @@
+#include "coupler/study/error_estimate.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
+#include "coupler/report/parts/history_table.hpp"
+#include "coupler/report/run_page/summary_page.hpp"
+#include "coupler/study/error_bar.hpp"
+#include "coupler/study/study_case.hpp"
+
+namespace ricochet::coupler {
+namespace {
+
+using report::Json;
+using scene::Override;
+using Values = std::map<std::string, double>;
+
+/// "QUANTITY/CONTACT" of each of several contacts.
+void add_contact_values(const Json& contact, const std::string& suffix, Values& values) {
+  for (const char* key : {"peak_contact_force_n", "contact_impulse_n_s", "separation_time_s"}) {
+    if (const auto value = report::number(contact, key)) values[key + suffix] = *value;
+  }
+  const auto first = report::number(contact, "first_contact_s"), last = report::number(contact, "separation_time_s");
+  if (first && last) values["contact_duration_s" + suffix] = *last - *first;
+}
+
+/// The quantities of a run that have error bars, by their names.
+Values values_of(const std::string& folder) {
+  const Json summary = report::read_summary(folder + "/summary.json");
+  Values values;
+  if (report::number(summary, "first_contact_s")) add_contact_values(summary, "", values);
+  const Json contacts = summary.value("contacts", Json::object());
+  for (const auto& [name, contact] : contacts.items()) add_contact_values(contact, "/" + name, values);
+  if (const auto stress = report::number(summary, "plateau_stress_pa")) values["plateau_stress_pa"] = *stress;
+  const auto history = report::read_history(folder + "/history.csv");
+  const std::string column = "velocity_mean_";
+  for (std::size_t c = 0; c < history.names.size(); ++c) {
+    const auto& name = history.names[c];
+    if (name.rfind(column, 0) == 0 && !history.columns[c].empty())
+      values["rebound_velocity_" + name.substr(column.size())] = history.columns[c].back();
+  }
+  return values;
+}
+
+/// A run beside the one whose error is estimated.
+struct Companion {
+  std::string what, error;  ///< error: empty, or why there are no values
+  double wall_s = 0.0;
+  Values values;
+  [[nodiscard]] std::optional<double> value(const std::string& quantity) const {
+    const auto found = values.find(quantity);
+    return found == values.end() ? std::nullopt : std::optional(found->second);
+  }
+};
+
+class Companions {
+ public:
+  Companions(const scene::Scene& scene, std::string folder) : scene_(scene), folder_(std::move(folder)) {}
+
+  /// Those that failed are named, too.
+  Companion compute(const std::string& what, const std::vector<Override>& changes) {
+    StudyCase run(scene_.path, changes, folder_);
+    if (!run.failed() && run.repeats() == 0) run.compute();
+    Companion companion{what, run.error(), 0.0, {}};
+    if (!run.failed()) {
+      companion.wall_s = run.costs().front().wall_s;
+      companion.values = values_of(run.folder() + "/1");
+    }
+    return all_.emplace_back(std::move(companion));
+  }
+  [[nodiscard]] const std::vector<Companion>& all() const { return all_; }
+
+ private:
+  const scene::Scene& scene_;
+  std::string folder_;
+  std::vector<Companion> all_;
+};
+
+/// Every element `factor` times as long along each coordinate, rounded towards longer ones, which a longer step
+/// suits. Empty: a mesh of Gmsh.
+std::optional<std::vector<Override>> coarser(const scene::Scene& scene, int factor) {
+  std::vector<Override> changes;
+  for (const auto& body : scene.bodies) {
+    const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
+    if (mesh == nullptr) return {};
+    const auto count = [factor](int elements) { return static_cast<double>(std::max(1, elements / factor)); };
+    const std::string key = fmt::format("body.{}.mesh.elements", body.name);
+    if (scene.model == scene::Model::bar) {
+      changes.push_back({key, count(mesh->elements_along)});
+    } else if (scene.model == scene::Model::solid && !mesh->cylinder) {
+      changes.push_back(
+          {key, std::vector{count(mesh->elements_across), count(mesh->elements_wide), count(mesh->elements_along)}});
+    } else {
+      changes.push_back({key, std::vector{count(mesh->elements_across), count(mesh->elements_along)}});
+    }
+  }
+  return changes;
+}
+
+std::vector<Override> with(std::vector<Override> changes, const std::vector<Override>& more) {
+  changes.insert(changes.end(), more.begin(), more.end());
+  return changes;
+}
+
+std::vector<Override> other_law(const scene::Scene& scene) {
+  std::vector<Override> changes;
+  const bool massless = scene.massless_contact();
+  for (const auto& contact : scene.contacts)
+    changes.push_back({contact.key() + ".multiplier_update", std::string(massless ? "trapezoidal_reset" : "massless")});
+  return changes;
+}
+
+/// What the companions say of each quantity, whichever of them there are.
+struct Estimate {
+  Companions companions;
+  std::map<std::string, QuantityLevels> levels;
+
+  void take(const Companion& from, std::optional<double> QuantityLevels::*level,
+            const std::vector<std::string>& parts) {
+    for (auto& [name, of] : levels) {
+      of.*level = from.value(name);
+      if (of.*level) continue;
+      const std::string reason = from.error.empty() ? "not a result of: " + from.what : from.what + ": " + from.error;
+      for (const auto& part : parts) of.missing.emplace(part, reason);
+    }
+  }
+  void unknown(const std::vector<std::string>& parts, const std::string& reason) {
+    for (auto& [name, of] : levels)
+      for (const auto& part : parts) of.missing.emplace(part, reason);
+  }
+};
+
+/// On the level 2h: what other methods make of it.
+void compare_methods(const scene::Scene& scene, const std::vector<Override>& coarse, Estimate& estimate) {
+  auto& runs = estimate.companions;
+  if (scene.coupling.protocol.layout == scene::Layout::hybrid) {
+    const auto baseline = with(coarse, {{"coupling.protocol", std::string("all_implicit")}});
+    estimate.take(runs.compute("elements and step doubled, all_implicit", baseline), &QuantityLevels::coarse_baseline,
+                  {"coupling"});
+  }
+  if (!scene.contacts.empty() && scene.contact_law().enforcement == scene::Enforcement::multiplier) {
+    estimate.take(runs.compute("elements and step doubled, other contact law", with(coarse, other_law(scene))),
+                  &QuantityLevels::coarse_law, {"contact_law"});
+  } else {
+    estimate.unknown({"contact_law"}, "no contact, or a penalty, beside which there is no second law");
+  }
+}
+
+/// False if the first companion fails, as where an element cannot be twice as wide.
+bool estimate_by_meshes(const scene::Scene& scene, double step_s, Estimate& estimate) {
+  const auto coarse = *coarser(scene, 2);
+  const auto both = with(coarse, {{"time.step_s", 2.0 * step_s}});
+  auto& runs = estimate.companions;
+  const auto first = runs.compute("elements and step doubled", both);
+  estimate.take(first, &QuantityLevels::coarse, {"total", "space", "coupling", "contact_law"});
+  if (!first.error.empty()) return false;
+  estimate.take(
+      runs.compute("elements and step four times as long", with(*coarser(scene, 4), {{"time.step_s", 4.0 * step_s}})),
+      &QuantityLevels::coarsest, {"total", "time", "space", "coupling", "contact_law"});
+  estimate.take(runs.compute("elements doubled", with(coarse, {{"time.step_s", step_s}})), &QuantityLevels::coarse_mesh,
+                {"time", "space"});
+  compare_methods(scene, both, estimate);
+  return true;
+}
+
+/// Twice the step costs half as much; where it is refused or unstable, half of it.
+void estimate_by_steps(double step_s, Estimate& estimate) {
+  estimate.unknown({"total", "space"}, "a Gmsh mesh has no coarser one");
+  estimate.unknown({"coupling", "contact_law"}, "on a Gmsh mesh the companion would cost as much as the run");
+  auto& runs = estimate.companions;
+  const auto longer = runs.compute("step doubled", {{"time.step_s", 2.0 * step_s}});
+  if (longer.error.empty()) {
+    estimate.take(longer, &QuantityLevels::double_step, {"time"});
+  } else {
+    estimate.take(runs.compute("step halved", {{"time.step_s", 0.5 * step_s}}), &QuantityLevels::half_step, {"time"});
+  }
+}
+
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json json_of(double value, const ErrorBar& bar) {
+  return {{"value", value},
+          {"total", json_of(bar.total)},
+          {"time", json_of(bar.time)},
+          {"space", json_of(bar.space)},
+          {"coupling", json_of(bar.coupling)},
+          {"contact_law", json_of(bar.contact_law)},
+          {"order", json_of(bar.order)},
+          {"found", bar.found},
+          {"unknown", bar.unknown}};
+}
+
+std::string line_of(const std::string& name, double value, const ErrorBar& bar) {
+  const auto text = [](const std::optional<double>& x) { return x ? fmt::format("{:.2g}", *x) : "unknown"; };
+  return fmt::format("  {:<32} {:.5g} ± {:<8} time {}, space {}, coupling {}, contact law {}; {}\n", name, value,
+                     text(bar.total), text(bar.time), text(bar.space), text(bar.coupling), text(bar.contact_law),
+                     bar.order ? fmt::format("order {:.2g}", *bar.order) : bar.found);
+}
+
+/// The run's own values, before any companion.
+std::map<std::string, QuantityLevels> levels_of(const std::string& folder, const scene::Scene& scene, double step_s) {
+  std::map<std::string, QuantityLevels> all;
+  for (const auto& [name, value] : values_of(folder)) {
+    auto& levels = all[name];
+    levels.run = value;
+    levels.hybrid = scene.coupling.protocol.layout == scene::Layout::hybrid;
+    const bool is_time = name.rfind("separation_time_s", 0) == 0 || name.rfind("contact_duration_s", 0) == 0;
+    if (is_time) levels.floor = 3.0 * step_s;  // begin and end of a contact are each known to a window
+  }
+  return all;
+}
+
+Json block_of(const std::vector<Companion>& companions) {
+  Json block{{"wall_s", 0.0}, {"companions", Json::array()}, {"quantities", Json::object()}};
+  double wall_s = 0.0;
+  for (const auto& run : companions) {
+    block["companions"].push_back({{"what", run.what}, {"wall_s", run.wall_s}, {"error", run.error}});
+    wall_s += run.wall_s;
+  }
+  block["wall_s"] = wall_s;
+  return block;
+}
+
+}  // namespace
+
+void require_companions(const scene::Scene& scene) {
+  const auto refuse = [&scene](const std::string& found, const std::string& allowed) {
+    throw ConfigError(fmt::format("{}: --estimate-error: found {}; allowed: {}", scene.path, found, allowed));
+  };
+  const std::string whole = "bodies and participants of ricochet alone, whose mesh and step it can change";
+  for (const auto& body : scene.foreign_bodies) refuse(fmt::format("the foreign body '{}'", body.name), whole);
+  for (const auto& participant : scene.participants) {
+    if (participant.foreign())
+      refuse(fmt::format("participant '{}', a program of somebody else's", participant.name), whole);
+    if (participant.start == scene::Start::by_hand)
+      refuse(fmt::format("participant '{}', started by hand", participant.name), "participants that ricochet starts");
+  }
+  if (!scene.time.changes.empty()) refuse("time.changes", "one step for the whole run");
+}
+
+std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results) {
+  Estimate estimate{{scene, results.file("accuracy")}, levels_of(results.path(), scene, step_s)};
+  if (!coarser(scene, 2) || !estimate_by_meshes(scene, step_s, estimate)) estimate_by_steps(step_s, estimate);
+  Json block = block_of(estimate.companions.all());
+  std::string text;
+  std::set<std::string> reasons;
+  for (const auto& [name, levels] : estimate.levels) {
+    const auto bar = error_bar(levels);
+    block["quantities"][name] = json_of(levels.run, bar);
+    text += line_of(name, levels.run, bar);
+    for (const auto& [part, reason] : bar.unknown) reasons.insert(part + " unknown: " + reason);
+  }
+  for (const auto& reason : reasons) text += "  " + reason + "\n";
+  Json summary = report::read_summary(results.file("summary.json"));
+  const std::string title =
+      fmt::format("error bars from {} companion runs, {:.3f} s (this run: {:.3f} s), kept in {}\n",
+                  estimate.companions.all().size(), block.at("wall_s").get<double>(),
+                  report::number(summary, "wall_s").value_or(0.0), results.file("accuracy"));
+  summary["error_bar"] = std::move(block);
+  write_atomically(results.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return title + text;
+}
+
+}  // namespace ricochet::coupler
