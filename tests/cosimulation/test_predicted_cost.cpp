@@ -105,7 +105,9 @@ TEST(PredictedCostOfImpacts, StraightAndObliqueBesideWhatIsMeasured) {
                    measured_s = measure(text, folder, "run").stepping_s;
       std::printf("%-14s %-9s %.3g/%.3g s = %.2f\n", protocol, oblique ? "oblique" : "straight", predicted_s,
                   measured_s, predicted_s / measured_s);
-      if (oblique) EXPECT_GT(predicted_s, 1.1 * straight_s) << protocol;
+      if (oblique) {
+        EXPECT_GT(predicted_s, 1.1 * straight_s) << protocol;
+      }
       straight_s = predicted_s;
     }
   }
