@@ -200,6 +200,7 @@ std::vector<std::string> probe_columns(const Scene& scene) {
     for (const auto& component : strain_names(scene.model))
       columns.push_back(fmt::format("{}.stress_{}_pa", probe.name, component));
     columns.push_back(probe.name + ".von_mises_pa");
+    if (scene.body(probe.body).material.plasticity) columns.push_back(probe.name + ".equivalent_plastic_strain");
   }
   for (const Gauge& gauge : scene.output.gauges) {
     columns.push_back(gauge.name + ".strain");

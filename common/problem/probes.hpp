@@ -32,7 +32,8 @@ struct MeasuredPlace {
 [[nodiscard]] std::vector<std::string> strain_names(Model model);
 
 /// Names of the columns of probes.csv behind the time, in its order. A probe has displacement, velocity, acceleration,
-/// strain (shear as the tensor's), stress, von Mises stress; a gauge has strain and stress along the axis.
+/// strain (shear as the tensor's), stress, von Mises stress and, where its body yields, equivalent plastic strain; a
+/// gauge has strain and stress along the axis.
 [[nodiscard]] std::vector<std::string> probe_columns(const Scene& scene);
 
 }  // namespace ricochet::scene

@@ -15,8 +15,10 @@ int local_node(const fem::Part& part, int body_node) {
   return found != part.body_node.end() && *found == body_node ? static_cast<int>(found - part.body_node.begin()) : -1;
 }
 
-bool owns(const fem::Part& part, int body_element) {
-  return std::find(part.body_element.begin(), part.body_element.end(), body_element) != part.body_element.end();
+/// -1: another participant's.
+int local_element(const fem::Part& part, int body_element) {
+  const auto found = std::find(part.body_element.begin(), part.body_element.end(), body_element);
+  return found == part.body_element.end() ? -1 : static_cast<int>(found - part.body_element.begin());
 }
 
 /// Stress of an element at a point as a matrix: its columns are the stresses of unit displacements.
@@ -47,13 +49,12 @@ Eigen::MatrixXd strain_and_stress(const scene::BodyProblem& body, const scene::S
 
 ProbeShares::ProbeShares(const scene::Problem& problem, const std::vector<BodyState>& states) {
   const auto names = scene::probe_columns(problem.scene);
-  std::size_t first = 0;
+  auto first = names.begin();
   for (const auto& place : scene::measured_places(problem)) {
-    const auto width =
-        place.gauge ? std::size_t{2}
-                    : fem::at(3 * problem.scene.components()) + 2 * scene::strain_names(problem.scene.model).size() + 1;
-    add(problem, place, states, {names.begin() + std::ptrdiff_t(first), names.begin() + std::ptrdiff_t(first + width)});
-    first += width;
+    const auto of_another = [&](const std::string& name) { return name.substr(0, name.find('.')) != place.name; };
+    const auto last = std::find_if(first, names.end(), of_another);
+    add(problem, place, states, {first, last});
+    first = last;
   }
 }
 
@@ -72,6 +73,14 @@ void ProbeShares::add_motion(const scene::BodyProblem& body, const scene::Strain
   if (!motion.nodes.empty()) told.motion.push_back(std::move(motion));
 }
 
+void ProbeShares::add_plastic(const std::vector<scene::StrainPoint>& points, const scene::BodyProblem& body,
+                              const BodyState& state, Strained& strained) {
+  if (!state.plastic) return;
+  for (const auto& point : points)
+    strained.plastic.emplace_back(local_element(state.part, point.element),
+                                  point.share * body.material.youngs_modulus_pa);
+}
+
 /// The element that holds the probe.
 void ProbeShares::add_strain_of_probe(const scene::BodyProblem& body, const scene::StrainPoint& point, std::size_t part,
                                       const BodyState& state, Told& told) {
@@ -80,6 +89,7 @@ void ProbeShares::add_strain_of_probe(const scene::BodyProblem& body, const scen
   for (const int node : body.mesh.elements[fem::at(point.element)]) {
     for (int c = 0; c < components; ++c) strained.dofs.push_back(local_node(state.part, node) * components + c);
   }
+  add_plastic({point}, body, state, strained);
   told.strains.push_back(std::move(strained));
 }
 
@@ -105,6 +115,7 @@ void ProbeShares::add_strain_of_gauge(const scene::BodyProblem& body, const std:
     strained.rows.col(static_cast<Eigen::Index>(strained.dofs.size())) = share;
     strained.dofs.push_back(dof);
   }
+  add_plastic(points, body, state, strained);
   told.strains.push_back(std::move(strained));
 }
 
@@ -119,7 +130,7 @@ void ProbeShares::add(const scene::Problem& problem, const scene::MeasuredPlace&
     if (!place.gauge) add_motion(body, place.points.front(), part, state, told, motion_share);
     std::vector<scene::StrainPoint> own;
     for (const auto& point : place.points) {
-      if (owns(state.part, point.element)) own.push_back(point);
+      if (local_element(state.part, point.element) >= 0) own.push_back(point);
     }
     for (const auto& point : own) strain_share += point.share;
     if (own.empty()) continue;
@@ -141,10 +152,14 @@ Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState
   Eigen::VectorXd u(static_cast<Eigen::Index>(strained.dofs.size()));
   for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = state.u[strained.dofs[static_cast<std::size_t>(i)]];
   Eigen::VectorXd values = strained.rows * u;
-  if (!strained.von_mises) return values;
-  const fem::StressVector stress = values.tail(values.size() / 2);
-  values.conservativeResize(values.size() + 1);
-  values[values.size() - 1] = fem::von_mises_stress(state.part.mesh.model, stress);
+  const auto stresses = values.size() / 2;
+  for (const auto& [element, factor_pa] : strained.plastic)
+    values[stresses] -= factor_pa * state.plastic->strain[element];
+  if (!strained.probe) return values;
+  const fem::StressVector stress = values.tail(stresses);
+  values.conservativeResize(values.size() + (strained.plastic.empty() ? 1 : 2));
+  values[2 * stresses] = fem::von_mises_stress(state.part.mesh.model, stress);
+  for (const auto& plastic : strained.plastic) values[2 * stresses + 1] = state.plastic->equivalent[plastic.first];
   return values;
 }
 

@@ -251,6 +251,44 @@ length_m = 0.004
   EXPECT_NEAR(mean(table, "gauge.strain", 4.2e-4, 4.5e-4), strain, 2e-3 * std::abs(strain)) << "in two processes";
 }
 
+/// A bar that is pulled to 1 % and pushed back to 0.5 % yields once: E = 1 GPa, 4 MPa, H = 0.1 GPa.
+TEST(Probe, OfABarThatYieldsTellsItsStressAndItsPlasticStrain) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(R"(model = "bar"
+[[body]]
+name = "rod"
+material = { youngs_modulus_pa = 1e9, density_kg_m3 = 1000.0, plasticity = { yield_stress_pa = 4e6, hardening_pa = 1e8 } }
+mesh = { length_m = 1.0, elements = 4 }
+area_m2 = 1e-4
+support = [{ surface = "start", fixed = ["x"] }]
+prescribed = [{ surface = "end", component = "x", displacement_m = 0.01, amplitude = { time_s = [0.0, 0.5, 0.75, 1.0], factor = [0.0, 1.0, 0.5, 0.5] } }]
+[time]
+step_s = 2e-4
+end_s = 0.75
+[coupling]
+protocol = "all_explicit"
+[output]
+probes_every = 25
+[[output.probe]]
+name = "p"
+body = "rod"
+at_m = [0.6]
+[[output.gauge]]
+name = "g"
+body = "rod"
+section_m = 0.5
+length_m = 0.3
+)",
+                                 folder);
+  const History table = probes(run);
+  const double plastic = (0.01 * 1e9 - 4e6) / 1.1e9, stress_pa = 1e9 * (0.005 - plastic);
+  EXPECT_NEAR(table.at("p.equivalent_plastic_strain").back(), plastic, 5e-3 * plastic);
+  for (const char* column : {"p.stress_xx_pa", "g.stress_pa"})
+    EXPECT_NEAR(table.at(column).back(), stress_pa, 0.01 * 4e6) << column;
+  EXPECT_EQ(table.at("p.von_mises_pa").back(), std::abs(table.at("p.stress_xx_pa").back()));
+  for (const char* column : {"p.strain_xx", "g.strain"}) EXPECT_NEAR(table.at(column).back(), 0.005, 1e-4) << column;
+}
+
 /// v_{n+1} - v_n = (a_n + a_{n+1}) / 2 dt, explicit, implicit, and from one to the other. Where the integration changes
 /// a shared node has two accelerations: by the force that the link predicted, with which the window before ended, and
 /// by that of the accepted displacement.
