@@ -9,14 +9,14 @@ namespace ricochet::coupler {
 /// One quantity as the runs of an error estimate have it [its unit]; empty: that run has no such value, and `missing`
 /// may say why, by the names below.
 struct QuantityLevels {
-  double run = 0.0;                                   ///< mesh h, step Dt
-  std::optional<double> coarse, coarsest;             ///< 2h and 2 Dt; 4h and 4 Dt
-  std::optional<double> coarse_mesh;                  ///< 2h, Dt
-  std::optional<double> coarse_baseline, coarse_law;  ///< 2h and 2 Dt, all_implicit; the other contact law
-  std::optional<double> double_step, half_step;       ///< h: where the mesh cannot be coarsened
-  bool hybrid = true;                                 ///< no coupling has no error
-  double floor = 0.0;                                 ///< the bar is never below it: three windows, of times
-  std::map<std::string, std::string> missing;         ///< by the names of the parts
+  double run = 0.0;                                       ///< mesh h, step Dt
+  std::optional<double> coarse{}, coarsest{};             ///< 2h and 2 Dt; 4h and 4 Dt
+  std::optional<double> coarse_mesh{};                    ///< 2h, Dt
+  std::optional<double> coarse_baseline{}, coarse_law{};  ///< 2h and 2 Dt, all_implicit; the other contact law
+  std::optional<double> double_step{}, half_step{};       ///< h: where the mesh cannot be coarsened
+  bool hybrid = true;                                     ///< no coupling has no error
+  double floor = 0.0;                                     ///< the bar is never below it: three windows, of times
+  std::map<std::string, std::string> missing{};           ///< by the names of the parts
 };
 
 /// How far the run's value may be from that of an endlessly fine mesh and step [unit of the quantity]. Empty: unknown,
