@@ -79,8 +79,9 @@ TEST(BodiesPicture, SaysWhoLeftNothingToDraw) {
   const RunResult run = run_text(config_text("two_bars"), folder);
   std::filesystem::remove(run.folder + "/fields/explicit.shapes.json");
   EXPECT_EQ(run_command({ricochet_binary(), "report", run.folder}, folder.path().string()).code, 0);
-  EXPECT_THAT(file_text(run.folder + "/report.html"),
-              testing::HasSubstr("The elements of 'explicit' are not drawn: it left no fields/explicit.shapes.json."));
+  EXPECT_THAT(
+      file_text(run.folder + "/report.html"),
+      testing::HasSubstr("The elements of &#39;explicit&#39; are not drawn: it left no fields/explicit.shapes.json."));
 }
 
 TEST(BodiesPicture, OfAFormerRunIsRemovedByTheNext) {

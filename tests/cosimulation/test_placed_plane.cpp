@@ -21,7 +21,7 @@ std::string flying_block(const Turn& turn, const std::string& protocol, const st
          "density_kg_m3 = 8000.0 }\nmesh = { gmsh = \"block.msh\" }\ninitial_velocity_m_s = " +
          list_of(turn.of({0.0, 0.0, -2.0})) +
          "\n[contact]\nsurfaces = [\"block.start\", \"rigid_plane\"]\nrigid_place_m = " +
-         list_of(turn.of({0.3, -0.2, -2e-5})) + "\nnormal = " + list_of(turn.of({0.0, 0.0, -1.0})) + "\n" + more +
+         list_of(turn.of({0.3, -0.2, -2.13e-5})) + "\nnormal = " + list_of(turn.of({0.0, 0.0, -1.0})) + "\n" + more +
          "[time]\nstep_s = 1e-7\nend_s = 6e-5\n[output]\nhistory_every = 5\n[coupling]\nprotocol = \"" + protocol +
          "\"\n";
 }

@@ -126,7 +126,8 @@ TEST(Commands, ExitCodesOfTheTableAreThoseOfTheHelp) {
 
 TEST(Commands, ARunLeavesTheFilesOfTheTable) {
   const TemporaryFolder folder;
-  const auto scene = with_key(config_text("kim_impact"), "checkpoint", "every_windows", "500");
+  const auto scene = with_key(config_text("kim_impact"), "checkpoint", "every_windows", "500") +
+                     "[[output.probe]]\nname = \"p\"\nbody = \"steel\"\nat_m = [0.001, -0.005]\n";
   const RunResult run = run_file(folder.write(scene, "kim_impact.toml"), folder);
   const std::string text = page_text("docs/commands.md");
   const std::regex row("\n\\| `([a-z_./*]+)` \\|");
@@ -139,7 +140,7 @@ TEST(Commands, ARunLeavesTheFilesOfTheTable) {
     }
     EXPECT_TRUE(exists) << (*it)[1];
   }
-  EXPECT_EQ(files, 9);
+  EXPECT_EQ(files, 10);
 }
 
 TEST(Readme, InitWritesASceneThatRuns) {

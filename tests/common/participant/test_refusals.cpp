@@ -351,9 +351,10 @@ std::string kept(std::int64_t window, std::vector<double> link, std::vector<doub
   Archive out;
   ContactStatus contact;
   std::string own;
+  std::vector<double> probe_rows;
   double drift = 0.0;
   WindowClock clock = size_s;
-  out(window, window, link, link, drift, contact, rows, stress_rows, force_rows, contacts, clock, own);
+  out(window, window, link, link, drift, contact, rows, stress_rows, probe_rows, force_rows, contacts, clock, own);
   return out.take();
 }
 

@@ -309,14 +309,14 @@ std::set<std::string> set_of(const std::vector<std::string>& names) { return {na
 TEST(HistoryFile, ColumnsAreThoseOfTheResultsPage) {
   const auto written =
       history_columns({.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true, .yields = true});
-  EXPECT_EQ(columns_of_page("## history.csv", "## summary.json"), set_of(written));
+  EXPECT_EQ(columns_of_page("## history.csv", "## probes.csv"), set_of(written));
 }
 
 /// A column without a body is one of the contact's owner, or the work of a link.
 TEST(HistoryFile, ColumnsOfTheContactAreThoseOfTheResultsPage) {
   std::set<std::string> known;
   for (const auto& [name, member] : contact_quantities) known.insert(std::string(name));
-  EXPECT_EQ(columns_of_page("### Columns of the contact", "## summary.json"), known);
+  EXPECT_EQ(columns_of_page("### Columns of the contact", "## probes.csv"), known);
 }
 
 TEST(HistoryFile, QuantitiesOfBodiesStandOnTheParticipantsPage) {
