@@ -263,7 +263,7 @@ Eigen::VectorXd force_on_faces(const Part& part, const std::string& surface, con
   Eigen::VectorXd force = Eigen::VectorXd::Zero(part.dofs());
   for (const Face& face : part.mesh.surfaces.at(surface)) {
     const FaceArea area = face_area(part.section, part.mesh, face);
-    const auto traction_pa = traction_of(face);
+    const auto& traction_pa = traction_of(face);
     for (std::size_t i = 0; i < face.size(); ++i) {
       for (int c = 0; c < dofs_per_node; ++c) force[face[i] * dofs_per_node + c] += area[i] * traction_pa[at(c)];
     }

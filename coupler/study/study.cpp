@@ -219,9 +219,9 @@ void run_study(const std::string& study_path, const std::string& out, const std:
   const GivenScene given{file.scene, set};
   if (!set.empty()) (void)given.load();  // refused before anything is written
   const std::string stem = std::filesystem::path(file.path).stem().string();
-  const ResultsDirectory results(out.empty() ? "out/" + stem : out,
-                                 {"results.csv", "study.json", "histories.csv", "report.html", "scene.toml"},
-                                 {file.path, file.scene});
+  std::vector<std::string> files{"results.csv", "study.json", "histories.csv", "report.html"};
+  if (!set.empty()) files.push_back("scene.toml");
+  const ResultsDirectory results(out.empty() ? "out/" + stem : out, files, {file.path, file.scene});
   if (!set.empty()) {
     file.scene = results.file("scene.toml");
     scene::write_variant(given.path, given.changes(), file.scene);

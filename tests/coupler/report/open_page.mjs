@@ -92,7 +92,8 @@ async function expectDeformedBodies(page) {
     expect((await pictureOf(page)).hash !== first.hash, "the section cuts nothing");
     await section.selectOption("none");
   }
-  await page.getByLabel("time", { exact: true }).fill("0");
+  const time = page.getByLabel("time", { exact: true });
+  await time.fill((await time.inputValue()) === "0" ? await time.getAttribute("max") : "0");
   expect((await pictureOf(page)).hash !== first.hash, "another time has the same picture");
   await page.setViewportSize({ width: 390, height: 800 });
   await page.waitForFunction(() => bodyViewer.width < 390);
