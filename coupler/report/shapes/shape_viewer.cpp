@@ -20,7 +20,8 @@ namespace {
 /// Where the colours end, and the stress that is largest.
 struct StressScale {
   double high_pa = 1;
-  double largest_pa = 0, largest_s = 0;
+  double largest_pa = 0;
+  std::size_t largest_window = 0;  ///< of the kept times
 };
 
 /// Ends at a stress that all but one in two hundred cells stay below, where the largest is much larger: the corner of a
@@ -34,7 +35,7 @@ StressScale stress_scale(const Shapes& shapes) {
         sizes.push_back(std::abs(stress));
         if (std::abs(stress) <= std::abs(scale.largest_pa)) continue;
         scale.largest_pa = stress;
-        scale.largest_s = shapes.times_s[w];
+        scale.largest_window = w;
       }
     }
   }
@@ -90,30 +91,12 @@ Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<Ce
       {"body", piece.body}, {"cell", packed(cells)}, {"edge", packed(edges)}, {"place", places}, {"stress", stresses}};
 }
 
-/// Which of the kept times is nearest to the largest contact force; the last one if there is no force.
-std::size_t window_of_peak(const Shapes& shapes, const HistoryTable& history) {
-  const auto* force = history.find("contact_force_n");
-  double peak = 0, peak_s = std::numeric_limits<double>::infinity();
-  for (std::size_t row = 0; force && row < history.rows(); ++row) {
-    if (!((*force)[row] > peak)) continue;
-    peak = (*force)[row];
-    peak_s = history.columns[0][row];
-  }
-  if (!std::isfinite(peak_s)) return shapes.times_s.size() - 1;
-  const auto nearest = std::min_element(shapes.times_s.begin(), shapes.times_s.end(), [&](double a, double b) {
-    return std::abs(a - peak_s) < std::abs(b - peak_s);
-  });
-  return static_cast<std::size_t>(nearest - shapes.times_s.begin());
-}
-
-Json data_of(const Shapes& shapes, const HistoryTable& history, const Magnification& magnification,
-             const StressScale& scale) {
+Json data_of(const Shapes& shapes, const Magnification& magnification, const StressScale& scale) {
   const auto looks = cell_looks(shapes);
   const auto unit = display_unit(scale.high_pa, "Pa");
-  Json data = {{"model", shapes.model},        {"first", window_of_peak(shapes, history)},
-               {"times", Json::array()},       {"high_pa", scale.high_pa},
-               {"stress_factor", unit.factor}, {"stress_unit", unit.name},
-               {"bodies", Json::array()},      {"pieces", Json::array()}};
+  Json data = {{"model", shapes.model},    {"first", scale.largest_window}, {"times", Json::array()},
+               {"high_pa", scale.high_pa}, {"stress_factor", unit.factor},  {"stress_unit", unit.name},
+               {"bodies", Json::array()},  {"pieces", Json::array()}};
   data["stress"] = shapes.model == "bar" ? "axial stress" : "von Mises stress";
   for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
   for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
@@ -148,7 +131,7 @@ std::string note_of(const Shapes& shapes, const Magnification& magnification, co
   if (shapes.model == "solid") note += " Of solids the surface is kept: a section shows it from inside.";
   if (std::abs(scale.largest_pa) > scale.high_pa) {
     note += fmt::format(" The largest stress, {} at {}, lies beyond the colours.", quantity(scale.largest_pa, "Pa", 4),
-                        quantity(scale.largest_s, "s", 4));
+                        quantity(shapes.times_s[scale.largest_window], "s", 4));
   }
   for (const auto& text : shapes.missing) note += " " + text;
   return note;
@@ -173,7 +156,7 @@ std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable
   const auto magnification = magnification_of(shapes, windows, first_contact_s, first_gap_m);
   const auto scale = stress_scale(shapes);
   ShapeViewer viewer;
-  viewer.data = data_of(shapes, history, magnification, scale);
+  viewer.data = data_of(shapes, magnification, scale);
   viewer.scripts = scripts_of(viewer.data);
   viewer.html = fmt::format(
       "<figure>\n<figcaption><h2>Deformed bodies: {} at {} times</h2><p>{}</p></figcaption>\n"

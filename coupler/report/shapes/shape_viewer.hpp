@@ -15,7 +15,7 @@ struct ShapeViewer {
   Json data;            ///< these bodies, see data_of
 };
 
-/// None if there is nothing to draw. `history`: for the first gap and which time is nearest to the largest force.
+/// None if there is nothing to draw. `history`: for the first gap.
 /// `first_contact_s`: nan if there was none.
 [[nodiscard]] std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable& history,
                                                       double first_contact_s);
