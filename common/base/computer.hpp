@@ -4,7 +4,7 @@
 
 namespace ricochet {
 
-/// What last bits depend on besides the programs. Empty: not to be found.
+/// Last bits depend on these besides the programs. Empty: not to be found.
 struct Computer {
   std::string processor;  ///< the model as /proc/cpuinfo has it
   std::string blas;       ///< OpenBLAS as it names itself, or the file of another library with dgemm_

@@ -28,7 +28,7 @@ struct BodyTotals {
   /// Else 0, which nobody tells of.
   double angular_momentum_x_kg_m2_s = 0.0, angular_momentum_y_kg_m2_s = 0.0, angular_momentum_z_kg_m2_s = 0.0;
   double angular_impulse_x_kg_m2_s = 0.0, angular_impulse_y_kg_m2_s = 0.0, angular_impulse_z_kg_m2_s = 0.0;
-  /// Of bodies that yield, told of them alone; elements keep them, so that they are in no archive.
+  /// Bodies that yield tell these two; their elements keep them, so that they are in no archive.
   double plastic_work_j = 0.0;
   double equivalent_plastic_strain_max = 0.0;  ///< of all elements: the largest, not a sum
 
@@ -93,7 +93,7 @@ inline constexpr std::array<Quantity<BodyTotals>, 17> body_quantities = {{
     {"angular_impulse_z_kg_m2_s", &BodyTotals::angular_impulse_z_kg_m2_s},
 }};
 
-/// Of bodies that yield, after those.
+/// Bodies that yield tell these after those.
 inline constexpr std::array<Quantity<BodyTotals>, 2> plastic_quantities = {{
     {"plastic_work_j", &BodyTotals::plastic_work_j},
     {"equivalent_plastic_strain_max", &BodyTotals::equivalent_plastic_strain_max},

@@ -9,7 +9,7 @@
 /// Result files that ParaView opens.
 namespace ricochet::fem {
 
-/// Of the bars of a part that yields, a number per element; null of a part that does not.
+/// A number per element of a part that yields; null where the part does not.
 struct PlasticStrain {
   const Eigen::VectorXd* strain = nullptr;
   const Eigen::VectorXd* equivalent = nullptr;

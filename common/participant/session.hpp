@@ -121,7 +121,7 @@ class Session {
        fields_due_ = false;  ///< put off
   bool moves_ = false;       ///< driven by force: answers displacement, velocity, acceleration
   int nodes_ = 0;
-  /// Of history, axial stress, probes, contact forces; not sent yet.
+  /// Rows of history, axial stress, probes, contact forces; not sent yet.
   std::vector<double> rows_, stress_rows_, probe_rows_, force_rows_;
   std::int64_t force_columns_ = -1;  ///< contacts whose forces it tells; < 0: not known yet
   std::vector<double> spans_;        ///< window, begin, end of each computing span

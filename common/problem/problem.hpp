@@ -20,7 +20,7 @@ namespace ricochet::scene {
 struct ContactPair {
   int node_a = -1;  ///< of body_a's mesh
   int patch = 0;    ///< smooth piece of that surface: a node between two has a pair for each
-  /// Of the other surface: one node at the same place, several where meshes differ; of what is rigid none.
+  /// Nodes of the other surface: one at the same place, several where meshes differ, none of what is rigid.
   std::vector<WeightedNode> b;
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
   double gap0_m = 0.0;                    ///< initial gap >= 0

@@ -121,7 +121,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// What stands behind the '=', as TOML has it; nothing if TOML has no such value.
+/// The value behind the '=', as TOML has it; nothing if TOML has no such value.
 std::optional<Toml> toml_value(const std::string& text) {
   try {
     return parse_toml("--set", "value = " + text).at("value");

@@ -7,7 +7,7 @@
 
 namespace ricochet::solver {
 
-/// What the bars of a part remember of how they have yielded, a number per element, and the work that took.
+/// The bars of a part remember how they have yielded, a number per element, and the work that took.
 struct PlasticState {
   explicit PlasticState(std::size_t elements = 0)
       : strain(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(elements))), equivalent(strain), stress_pa(strain) {}

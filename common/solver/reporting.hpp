@@ -18,7 +18,7 @@
 
 namespace ricochet::solver {
 
-/// What a shipped solver tells of its bodies beside the answers to the link: stress on the axis, probes and gauges,
+/// A shipped solver tells this of its bodies beside the answers to the link: stress on the axis, probes and gauges,
 /// what left the model, outlines, pictures, and how its contact stands. `states`: always the same whole parts.
 class Reporting {
  public:

@@ -8,7 +8,7 @@
 
 namespace ricochet::coupler {
 
-/// What a command is given: a scene file, and the arguments of --set, "KEY=VALUE", that change keys of it.
+/// A command is given this: a scene file, and the arguments of --set, "KEY=VALUE", that change keys of it.
 struct GivenScene {
   std::string path;
   std::vector<std::string> set{};

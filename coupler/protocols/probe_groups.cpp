@@ -21,7 +21,7 @@ struct Interface {
   [[nodiscard]] double distance(Eigen::Index a, Eigen::Index b) const { return (place.row(a) - place.row(b)).norm(); }
 };
 
-/// Of every node to the nearest other one.
+/// Distance of every node to the nearest other one [m].
 std::vector<double> spacings(const Interface& interface) {
   std::vector<double> spacing;
   for (Eigen::Index a = 0; a < interface.nodes(); ++a) {

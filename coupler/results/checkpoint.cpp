@@ -99,6 +99,7 @@ std::string CheckpointFolder::part(std::int64_t window, const std::string& parti
 
 void CheckpointFolder::write(const Checkpoint& checkpoint) const {
   const auto window = checkpoint.window;
+  const Computer computer = this_computer();
   Json json = {{"format", format_version},
                {"ricochet", RICOCHET_VERSION},
                {"scene", checkpoint.scene_path},
@@ -112,8 +113,8 @@ void CheckpointFolder::write(const Checkpoint& checkpoint) const {
                {"wall_s", checkpoint.wall_s},
                {"cpu_s", checkpoint.cpu_s},
                {"stepping_s", checkpoint.stepping_s},
-               {"processor", this_computer().processor},
-               {"blas", this_computer().blas},
+               {"processor", computer.processor},
+               {"blas", computer.blas},
                {"coupler", told("", checkpoint.coupler)},
                {"parts", Json::array()}};
   std::error_code error;

@@ -288,8 +288,9 @@ std::string to_json(const Summary& s, const Tally& tally) {
   json["scene_sha256"] = s.scene_sha256;
   json["run_id"] = s.run_id;
   json["version"] = RICOCHET_VERSION;
-  json["processor"] = this_computer().processor;
-  json["blas"] = this_computer().blas;
+  const Computer computer = this_computer();
+  json["processor"] = computer.processor;
+  json["blas"] = computer.blas;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

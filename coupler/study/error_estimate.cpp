@@ -120,7 +120,7 @@ std::vector<Override> other_law(const scene::Scene& scene) {
   return changes;
 }
 
-/// What the companions say of each quantity, whichever of them there are.
+/// The companions say this of each quantity, whichever of them there are.
 struct Estimate {
   Companions companions;
   std::map<std::string, QuantityLevels> levels;

@@ -46,7 +46,7 @@ protocol = "{}"
                      impact.participants, impact.more);
 }
 
-/// What follows the elastic precursor of yield_pa: a second front of the speed c_p, behind which the bar rests.
+/// Behind the elastic precursor of yield_pa comes a second front of the speed c_p, behind which the bar rests.
 struct Plateau {
   double speed_m_s = std::sqrt(young_pa * hardening_pa / (young_pa + hardening_pa) / density);
   double stress_pa = yield_pa + density * speed_m_s * (plastic::speed_m_s - yield_pa / (density * sound_m_s));

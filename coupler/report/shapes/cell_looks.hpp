@@ -9,7 +9,7 @@ namespace ricochet::report {
 
 enum class EdgeKind : unsigned char { none, inner, outline };
 
-/// What is to be drawn of each cell of each piece, apart from where it is.
+/// How each cell of each piece is drawn, apart from where it is.
 struct CellLook {
   bool hidden = false;              ///< the face of a solid that another piece of the same body has, too
   std::array<EdgeKind, 4> edges{};  ///< from corner i to the next
