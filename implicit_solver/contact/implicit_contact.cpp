@@ -302,9 +302,14 @@ void ImplicitContact::accept() {
   state_.unconverged += trial_.solution.residual > solver::converged_contact_residual;
 }
 
-void ImplicitContact::open() {
-  state_.solution = trial_.solution = root_->open();
+void ImplicitContact::start_open() {
+  trial_.solution = root_->open();
   trial_.start(pairs(), by_impedance());
+}
+
+void ImplicitContact::open() {
+  start_open();
+  state_.solution = trial_.solution;
   state_.mean_forces = state_.remembered = trial_.impulse;
   state_.uneven = trial_.uneven;
   if (!massless_) return;
@@ -336,6 +341,7 @@ void ImplicitContact::restore(const State& state, const std::vector<BodyState>& 
   surface_.require_one_a_pair(static_cast<std::size_t>(state.solution.force.size()),
                               static_cast<std::size_t>(directions()));
   if (massless_) massless_->restore(*state.massless);
+  start_open();  // a flight accepts it as it stands, for as many pairs as there are now
 }
 
 const ContactRecord& ImplicitContact::report(const std::vector<BodyState>& states) {

@@ -219,6 +219,7 @@ class ImplicitContact {
   [[nodiscard]] bool has_columns() const;
   void start(solver::Compliance compliance);
   void set_root(solver::Compliance compliance);
+  void start_open();
   /// The compliance of few rows whose many degrees of freedom are not in the root.
   [[nodiscard]] Eigen::MatrixXd columns_of_products(Eigen::Index size) const;
   [[nodiscard]] Eigen::VectorXd bound_of_couplings(const std::vector<solver::BodyState>& states) const;

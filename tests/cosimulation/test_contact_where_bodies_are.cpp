@@ -108,5 +108,41 @@ TEST(DiscsThatFly, GoOnFromACheckpointToTheSameBytes) {
   expect_same_results(half, whole.folder);
 }
 
+/// In the flight after a slide that has left a pair without a partner, twice: each process begins with the pairs of the
+/// start.
+TEST(PlatesThatSlideAndFly, GoOnFromACheckpointToTheSameBytes) {
+  const TemporaryFolder folder;
+  std::string text = "model = \"plane_strain\"\n";
+  for (const auto* body : {"lower", "upper"})
+    text += fmt::format(
+                "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = 4e9, poisson_ratio = 0.25, density_kg_m3 = "
+                "1000.0 "
+                "}}\n",
+                body) +
+            (body == std::string("lower")
+                 ? "mesh = { start_m = -0.02, length_m = 0.02, height_m = 0.02, elements = [8, 16] }\n"
+                   "initial_velocity_m_s = [150.0, 5.0]\n"
+                 : "mesh = { length_m = 0.02, height_m = 0.02, elements = [12, 8] }\n");
+  text +=
+      "[partition]\nimplicit_length_m = { lower = 0.005, upper = 0.005 }\n[contact]\n"
+      "surfaces = [\"lower.end\", \"upper.start\"]\nfriction_coefficient = 0.01\n[time]\nstep_s = 2e-7\n"
+      "end_s = 4e-5\n[output]\nhistory_every = 1\n[checkpoint]\nevery_windows = 150\n";
+  const RunResult whole = run_text(text, folder);
+  ASSERT_EQ(whole.column("pairs_open").front(), 13.0);
+  ASSERT_EQ(whole.column("pairs_open").back(), 12.0);
+  const std::string half = (folder.path() / "half").string();
+  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
+  const auto windows = checkpoints_in(half);
+  ASSERT_EQ(windows.size(), 2U);
+  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
+  for (const char* until : {"3.6e-5", "4e-5"}) {
+    const auto outcome = resume(half, folder, {"--until", until});
+    ASSERT_EQ(outcome.code, 0) << outcome.error;
+  }
+  EXPECT_EQ(file_text(half + "/history.csv"), file_text(whole.folder + "/history.csv"));
+  const std::string last = fmt::format("/checkpoint/{}.implicit.state", windows.back());
+  EXPECT_EQ(file_text(half + last), file_text(whole.folder + last));
+}
+
 }  // namespace
 }  // namespace ricochet::test
