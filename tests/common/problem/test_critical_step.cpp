@@ -25,7 +25,7 @@ BodyProblem bar_of(int elements) {
 /// A body so large that its critical step, h/c of a uniform bar with lumped mass, is found to 5e-5 only; but whatever
 /// the step, what is found falls on the side on which h/c does.
 TEST(CriticalStep, OfALargeBodyIsFoundAsExactlyAsTheStepAsksFor) {
-  constexpr int elements = 10000;
+  constexpr int elements = 3000;
   const BodyProblem body = bar_of(elements);
   const std::vector<bool> all(body.mesh.elements.size(), true);
   const double exact_s = 1.0 / elements / std::sqrt(2e11 / 8000.0);
@@ -46,7 +46,7 @@ TEST(CriticalStep, OfASmallBodyIsExact) {
 }
 
 TEST(CriticalStep, TellsAStableStepFromOneThatIsNotHoweverCloseTheyAre) {
-  for (const int elements : {200, 10000}) {
+  for (const int elements : {200, 3000}) {
     const BodyProblem body = bar_of(elements);
     const std::vector<bool> all(body.mesh.elements.size(), true);
     const double exact_s = 1.0 / elements / std::sqrt(2e11 / 8000.0);
