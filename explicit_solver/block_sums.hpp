@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "common/solver/blocks.hpp"
-#include "common/solver/body_state.hpp"
-#include "common/solver/internal_force.hpp"
+#include "common/body/blocks.hpp"
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
 
 namespace ricochet::explicit_solver {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/solver/pair_compliance.hpp"
+#include "common/contact/pair_compliance.hpp"
 
 namespace ricochet::explicit_solver {
 

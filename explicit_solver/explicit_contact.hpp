@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/base/window_clock.hpp"
-#include "common/solver/contact_surface.hpp"
-#include "common/solver/internal_force.hpp"
-#include "common/solver/massless_nodes.hpp"
-#include "common/solver/pair_compliance.hpp"
-#include "common/solver/root_problem.hpp"
-#include "common/solver/sliding_rows.hpp"
+#include "common/body/internal_force.hpp"
+#include "common/contact/contact_surface.hpp"
+#include "common/contact/massless_nodes.hpp"
+#include "common/contact/pair_compliance.hpp"
+#include "common/contact/root_problem.hpp"
+#include "common/contact/sliding_rows.hpp"
 
 /// All-explicit contact: forward-increment multiplier (Carpenter, Taylor, Katona 1991).
 ///

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/body/free_motion.hpp"
+#include "common/body/plastic_bars.hpp"
 #include "common/solver/describe.hpp"
-#include "common/solver/free_motion.hpp"
-#include "common/solver/plastic_bars.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
 

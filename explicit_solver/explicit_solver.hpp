@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/base/separation.hpp"
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 #include "common/solver/reporting.hpp"
 #include "explicit_solver/material_force.hpp"
 #include "explicit_solver/ranks.hpp"

@@ -1,6 +1,6 @@
 #include "explicit_solver/material_force.hpp"
 
-#include "common/solver/plastic_bars.hpp"
+#include "common/body/plastic_bars.hpp"
 
 namespace ricochet::explicit_solver {
 

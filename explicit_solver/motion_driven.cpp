@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/solver/central_difference.hpp"
+#include "common/body/central_difference.hpp"
 
 namespace ricochet::explicit_solver {
 

@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/base/window_clock.hpp"
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 #include "explicit_solver/explicit_contact.hpp"
 #include "explicit_solver/linear_force.hpp"
 
 namespace ricochet::explicit_solver {
 
-/// Central difference (common/solver/central_difference.hpp) on parts whose shared nodes move as the link says; the
+/// Central difference (common/body/central_difference.hpp) on parts whose shared nodes move as the link says; the
 /// answer is P(u) - f there. Without shared nodes, as the only participant, it also enforces the contact.
 ///
 /// Everything of a window that does not need the link is done before it: `predict` has the elements answer to what

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 #include "explicit_solver/stepping.hpp"
 
 namespace ricochet::explicit_solver {

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 #include "explicit_solver/force_driven.hpp"
 #include "explicit_solver/motion_driven.hpp"
 

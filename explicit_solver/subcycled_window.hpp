@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
+#include "common/body/body_state.hpp"
 #include "explicit_solver/linear_force.hpp"
 
 namespace ricochet::explicit_solver {

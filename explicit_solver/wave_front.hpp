@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/base/archive.hpp"
-#include "common/solver/body_state.hpp"
-#include "common/solver/internal_force.hpp"
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
 
 namespace ricochet::explicit_solver {
 

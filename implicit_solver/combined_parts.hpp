@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
-#include "common/solver/internal_force.hpp"
-#include "common/solver/linear_elements.hpp"
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
+#include "common/body/linear_elements.hpp"
 
 namespace ricochet::implicit_solver {
 

@@ -1,6 +1,6 @@
 #include "implicit_solver/flight_window.hpp"
 
-#include "common/solver/central_difference.hpp"
+#include "common/body/central_difference.hpp"
 
 namespace ricochet::implicit_solver {
 

@@ -9,7 +9,7 @@
 
 namespace ricochet::implicit_solver {
 
-/// One window of central difference (common/solver/central_difference.hpp) on all the implicit participant integrates,
+/// One window of central difference (common/body/central_difference.hpp) on all the implicit participant integrates,
 /// with the same lumped masses and no contact force: the flight after separation.
 class FlightWindow {
  public:

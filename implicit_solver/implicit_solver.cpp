@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/body/free_motion.hpp"
 #include "common/participant/heartbeat.hpp"
 #include "common/solver/describe.hpp"
-#include "common/solver/free_motion.hpp"
 
 namespace ricochet::implicit_solver {
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "common/base/separation.hpp"
+#include "common/body/body_state.hpp"
+#include "common/body/free_motion.hpp"
+#include "common/body/plastic_bars.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
-#include "common/solver/free_motion.hpp"
-#include "common/solver/plastic_bars.hpp"
 #include "common/solver/reporting.hpp"
 #include "implicit_solver/combined_parts.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"

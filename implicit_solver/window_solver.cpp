@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/solver/compliance.hpp"
+#include "common/contact/compliance.hpp"
 
 namespace ricochet::implicit_solver {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "common/body/body_state.hpp"
 #include "common/fem/axial_stress.hpp"
-#include "common/solver/body_state.hpp"
 
 namespace ricochet::solver {
 

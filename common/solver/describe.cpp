@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/contact/contact_record.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
-#include "common/solver/contact_record.hpp"
 
 namespace ricochet::solver {
 namespace {

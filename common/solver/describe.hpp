@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 
 namespace ricochet::solver {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/base/archive.hpp"
+#include "common/body/body_state.hpp"
+#include "common/contact/contact_surface.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
-#include "common/solver/contact_surface.hpp"
 #include "common/solver/stress_watch.hpp"
 
 namespace ricochet::solver {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/body/body_state.hpp"
 #include "common/problem/probes.hpp"
-#include "common/solver/body_state.hpp"
 
 namespace ricochet::solver {
 

@@ -7,10 +7,10 @@
 
 #include "common/base/archive.hpp"
 #include "common/base/separation.hpp"
+#include "common/body/body_state.hpp"
+#include "common/contact/contact_surface.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/axial_stress_shares.hpp"
-#include "common/solver/body_state.hpp"
-#include "common/solver/contact_surface.hpp"
 #include "common/solver/model_watch.hpp"
 #include "common/solver/probe_shares.hpp"
 #include "common/solver/shape_recorder.hpp"

@@ -7,8 +7,8 @@
 
 #include "common/base/archive.hpp"
 #include "common/base/window_clock.hpp"
+#include "common/body/body_state.hpp"
 #include "common/participant/participant.hpp"
-#include "common/solver/body_state.hpp"
 
 namespace ricochet::solver {
 

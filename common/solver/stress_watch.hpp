@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
+#include "common/body/body_state.hpp"
 #include "common/solver/element_motion.hpp"
 
 namespace ricochet::solver {

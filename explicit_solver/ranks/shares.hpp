@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "common/base/archive.hpp"
+#include "common/body/body_state.hpp"
 #include "common/problem/problem.hpp"
-#include "common/solver/body_state.hpp"
 
 namespace ricochet::explicit_solver {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/contact/friction.hpp"
 #include "common/fem/element.hpp"
-#include "common/solver/friction.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
 
 namespace ricochet::implicit_solver {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "common/solver/contact_surface.hpp"
-#include "common/solver/massless_nodes.hpp"
-#include "common/solver/pair_compliance.hpp"
-#include "common/solver/root_problem.hpp"
-#include "common/solver/sliding_rows.hpp"
+#include "common/contact/contact_surface.hpp"
+#include "common/contact/massless_nodes.hpp"
+#include "common/contact/pair_compliance.hpp"
+#include "common/contact/root_problem.hpp"
+#include "common/contact/sliding_rows.hpp"
 #include "implicit_solver/contact/near_inverse.hpp"
 
 namespace ricochet::implicit_solver {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/solver/contact_surface.hpp"
+#include "common/contact/contact_surface.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::test {

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/solver/body_state.hpp"
-#include "common/solver/internal_force.hpp"
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
 
 namespace ricochet::test {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/solver/body_state.hpp"
+#include "common/body/body_state.hpp"
 #include "tests/support/scene_file.hpp"
 
 /// Rods that can be reckoned by hand: elements of 1 m with a stiffness of 8 N/m and 2 kg each, of which either node

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
-#include "common/solver/contact_record.hpp"
+#include "common/contact/contact_record.hpp"
 #include "common/solver/describe.hpp"
 #include "tests/support/rods.hpp"
 

@@ -34,12 +34,12 @@ BodyState element(ElementKind kind, Model model, unsigned seed) {
   return state;
 }
 
-struct Kind {
+struct ElementOfModel {
   ElementKind kind;
   Model model;
 };
 
-class StressInTheMiddle : public testing::TestWithParam<Kind> {};
+class StressInTheMiddle : public testing::TestWithParam<ElementOfModel> {};
 
 /// A limit just below what the element's own stress has is passed by as much, one just above is not.
 TEST_P(StressInTheMiddle, IsWhatTheElementItselfHasThere) {
@@ -72,13 +72,13 @@ TEST_P(StressInTheMiddle, IsWhatTheElementItselfHasThere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, StressInTheMiddle,
-                         testing::Values(Kind{ElementKind::bar, Model::bar},
-                                         Kind{ElementKind::triangle, Model::plane_strain},
-                                         Kind{ElementKind::quadrilateral, Model::plane_strain},
-                                         Kind{ElementKind::triangle, Model::axisymmetric},
-                                         Kind{ElementKind::quadrilateral, Model::axisymmetric},
-                                         Kind{ElementKind::tetrahedron, Model::solid},
-                                         Kind{ElementKind::hexahedron, Model::solid}));
+                         testing::Values(ElementOfModel{ElementKind::bar, Model::bar},
+                                         ElementOfModel{ElementKind::triangle, Model::plane_strain},
+                                         ElementOfModel{ElementKind::quadrilateral, Model::plane_strain},
+                                         ElementOfModel{ElementKind::triangle, Model::axisymmetric},
+                                         ElementOfModel{ElementKind::quadrilateral, Model::axisymmetric},
+                                         ElementOfModel{ElementKind::tetrahedron, Model::solid},
+                                         ElementOfModel{ElementKind::hexahedron, Model::solid}));
 
 TEST(StressWatch, LooksAtNothingWithoutALimit) {
   const BodyState state = element(ElementKind::hexahedron, Model::solid, 1);

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "common/solver/blocks.hpp"
+#include "common/body/blocks.hpp"
 #include "explicit_solver/ranks/shares.hpp"
 #include "tests/support/scene_file.hpp"
 

@@ -1,0 +1,188 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/archive.hpp"
+#include "common/base/ledger.hpp"
+#include "common/body/other_ranks.hpp"
+#include "common/body/plastic_state.hpp"
+#include "common/fem/stiffness_product.hpp"
+#include "common/problem/problem.hpp"
+
+/// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
+namespace ricochet::solver {
+
+/// A fixed or prescribed degree of freedom. Motion u(t) = displacement * amplitude(t); velocity and acceleration by
+/// central differences of that over dt, which is what the central difference method itself would integrate.
+struct ConstrainedDof {
+  int dof = 0;
+  double displacement_m = 0.0;
+  const scene::Amplitude* amplitude = nullptr;  ///< null: fixed at its initial displacement
+
+  [[nodiscard]] double at(double time_s) const {
+    return amplitude ? displacement_m * amplitude->at(time_s) : displacement_m;
+  }
+  [[nodiscard]] double velocity(double time_s, double dt) const {
+    return (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt);
+  }
+  [[nodiscard]] double acceleration(double time_s, double dt) const {
+    return (at(time_s + dt) - 2.0 * at(time_s) + at(time_s - dt)) / (dt * dt);
+  }
+};
+
+/// A degree of freedom of an absorbing surface, where a dashpot stands in for more of the body: force -c (v - v_0), so
+/// that a body in flight is not braked. Central difference takes it at n + 1 too,
+///   M a_{n+1} = f - c (v_{n+1} - v_0),   v_{n+1} = v_{n+1/2} + dt/2 a_{n+1},
+/// which is M (v_{n+3/2} - v_{n+1/2})/dt = f - c ((v_{n+3/2} + v_{n+1/2})/2 - v_0). The staggered energy then changes
+/// by -dt v c v (v_0 = 0) and is positive for dt < 2/omega_max as without dashpots: the critical time step is the same.
+struct Dashpot {
+  int dof = 0;
+  double coefficient_kg_s = 0.0;
+  double initial_velocity_m_s = 0.0;  ///< v_0
+
+  /// At a velocity [N].
+  [[nodiscard]] double force(double velocity_m_s) const {
+    return -coefficient_kg_s * (velocity_m_s - initial_velocity_m_s);
+  }
+  /// At the end of an explicit step, from v_{n+1/2} and all other forces on the mass [N].
+  [[nodiscard]] double force_after_step(double half_velocity_m_s, double others_n, double mass_kg, double dt) const {
+    const double a = (others_n + force(half_velocity_m_s)) / (mass_kg + 0.5 * dt * coefficient_kg_s);
+    return force(half_velocity_m_s + 0.5 * dt * a);
+  }
+};
+
+/// What changes of a body from window to window: its last accepted motion [m, m/s, m/s^2] and what was booked so far.
+struct BodyMotion {
+  Eigen::VectorXd u, v, a;
+  BodyTotals totals;
+
+  void archive(Archive& archive) { archive(u, v, a, totals); }
+};
+
+/// What the surroundings did to a part over one or more steps.
+struct Given {
+  double work_j = 0.0;
+  Eigen::Vector3d impulse_n_s{0.0, 0.0, 0.0};  ///< by component
+  Eigen::Vector3d angular_impulse_kg_m2_s{0.0, 0.0, 0.0};
+
+  /// Of a mean force over a step of `dt` in which its degree of freedom moved, at `place` [m] in the middle. A call,
+  /// not in line: whether a product and a sum are rounded once or twice is a compiler's choice, which must be the same
+  /// wherever this is booked.
+  [[gnu::noinline]] void add(double dt, double force, double moved, int component, const Eigen::Vector3d& place);
+};
+
+struct BodyState : BodyMotion {
+  int body = -1;  ///< index into Problem::bodies
+  std::string name;
+  fem::Part part;
+  fem::StiffnessProduct stiffness;     ///< of the part, for K u in the step
+  std::shared_ptr<Parallel> parallel;  ///< the participant's threads, the same of all its parts
+  std::vector<int> shared_nodes;       ///< local nodes shared with other participants, in the order of the interface
+  std::vector<int> shared_dofs;
+  std::vector<bool> integrated;  ///< per dof: this participant integrates it
+  std::vector<bool> free;        ///< per dof: integrated here and not constrained
+  Eigen::VectorXd mass;          ///< per dof, what this participant integrates; 0 elsewhere [kg]
+  Eigen::VectorXd inverse_mass;  ///< 1/mass; 0 where constrained, not integrated or massless [1/kg]
+  std::vector<ConstrainedDof> constrained;
+  std::vector<Dashpot> dashpots;  ///< of a shared node: the implicit participant's
+  scene::ExternalForce external;
+  Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
+  Eigen::VectorXd place;  ///< per dof, reference: of models with an angular momentum, plane strain and solids [m]
+  std::vector<bool> own;  ///< of a share of a part, per local node: not another rank's; else empty
+  std::shared_ptr<PlasticState> plastic;  ///< of a material that yields, in the accepted window; else null
+  OtherRanks* others = nullptr;           ///< of a share of a part: who steps the rest of it
+
+  /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
+  void set_mass(const Eigen::VectorXd& node_mass);
+  /// Velocity and acceleration of the constrained dofs at a time; their displacement.
+  void constrain_velocity(double time_s, double dt, Eigen::VectorXd& velocity) const;
+  void constrain_acceleration(double time_s, double dt, Eigen::VectorXd& acceleration) const;
+  void constrain_displacement(double time_s, Eigen::VectorXd& displacement) const;
+  /// The degrees of freedom on which something outside acts, in the order in which that is booked: the constrained
+  /// ones and those of dashpots or, where there is a load, all.
+  [[nodiscard]] std::vector<int> booked() const;
+  /// Accounts loads, dashpots, supports and prescribed motion over a window: adds 1/2 (f_n + f_{n+1}) . (u_{n+1} - u_n)
+  /// to the external work and dt/2 (f_n + f_{n+1}) along n and t to the impulses. `mean_force(dof)` holds the reactions
+  /// at constrained dofs and the forces of dashpots [N]; `middle(dof)`: u in the middle of the window.
+  template <class MeanForce, class Increment, class Middle>
+  void account_external(double dt, const MeanForce& mean_force, const Increment& increment, const Middle& middle) {
+    // Summed over the window first: adding small equal terms to the totals one by one rounds them all the same way.
+    Given given;
+    book(mean_force, increment, middle, [&](double force, double moved, int component, const Eigen::Vector3d& at) {
+      given.add(dt, force, moved, component, at);
+    });
+    take(given);
+  }
+  void take(const Given& given);
+  /// Where the node of a degree of freedom is, by its displacement `u_of(dof)`; the origin of models without an angular
+  /// momentum [m].
+  template <class Displacement>
+  [[nodiscard]] Eigen::Vector3d place_of(int dof, const Displacement& u_of) const {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    if (place.size() == 0) return at;
+    const int components = fem::components(part.mesh.model), first = dof - dof % components;
+    for (int c = 0; c < components; ++c) at[c] = place[first + c] + u_of(first + c);
+    return at;
+  }
+  /// book(force, moved, component, place) of each booked degree of freedom; of a share of a part see OtherRanks.
+  template <class MeanForce, class Increment, class Middle, class Book>
+  void book(const MeanForce& mean_force, const Increment& increment, const Middle& middle, const Book& book) const {
+    const auto at = [&](int dof) { return place_of(dof, middle); };
+    if (others != nullptr) {
+      others->book(mean_force, increment, at, book);
+      return;
+    }
+    const int components = fem::components(part.mesh.model);
+    for_each_booked([&](int dof) { book(mean_force(dof), increment(dof), dof % components, at(dof)); });
+  }
+  /// Books the moment of an impulse on a degree of freedom, where its node is now.
+  void give_moment(int dof, double impulse_n_s);
+  /// Momentum of the integrated nodes from v, and its moment about the origin where they are.
+  void update_momentum();
+  void set_angular_momentum(const Eigen::Vector3d& kg_m2_s);
+  /// Of a stretch of nodes.
+  [[nodiscard]] Eigen::Vector3d angular_momentum_of(int first_node, int last_node) const;
+
+ private:
+  template <class Visit>
+  void for_each_booked(const Visit& visit) const {
+    if (external.zero()) {
+      for (const auto& c : constrained) visit(c.dof);
+      for (const auto& d : dashpots) visit(d.dof);
+    } else {
+      for (int dof = 0; dof < part.dofs(); ++dof) visit(dof);
+    }
+  }
+};
+
+/// Vectors by part, for the functions that take `of_part(part)`.
+inline auto displacement_of(const std::vector<BodyState>& states) {
+  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].u; };
+}
+inline auto velocity_of(const std::vector<BodyState>& states) {
+  return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
+}
+
+/// Copies of the motions, and the motions put back.
+[[nodiscard]] std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states);
+void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodyState>& states);
+
+/// One state per part of the participant, at t = 0. `shared_integrated`: the implicit participant integrates its shared
+/// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
+[[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem,
+                                                    const scene::ParticipantSpec& participant, bool shared_integrated);
+/// Of one part, or of a share of one; `problem` as above.
+[[nodiscard]] BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
+                                      bool shared_integrated);
+/// Gives the states of a participant the threads that it computes with.
+void compute_with_threads(const scene::Scene& scene, const scene::ParticipantSpec& participant,
+                          std::vector<BodyState>& states);
+
+/// Refuses to go on with numbers that mean nothing: SolverError naming body, node, position and window.
+void require_finite(const BodyState& state, const Eigen::VectorXd& u, std::int64_t window);
+
+}  // namespace ricochet::solver

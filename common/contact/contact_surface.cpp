@@ -1,0 +1,178 @@
+#include "common/contact/contact_surface.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// Pairs with less of the largest pressure are not closed: where nothing presses forces are rounding.
+constexpr double pressing_share = 1e-3;
+
+/// Coordinates, as bits, along the surface in which a support holds the first surface's node of a solid: there is a
+/// plane of symmetry, and as much of the contact beyond it.
+unsigned planes_at(const Pair& pair, const std::vector<BodyState>& states) {
+  const RowEntry* most = nullptr;  // of the normal
+  for (const auto& e : pair.normal.entries) {
+    if (e.side == Side::a && (most == nullptr || std::abs(e.coefficient) > std::abs(most->coefficient))) most = &e;
+  }
+  const auto& free = states[static_cast<std::size_t>(most->part)].free;
+  const int first = most->dof - most->dof % 3;
+  unsigned planes = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (first + c != most->dof && !free[static_cast<std::size_t>(first + c)]) planes |= 1U << c;
+  }
+  return planes;
+}
+
+}  // namespace
+
+ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states)
+    : components(problem.scene.components()),
+      round(components == 3 || problem.scene.model == scene::Model::axisymmetric),
+      pairs(contact_rows(problem, states)),
+      stress(problem, states) {
+  for (const auto& contact : problem.scene.contacts) contact_keys.push_back(contact.key());
+  std::set<std::pair<int, int>> paired;
+  for (const auto& pair : pairs) {
+    for (const auto& e : pair.normal.entries) paired.emplace(e.part, e.dof / components);
+  }
+  for (std::size_t p = 0; p < states.size(); ++p) {
+    const auto& own = states[p].part.body_node;
+    for (const auto& contact : problem.contacts) {
+      if (!contact.sliding) continue;
+      for (const int node : scene::contact_nodes(contact, states[p].body)) {
+        const auto found = std::lower_bound(own.begin(), own.end(), node);
+        const int local = static_cast<int>(found - own.begin());
+        if (found != own.end() && *found == node && paired.emplace(static_cast<int>(p), local).second)
+          idle.push_back({static_cast<int>(p), local});
+      }
+    }
+  }
+}
+
+void ContactSurface::require_one_a_pair(std::size_t count, std::size_t of_a_pair) const {
+  if (count == of_a_pair * pairs.size()) return;
+  throw ConfigError("the state is of another scene: its contact forces are those of other contact pairs");
+}
+
+double ContactSurface::gap_min(const std::vector<BodyState>& states) const {
+  double smallest = std::numeric_limits<double>::max();
+  for (const auto& pair : pairs) smallest = std::min(smallest, pair.gap(displacement_of(states)));
+  return smallest;
+}
+
+double ContactSurface::gap_rate_min(const std::vector<BodyState>& states) const {
+  double smallest = std::numeric_limits<double>::max();
+  for (const auto& pair : pairs) smallest = std::min(smallest, pair.normal.times(velocity_of(states)));
+  return smallest;
+}
+
+ContactRecord ContactSurface::empty_record() const {
+  ContactRecord record;
+  if (contact_keys.size() > 1) record.contacts.resize(contact_keys.size());
+  return record;
+}
+
+ContactImpulses ContactSurface::no_impulses() const { return ContactImpulses(contact_keys.size()); }
+
+void ContactSurface::report(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                            ContactAccount& account, ContactRecord& record) const {
+  static_cast<ContactTotals&>(record) = totals(states, forces, account.impulses, std::nullopt);
+  for (std::size_t i = 0; i < record.contacts.size(); ++i)
+    record.contacts[i] = totals(states, forces, account.impulses, i);
+  for (const auto& contact : record.contacts)
+    record.contact_radius_m = std::max(record.contact_radius_m, contact.contact_radius_m);
+  record.principal_stress_mean_pa = stress.mean(displacement_of(states));
+  record.contact_iterations = std::exchange(account.iterations, 0);
+  record.contact_residual = std::exchange(account.largest_residual, 0.0);
+  record.contact_unconverged = account.unconverged;
+  record.energy_contact_j = account.work_normal_j;
+  record.energy_friction_j = account.dissipated_friction_j;
+}
+
+void ContactSurface::append_forces(const std::vector<PairForce>& forces, std::vector<double>& row) const {
+  const std::size_t first = row.size();
+  row.resize(first + contact_keys.size(), 0.0);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    row[first + pairs[i].contact] += pairs[i].to_contact(forces[i].normal, forces[i].tangential)[0];
+}
+
+ContactTotals ContactSurface::totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                                     const ContactImpulses& impulses, std::optional<std::size_t> contact) const {
+  ContactTotals totals;
+  totals.gap_min_m = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (contact && pairs[i].contact != *contact) continue;
+    const Eigen::Vector3d normal = pairs[i].to_contact(forces[i].normal, Eigen::Vector2d::Zero()),
+                          friction = pairs[i].to_contact(0.0, forces[i].tangential);
+    totals.contact_force_n += normal[0] + friction[0];
+    totals.friction_force_n += friction[1];
+    totals.friction_force_b_n += friction[2];
+    totals.normal_force_t_n += normal[1];
+    totals.normal_force_b_n += normal[2];
+    totals.pairs_open += forces[i].state == ContactState::open;
+    totals.pairs_stick += forces[i].state == ContactState::stick;
+    totals.pairs_slip += forces[i].state == ContactState::slip;
+    totals.gap_min_m = std::min(totals.gap_min_m, pairs[i].gap(displacement_of(states)));
+  }
+  measure_pressure(states, forces, contact, totals);
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    if (contact && i != *contact) continue;
+    const auto& [normal, friction] = impulses[i];
+    totals.contact_impulse_n_s += normal[0] + friction[0];
+    totals.friction_impulse_n_s += friction[1];
+    totals.friction_impulse_b_n_s += friction[2];
+    totals.normal_impulse_t_n_s += normal[1];
+    totals.normal_impulse_b_n_s += normal[2];
+  }
+  return totals;
+}
+
+/// The radius is that of one contact: of pi a^2 = sum of the areas of the closed pairs, with what lies beyond planes of
+/// symmetry. The largest of several is told.
+void ContactSurface::measure_pressure(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
+                                      std::optional<std::size_t> contact, ContactTotals& totals) const {
+  const auto counts = [&](std::size_t i) { return !contact || pairs[i].contact == *contact; };
+  double& largest = totals.contact_pressure_max_pa;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (counts(i)) largest = std::max(largest, forces[i].normal / pairs[i].area_m2);
+  double area = 0.0, force = 0.0;
+  unsigned planes = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!counts(i) || !(std::abs(forces[i].normal) > pressing_share * largest * pairs[i].area_m2)) continue;
+    area += pairs[i].area_m2;
+    force += forces[i].normal;
+    if (components == 3) planes |= planes_at(pairs[i], states);
+  }
+  if (area > 0.0) totals.contact_pressure_mean_pa = force / area;
+  if (!round || (!contact && contact_keys.size() > 1)) return;
+  const double whole = area * static_cast<double>(1U << static_cast<unsigned>(std::popcount(planes)));
+  totals.contact_radius_m = std::sqrt(whole / std::numbers::pi);
+}
+
+participant::ContactStatus contact_status(const ContactSurface& surface, const std::vector<BodyState>& states,
+                                          int pairs_closed, std::int64_t window, const participant::Setup& setup,
+                                          SeparationWatch& separation) {
+  participant::ContactStatus status;
+  status.pairs_closed = pairs_closed;
+  status.gap_min_m = surface.gap_min(states);
+  status.gap_rate_min_m_s = surface.gap_rate_min(states);
+  separation.update(window, pairs_closed, status.gap_min_m);
+  status.separated = separation.separated();
+  const std::int64_t since = separation.separation_window();
+  status.separation_time_s = since < 0 ? -1.0 : setup.clock.time_s(since);
+  const double time_s = setup.clock.time_s(window);
+  status.finished = setup.until_separated_plus_s >= 0.0 && status.separated &&
+                    time_s >= status.separation_time_s + setup.until_separated_plus_s;
+  return status;
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,273 @@
+#include "common/contact/root_problem.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/contact/friction.hpp"
+
+namespace ricochet::solver {
+
+namespace {
+constexpr int most_newton_steps = 30;
+constexpr int most_sweeps_of_fallback = 5000;
+constexpr double round_off = 1e-12;
+/// Change of force by which Newton's method has settled where its rows turn.
+constexpr double settled_step = 1e-11;
+/// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
+constexpr double residual_to_stop = 1e-3;
+/// Residual that round-off leaves; above, another method tries.
+constexpr double converged_residual = 1e-10;
+}  // namespace
+
+RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, const std::vector<PairLaw>& pairs, double dt)
+    : projection_(law, dt),
+      directions_(pairs.empty() ? 1 : static_cast<int>(compliance.size() / std::ssize(pairs))),
+      compliance_(std::move(compliance)),
+      rows_(pairs.size()),
+      motion_(compliance_.size()) {
+  for (const auto& pair : pairs) blocks_.push_back({.friction_coefficient = pair.friction_coefficient});
+  for (int i = 0; i < this->pairs(); ++i) {
+    const auto& pair = pairs[static_cast<std::size_t>(i)];
+    auto& block = blocks_[static_cast<std::size_t>(i)];
+    if (law.enforcement == scene::Enforcement::penalty) block.slack = 1.0 / (law.penalty_pa_m * pair.area_m2);
+    block.normal = compliance_.alone(i) + block.slack;
+    if (pair.friction_coefficient == 0.0) continue;
+    for (int d = 1; d < directions_; ++d) block.along(d - 1, d - 1) = compliance_.alone(unknown(i, d));
+    if (directions_ == 3 && compliance_.has_columns())
+      block.along(0, 1) = block.along(1, 0) = compliance_.entry(unknown(i, 1), unknown(i, 2));
+  }
+  solution_ = open();
+}
+
+RootProblem::Solution RootProblem::open() const {
+  return {Eigen::VectorXd::Zero(compliance_.size()), std::vector<ContactState>(blocks_.size(), ContactState::open), 0,
+          0.0};
+}
+
+Eigen::Vector3d RootProblem::of_pair(int pair, const Eigen::VectorXd& x) const {
+  Eigen::Vector3d of(0.0, 0.0, 0.0);
+  for (int d = 0; d < directions_; ++d) of[d] = x[unknown(pair, d)];
+  return of;
+}
+
+PairWindow RootProblem::window_of(int pair, const Window& window) const {
+  PairWindow of{.gap_free = window.gap_free[pair]};
+  for (int d = 1; d < directions_; ++d) {
+    of.slip_free[d - 1] = window.slip_free[unknown(pair, d - 1)];
+    of.slip_velocity[d - 1] = window.slip_velocity[unknown(pair, d - 1)];
+    of.last[d - 1] = window.last[unknown(pair, d)];
+  }
+  return of;
+}
+
+const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
+                                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
+  const Window window{gap_free, slip_free, slip_velocity, last.force};
+  solution_.force = last.force;
+  solution_.states = last.states;
+  solution_.iterations = 0;
+  newton(window);
+  // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
+  if (!solution_.force.allFinite()) {
+    solution_.force = last.force;
+    compliance_.times(solution_.force, motion_);
+  }
+  solution_.residual = residual(window);
+  if (solution_.residual > converged_residual) {
+    gauss_seidel(window);
+    solution_.residual = residual(window);
+  }
+  if (solution_.residual > converged_residual) {
+    Solution swept = solution_;
+    newton(window);
+    solution_.residual = residual(window);
+    if (!(solution_.residual <= swept.residual)) {
+      swept.iterations = solution_.iterations;
+      solution_ = std::move(swept);
+    }
+  }
+  finish();
+  return solution_;
+}
+
+/// From the present forces and states, until neither changes; for a stated number of times.
+void RootProblem::newton(const Window& window) {
+  const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
+  if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
+    compliance_.times(solution_.force, motion_);
+  for (int n = 0; n < most_newton_steps; ++n, ++solution_.iterations) {
+    if (!find_rows(window) && n > 0) return;
+    before_ = solution_.force;
+    if (std::all_of(rows_.begin(), rows_.end(), [](const PairRows& rows) { return rows.idle(0); })) {
+      solution_.force.setZero();
+    } else {
+      system_.solve(compliance_, rows_, solution_.force);
+    }
+    const bool changed = update_states(window);
+    const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
+    if (!changed && step <= settled_step * solution_.force.cwiseAbs().maxCoeff()) return;
+  }
+}
+
+/// Returns whether any has changed.
+bool RootProblem::find_rows(const Window& window) {
+  bool changed = false;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const PairRows rows = projection_.rows(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
+                                           of_pair(i, motion_), solution_.states[k]);
+    changed = changed || !(rows == rows_[k]);
+    rows_[k] = rows;
+  }
+  return changed;
+}
+
+bool RootProblem::update_states(const Window& window) {
+  compliance_.times(solution_.force, motion_);
+  const double negligible_n = round_off * solution_.force.head(pairs()).cwiseAbs().maxCoeff();
+  const double negligible_m = round_off * window.gap_free.cwiseAbs().maxCoeff();
+  bool changed = false;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    auto& state = solution_.states[k];
+    const ContactState next = projection_.next_state(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
+                                                     of_pair(i, motion_), state, negligible_n, negligible_m);
+    changed = changed || next != state;
+    state = next;
+  }
+  return changed;
+}
+
+/// Slow, but without friction it cannot cycle, and with little of it it does not.
+void RootProblem::gauss_seidel(const Window& window) {
+  auto& x = solution_.force;
+  compliance_.times(x, motion_);
+  const auto project = [&](int i, const auto& set) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    set(i, Projection::normal(block, of, x[i], motion_[i]));
+    if (!block.slides()) return;
+    const Eigen::Vector2d along = projection_.tangential(block, of, of_pair(i, x), of_pair(i, motion_));
+    for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
+  };
+  solution_.iterations += sweep(compliance_, pairs(), most_sweeps_of_fallback, x, motion_, project).sweeps;
+  compliance_.times(x, motion_);
+  states_of_forces();
+}
+
+const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd& gap_free,
+                                                          const Eigen::VectorXd& slip_free,
+                                                          const Eigen::VectorXd& normal, bool held) {
+  auto& x = solution_.force;
+  x.setZero();
+  if (normal.size() > 0) x.head(pairs()) = normal;
+  compliance_.times(x, motion_);
+  before_.setZero(x.size());
+  const Window window{gap_free, slip_free, before_, before_};
+  const auto project = [&](int i, const auto& set) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    if (normal.size() == 0 && block.normal > 0.0) {
+      const double free = of.gap_free + motion_[i];
+      set(i, held ? x[i] - free / block.normal : Projection::normal(block, of, x[i], motion_[i]));
+    }
+    if (!block.slides()) return;
+    const Eigen::Vector3d force = of_pair(i, x), moved = of_pair(i, motion_);
+    const Eigen::Vector2d along =
+        held ? Eigen::Vector2d(force.tail<2>() + holding_of_pair(block.along, of.slip_free + moved.tail<2>()))
+             : projection_.tangential(block, of, force, moved);
+    for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
+  };
+  const Swept swept = sweep(compliance_, pairs(), most_sweeps, x, motion_, project);
+  solution_.iterations = swept.sweeps;
+  solution_.residual = swept.residual;
+  if (held) {
+    std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  } else {
+    states_of_forces();
+    finish();
+  }
+  return solution_;
+}
+
+const RootProblem::Solution& RootProblem::hold(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free) {
+  std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  before_.setZero(compliance_.size());
+  const Window window{gap_free, slip_free, slip_free, before_};
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    rows_[k] = Projection::held_rows(blocks_[k], window_of(i, window));
+  }
+  system_.solve(compliance_, rows_, solution_.force);
+  solution_.iterations = 1;
+  solution_.residual = 0.0;
+  finish();
+  return solution_;
+}
+
+const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip) {
+  std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  solution_.force.setZero();
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    if (block.slack == 0.0) continue;
+    solution_.force[i] = -gap[i] / block.slack;
+    for (int d = 1; d < directions_; ++d)
+      if (block.slides(d - 1)) solution_.force[unknown(i, d)] = -slip[unknown(i, d - 1)] / block.slack;
+  }
+  finish();
+  return solution_;
+}
+
+void RootProblem::states_of_forces() {
+  for (int i = 0; i < pairs(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    solution_.states[k] = projection_.state_of(blocks_[k], of_pair(i, solution_.force));
+  }
+}
+
+/// Of the present forces, `motion_` = D x.
+double RootProblem::residual(const Window& window) const {
+  const auto& x = solution_.force;
+  double largest = 0.0;
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    const PairWindow of = window_of(i, window);
+    largest = std::max(largest, std::abs(x[i] - Projection::normal(block, of, x[i], motion_[i])));
+    if (!block.slides()) continue;
+    const Eigen::Vector3d force = of_pair(i, x);
+    const Eigen::Vector2d right = projection_.tangential(block, of, force, of_pair(i, motion_));
+    largest = std::max(largest, (force.tail<2>() - right).norm());
+  }
+  const double scale = x.head(pairs()).maxCoeff();
+  return scale > 0.0 ? largest / scale : largest > 0.0 ? 1.0 : 0.0;
+}
+
+/// An open pair has no force (those found may be of states before), and one with friction that supports hold sticks.
+void RootProblem::finish() {
+  for (int i = 0; i < pairs(); ++i) {
+    const auto& block = blocks_[static_cast<std::size_t>(i)];
+    auto& state = solution_.states[static_cast<std::size_t>(i)];
+    if (state == ContactState::open) {
+      for (int d = 0; d < directions_; ++d) solution_.force[unknown(i, d)] = 0.0;
+    } else if (!block.slides()) {
+      state = directions_ > 1 && block.friction_coefficient > 0.0 ? ContactState::stick : ContactState::slip;
+    }
+  }
+}
+
+void require_solved(const RootProblem::Solution& solution) {
+  if (solution.residual <= residual_to_stop) return;
+  throw SolverError(
+      fmt::format("the forces of {} contact pairs were not found: after {} iterations their conditions are violated by "
+                  "{:.2g} of the largest "
+                  "force, allowed: {:.0e}; use a smaller time.step_s, contact.friction_coefficient or "
+                  "contact.friction_regularisation_s_m",
+                  solution.states.size(), solution.iterations, solution.residual, residual_to_stop));
+}
+
+}  // namespace ricochet::solver

@@ -1,0 +1,248 @@
+#include "common/contact/sliding_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "common/body/blocks.hpp"
+
+namespace ricochet::solver {
+namespace {
+
+/// Shares of an edge: bodies that are apart by more sleep, and wake when they may be so near.
+constexpr double asleep_share = 1.0, awake_share = 0.5;
+/// Share of their distance, as the rows have it, that open pairs may move before they are written anew.
+constexpr double open_share = 0.25;
+
+Eigen::Vector3d across(const Eigen::Vector3d& moved, const Eigen::Vector3d& normal) {
+  return moved - moved.dot(normal) * normal;
+}
+
+/// The most that a pair's gap differs, by strain and rotation, from that of bodies which move as a whole by `moved_m`.
+double deformed_m(const std::vector<BodyState>& states, std::size_t contact, const Eigen::Vector3d& moved_m,
+                  const std::vector<Pair>& pairs) {
+  double most = 0.0;
+  for (const Pair& pair : pairs) {
+    if (pair.contact != contact) continue;
+    double closed = pair.normal.times(displacement_of(states));
+    for (const auto& e : pair.normal.entries) {
+      const int c = e.dof % fem::components(states[static_cast<std::size_t>(e.part)].part.mesh.model);
+      if (e.side == Side::b) closed -= e.coefficient * moved_m[c];
+    }
+    most = std::max(most, std::abs(closed));
+  }
+  return most;
+}
+
+double least_gap_m(const std::vector<BodyState>& states, std::size_t contact, const std::vector<Pair>& pairs) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pair& pair : pairs)
+    if (pair.contact == contact) least = std::min(least, pair.gap(displacement_of(states)));
+  return std::isfinite(least) ? least : 0.0;
+}
+
+/// 1 per component, 0 where a support holds some of the body's contact surface.
+Eigen::Vector3d moves(const scene::Problem& problem, const scene::ContactGeometry& geometry, int body) {
+  const auto& of = problem.bodies[static_cast<std::size_t>(body)];
+  const int components = problem.scene.components();
+  Eigen::Vector3d moves = Eigen::Vector3d::Ones();
+  for (const int node : scene::contact_nodes(geometry, body)) {
+    for (int c = 0; c < components; ++c) {
+      const auto dof = static_cast<std::size_t>(node * components + c);
+      if (of.fixed_dof[dof] && of.prescribed_index[dof] < 0) moves[c] = 0.0;
+    }
+  }
+  return moves;
+}
+
+}  // namespace
+
+SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states) : problem_(&problem) {
+  for (const auto& state : states) parts_.push_back({state.body, &state.part.body_node});
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    const auto& geometry = problem.contacts[i];
+    if (!geometry.sliding) continue;
+    contacts_.push_back({i,
+                         moves(problem, geometry, geometry.body_a),
+                         moves(problem, geometry, geometry.body_b),
+                         {.shift_m = geometry.shift_m, .normal = geometry.touch_normal}});
+  }
+}
+
+Moments block_moments(const BodyState& state, double ahead_s, int block) {
+  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
+  Moments moments;
+  for (int dof = block * rows; dof < std::min((block + 1) * rows, state.part.dofs()); ++dof) {
+    moments.moved_kg_m[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
+    moments.mass_kg[dof % components] += state.mass[dof];
+  }
+  return moments;
+}
+
+Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const {
+  Moments sum;
+  for (const auto& state : states) {
+    if (state.body != body) continue;
+    if (state.others != nullptr) {
+      sum.add(state.others->moments());  // at u: the explicit side never asks ahead
+      continue;
+    }
+    for (int block = 0; block < blocks_of(state.part.nodes()); ++block) sum.add(block_moments(state, ahead_s, block));
+  }
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int c = 0; c < 3; ++c) mean[c] = sum.mass_kg[c] > 0.0 ? sum.moved_kg_m[c] / sum.mass_kg[c] : 0.0;
+  return mean;
+}
+
+bool SlidingRows::stays(const Sliding& sliding, const Eigen::Vector3d& place_m, const std::vector<BodyState>& states,
+                        const std::vector<Pair>& pairs) const {
+  const auto& geometry = problem_->contacts[sliding.contact];
+  const Slide& slide = sliding.slide;
+  const double least_m = slide_share * geometry.sliding->edge_m;
+  if (!slide.asleep && across(place_m - slide.shift_m, slide.normal).norm() <= least_m) return true;
+  const double moved_m = (place_m - slide.place_m).norm();
+  return moved_m < slide.free_m &&
+         moved_m + deformed_m(states, sliding.contact, place_m - geometry.lifted_m, pairs) < slide.free_m;
+}
+
+/// To rows for the place, where pairs are open by `gap_m` at least.
+void SlidingRows::move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const {
+  const auto& geometry = problem_->contacts[sliding.contact];
+  const scene::ContactMesh& mesh = *geometry.sliding;
+  Slide& slide = sliding.slide;
+  const double edge_m = mesh.edge_m, apart_m = mesh.second.apart_m(mesh.first, place_m);
+  const Eigen::Vector3d moved = across(place_m - slide.shift_m, slide.normal);
+  sliding.changed = slide.follows = true;
+  slide.place_m = place_m;
+  slide.asleep = apart_m > asleep_share * edge_m;
+  if (slide.asleep) {
+    slide.shift_m = place_m;
+    slide.free_m = apart_m - awake_share * edge_m;
+    return;
+  }
+  slide.free_m = open_share * std::clamp(gap_m, 0.0, edge_m);
+  const double least_m = slide_share * edge_m;
+  Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
+  if (slide.free_m < least_m && moved.norm() < 1.5 * least_m) ahead = 0.5 * least_m * moved.normalized();
+  slide.shift_m = (geometry.flat ? place_m : Eigen::Vector3d(slide.shift_m + moved)) + ahead;
+  if (geometry.flat) return;
+  if (const auto touch = scene::touching(mesh, slide.shift_m, Eigen::Vector3d::Zero())) {
+    slide.shift_m = touch->shift_m;
+    slide.normal = touch->normal;
+  }
+}
+
+bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, double middle_s,
+                         const std::vector<PairForce>& forces, std::vector<Pair>& pairs) {
+  bool moved = false;
+  for (auto& sliding : contacts_) {
+    const auto& geometry = problem_->contacts[sliding.contact];
+    Eigen::Vector3d place_m = geometry.lifted_m;
+    place_m += sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
+    place_m -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
+    if (stays(sliding, place_m, states, pairs)) continue;
+    move(sliding, place_m, least_gap_m(states, sliding.contact, pairs));
+    moved = true;
+  }
+  if (!moved) return false;
+  const std::vector<Pair> before = pairs;
+  write(pairs);
+  balance(before, forces, states, middle_s, pairs);
+  offset(pairs);
+  return true;
+}
+
+/// Finds the offsets of contacts that have changed; `pairs` are without them.
+void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,
+                          const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
+  struct Jump {
+    double work_j = 0.0, force_n = 0.0, least_m = std::numeric_limits<double>::infinity();
+  };
+  const auto gap = [&](const Pair& pair) {
+    return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
+  };
+  std::vector<Jump> jumps(problem_->contacts.size());
+  const std::vector<int> same = same_pairs(before, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Jump& jump = jumps[pairs[i].contact];
+    const double now_m = gap(pairs[i]);
+    jump.least_m = std::min(jump.least_m, now_m);
+    const auto old = static_cast<std::size_t>(same[i]);
+    if (same[i] < 0 || !(forces[old].normal > 0.0)) continue;
+    jump.work_j += forces[old].normal * (gap(before[old]) - now_m);
+    jump.force_n += forces[old].normal;
+  }
+  for (auto& sliding : contacts_) {
+    const auto& geometry = problem_->contacts[sliding.contact];
+    if (!sliding.changed || geometry.flat) continue;
+    const Jump& jump = jumps[sliding.contact];
+    const double most_m = slide_share * geometry.sliding->edge_m;
+    double& offset_m = sliding.slide.offset_m;
+    offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m)
+                                  : std::max(0.0, std::min(offset_m, -jump.least_m));
+  }
+}
+
+void SlidingRows::offset(std::vector<Pair>& pairs) {
+  for (auto& sliding : contacts_) {
+    if (!sliding.changed) continue;
+    for (Pair& pair : pairs)
+      if (pair.contact == sliding.contact) pair.gap0_m += sliding.slide.offset_m;
+    sliding.changed = false;
+  }
+}
+
+/// Pairs of contacts that have not changed stay as they are.
+void SlidingRows::write(std::vector<Pair>& pairs) {
+  std::vector<Pair> written;
+  for (std::size_t i = 0; i < problem_->contacts.size(); ++i) {
+    const auto sliding =
+        std::find_if(contacts_.begin(), contacts_.end(), [i](const Sliding& s) { return s.contact == i; });
+    if (sliding == contacts_.end() || !sliding->changed) {
+      std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(written),
+                   [i](const Pair& p) { return p.contact == i; });
+      continue;
+    }
+    for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
+      written.push_back(pair_of(*problem_, i, pair, parts_));
+  }
+  pairs = std::move(written);
+}
+
+SlidingRows::State SlidingRows::state() const {
+  State state;
+  for (const auto& sliding : contacts_) state.push_back(sliding.slide);
+  return state;
+}
+
+bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
+  bool any_follows = false, any_stops = false;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    any_follows = any_follows || state[i].follows;
+    any_stops = any_stops || (contacts_[i].slide.follows && !state[i].follows);
+    contacts_[i].slide = state[i];
+    contacts_[i].changed = state[i].follows;
+  }
+  if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid
+  if (any_follows) {
+    write(pairs);
+    offset(pairs);
+  }
+  return any_follows || any_stops;
+}
+
+std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to) {
+  const auto key = [](const Pair& pair) { return std::tuple(pair.contact, pair.node_a, pair.patch); };
+  std::map<std::tuple<std::size_t, int, int>, int> known;
+  for (std::size_t i = 0; i < from.size(); ++i) known[key(from[i])] = static_cast<int>(i);
+  std::vector<int> same;
+  for (const auto& pair : to) {
+    const auto found = known.find(key(pair));
+    same.push_back(found == known.end() ? -1 : found->second);
+  }
+  return same;
+}
+
+}  // namespace ricochet::solver
