@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/base/process.hpp"
+#include "coupler/command/advise.hpp"
 #include "coupler/command/run_scene.hpp"
 #include "coupler/command/slurm_script.hpp"
 #include "coupler/command/starter_scene.hpp"
@@ -36,6 +37,7 @@ struct Arguments {
   std::optional<double> step_s, until_s;
   std::optional<std::string> time;
   StabilityRequest stability;
+  AdviceRequest advice;
 };
 
 void define_set(CLI::App& app, Arguments& arguments) {
@@ -63,6 +65,18 @@ void define_slurm_script(CLI::App& app, Arguments& arguments) {
 void define_check(CLI::App& app, Arguments& arguments) {
   define_set(app, arguments);
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+}
+
+void define_advise(CLI::App& app, Arguments& arguments) {
+  auto& asked = arguments.advice;
+  define_set(app, arguments);
+  app.add_option("SCENE", asked.scene.path, "Scene file (TOML)")->required();
+  app.add_option("--quantity", asked.quantity, "Which result, as contact_impulse_n_s or peak_contact_force_n")
+      ->type_name("NAME")
+      ->required();
+  app.add_option("--error", asked.error, "Its largest relative error, as 0.01")->type_name("SHARE")->required();
+  app.add_option("--out", asked.out, "Folder of the pilot runs; default: out/<name of the scene file>_advice")
+      ->type_name("DIR");
 }
 
 void define_stability(CLI::App& app, Arguments& arguments) {
@@ -177,6 +191,12 @@ const Subcommand subcommands[] = {
     {"check", "Report and refuse all that can be known before a process starts", define_check,
      done<[](const Arguments& a) {
        check_scene({a.scene, a.set});
+     }>},
+    {"advise", "Say which protocol and step reach an error in the least time", define_advise,
+     done<[](const Arguments& a) {
+       AdviceRequest request = a.advice;
+       request.scene.set = a.set;
+       advise(request);
      }>},
     {"stability", "Measure at which steps the coupled scheme is stable", define_stability,
      done<[](const Arguments& a) { study_stability(a.stability); }>},

@@ -159,7 +159,7 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
     Announcer announcer;
     return plan_scene(given, announcer);
   }();
-  if (with_error_bars) require_companions(problem.scene);
+  if (with_error_bars) require_companions(problem.scene, "--estimate-error");
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(given.path).stem().string();
   auto files = files_of_run(problem.scene);

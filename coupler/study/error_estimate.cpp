@@ -13,104 +13,15 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
-#include "coupler/report/parts/history_table.hpp"
 #include "coupler/report/run_page/summary_page.hpp"
+#include "coupler/study/companions.hpp"
 #include "coupler/study/error_bar.hpp"
-#include "coupler/study/study_case.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 using report::Json;
 using scene::Override;
-using Values = std::map<std::string, double>;
-
-/// "QUANTITY/CONTACT" of each of several contacts.
-void add_contact_values(const Json& contact, const std::string& suffix, Values& values) {
-  for (const char* key : {"peak_contact_force_n", "contact_impulse_n_s", "separation_time_s"}) {
-    if (const auto value = report::number(contact, key)) values[key + suffix] = *value;
-  }
-  const auto first = report::number(contact, "first_contact_s"), last = report::number(contact, "separation_time_s");
-  if (first && last) values["contact_duration_s" + suffix] = *last - *first;
-}
-
-/// The quantities of a run that have error bars, by their names.
-Values values_of(const std::string& folder) {
-  const Json summary = report::read_summary(folder + "/summary.json");
-  Values values;
-  if (report::number(summary, "first_contact_s")) add_contact_values(summary, "", values);
-  const Json contacts = summary.value("contacts", Json::object());
-  for (const auto& [name, contact] : contacts.items()) add_contact_values(contact, "/" + name, values);
-  if (const auto stress = report::number(summary, "plateau_stress_pa")) values["plateau_stress_pa"] = *stress;
-  const auto history = report::read_history(folder + "/history.csv");
-  const std::string column = "velocity_mean_";
-  for (std::size_t c = 0; c < history.names.size(); ++c) {
-    const auto& name = history.names[c];
-    if (name.rfind(column, 0) == 0 && !history.columns[c].empty())
-      values["rebound_velocity_" + name.substr(column.size())] = history.columns[c].back();
-  }
-  return values;
-}
-
-/// A run beside the one whose error is estimated.
-struct Companion {
-  std::string what, error;  ///< error: empty, or why there are no values
-  double wall_s = 0.0;
-  Values values;
-  [[nodiscard]] std::optional<double> value(const std::string& quantity) const {
-    const auto found = values.find(quantity);
-    return found == values.end() ? std::nullopt : std::optional(found->second);
-  }
-};
-
-class Companions {
- public:
-  Companions(const scene::Scene& scene, std::string folder) : scene_(scene), folder_(std::move(folder)) {}
-
-  /// Those that failed are named, too.
-  Companion compute(const std::string& what, const std::vector<Override>& changes) {
-    StudyCase run(scene_.path, changes, folder_);
-    if (!run.failed() && run.repeats() == 0) run.compute();
-    Companion companion{what, run.error(), 0.0, {}};
-    if (!run.failed()) {
-      companion.wall_s = run.costs().front().wall_s;
-      companion.values = values_of(run.folder() + "/1");
-    }
-    return all_.emplace_back(std::move(companion));
-  }
-  [[nodiscard]] const std::vector<Companion>& all() const { return all_; }
-
- private:
-  const scene::Scene& scene_;
-  std::string folder_;
-  std::vector<Companion> all_;
-};
-
-/// Every element `factor` times as long along each coordinate, rounded towards longer ones, which a longer step
-/// suits. Empty: a mesh of Gmsh.
-std::optional<std::vector<Override>> coarser(const scene::Scene& scene, int factor) {
-  std::vector<Override> changes;
-  for (const auto& body : scene.bodies) {
-    const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
-    if (mesh == nullptr) return {};
-    const auto count = [factor](int elements) { return static_cast<double>(std::max(1, elements / factor)); };
-    const std::string key = fmt::format("body.{}.mesh.elements", body.name);
-    if (scene.model == scene::Model::bar) {
-      changes.push_back({key, count(mesh->elements_along)});
-    } else if (scene.model == scene::Model::solid && !mesh->cylinder) {
-      changes.push_back(
-          {key, std::vector{count(mesh->elements_across), count(mesh->elements_wide), count(mesh->elements_along)}});
-    } else {
-      changes.push_back({key, std::vector{count(mesh->elements_across), count(mesh->elements_along)}});
-    }
-  }
-  return changes;
-}
-
-std::vector<Override> with(std::vector<Override> changes, const std::vector<Override>& more) {
-  changes.insert(changes.end(), more.begin(), more.end());
-  return changes;
-}
 
 std::vector<Override> other_law(const scene::Scene& scene) {
   std::vector<Override> changes;
@@ -214,8 +125,7 @@ std::map<std::string, QuantityLevels> levels_of(const std::string& folder, const
     auto& levels = all[name];
     levels.run = value;
     levels.hybrid = scene.coupling.protocol.layout == scene::Layout::hybrid;
-    const bool is_time = name.rfind("separation_time_s", 0) == 0 || name.rfind("contact_duration_s", 0) == 0;
-    if (is_time) levels.floor = 3.0 * step_s;  // begin and end of a contact are each known to a window
+    levels.floor = floor_of(name, step_s);
   }
   return all;
 }
@@ -232,21 +142,6 @@ Json block_of(const std::vector<Companion>& companions) {
 }
 
 }  // namespace
-
-void require_companions(const scene::Scene& scene) {
-  const auto refuse = [&scene](const std::string& found, const std::string& allowed) {
-    throw ConfigError(fmt::format("{}: --estimate-error: found {}; allowed: {}", scene.path, found, allowed));
-  };
-  const std::string whole = "bodies and participants of ricochet alone, whose mesh and step it can change";
-  for (const auto& body : scene.foreign_bodies) refuse(fmt::format("the foreign body '{}'", body.name), whole);
-  for (const auto& participant : scene.participants) {
-    if (participant.foreign())
-      refuse(fmt::format("participant '{}', a program of somebody else's", participant.name), whole);
-    if (participant.start == scene::Start::by_hand)
-      refuse(fmt::format("participant '{}', started by hand", participant.name), "participants that ricochet starts");
-  }
-  if (!scene.time.changes.empty()) refuse("time.changes", "one step for the whole run");
-}
 
 std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results) {
   Estimate estimate{{scene, results.file("accuracy")}, levels_of(results.path(), scene, step_s)};

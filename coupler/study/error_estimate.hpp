@@ -7,10 +7,6 @@
 
 namespace ricochet::coupler {
 
-/// Refuses, by name, scenes whose companions cannot be run: with bodies or participants that are programs of somebody
-/// else's, or started by hand, and with `time.changes`. ConfigError.
-void require_companions(const scene::Scene& scene);
-
 /// `ricochet run --estimate-error`, once the run is done: computes its companions, which stay in the folder accuracy/
 /// of the results, adds `error_bar` to summary.json (docs/accuracy.md) and returns the lines for the console. A
 /// companion that fails leaves its part unknown, with the reason.

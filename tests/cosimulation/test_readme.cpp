@@ -99,7 +99,7 @@ TEST(Commands, HaveTheSameOptionsInTheTableAndInTheHelp) {
     EXPECT_EQ(options, all(arguments, "(--[a-z-]+)")) << name;
     ++commands;
   }
-  EXPECT_EQ(commands, 10);
+  EXPECT_EQ(commands, 11);
 }
 
 TEST(Commands, OfTheScriptAreNotThoseOfTheProgram) {
