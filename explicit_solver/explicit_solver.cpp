@@ -203,7 +203,12 @@ void ExplicitSolver::finish() {
 }
 
 void ExplicitSolver::write_fields(std::int64_t window) {
-  solver::write_fields(setup_.output_directory, spec_->name, window, reported());
+  const auto& states = reported();
+  std::vector<fem::ContactFields> fields;
+  if (const auto* c = contact()) fields = c->fields(stepped());
+  if (ranks_ && !fields.empty()) fields = solver::of_whole_parts(fields, stepped(), states);
+  solver::write_fields(setup_.output_directory, spec_->name, window, states, fields,
+                       setup_.driven_by == participant::Drive::displacement);
 }
 
 }  // namespace ricochet::explicit_solver

@@ -334,7 +334,8 @@ void ImplicitSolver::restore_state(std::string_view bytes) {
 void ImplicitSolver::finish() { reporting_.finish(window_, states_, states_); }
 
 void ImplicitSolver::write_fields(std::int64_t window) {
-  solver::write_fields(setup_.output_directory, spec_->name, window, states_);
+  solver::write_fields(setup_.output_directory, spec_->name, window, states_,
+                       contact_ ? contact_->fields(states_) : std::vector<fem::ContactFields>(), false);
 }
 
 }  // namespace ricochet::implicit_solver

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -61,6 +62,77 @@ ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<
 void ContactSurface::require_one_a_pair(std::size_t count, std::size_t of_a_pair) const {
   if (count == of_a_pair * pairs.size()) return;
   throw ConfigError("the state is of another scene: its contact forces are those of other contact pairs");
+}
+
+namespace {
+
+fem::ContactFields no_fields(const fem::Part& part) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto nodes = part.nodes();
+  return {Eigen::VectorXd::Zero(3 * nodes), Eigen::VectorXd::Constant(nodes, none),
+          Eigen::VectorXd::Constant(nodes, none), std::vector<std::int32_t>(static_cast<std::size_t>(nodes), -1)};
+}
+
+/// Part and local number of the node that carries the pair's row.
+std::pair<std::size_t, int> carrier(const Pair& pair, const std::vector<BodyState>& states) {
+  for (const auto& e : pair.normal.entries) {
+    const auto part = static_cast<std::size_t>(e.part);
+    const int node = e.dof / fem::components(states[part].part.mesh.model);
+    if (e.side == Side::a && states[part].part.body_node[static_cast<std::size_t>(node)] == pair.node_a)
+      return {part, node};
+  }
+  return {0, -1};  // held in every direction of the row
+}
+
+}  // namespace
+
+std::vector<fem::ContactFields> ContactSurface::nodal_fields(const std::vector<BodyState>& states,
+                                                             const std::vector<PairForce>& forces) const {
+  std::vector<fem::ContactFields> fields;
+  for (const auto& state : states) fields.push_back(no_fields(state.part));
+  std::map<std::pair<std::size_t, int>, double> area_m2;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& force = forces[i];
+    const auto push = [&](const ContactRow& row, double size) {
+      for (const auto& e : row.entries)
+        fields[static_cast<std::size_t>(e.part)].force_n[e.dof / components * 3 + e.dof % components] +=
+            e.coefficient * size;
+    };
+    push(pairs[i].normal, force.normal);
+    push(pairs[i].tangent, force.tangential[0]);
+    push(pairs[i].binormal, force.tangential[1]);
+    const auto [part, node] = carrier(pairs[i], states);
+    if (node < 0) continue;
+    auto& of = fields[part];
+    auto& state = of.state[static_cast<std::size_t>(node)];
+    double &area = area_m2[{part, node}], &pressure = of.pressure_pa[node], &gap = of.gap_m[node];
+    const double load_n = (state < 0 ? 0.0 : pressure * area) + force.normal,
+                 gap_m = pairs[i].gap(displacement_of(states));
+    area += pairs[i].area_m2;
+    pressure = load_n / area;
+    gap = state < 0 ? gap_m : std::min(gap, gap_m);
+    state = std::max(state, static_cast<std::int32_t>(force.state));
+  }
+  return fields;
+}
+
+std::vector<fem::ContactFields> of_whole_parts(const std::vector<fem::ContactFields>& fields,
+                                               const std::vector<BodyState>& parts,
+                                               const std::vector<BodyState>& whole) {
+  std::vector<fem::ContactFields> result;
+  for (std::size_t p = 0; p < whole.size(); ++p) {
+    auto& of = result.emplace_back(no_fields(whole[p].part));
+    const auto &own = parts[p].part.body_node, &all = whole[p].part.body_node;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const auto to = std::lower_bound(all.begin(), all.end(), own[i]) - all.begin();
+      const auto from = static_cast<Eigen::Index>(i);
+      of.force_n.segment<3>(3 * to) = fields[p].force_n.segment<3>(3 * from);
+      of.pressure_pa[to] = fields[p].pressure_pa[from];
+      of.gap_m[to] = fields[p].gap_m[from];
+      of.state[static_cast<std::size_t>(to)] = fields[p].state[i];
+    }
+  }
+  return result;
 }
 
 double ContactSurface::gap_min(const std::vector<BodyState>& states) const {

@@ -12,6 +12,7 @@
 #include "common/contact/contact_record.hpp"
 #include "common/contact/contact_rows.hpp"
 #include "common/contact/surface_stress.hpp"
+#include "common/fem/vtk_output.hpp"
 #include "common/participant/participant.hpp"
 
 namespace ricochet::solver {
@@ -53,6 +54,9 @@ struct ContactSurface {
   std::vector<IdleNode> idle;
   SurfaceStress stress;
 
+  /// What the pairs have at the nodes of each part, for the files of fields.
+  [[nodiscard]] std::vector<fem::ContactFields> nodal_fields(const std::vector<BodyState>& states,
+                                                             const std::vector<PairForce>& forces) const;
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]
   [[nodiscard]] double gap_rate_min(const std::vector<BodyState>& states) const;  ///< [m/s]
   /// A record for `report`, and impulses before the first window.
@@ -81,5 +85,10 @@ struct ContactSurface {
                                                         const std::vector<BodyState>& states, int pairs_closed,
                                                         std::int64_t window, const participant::Setup& setup,
                                                         SeparationWatch& separation);
+
+/// Fields of the parts of some processes as those of the whole parts, whose nodes include theirs.
+[[nodiscard]] std::vector<fem::ContactFields> of_whole_parts(const std::vector<fem::ContactFields>& fields,
+                                                             const std::vector<BodyState>& parts,
+                                                             const std::vector<BodyState>& whole);
 
 }  // namespace ricochet::solver

@@ -228,7 +228,7 @@ FactorSize factor_of(const std::vector<Share>& shares) {
 }
 
 /// Of a participant's file of fields.
-double field_bytes(scene::Model model, const std::vector<Share>& shares) {
+double field_bytes(const std::vector<Share>& shares) {
   double nodes = 0.0, elements = 0.0, corners = 0.0;
   for (const Share& share : shares) {
     nodes += share.graph.nodes();
@@ -236,7 +236,7 @@ double field_bytes(scene::Model model, const std::vector<Share>& shares) {
     for (std::size_t e = 0; e < share.owned.size(); ++e)
       if (share.owned[e]) corners += static_cast<double>(share.body->mesh.elements[e].size());
   }
-  return fem::vtu_bytes(model, nodes, elements, corners);
+  return fem::vtu_bytes(nodes, elements, corners);
 }
 
 /// Of a participant, until it is initialized: its elements, their stiffness and, of the implicit one, the factor [s].
@@ -325,7 +325,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
     const auto& spec = scene.participants[p];
     const double interface = plan.participants[p].interface_nodes * scene.components();
     auto shares = shares_of(problem, spec);
-    cost.field_bytes += field_bytes(scene.model, shares);
+    cost.field_bytes += field_bytes(shares);
     double window_s = 0.0;
     if (spec.role == Role::implicit_solver) {
       const FactorSize factor = factor_of(shares);

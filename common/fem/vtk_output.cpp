@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -16,27 +17,27 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is declared little-endian and written as it lies");
 
-using Parts = std::vector<const Part*>;
-using Fields = std::vector<const Eigen::VectorXd*>;
-using Plastic = std::vector<PlasticStrain>;
+using Parts = std::vector<PartFields>;
 
 /// One DataArray: its length in bytes as UInt64, then the values, encoded in one go.
 template <class Number>
-std::string data_array(std::string_view type, std::string_view name, int width, const std::vector<Number>& values) {
+std::string data_array(std::string_view type, std::string_view name, int width, const std::vector<Number>& values,
+                       std::string_view more = "") {
   const std::uint64_t size = values.size() * sizeof(Number);
   std::string bytes(reinterpret_cast<const char*>(&size), sizeof size);
   bytes.append(reinterpret_cast<const char*>(values.data()), size);
-  return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">{}</DataArray>\n",
-                     type, name, width, base64(bytes));
+  return fmt::format(
+      "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"binary\">{}</DataArray>\n", type, name,
+      width, more, base64(bytes));
 }
 
 /// Nodal vectors as the three components VTK wants.
-std::string nodal_vectors(std::string_view name, const Parts& parts, const Fields& fields) {
+std::string nodal_vectors(std::string_view name, const Parts& parts, const Eigen::VectorXd* PartFields::*field) {
   std::vector<double> values;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const int width = components(parts[p]->mesh.model);
-    for (int node = 0; node < parts[p]->nodes(); ++node) {
-      for (int c = 0; c < 3; ++c) values.push_back(c < width ? (*fields[p])[node * width + c] : 0.0);
+  for (const PartFields& of : parts) {
+    const int width = components(of.part->mesh.model);
+    for (int node = 0; node < of.part->nodes(); ++node) {
+      for (int c = 0; c < 3; ++c) values.push_back(c < width ? (*(of.*field))[node * width + c] : 0.0);
     }
   }
   return data_array("Float64", name, 3, values);
@@ -44,8 +45,8 @@ std::string nodal_vectors(std::string_view name, const Parts& parts, const Field
 
 std::string points(const Parts& parts) {
   std::vector<double> values;
-  for (const Part* part : parts) {
-    for (const Eigen::Vector3d& x : part->mesh.position) values.insert(values.end(), x.begin(), x.end());
+  for (const PartFields& of : parts) {
+    for (const Eigen::Vector3d& x : of.part->mesh.position) values.insert(values.end(), x.begin(), x.end());
   }
   return "<Points>\n" + data_array("Float64", "Points", 3, values) + "</Points>\n";
 }
@@ -54,63 +55,75 @@ std::string cells(const Parts& parts) {
   std::vector<std::int32_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
   std::int32_t first_node = 0;
-  for (const Part* part : parts) {
-    for (const auto& element : part->mesh.elements) {
+  for (const PartFields& of : parts) {
+    for (const auto& element : of.part->mesh.elements) {
       for (const int node : element) connectivity.push_back(first_node + node);
       offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
       types.push_back(traits(element.kind).vtk_type);
     }
-    first_node += part->nodes();
+    first_node += of.part->nodes();
   }
   return "<Cells>\n" + data_array("Int32", "connectivity", 1, connectivity) +
          data_array("Int32", "offsets", 1, offsets) + data_array("UInt8", "types", 1, types) + "</Cells>\n";
 }
 
-/// Names of the stress components in the order of `StressVector`.
-std::vector<std::string_view> stress_names(Model model) {
-  switch (model) {
-    case Model::bar: return {"stress_axial"};
-    case Model::plane_strain: return {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
-    case Model::axisymmetric: return {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
-    case Model::solid: return {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
-  }
-  throw std::invalid_argument("unknown model");
+constexpr int tensor_width = 6;
+constexpr std::string_view tensor_names =
+    " ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"zz\" ComponentName3=\"xy\" ComponentName4=\"yz\" "
+    "ComponentName5=\"xz\"";
+
+/// Components in the order of `StressVector`, whose first four or six are VTK's.
+void append_tensor(const StressVector& tensor, double of_shear, std::vector<double>& values) {
+  for (Eigen::Index c = 0; c < tensor_width; ++c)
+    values.push_back(c >= tensor.size() ? 0.0 : c < 3 ? tensor[c] : of_shear * tensor[c]);
 }
 
-std::string stresses(Model model, const Parts& parts, const Fields& displacement, const Plastic& plastic) {
-  const std::vector<std::string_view> names = stress_names(model);
-  constexpr std::array<std::string_view, 3> principal_names = {"stress_principal_max", "stress_principal_mid",
-                                                               "stress_principal_min"};
-  std::vector<std::vector<double>> stress_values(names.size()), principal_values(3);
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const Part& part = *parts[p];
-    for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-      const ElementGeometry element = element_geometry(part.mesh, e);
-      StressVector stress =
-          element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *displacement[p]),
-                         traits(element.kind).centre);
-      if (p < plastic.size() && plastic[p].strain)
-        stress[0] -= part.material.youngs_modulus_pa * (*plastic[p].strain)[e];
-      const Eigen::Vector3d principal = principal_stresses(model, stress);
-      for (std::size_t c = 0; c < names.size(); ++c) stress_values[c].push_back(stress[static_cast<Eigen::Index>(c)]);
-      for (std::size_t c = 0; c < 3; ++c) principal_values[c].push_back(principal[static_cast<Eigen::Index>(c)]);
-    }
+/// Stress and what follows from it, element by element.
+struct Stresses {
+  std::vector<double> stress, strain, von_mises;
+  std::array<std::vector<double>, 3> principal;
+
+  void append(const PartFields& of, int e, const Eigen::MatrixXd& compliance) {
+    const Part& part = *of.part;
+    const ElementGeometry element = element_geometry(part.mesh, e);
+    const Model model = part.section.model;
+    StressVector at_centre =
+        element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *of.displacement),
+                       traits(element.kind).centre);
+    append_tensor(compliance * at_centre, 0.5, strain);
+    if (of.plastic.strain) at_centre[0] -= part.material.youngs_modulus_pa * (*of.plastic.strain)[e];
+    append_tensor(at_centre, 1.0, stress);
+    von_mises.push_back(von_mises_stress(model, at_centre));
+    const Eigen::Vector3d values = principal_stresses(model, at_centre);
+    for (std::size_t c = 0; c < 3; ++c) principal[c].push_back(values[static_cast<Eigen::Index>(c)]);
   }
-  std::string text;
-  for (std::size_t c = 0; c < names.size(); ++c) text += data_array("Float64", names[c], 1, stress_values[c]);
-  for (std::size_t c = 0; c < 3; ++c) text += data_array("Float64", principal_names[c], 1, principal_values[c]);
-  return text;
+  [[nodiscard]] std::string text() const {
+    return data_array("Float64", "stress", tensor_width, stress, tensor_names) +
+           data_array("Float64", "strain", tensor_width, strain, tensor_names) +
+           data_array("Float64", "von_mises", 1, von_mises) +
+           data_array("Float64", "stress_principal_max", 1, principal[0]) +
+           data_array("Float64", "stress_principal_mid", 1, principal[1]) +
+           data_array("Float64", "stress_principal_min", 1, principal[2]);
+  }
+};
+
+std::string stresses(const Parts& parts) {
+  Stresses all;
+  for (const PartFields& of : parts) {
+    const Eigen::MatrixXd compliance = elasticity(of.part->section.model, of.part->material).inverse();
+    for (int e = 0; e < static_cast<int>(of.part->mesh.elements.size()); ++e) all.append(of, e, compliance);
+  }
+  return all.text();
 }
 
 /// Empty where no part yields.
-std::string equivalent_plastic_strains(const Parts& parts, const Plastic& plastic) {
+std::string equivalent_plastic_strains(const Parts& parts) {
   std::vector<double> values;
   bool any = false;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const bool yields = p < plastic.size() && plastic[p].equivalent != nullptr;
-    any = any || yields;
-    for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(parts[p]->mesh.elements.size()); ++e)
-      values.push_back(yields ? (*plastic[p].equivalent)[e] : 0.0);
+  for (const PartFields& of : parts) {
+    any = any || of.plastic.equivalent;
+    for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(of.part->mesh.elements.size()); ++e)
+      values.push_back(of.plastic.equivalent ? (*of.plastic.equivalent)[e] : 0.0);
   }
   return any ? data_array("Float64", "equivalent_plastic_strain", 1, values) : "";
 }
@@ -118,33 +131,47 @@ std::string equivalent_plastic_strains(const Parts& parts, const Plastic& plasti
 std::string element_numbers(const Parts& parts) {
   std::vector<std::int32_t> body, element;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    body.insert(body.end(), parts[p]->body_element.size(), static_cast<std::int32_t>(p));
-    element.insert(element.end(), parts[p]->body_element.begin(), parts[p]->body_element.end());
+    const auto& of_body = parts[p].part->body_element;
+    body.insert(body.end(), of_body.size(), static_cast<std::int32_t>(p));
+    element.insert(element.end(), of_body.begin(), of_body.end());
   }
   return data_array("Int32", "body", 1, body) + data_array("Int32", "element", 1, element);
 }
 
-void check_sizes(const Parts& parts, const Fields& displacement, const Fields& velocity) {
-  if (parts.empty() || displacement.size() != parts.size() || velocity.size() != parts.size()) {
-    throw std::invalid_argument("write_vtu: one displacement and one velocity vector per part");
+std::string contact_arrays(const std::vector<ContactFields>& contact) {
+  if (contact.empty()) return "";
+  std::vector<double> force_n, pressure_pa, gap_m;
+  std::vector<std::int32_t> state;
+  for (const ContactFields& of : contact) {
+    force_n.insert(force_n.end(), of.force_n.begin(), of.force_n.end());
+    pressure_pa.insert(pressure_pa.end(), of.pressure_pa.begin(), of.pressure_pa.end());
+    gap_m.insert(gap_m.end(), of.gap_m.begin(), of.gap_m.end());
+    state.insert(state.end(), of.state.begin(), of.state.end());
   }
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (parts[p]->mesh.model != parts[0]->mesh.model || displacement[p]->size() != parts[p]->dofs() ||
-        velocity[p]->size() != parts[p]->dofs()) {
-      throw std::invalid_argument("write_vtu: model or vector length of " + parts[p]->body + " does not fit");
+  return data_array("Float64", "contact_force", 3, force_n) +
+         data_array("Float64", "contact_pressure", 1, pressure_pa) + data_array("Float64", "contact_gap", 1, gap_m) +
+         data_array("Int32", "contact_state", 1, state);
+}
+
+void check_sizes(const Parts& parts, const std::vector<ContactFields>& contact) {
+  if (parts.empty() || (!contact.empty() && contact.size() != parts.size()))
+    throw std::invalid_argument("write_vtu: one part at least, and contact of each part or of none");
+  for (const PartFields& of : parts) {
+    for (const auto* field : {of.displacement, of.velocity, of.acceleration}) {
+      if (of.part->mesh.model != parts[0].part->mesh.model || field == nullptr || field->size() != of.part->dofs())
+        throw std::invalid_argument("write_vtu: model or vector length of " + of.part->body + " does not fit");
     }
   }
 }
 
 }  // namespace
 
-void write_vtu(const std::string& path, const Parts& parts, const Fields& displacement, const Fields& velocity,
-               const Plastic& plastic) {
-  check_sizes(parts, displacement, velocity);
+void write_vtu(const std::string& path, const Parts& parts, const std::vector<ContactFields>& contact) {
+  check_sizes(parts, contact);
   std::size_t nodes = 0, elements = 0;
-  for (const Part* part : parts) {
-    nodes += part->mesh.position.size();
-    elements += part->mesh.elements.size();
+  for (const PartFields& of : parts) {
+    nodes += of.part->mesh.position.size();
+    elements += of.part->mesh.elements.size();
   }
   std::string text =
       "<?xml version=\"1.0\"?>\n"
@@ -152,19 +179,18 @@ void write_vtu(const std::string& path, const Parts& parts, const Fields& displa
       "<UnstructuredGrid>\n";
   text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, elements);
   text += points(parts) + cells(parts);
-  text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", parts, displacement) +
-          nodal_vectors("velocity", parts, velocity) + "</PointData>\n";
-  text += "<CellData>\n" + stresses(parts[0]->mesh.model, parts, displacement, plastic) +
-          equivalent_plastic_strains(parts, plastic) + element_numbers(parts) +
+  text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", parts, &PartFields::displacement) +
+          nodal_vectors("velocity", parts, &PartFields::velocity) +
+          nodal_vectors("acceleration", parts, &PartFields::acceleration) + contact_arrays(contact) + "</PointData>\n";
+  text += "<CellData>\n" + stresses(parts) + equivalent_plastic_strains(parts) + element_numbers(parts) +
           "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   write_atomically(path, text);
 }
 
-double vtu_bytes(Model model, double nodes, double elements, double corners) {
-  constexpr double in_base64 = 4.0 / 3.0, texts = 3000.0;
-  const double of_node = 9.0 * sizeof(double);  // place, displacement, velocity
-  const double of_element =
-      sizeof(double) * (static_cast<double>(stress_names(model).size()) + 3.0) + 3.0 * sizeof(std::int32_t) + 1.0;
+double vtu_bytes(double nodes, double elements, double corners) {
+  constexpr double in_base64 = 4.0 / 3.0, texts = 3500.0;
+  constexpr double of_node = 12.0 * sizeof(double);  // place, displacement, velocity, acceleration
+  constexpr double of_element = sizeof(double) * (2.0 * tensor_width + 1.0 + 3.0) + 3.0 * sizeof(std::int32_t) + 1.0;
   return texts + in_base64 * (of_node * nodes + of_element * elements + sizeof(std::int32_t) * corners);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,18 +16,32 @@ struct PlasticStrain {
   const Eigen::VectorXd* equivalent = nullptr;
 };
 
-/// Writes one VTU piece (XML, inline base64, little-endian) atomically (temporary name, then rename).
-/// Point data: displacement [m], velocity [m/s] (3 components; bar along x; axisymmetric (r, z) drawn as (x, y)).
-/// Cell data at the element centre: stress_axial, stress_radial, stress_hoop, stress_shear [Pa] (plane strain: xx, yy,
-/// zz, xy as stress_xx .. ; solid: also yz, zx; bar: stress_axial), stress_principal_max/mid/min [Pa]; cell data `body`
-/// (index in `parts`), `element` (number in the body) and, where a part yields, `equivalent_plastic_strain`. Parts of
-/// one model; vectors node-major, one per part (std::invalid_argument otherwise). Throws what write_atomically throws
-/// if the file cannot be written.
-void write_vtu(const std::string& path, const std::vector<const Part*>& parts,
-               const std::vector<const Eigen::VectorXd*>& displacement,
-               const std::vector<const Eigen::VectorXd*>& velocity, const std::vector<PlasticStrain>& plastic = {});
+/// What a file has of one part; vectors node-major, one number per degree of freedom.
+struct PartFields {
+  const Part* part = nullptr;
+  const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
+  PlasticStrain plastic{};
+};
 
-/// Bytes of such a file, to some hundred: `corners` of all elements together.
-[[nodiscard]] double vtu_bytes(Model model, double nodes, double elements, double corners);
+/// What contact surfaces have at the nodes of one part.
+struct ContactFields {
+  Eigen::VectorXd force_n;             ///< on the body, 3 per node; 0 away from the surfaces
+  Eigen::VectorXd pressure_pa, gap_m;  ///< per node; not a number where a node carries no row
+  std::vector<std::int32_t> state;     ///< per node: 0 open, 1 stick, 2 slip, -1 where it carries no row
+};
+
+/// Writes one VTU piece (XML, inline base64, little-endian) atomically (temporary name, then rename), with the same
+/// names in every model. Bar along x; axisymmetric (r, z) drawn as (x, y), with the hoop direction as zz.
+/// Point data: displacement [m], velocity [m/s], acceleration [m/s^2] (3 components each); with `contact`, one per
+/// part, also contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
+/// Cell data at the element centre: stress [Pa] and strain (xx, yy, zz, xy, yz, xz, as VTK orders a symmetric tensor;
+/// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (index in `parts`), `element` (number
+/// in the body) and, where a part yields, `equivalent_plastic_strain`. Parts of one model (std::invalid_argument
+/// otherwise, and where lengths do not fit). Throws what write_atomically throws if the file cannot be written.
+void write_vtu(const std::string& path, const std::vector<PartFields>& parts,
+               const std::vector<ContactFields>& contact = {});
+
+/// Bytes of such a file without contact, to some hundred: `corners` of all elements together.
+[[nodiscard]] double vtu_bytes(double nodes, double elements, double corners);
 
 }  // namespace ricochet::fem

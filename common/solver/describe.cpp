@@ -104,19 +104,19 @@ void record_bodies(const std::vector<BodyState>& states, std::vector<double>& ro
 }
 
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
-                  const std::vector<BodyState>& states) {
-  std::vector<const fem::Part*> parts;
-  std::vector<const Eigen::VectorXd*> displacement, velocity;
-  std::vector<fem::PlasticStrain> plastic;
+                  const std::vector<BodyState>& states, const std::vector<fem::ContactFields>& contact,
+                  bool moved_by_link) {
+  std::vector<fem::PartFields> parts;
+  std::vector<Eigen::VectorXd> accelerations;
+  accelerations.reserve(states.size());
   for (const auto& state : states) {
-    parts.push_back(&state.part);
-    displacement.push_back(&state.u);
-    velocity.push_back(&state.v);
-    plastic.emplace_back();
-    if (state.plastic) plastic.back() = {&state.plastic->strain, &state.plastic->equivalent};
+    accelerations.push_back(state.a);
+    for (const int dof : state.shared_dofs)
+      if (moved_by_link) accelerations.back()[dof] = std::numeric_limits<double>::quiet_NaN();
+    parts.push_back({&state.part, &state.u, &state.v, &accelerations.back()});
+    if (state.plastic) parts.back().plastic = {&state.plastic->strain, &state.plastic->equivalent};
   }
-  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, displacement, velocity,
-                 plastic);
+  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, contact);
 }
 
 }  // namespace ricochet::solver

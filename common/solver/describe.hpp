@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/body/body_state.hpp"
+#include "common/fem/vtk_output.hpp"
 #include "common/participant/participant.hpp"
 
 namespace ricochet::solver {
@@ -22,8 +23,11 @@ void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vect
 /// Appends the body totals in the order of the columns of `describe`.
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row);
 
-/// One VTU file `<directory>/<participant>_<window>.vtu` with all parts of a participant.
+/// One VTU file `<directory>/<participant>_<window>.vtu` with all parts of a participant; `contact` of its owner, for
+/// each part, else none. Accelerations of shared nodes that the link moves (`moved_by_link`) are not a number: who
+/// integrates these nodes has them.
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
-                  const std::vector<BodyState>& states);
+                  const std::vector<BodyState>& states, const std::vector<fem::ContactFields>& contact,
+                  bool moved_by_link);
 
 }  // namespace ricochet::solver

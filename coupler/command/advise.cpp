@@ -250,13 +250,12 @@ void advise(const AdviceRequest& request) {
   auto problem = request.scene.load();
   require_answerable(request, problem);
   std::vector<std::string> files{"advice.csv"};
-  if (!request.scene.set.empty()) files.emplace_back("scene.toml");
+  if (!request.scene.set.empty()) files.push_back(changed_scene_name(request.scene.path));
   const std::string stem = std::filesystem::path(request.scene.path).stem().string();
   const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_advice" : request.out, files,
                                  {request.scene.path});
   if (!request.scene.set.empty()) {
-    scene::write_variant(request.scene.path, request.scene.changes(), results.file("scene.toml"));
-    problem = load_problem(results.file("scene.toml"));
+    problem = load_problem(write_changed_scene(request.scene.path, request.scene.changes(), results.path()));
   }
   std::vector<Proposal> proposals;
   {

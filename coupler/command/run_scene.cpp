@@ -18,6 +18,7 @@
 #include "coupler/command/cost_text.hpp"
 #include "coupler/command/impact_text.hpp"
 #include "coupler/processes/executable.hpp"
+#include "coupler/processes/given_scene.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"
@@ -163,11 +164,10 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
   const auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(given.path).stem().string();
   auto files = files_of_run(problem.scene);
-  if (!given.set.empty()) files.insert(files.end(), {"scene.toml", "fields/scene.pvd"});
+  if (!given.set.empty()) files.insert(files.end(), {changed_scene_name(given.path), "fields/" + stem + ".pvd"});
   const ResultsDirectory results(out.empty() ? "out/" + stem : out, files, {given.path});
   if (!given.set.empty()) {
-    scene::write_variant(given.path, given.changes(), results.file("scene.toml"));
-    problem = load_problem(results.file("scene.toml"));
+    problem = load_problem(write_changed_scene(given.path, given.changes(), results.path()));
   }
   if (problem.scene.time.largest_step_s) {
     problem = load_problem(choose_step(problem, results));

@@ -10,7 +10,7 @@ namespace ricochet::coupler {
 /// `ricochet run`: checks the scene, starts its participants, couples them to the end, writes the results into `out`
 /// (empty: "out/<name of the scene file>") and prints the table, `with_error_bars` those below it. Whatever happens, no
 /// participant outlives this call and history.csv and summary.json are there once the scene has been accepted. Throws
-/// ricochet::Error (its exit code says what kind) or Interrupted. A changed scene is computed as `out`/scene.toml.
+/// ricochet::Error (its exit code says what kind) or Interrupted. A changed scene is computed as `out`/scene/NAME.toml.
 void run_scene(const GivenScene& given, const std::string& out, bool with_error_bars);
 
 /// `ricochet resume`: goes on with the run in the folder `results` from its last whole checkpoint, to the end of its

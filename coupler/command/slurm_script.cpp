@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
+#include "coupler/processes/given_scene.hpp"
 #include "coupler/processes/machine_check.hpp"
 
 namespace ricochet::coupler {
@@ -122,7 +123,8 @@ void write_slurm_script(const std::string& scene_path, const std::string& out, c
   const std::string stem = fs::path(path).stem().string();
   const auto program = own_path(), results = fs::absolute("out/" + stem).string();
   for (const auto& each : {path, program, results}) require_printable(each);
-  const char* const resumed = problem.scene.time.largest_step_s ? "\"$results/scene.toml\"" : "\"$scene\"";
+  const std::string changed = quoted(changed_scene_name(path));
+  const std::string resumed = problem.scene.time.largest_step_s ? "\"$results\"/" + changed : "\"$scene\"";
   const auto script = fmt::format(batch_script, fmt::arg("resumed", resumed), fmt::arg("scene_path", path),
                                   fmt::arg("name", job_name(stem)), fmt::arg("tasks", tasks_of(problem.scene)),
                                   fmt::arg("time", time_line(time)), fmt::arg("ricochet", quoted(program)),

@@ -56,4 +56,18 @@ scene::Problem GivenScene::load() const {
   }
 }
 
+std::string changed_scene_name(const std::string& scene_path) {
+  return "scene/" + std::filesystem::path(scene_path).stem().string() + ".toml";
+}
+
+std::string write_changed_scene(const std::string& scene_path, const std::vector<scene::Override>& changes,
+                                const std::string& results) {
+  std::string path = results + "/" + changed_scene_name(scene_path);
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
+  if (error) throw_errno(error.value(), "cannot create the folder of " + path);
+  scene::write_variant(scene_path, changes, path);
+  return path;
+}
+
 }  // namespace ricochet::coupler

@@ -19,4 +19,10 @@ struct GivenScene {
   [[nodiscard]] scene::Problem load() const;
 };
 
+/// Where a command keeps the scene that it has changed, by the name of the user's: "scene/NAME.toml" in its results.
+[[nodiscard]] std::string changed_scene_name(const std::string& scene_path);
+/// Writes it there and returns its path. Throws as write_variant.
+[[nodiscard]] std::string write_changed_scene(const std::string& scene_path,
+                                              const std::vector<scene::Override>& changes, const std::string& results);
+
 }  // namespace ricochet::coupler

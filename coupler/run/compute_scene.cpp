@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
+#include "coupler/processes/given_scene.hpp"
 #include "coupler/processes/interrupted.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/run/coupled_run.hpp"
@@ -43,8 +44,7 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
   }
   const auto checkpoints = CheckpointFolder::names(participant_names(scene));
   names.insert(names.end(), checkpoints.begin(), checkpoints.end());
-  // The scene that is computed then is scene.toml, and what goes by the scene's name goes by that.
-  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", "scene.toml", "fields/scene.pvd"});
+  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", changed_scene_name(scene.path)});
   return names;
 }
 

@@ -9,6 +9,7 @@
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
 #include "common/problem/critical_step.hpp"
+#include "coupler/processes/given_scene.hpp"
 #include "coupler/results/csv_cell.hpp"
 #include "coupler/study/study_case.hpp"
 
@@ -97,9 +98,7 @@ std::string choose_step(const scene::Problem& problem, const ResultsDirectory& r
     return a.error.empty() != b.error.empty() ? a.error.empty() : a.predicted_s < b.predicted_s;
   });
   print(candidates, *best, time.end_s);
-  std::string path = results.file("scene.toml");
-  scene::write_variant(problem.scene.path, {{"time.step_s", best->step_s}}, path);
-  return path;
+  return write_changed_scene(problem.scene.path, {{"time.step_s", best->step_s}}, results.path());
 }
 
 }  // namespace ricochet::coupler

@@ -18,9 +18,9 @@ namespace ricochet::coupler {
                                                   double safety_factor);
 
 /// Measures the candidates, prints what it has found, and writes it to calibration.csv. Returns the scene file to run:
-/// scene.toml in the results folder, the scene with the step chosen. Candidates that were measured before with the same
-/// scene, meshes and programs are not run again. A candidate that fails is printed with its reason; if all fail, it is
-/// the largest step that is returned, whose run then says why.
+/// scene/NAME.toml in the results folder, the scene with the step chosen. Candidates that were measured before with the
+/// same scene, meshes and programs are not run again. A candidate that fails is printed with its reason; if all fail,
+/// it is the largest step that is returned, whose run then says why.
 [[nodiscard]] std::string choose_step(const scene::Problem& problem, const ResultsDirectory& results);
 
 }  // namespace ricochet::coupler

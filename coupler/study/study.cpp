@@ -220,11 +220,10 @@ void run_study(const std::string& study_path, const std::string& out, const std:
   if (!set.empty()) (void)given.load();  // refused before anything is written
   const std::string stem = std::filesystem::path(file.path).stem().string();
   std::vector<std::string> files{"results.csv", "study.json", "histories.csv", "report.html"};
-  if (!set.empty()) files.push_back("scene.toml");
+  if (!set.empty()) files.push_back(changed_scene_name(file.scene));
   const ResultsDirectory results(out.empty() ? "out/" + stem : out, files, {file.path, file.scene});
   if (!set.empty()) {
-    file.scene = results.file("scene.toml");
-    scene::write_variant(given.path, given.changes(), file.scene);
+    file.scene = write_changed_scene(given.path, given.changes(), results.path());
   }
   const bool histories = file.histories.wanted();
   Study(std::move(file), results).run();

@@ -116,6 +116,9 @@ class ImplicitContact {
 
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   /// See participant::Participant::contact_forces.
+  [[nodiscard]] std::vector<fem::ContactFields> fields(const std::vector<solver::BodyState>& states) const {
+    return surface_.nodal_fields(states, state_.mean_forces);
+  }
   void append_forces(std::vector<double>& row) const { surface_.append_forces(state_.mean_forces, row); }
   [[nodiscard]] int pairs_closed() const;
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }

@@ -42,7 +42,7 @@ TEST_P(PictureOfProtocols, IsOfTheFieldsOfTheRun) {
       char file[60];
       std::snprintf(file, sizeof file, "/fields/%s_%08d.vtu", name.c_str(), kept[w]);
       const auto u = vtu_array(run.folder + file, "displacement"),
-                 stress = vtu_array(run.folder + file, "stress_axial");
+                 stress = vtu_component(run.folder + file, "stress", "xx");
       std::size_t nodes = 0, cells = 0;
       for (const auto& body : shapes.at("bodies")) {
         for (const float value : floats(body.at("displacement_m")[w]))

@@ -23,9 +23,12 @@ class Set : public testing::Test {
 };
 
 TEST_F(Set, ComputesTheSceneWithTheKeysChanged) {
-  const auto outcome =
-      command({"run", scene_, "--set", "time.step_s=1e-6", "--set", "coupling.protocol=kim", "--out", out_});
+  const auto outcome = command({"run", scene_, "--set", "time.step_s=1e-6", "--set", "coupling.protocol=kim", "--set",
+                                "output.fields_every=100", "--out", out_});
   ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(file_text(out_ + "/summary.json"));
+  EXPECT_THAT(summary.at("scene").get<std::string>(), testing::EndsWith("/out/scene/bars.toml"));
+  EXPECT_TRUE(std::filesystem::exists(out_ + "/fields/bars.pvd"));
   const std::string text =
       with_protocol(replaced(config_text("two_bars"), "step_s = 2.226e-6", "step_s = 1e-6"), "kim");
   const auto by_hand = run_text(text, folder_, "by_hand");

@@ -52,7 +52,7 @@ TEST(LargestStep, TheRunTakesTheStepOfLeastPredictedTime) {
   }
   EXPECT_NEAR(run.summary.at("window_size_s").get<double>(), calibration.best_step_s, 1e-5 * calibration.best_step_s);
   EXPECT_THAT(run.outcome.out, HasSubstr("  chosen\n"));
-  EXPECT_THAT(run.summary.at("scene").get<std::string>(), HasSubstr("/scene.toml"));
+  EXPECT_THAT(run.summary.at("scene").get<std::string>(), HasSubstr("/scene/scene.toml"));
   // The bars exchange their velocities whatever the step is (impedance theory), but for waves that the coarse far ends
   // disperse.
   EXPECT_NEAR(run.last("velocity_mean_left_m_s"), -5.0, 0.3);

@@ -176,7 +176,7 @@ TEST(FifosAndDevices, InAFolderOfResultsAreRefused) {
   EXPECT_EQ(resume(run.folder, folder).code, 0) << "all is as it was";
 }
 
-/// `fields/scene.pvd` is what a run writes whose step is chosen.
+/// A run whose step is chosen keeps the name of its scene, as any other.
 TEST(ChosenStep, ClaimsTheIndexOfItsFields) {
   const TemporaryFolder folder;
   const std::string text = bars(few_windows);
@@ -186,7 +186,7 @@ TEST(ChosenStep, ClaimsTheIndexOfItsFields) {
                             "largest_step_s"),
                    "mine.toml");
   fs::create_directories(folder.path() / "out/fields");
-  const auto index = folder.write("by the user", "out/fields/scene.pvd");
+  const auto index = folder.write("by the user", "out/fields/mine.pvd");
   const auto outcome = ricochet(folder, {"run", scene, "--out", (folder.path() / "out").string()});
   EXPECT_EQ(outcome.code, 2) << outcome.error;
   EXPECT_THAT(outcome.error, HasSubstr(index + " is there already, and ricochet did not write it"));

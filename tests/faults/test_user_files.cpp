@@ -111,10 +111,10 @@ class ScenesInResults : public testing::Test {
 TEST_F(ScenesInResults, written_by_ricochet_are_run_and_stay) {
   const auto scene = scratch_.write(with_chosen_step());
   ASSERT_EQ(ricochet({"run", scene, "--out", out_}).code, 0);
-  const auto written = out_ + "/scene.toml", text = file_text(written);
+  const auto written = out_ + "/scene/scene.toml", text = file_text(written);
   ASSERT_THAT(text, HasSubstr("step_s"));
   fs::create_symlink(written, scratch_.path() / "link.toml");
-  for (const auto& path : {written, out_ + "/logs/../scene.toml", (scratch_.path() / "link.toml").string()}) {
+  for (const auto& path : {written, out_ + "/logs/../scene/scene.toml", (scratch_.path() / "link.toml").string()}) {
     const auto outcome = ricochet({"run", path, "--out", out_});
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     EXPECT_EQ(file_text(written), text) << path;
@@ -130,7 +130,8 @@ TEST_F(ScenesInResults, written_by_ricochet_are_run_and_stay) {
 }
 
 TEST_F(ScenesInResults, of_the_user_are_not_written_over) {
-  const auto scene = folder_.write(with_chosen_step());  // under the name of the one that is to be written
+  fs::create_directories(folder_.path() / "scene");
+  const auto scene = folder_.write(with_chosen_step(), "scene/mine.toml");  // where one of its name is to be written
   const auto outcome = ricochet({"run", scene, "--out", out_});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.error, HasSubstr(scene + " is read by this command, which would write a file of that name"));

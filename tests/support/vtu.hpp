@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -28,14 +29,26 @@ inline std::string decode_base64(const std::string& text) {
   return bytes;
 }
 
-inline std::vector<double> vtu_array(const std::string& path, const std::string& name) {
+template <class Number = double>
+std::vector<Number> vtu_array(const std::string& path, const std::string& name) {
   const std::string text = file_text(path);
   const auto tag = text.find("Name=\"" + name + "\"");
   if (tag == std::string::npos) throw std::runtime_error(path + " has no array " + name);
   const auto begin = text.find('>', tag) + 1;
   const std::string bytes = decode_base64(text.substr(begin, text.find('<', begin) - begin));
-  std::vector<double> values((bytes.size() - sizeof(std::uint64_t)) / sizeof(double));
-  std::memcpy(values.data(), bytes.data() + sizeof(std::uint64_t), values.size() * sizeof(double));
+  std::vector<Number> values((bytes.size() - sizeof(std::uint64_t)) / sizeof(Number));
+  std::memcpy(values.data(), bytes.data() + sizeof(std::uint64_t), values.size() * sizeof(Number));
+  return values;
+}
+
+/// One component of the tensor `name` ("stress" or "strain") of every cell: "xx", "yy", "zz", "xy", "yz" or "xz".
+inline std::vector<double> vtu_component(const std::string& path, const std::string& name,
+                                         const std::string& component) {
+  const std::vector<std::string> names{"xx", "yy", "zz", "xy", "yz", "xz"};
+  const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), component) - names.begin());
+  const auto all = vtu_array(path, name);
+  std::vector<double> values;
+  for (std::size_t cell = at; cell < all.size(); cell += names.size()) values.push_back(all[cell]);
   return values;
 }
 

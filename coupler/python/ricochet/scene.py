@@ -74,7 +74,7 @@ def with_absolute_paths(scene):
 def write(scene, folder):
     """Writes the dict into the folder as <name of the folder>.toml, where results keep it; returns its path."""
     folder = pathlib.Path(os.path.abspath(folder))
-    name = folder.name if folder.name not in ("", "scene") else "given_scene"  # scene.toml is the command's own
+    name = folder.name or "given_scene"
     path, text = folder / f"{name}.toml", marker + to_toml(with_absolute_paths(scene))
     if path.exists() and not path.read_text(errors="replace").startswith(marker):
         raise FileExistsError(f"{path} is not of this package; give the results another folder: out=...")

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -28,9 +29,26 @@ struct Written {
       }));
       velocity.push_back(
           sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector3d(7.0 + x[0], -30.0, x[2]); }));
+      acceleration.push_back(-2.0 * velocity.back());
     }
-    write_vtu(path(), {&parts[0], &parts[1], &parts[2]}, {&displacement[0], &displacement[1], &displacement[2]},
-              {&velocity[0], &velocity[1], &velocity[2]});
+    write_vtu(path(), fields(), contact());
+  }
+  [[nodiscard]] std::vector<PartFields> fields() const {
+    std::vector<PartFields> all;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      all.push_back({&parts[p], &displacement[p], &velocity[p], &acceleration[p]});
+    return all;
+  }
+  /// Numbers that tell node and part.
+  [[nodiscard]] std::vector<ContactFields> contact() const {
+    std::vector<ContactFields> all;
+    for (const Part& part : parts) {
+      const Eigen::Index nodes = part.nodes(), first = 1000 * static_cast<Eigen::Index>(all.size());
+      all.push_back({Eigen::VectorXd::LinSpaced(3 * nodes, static_cast<double>(first), static_cast<double>(first + 1)),
+                     Eigen::VectorXd::Constant(nodes, 1e6), Eigen::VectorXd::Constant(nodes, -1e-9),
+                     std::vector<std::int32_t>(static_cast<std::size_t>(nodes), 2)});
+    }
+    return all;
   }
   ~Written() { std::filesystem::remove(path()); }
   Written(const Written&) = delete;
@@ -43,7 +61,7 @@ struct Written {
 
   Model model_;
   std::vector<Part> parts;
-  std::vector<Eigen::VectorXd> displacement, velocity;
+  std::vector<Eigen::VectorXd> displacement, velocity, acceleration;
 };
 
 /// Values per cell of a function of a part's element and its displacement, over all bodies.
@@ -76,13 +94,27 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
   std::map<std::string, std::vector<double>> fields;
   fields["displacement"] = per_node(written, written.displacement);
   fields["velocity"] = per_node(written, written.velocity);
-  std::vector<std::string> names = {"stress_axial"};
-  if (model == Model::plane_strain) names = {"stress_xx", "stress_yy", "stress_zz", "stress_xy"};
-  if (model == Model::axisymmetric) names = {"stress_radial", "stress_axial", "stress_hoop", "stress_shear"};
-  if (model == Model::solid) names = {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    fields[names[c]] = per_cell(written, [c](const StressVector& s) { return s[static_cast<Eigen::Index>(c)]; });
+  fields["acceleration"] = per_node(written, written.acceleration);
+  for (const ContactFields& of : written.contact()) {
+    fields["contact_force"].insert(fields["contact_force"].end(), of.force_n.begin(), of.force_n.end());
+    fields["contact_pressure"].insert(fields["contact_pressure"].end(), of.pressure_pa.begin(), of.pressure_pa.end());
+    fields["contact_gap"].insert(fields["contact_gap"].end(), of.gap_m.begin(), of.gap_m.end());
+    fields["contact_state"].insert(fields["contact_state"].end(), of.state.begin(), of.state.end());
   }
+  for (const auto* tensor : {"stress", "strain"}) {
+    const Eigen::MatrixXd compliance = elasticity(model, sample::steel).inverse();
+    for (Eigen::Index c = 0; c < 6; ++c) {
+      const auto component = per_cell(written, [&](const StressVector& s) {
+        if (c >= s.size()) return 0.0;
+        return tensor[2] == 'r' && tensor[3] == 'e' ? s[c] : (c < 3 ? 1.0 : 0.5) * (compliance * s)[c];
+      });
+      auto& values = fields[tensor];
+      values.resize(6 * component.size());
+      for (std::size_t cell = 0; cell < component.size(); ++cell)
+        values[6 * cell + static_cast<std::size_t>(c)] = component[cell];
+    }
+  }
+  fields["von_mises"] = per_cell(written, [model](const StressVector& s) { return von_mises_stress(model, s); });
   const std::array<std::string, 3> principal = {"max", "mid", "min"};
   for (int c = 0; c < 3; ++c) {
     fields["stress_principal_" + principal[static_cast<std::size_t>(c)]] =
@@ -184,7 +216,9 @@ TEST(WriteVtu, ReplacesAnOldFileAndLeavesNoTemporaryOne) {
 TEST(WriteVtu, SaysWhereItCannotWrite) {
   const Part part = sample::distorted_part(Model::bar);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(part.dofs());
-  EXPECT_THAT(sample::message_of([&] { write_vtu("/nonexistent/folder/a.vtu", {&part}, {&zero}, {&zero}); }),
+  EXPECT_THAT(sample::message_of([&] {
+                write_vtu("/nonexistent/folder/a.vtu", {{&part, &zero, &zero, &zero}});
+              }),
               HasSubstr("cannot write /nonexistent/folder/a.vtu.part"));
 }
 
@@ -194,9 +228,12 @@ TEST(WriteVtu, RefusesVectorsThatDoNotFit) {
   const Eigen::VectorXd fits = Eigen::VectorXd::Zero(part.dofs()), short_one = fits.head(2);
   const Eigen::VectorXd other_zero = Eigen::VectorXd::Zero(other.dofs());
   const std::string path = sample::temporary_path("refused.vtu");
-  EXPECT_THROW(write_vtu(path, {&part}, {&fits}, {&short_one}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {&part}, {&fits}, {}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {&part, &other}, {&fits, &other_zero}, {&fits, &other_zero}), std::invalid_argument);
+  const PartFields whole{&part, &fits, &fits, &fits};
+  EXPECT_THROW(write_vtu(path, {{&part, &fits, &short_one, &fits}}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {{&part, &fits, &fits, nullptr}}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {whole, {&other, &other_zero, &other_zero, &other_zero}}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {whole, whole}, {ContactFields{}}), std::invalid_argument);
 }
 
 }  // namespace

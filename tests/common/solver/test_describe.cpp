@@ -134,7 +134,7 @@ TEST(InterfaceMass, IsTakenNodeByNodeInTheOrderOfTheInterface) {
 TEST(Fields, AreOneFilePerParticipantAndWindow) {
   const test::SceneStates scene(test::two_rods("all_explicit"));
   const test::TemporaryFolder folder;
-  write_fields(folder.path().string(), "outside", 12, scene.states);
+  write_fields(folder.path().string(), "outside", 12, scene.states, {}, false);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "outside_00000012.vtu"));
 }
 
