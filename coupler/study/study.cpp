@@ -41,8 +41,9 @@ class Study {
 };
 
 void Study::prepare_rows() {
-  for (const auto& settings : combinations(file_.variations)) {
+  for (const auto& settings : all_combinations(file_)) {
     for (const auto& method : file_.methods) {
+      if (!is_of(combinations(file_.variations, method.name), settings)) continue;
       auto changes = merged(settings, method.changes);
       changes.push_back({"coupling.protocol", method.protocol});
       StudyCase run(file_.scene, changes, results_.file("runs"));
@@ -66,7 +67,8 @@ void Study::measure(StudyRow& row) const {
   }
 }
 
-/// Rows with the same settings stand together, one for each method.
+/// With the run of the other method at the same settings, or, where one of them has keys of its own, at the same ones
+/// of all methods.
 void Study::compare_histories() {
   const auto& histories = file_.histories;
   if (!histories.wanted()) return;
@@ -74,13 +76,17 @@ void Study::compare_histories() {
     const auto difference = rms_difference(histories.quantity, run, other);
     return difference ? std::optional(*difference / histories.over_pa) : std::nullopt;
   };
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    auto& row = rows_[r];
+  for (auto& row : rows_) {
     if (!row.seen) continue;
     if (!row.rms_reference) row.rms_reference = rms(*row.seen, reference_of(references_, row.settings).seen);
-    const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(r - r % file_.methods.size());
-    const auto other =
-        std::find_if(first, rows_.end(), [&](const StudyRow& o) { return o.method == histories.compare_to; });
+    const auto common = of_all_methods(file_, row.settings);
+    auto other = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& o) {
+      return o.method == histories.compare_to && same_settings(o.settings, row.settings);
+    });
+    if (other == rows_.end())
+      other = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& o) {
+        return o.method == histories.compare_to && same_settings(of_all_methods(file_, o.settings), common);
+      });
     if (!row.rms_compared && other->seen) row.rms_compared = rms(*row.seen, *other->seen);
   }
 }

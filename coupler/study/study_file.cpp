@@ -34,8 +34,27 @@ const scene::Schema& study_schema() {
   return tables;
 }
 
-Variation load_variation(const TableReader& reader, const scene::Toml& table, const std::string& at) {
-  Variation variation;
+/// Takes `methods` out of a [[vary]] table: of which methods it is.
+std::vector<std::string> take_methods(const TableReader& reader, const std::vector<std::string>& known,
+                                      const std::string& at, scene::Toml& table) {
+  std::vector<std::string> methods;
+  if (!table.is_table() || !table.contains("methods")) return methods;
+  const scene::Toml value = table.at("methods");
+  const std::string full = at + ".methods", allowed = "a list of methods of the study: " + scene::one_of(known);
+  if (!value.is_array() || value.as_array().empty()) reader.fail(value, full, scene::value_text(value), allowed);
+  for (const auto& entry : value.as_array()) {
+    const std::string name = entry.is_string() ? entry.as_string().str : "";
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      reader.fail(entry, full, scene::value_text(entry) + did_you_mean(name, known), allowed);
+    methods.push_back(name);
+  }
+  table.as_table().erase("methods");
+  return methods;
+}
+
+Variation load_variation(const TableReader& reader, scene::Toml table, const std::vector<std::string>& methods,
+                         const std::string& at) {
+  Variation variation{take_methods(reader, methods, at, table), {}, {}};
   for (const auto& leaf : leaves_of(reader, table, at)) {
     const std::string full = at + "." + leaf.key;
     if (!leaf.value->is_array() || leaf.value->as_array().empty()) {
@@ -57,7 +76,7 @@ Variation load_variation(const TableReader& reader, const scene::Toml& table, co
   return variation;
 }
 
-std::vector<Variation> load_variations(TableReader& root) {
+std::vector<Variation> load_variations(TableReader& root, const std::vector<std::string>& methods) {
   std::vector<Variation> variations;
   const scene::Toml* value = root.open("vary");
   if (value == nullptr) return variations;
@@ -65,7 +84,7 @@ std::vector<Variation> load_variations(TableReader& root) {
   std::set<std::string> seen;
   for (const auto& table : value->as_array()) {
     const std::string at = fmt::format("vary[{}]", variations.size());
-    variations.push_back(load_variation(root, table, at));
+    variations.push_back(load_variation(root, table, methods, at));
     for (const auto& key : variations.back().keys) {
       if (!seen.insert(key).second) root.fail(table, at, key + " a second time", "each key in one table");
     }
@@ -208,7 +227,7 @@ StudyFile load_study(const std::string& path) {
   study.scene = (fs::path(study.path).parent_path() / root.text("scene")).lexically_normal().string();
   if (!scene::is_file(study.scene)) root.refuse("scene", "no file " + study.scene, "a scene file, from this folder");
   load_methods(root, study);
-  study.variations = load_variations(root);
+  study.variations = load_variations(root, method_names(study));
   const MeasuredScene measured = measured_scene(study.scene);
   study.quantities = load_quantities(root, measured);
   study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
@@ -241,12 +260,29 @@ std::vector<std::string> telling_keys(const Variation& variation) {
   return variation.keys;
 }
 
-std::vector<std::vector<Override>> combinations(const std::vector<Variation>& variations) {
+namespace {
+
+bool is_varied(const Variation& variation, const std::string& method) {
+  return variation.methods.empty() ||
+         std::find(variation.methods.begin(), variation.methods.end(), method) != variation.methods.end();
+}
+
+/// What a variation gives the runs of a method.
+std::vector<std::vector<Override>> settings_for(const Variation& variation, const std::string& method) {
+  if (is_varied(variation, method)) return variation.settings;
+  std::vector<Override> none;
+  for (const auto& key : variation.keys) none.push_back({key, std::string()});
+  return {none};
+}
+
+}  // namespace
+
+std::vector<std::vector<Override>> combinations(const std::vector<Variation>& variations, const std::string& method) {
   std::vector<std::vector<Override>> all{{}};
   for (const auto& variation : variations) {
     std::vector<std::vector<Override>> more;
     for (const auto& begun : all) {
-      for (const auto& setting : variation.settings) {
+      for (const auto& setting : settings_for(variation, method)) {
         more.push_back(begun);
         more.back().insert(more.back().end(), setting.begin(), setting.end());
       }
@@ -254,6 +290,36 @@ std::vector<std::vector<Override>> combinations(const std::vector<Variation>& va
     all = std::move(more);
   }
   return all;
+}
+
+bool same_settings(const std::vector<Override>& a, const std::vector<Override>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Override& x, const Override& y) { return x.key == y.key && text_of(x) == text_of(y); });
+}
+
+bool is_of(const std::vector<std::vector<Override>>& combinations, const std::vector<Override>& settings) {
+  return std::any_of(combinations.begin(), combinations.end(),
+                     [&](const auto& other) { return same_settings(other, settings); });
+}
+
+std::vector<std::vector<Override>> all_combinations(const StudyFile& file) {
+  std::vector<std::vector<Override>> all;
+  for (const auto& method : file.methods)
+    for (auto& settings : combinations(file.variations, method.name))
+      if (!is_of(all, settings)) all.push_back(std::move(settings));
+  return all;
+}
+
+std::vector<Override> of_all_methods(const StudyFile& file, const std::vector<Override>& settings) {
+  std::vector<Override> result;
+  for (const auto& setting : settings) {
+    const auto has_key = [&](const Variation& variation) {
+      return variation.methods.empty() &&
+             std::find(variation.keys.begin(), variation.keys.end(), setting.key) != variation.keys.end();
+    };
+    if (std::any_of(file.variations.begin(), file.variations.end(), has_key)) result.push_back(setting);
+  }
+  return result;
 }
 
 std::vector<Override> merged(std::vector<Override> settings, const std::vector<Override>& changes) {

@@ -13,8 +13,9 @@ struct Method {
   std::vector<scene::Override> changes;
 };
 
-/// One [[vary]] table: keys of the scene that take their values together.
+/// One [[vary]] table: keys of the scene that take their values together, in the runs of all methods or of some.
 struct Variation {
+  std::vector<std::string> methods;  ///< empty: all
   std::vector<std::string> keys;
   std::vector<std::vector<scene::Override>> settings;  ///< one entry a setting, each with all keys
 };
@@ -71,8 +72,20 @@ struct StudyFile {
 /// Keys that tell the settings of a variation apart: its first key whose values all differ, else all of them.
 [[nodiscard]] std::vector<std::string> telling_keys(const Variation& variation);
 
-/// Every combination of the settings of all variations; one empty one without variations.
-[[nodiscard]] std::vector<std::vector<scene::Override>> combinations(const std::vector<Variation>& variations);
+/// Every combination of the settings of all variations in the runs of a method; one empty one without variations. Keys
+/// of a variation that is not the method's have the empty text.
+[[nodiscard]] std::vector<std::vector<scene::Override>> combinations(const std::vector<Variation>& variations,
+                                                                     const std::string& method);
+
+/// Those of all methods, each once.
+[[nodiscard]] std::vector<std::vector<scene::Override>> all_combinations(const StudyFile& file);
+[[nodiscard]] bool same_settings(const std::vector<scene::Override>& a, const std::vector<scene::Override>& b);
+[[nodiscard]] bool is_of(const std::vector<std::vector<scene::Override>>& combinations,
+                         const std::vector<scene::Override>& settings);
+
+/// Settings of keys that all methods vary.
+[[nodiscard]] std::vector<scene::Override> of_all_methods(const StudyFile& file,
+                                                          const std::vector<scene::Override>& settings);
 
 /// `changes` over `settings`: of a key that is set twice the last value counts; an empty text leaves the scene's own.
 [[nodiscard]] std::vector<scene::Override> merged(std::vector<scene::Override> settings,

@@ -77,7 +77,7 @@ void print_errors(const StudyFile& file, const StudyReference& reference) {
 
 std::vector<StudyReference> find_references(const StudyFile& file, const std::string& folder) {
   std::vector<StudyReference> all;
-  for (const auto& settings : combinations(file.variations)) {
+  for (const auto& settings : all_combinations(file)) {
     const auto follows = followed(file.reference.follow, settings);
     const auto known = [&](const StudyReference& other) { return same(other.follows, follows); };
     if (std::any_of(all.begin(), all.end(), known)) continue;

@@ -40,7 +40,8 @@ std::string label_of(const StudyFile& file, const StudyRow& row) {
   }
   std::string text = row.method;
   for (const auto& setting : row.settings) {
-    if (telling.count(setting.key) > 0) text += fmt::format(" {}={}", setting.key, text_of(setting));
+    if (telling.count(setting.key) > 0 && !text_of(setting).empty())
+      text += fmt::format(" {}={}", setting.key, text_of(setting));
   }
   return text;
 }

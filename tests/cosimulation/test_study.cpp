@@ -63,6 +63,41 @@ Outcome study(const std::string& path, const std::string& out, const TemporaryFo
 
 double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
 
+/// Substeps are a key of dual protocols alone: no run of another method is refused for it.
+TEST(Study, VariesAKeyForTheMethodsThatHaveIt) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write(study_text(R"(methods = ["kim", "prakash_hjelmstad"]
+quantities = ["separation_time"]
+[[vary]]
+methods = ["prakash_hjelmstad"]
+coupling.substeps = [1, 2, 4]
+[[vary]]
+contact.multiplier_update = ["trapezoidal_reset", "massless"]
+[reference]
+exact = "impedance_theory"
+[histories]
+quantity = "contact_pressure"
+over_pa = 2e8
+over_name = "p"
+compare_to = "kim"
+)"),
+                                 "study.toml");
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 8U);
+  std::map<std::string, int> substeps;
+  for (const auto& row : rows) {
+    EXPECT_EQ(row.at("status"), "done") << row.at("error");
+    ++substeps[row.at("method") + row.at("coupling.substeps")];
+    EXPECT_EQ(number(row, "rms_compared") == 0.0, row.at("method") == "kim") << "beside kim with the same contact law";
+  }
+  EXPECT_EQ(substeps["kim"], 2);
+  for (const char* m : {"1", "2", "4"}) EXPECT_EQ(substeps[std::string("prakash_hjelmstad") + m], 2) << m;
+  EXPECT_THAT(outcome.out, HasSubstr("\nkim contact.multiplier_update=massless "));
+}
+
 TEST(Study, ErrorsAgainstTheExactImpactFallWithTheMeshAndFailuresAreRows) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "study").string();

@@ -63,11 +63,27 @@ TEST(StudyFile, ReadsMethodsVariationsAndReference) {
   ASSERT_EQ(study.variations.size(), 2U);
   EXPECT_THAT(study.variations[0].keys, ElementsAre("time.step_s", "body.left.mesh.elements"));
   EXPECT_EQ(study.reference.changes.size(), 2U) << "and the protocol";
-  const auto all = combinations(study.variations);
+  const auto all = all_combinations(study);
   ASSERT_EQ(all.size(), 2U) << "keys of one table go together, tables multiply";
   EXPECT_EQ(text_of(all[1][0]), "1e-06");
   EXPECT_EQ(text_of(all[1][1]), "20");
   EXPECT_EQ(text_of(all[1][2]), "penalty");
+}
+
+TEST(StudyFile, VariesSomeKeysForSomeMethodsOnly) {
+  const test::TemporaryFolder folder;
+  const auto text = test::replaced(good_study(), "[[vary]]\ntime", "[[vary]]\nmethods = [\"kim\", \"soft\"]\ntime");
+  const auto study = load_study(folder.write(text, "study.toml"));
+  EXPECT_THAT(study.variations[0].methods, ElementsAre("kim", "soft"));
+  EXPECT_EQ(combinations(study.variations, "kim").size(), 2U);
+  const auto of_other = combinations(study.variations, "all_implicit");
+  ASSERT_EQ(of_other.size(), 1U);
+  EXPECT_EQ(text_of(of_other[0][0]), "") << "as the scene says";
+  EXPECT_EQ(text_of(of_other[0][2]), "penalty");
+  EXPECT_EQ(all_combinations(study).size(), 3U);
+  const auto common = of_all_methods(study, of_other[0]);
+  ASSERT_EQ(common.size(), 1U);
+  EXPECT_EQ(common[0].key, "contact.enforcement");
 }
 
 TEST(StudyFile, ReadsWhatIsDrawnAndComparedBesides) {
@@ -104,7 +120,7 @@ TEST(StudyFile, TheShippedOnesLoad) {
   int studies = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs/studies")) {
     const auto study = load_study(entry.path().string());
-    EXPECT_FALSE(combinations(study.variations).empty());
+    EXPECT_FALSE(all_combinations(study).empty());
     ++studies;
   }
   EXPECT_GE(studies, 2);
@@ -122,7 +138,8 @@ TEST(StudyFile, TheFirstKeyWhoseValuesDifferTellsSettingsApart) {
   };
   EXPECT_THAT(keys("[2e-6, 1e-6]"), ElementsAre("time.step_s"));
   EXPECT_THAT(keys("[1e-6, 1e-6]"), ElementsAre("body.left.mesh.elements"));
-  EXPECT_EQ(telling_keys({{"a.b", "c.d"}, {{{"a.b", 1.0}, {"c.d", 1.0}}, {{"a.b", 1.0}, {"c.d", 1.0}}}}).size(), 2U);
+  EXPECT_EQ(telling_keys({{}, {"a.b", "c.d"}, {{{"a.b", 1.0}, {"c.d", 1.0}}, {{"a.b", 1.0}, {"c.d", 1.0}}}}).size(),
+            2U);
 }
 
 /// A scene of two contacts, as solids or not.
@@ -167,7 +184,7 @@ TEST(StudyFile, ReachesTheKeysOfOneOfSeveralContactsByItsName) {
             "contact.second.friction_coefficient");
 }
 
-TEST(StudyFile, WithoutVariationsThereIsOneCombination) { EXPECT_EQ(combinations({}).size(), 1U); }
+TEST(StudyFile, WithoutVariationsThereIsOneCombination) { EXPECT_EQ(combinations({}, "kim").size(), 1U); }
 
 /// One edit that spoils the study, the line that the error names and what it says.
 struct Wrong {
@@ -219,6 +236,16 @@ INSTANTIATE_TEST_SUITE_P(
               {"\"penalty_pa\" in the key contact.second.penalty_pa", "did you mean \"penalty_pa_m\"?"}},
         Wrong{"unknown_scene_table", "\"contact.enf", "\"contacts.enf", 9, {"vary[1]", "did you mean \"contact\"?"}},
         Wrong{"table_of_scene", "\"contact.enforcement\"", "contact", 9, {"the table \"contact\"", "\"enforcement\""}},
+        Wrong{"methods_of_a_variation",
+              "[[vary]]\ntime",
+              "[[vary]]\nmethods = [\"kin\"]\ntime",
+              6,
+              {"vary[0].methods", "found \"kin\"", "did you mean \"kim\"?", "a list of methods of the study"}},
+        Wrong{"no_methods_of_a_variation",
+              "[[vary]]\ntime",
+              "[[vary]]\nmethods = []\ntime",
+              6,
+              {"vary[0].methods", "found an array of 0", "a list of methods of the study"}},
         Wrong{"no_list", "[2e-6, 1e-6]", "2e-6", 6, {"vary[0].time.step_s", "found 2e-06", "a list"}},
         Wrong{"unequal_lists", "[10, 20]", "[10, 20, 30]", 7, {"3 values", "2, as many as time.step_s"}},
         Wrong{"key_twice",
