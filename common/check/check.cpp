@@ -10,6 +10,7 @@
 #include "common/base/process.hpp"
 #include "common/check/check_bodies.hpp"
 #include "common/check/check_contact.hpp"
+#include "common/check/check_islands.hpp"
 #include "common/check/check_local_steps.hpp"
 #include "common/check/check_mass_scaling.hpp"
 #include "common/check/check_model.hpp"
@@ -188,6 +189,7 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
+  for (const auto& islands : islands_of(problem)) plan.notes.push_back(text_of(problem, islands));
   note_ignored_cards(scene, plan);
   check_local_steps(problem, plan);
   check_mass_scaling(problem, plan);

@@ -207,15 +207,16 @@ std::string header_html(const Json& summary) {
   text += fmt::format(
       "<dl><dt>scene</dt><dd>{} <small>(SHA-256 {}…)</small></dd>\n<dt>protocol</dt><dd>{} over {}</dd>\n"
       "<dt>run</dt><dd>{}</dd>\n<dt>version</dt><dd>ricochet {}</dd></dl>\n",
-      escape_html(summary.value("scene", "")), escape_html(summary.value("scene_sha256", "").substr(0, 12)),
-      escape_html(summary.value("protocol", "")), escape_html(summary.value("transport", "")),
-      escape_html(summary.value("run_id", "")), escape_html(summary.value("version", "")));
+      escape_html(std::filesystem::path(summary.value("scene", "")).filename().string()),
+      escape_html(summary.value("scene_sha256", "").substr(0, 12)), escape_html(summary.value("protocol", "")),
+      escape_html(summary.value("transport", "")), escape_html(summary.value("run_id", "")),
+      escape_html(summary.value("version", "")));
   return text;
 }
 
 std::string tables_html(const Json& summary) {
   std::string text =
-      summary.contains("theory")
+      !summary.value("theory", Json()).is_null()
           ? "<table>\n<thead><tr><th></th><th>computed</th><th>theory</th><th>difference</th></tr></thead>\n<tbody>\n"
           : "<table>\n<thead><tr><th></th><th colspan=\"3\">computed</th></tr></thead>\n<tbody>\n";
   text += contact_rows(summary) + balance_rows(summary) + course_rows(summary) + "</tbody>\n</table>\n" +

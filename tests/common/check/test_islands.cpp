@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "common/check/check.hpp"
+#include "common/check/check_islands.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
+#include "tests/common/scene/scene_text.hpp"
+#include "tests/support/scene_file.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+using testing::HasSubstr;
+
+/// Implicit elements of a body that no walk from a contact node over implicit elements comes to.
+std::vector<int> not_reached(const Problem& problem, int index) {
+  const BodyProblem& body = problem.bodies[at(index)];
+  std::vector<std::vector<int>> of_node(body.mesh.position.size());
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e)
+    for (const int node : body.mesh.elements[at(e)])
+      if (body.implicit_element[at(e)]) of_node[at(node)].push_back(e);
+  std::vector<bool> reached(body.mesh.elements.size(), false);
+  const auto nodes = contact_nodes(problem.contacts, index);
+  std::deque<int> open(nodes.begin(), nodes.end());
+  while (!open.empty()) {
+    const int node = open.front();
+    open.pop_front();
+    for (const int e : of_node[at(node)]) {
+      if (reached[at(e)]) continue;
+      reached[at(e)] = true;
+      for (const int next : body.mesh.elements[at(e)]) open.push_back(next);
+    }
+  }
+  std::vector<int> left;
+  for (int e = 0; e < static_cast<int>(reached.size()); ++e)
+    if (body.implicit_element[at(e)] && !reached[at(e)]) left.push_back(e);
+  return left;
+}
+
+/// Bad tetrahedra of a mesh of Gmsh, whose own steps alone make them implicit.
+TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
+  const auto problem = build_problem(load_scene(std::string(RICOCHET_SOURCE) + "/configs/ball_on_plate.toml"));
+  const auto all = islands_of(problem);
+  ASSERT_EQ(all.size(), 2U);
+  for (const Islands& islands : all) {
+    const auto elements = not_reached(problem, islands.body);
+    EXPECT_EQ(islands.elements, static_cast<int>(elements.size()));
+    EXPECT_GT(islands.islands, 1);
+    EXPECT_LE(islands.islands, islands.elements);
+    EXPECT_TRUE(islands.slivers());
+    ASSERT_EQ(islands.shortest.size(), 5U);
+    EXPECT_TRUE(std::is_sorted(islands.shortest_s.begin(), islands.shortest_s.end()));
+    EXPECT_LT(islands.shortest_s.back(), problem.clock.size_s());
+    for (const int e : islands.shortest) EXPECT_THAT(elements, testing::Contains(e));
+    EXPECT_THAT(to_text(problem, plan(problem)), HasSubstr("note: " + text_of(problem, islands)));
+    EXPECT_THAT(text_of(problem, islands), HasSubstr("Mend these elements"));
+  }
+}
+
+/// The right bar with 60 elements that grow by this along it.
+std::string bars_with(const std::string& grading) {
+  const std::string graded = replaced(bars, "start_m = 0.508e-3, length_m = 0.254, elements = 20",
+                                      "start_m = 0.508e-3, length_m = 0.254, elements = 60, grading = " + grading);
+  return replaced(graded, "implicit_length_m = { left = 0.0635, right = 0.0635 }", "rule = \"auto\"");
+}
+
+/// A zone that is fine on purpose is one island; at the contact it is none.
+TEST(Islands, OfAFineZoneAreRightToBeImplicit) {
+  EXPECT_TRUE(islands_of(build_problem(load_text(bars_with("100.0")))).empty());
+  const auto far = build_problem(load_text(bars_with("0.01")));
+  const auto islands = islands_of(far);
+  ASSERT_EQ(islands.size(), 1U);
+  EXPECT_EQ(islands[0].islands, 1);
+  EXPECT_FALSE(islands[0].slivers());
+  EXPECT_EQ(islands[0].shared_nodes, 1);
+  EXPECT_THAT(text_of(far, islands[0]), HasSubstr("right to be implicit"));
+}
+
+TEST(Islands, AreNoneWhereTheSceneSaysWhatIsImplicit) {
+  EXPECT_TRUE(islands_of(build_problem(load_text(bars))).empty());
+  const std::string whole = bars_with("100.0") + "[coupling]\nprotocol = \"all_implicit\"\n";
+  EXPECT_TRUE(islands_of(build_problem(load_text(whole))).empty());
+}
+
+}  // namespace
+}  // namespace ricochet::scene
