@@ -12,6 +12,8 @@
 namespace ricochet::scene {
 namespace {
 
+using fem::at;
+
 constexpr std::size_t elements_named = 5;
 
 /// Per node the lowest node that implicit elements join it to.

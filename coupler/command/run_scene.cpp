@@ -25,6 +25,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/checkpoints.hpp"
 #include "coupler/run/compute_scene.hpp"
+#include "coupler/study/companions.hpp"
 #include "coupler/study/error_estimate.hpp"
 #include "coupler/study/step_choice.hpp"
 
