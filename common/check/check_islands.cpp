@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "common/fem/element.hpp"
+#include "common/problem/build.hpp"
 
 namespace ricochet::scene {
 namespace {
-
-using fem::at;
 
 constexpr std::size_t elements_named = 5;
 
