@@ -54,7 +54,7 @@ struct ContactSurface {
   std::vector<IdleNode> idle;
   SurfaceStress stress;
 
-  /// What the pairs have at the nodes of each part, for the files of fields.
+  /// Forces, pressures, gaps and states at the nodes of each part, for the files of fields.
   [[nodiscard]] std::vector<fem::ContactFields> nodal_fields(const std::vector<BodyState>& states,
                                                              const std::vector<PairForce>& forces) const;
   [[nodiscard]] double gap_min(const std::vector<BodyState>& states) const;       ///< [m]

@@ -16,14 +16,14 @@ struct PlasticStrain {
   const Eigen::VectorXd* equivalent = nullptr;
 };
 
-/// What a file has of one part; vectors node-major, one number per degree of freedom.
+/// One part in a file; vectors node-major, one number per degree of freedom.
 struct PartFields {
   const Part* part = nullptr;
   const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
   PlasticStrain plastic{};
 };
 
-/// What contact surfaces have at the nodes of one part.
+/// Contact at the nodes of one part.
 struct ContactFields {
   Eigen::VectorXd force_n;             ///< on the body, 3 per node; 0 away from the surfaces
   Eigen::VectorXd pressure_pa, gap_m;  ///< per node; not a number where a node carries no row

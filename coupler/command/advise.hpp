@@ -23,7 +23,7 @@ struct AdviceRequest {
 /// message says the least bar, and how much finer the elements are to be.
 void advise(const AdviceRequest& request);
 
-/// What a bar on elements and step of twice the length leaves on those of the scene.
+/// The bar on the elements and step of the scene, from that on elements and step of twice the length.
 [[nodiscard]] double expected_bar(double coarse_bar, const std::optional<double>& order);
 
 }  // namespace ricochet::coupler

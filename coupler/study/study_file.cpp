@@ -267,7 +267,7 @@ bool is_varied(const Variation& variation, const std::string& method) {
          std::find(variation.methods.begin(), variation.methods.end(), method) != variation.methods.end();
 }
 
-/// What a variation gives the runs of a method.
+/// The settings that a variation gives the runs of a method.
 std::vector<std::vector<Override>> settings_for(const Variation& variation, const std::string& method) {
   if (is_varied(variation, method)) return variation.settings;
   std::vector<Override> none;

@@ -1,4 +1,4 @@
-// What the VTU files hold of accelerations and of contact, against the history and exact answers.
+// Accelerations and contact in the VTU files, against the history and exact answers.
 #include <gtest/gtest.h>
 
 #include <cmath>
