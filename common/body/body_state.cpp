@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/body/blocks.hpp"
 
 namespace ricochet::solver {
 
@@ -241,6 +242,25 @@ std::vector<BodyState> initial_states(const scene::Problem& problem, const scene
     states.push_back(initial_state(problem, std::move(owned), participant.role, shared_integrated));
   compute_with_threads(problem.scene, participant, states);
   return states;
+}
+
+void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states) {
+  std::size_t next = 0;
+  for (auto& state : states) {
+    Eigen::VectorXd node_mass = state.part.lumped_mass;
+    for (const int node : state.shared_nodes) node_mass[node] = interface_mass_kg[next++];
+    state.set_mass(node_mass);
+  }
+}
+
+Moments block_moments(const BodyState& state, double ahead_s, int block) {
+  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
+  Moments moments;
+  for (int dof = block * rows; dof < std::min((block + 1) * rows, state.part.dofs()); ++dof) {
+    moments.moved_kg_m[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
+    moments.mass_kg[dof % components] += state.mass[dof];
+  }
+  return moments;
 }
 
 std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states) { return {states.begin(), states.end()}; }

@@ -167,6 +167,9 @@ inline auto velocity_of(const std::vector<BodyState>& states) {
   return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].v; };
 }
 
+/// Distributes the summed interface masses of a Setup over the states' shared nodes (Eq. 28).
+void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states);
+
 /// Copies of the motions, and the motions put back.
 [[nodiscard]] std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states);
 void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodyState>& states);

@@ -73,15 +73,11 @@ fem::ContactFields no_fields(const fem::Part& part) {
           Eigen::VectorXd::Constant(nodes, none), std::vector<std::int32_t>(static_cast<std::size_t>(nodes), -1)};
 }
 
-/// Part and local number of the node that carries the pair's row.
-std::pair<std::size_t, int> carrier(const Pair& pair, const std::vector<BodyState>& states) {
-  for (const auto& e : pair.normal.entries) {
-    const auto part = static_cast<std::size_t>(e.part);
-    const int node = e.dof / fem::components(states[part].part.mesh.model);
-    if (e.side == Side::a && states[part].part.body_node[static_cast<std::size_t>(node)] == pair.node_a)
-      return {part, node};
-  }
-  return {0, -1};  // held in every direction of the row
+/// Part and local number of the node that carries the pair's row: the only one of the first surface.
+std::pair<std::size_t, int> carrier(const Pair& pair, int components) {
+  const auto& entries = pair.normal.entries;
+  const auto own = std::find_if(entries.begin(), entries.end(), [](const RowEntry& e) { return e.side == Side::a; });
+  return {static_cast<std::size_t>(own->part), own->dof / components};
 }
 
 }  // namespace
@@ -101,8 +97,7 @@ std::vector<fem::ContactFields> ContactSurface::nodal_fields(const std::vector<B
     push(pairs[i].normal, force.normal);
     push(pairs[i].tangent, force.tangential[0]);
     push(pairs[i].binormal, force.tangential[1]);
-    const auto [part, node] = carrier(pairs[i], states);
-    if (node < 0) continue;
+    const auto [part, node] = carrier(pairs[i], components);
     auto& of = fields[part];
     auto& state = of.state[static_cast<std::size_t>(node)];
     double &area = area_m2[{part, node}], &pressure = of.pressure_pa[node], &gap = of.gap_m[node];

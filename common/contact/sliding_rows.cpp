@@ -71,16 +71,6 @@ SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodySt
   }
 }
 
-Moments block_moments(const BodyState& state, double ahead_s, int block) {
-  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
-  Moments moments;
-  for (int dof = block * rows; dof < std::min((block + 1) * rows, state.part.dofs()); ++dof) {
-    moments.moved_kg_m[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
-    moments.mass_kg[dof % components] += state.mass[dof];
-  }
-  return moments;
-}
-
 Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const {
   Moments sum;
   for (const auto& state : states) {

@@ -85,15 +85,6 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   return d;
 }
 
-void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states) {
-  std::size_t next = 0;
-  for (auto& state : states) {
-    Eigen::VectorXd node_mass = state.part.lumped_mass;
-    for (const int node : state.shared_nodes) node_mass[node] = interface_mass_kg[next++];
-    state.set_mass(node_mass);
-  }
-}
-
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row) {
   for (const auto& state : states) {
     append_quantities(state.totals, row);

@@ -17,9 +17,6 @@ namespace ricochet::solver {
                                                 const std::vector<BodyState>& states, bool contact_owner,
                                                 std::optional<double> told_critical_step_s = {});
 
-/// Distributes the summed interface masses of a Setup over the states' shared nodes (Eq. 28).
-void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vector<BodyState>& states);
-
 /// Appends the body totals in the order of the columns of `describe`.
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row);
 
