@@ -189,7 +189,6 @@ Plan plan(const Problem& problem) {
   check_overlaps(problem, plan);
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
-  for (const auto& islands : islands_of(problem)) plan.notes.push_back(text_of(problem, islands));
   note_ignored_cards(scene, plan);
   check_local_steps(problem, plan);
   check_mass_scaling(problem, plan);
@@ -236,6 +235,7 @@ std::string to_text(const Problem& problem, const Plan& plan) {
     text += fmt::format("penalty: critical step in contact {:.6g} s\n", plan.penalty_critical_s);
   for (const std::string& warning : plan.warnings) text += "warning: " + warning + "\n";
   for (const std::string& note : plan.notes) text += "note: " + note + "\n";
+  for (const auto& islands : islands_of(problem)) text += "note: " + text_of(problem, islands) + "\n";
   return text;
 }
 

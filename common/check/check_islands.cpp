@@ -3,19 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
 #include "common/fem/element.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
 
 namespace ricochet::scene {
 namespace {
 
 constexpr std::size_t elements_named = 5;
 
-/// Per node the lowest node that implicit elements join it to.
+/// Per node one that stands for all those which implicit elements join.
 std::vector<int> joined_by_implicit(const BodyProblem& body) {
   std::vector<int> parent(body.mesh.position.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -32,14 +33,9 @@ std::vector<int> joined_by_implicit(const BodyProblem& body) {
   return parent;
 }
 
-double step_of_element(const BodyProblem& body, int e) {
-  return 2.0 / std::sqrt(fem::element_max_frequency_squared(body.section, body.material,
-                                                            fem::element_geometry(body.mesh, e)));
-}
-
 void find_shortest(const BodyProblem& body, const std::vector<int>& elements, Islands& islands) {
   std::vector<std::pair<double, int>> steps;
-  for (const int e : elements) steps.emplace_back(step_of_element(body, e), e);
+  for (const int e : elements) steps.emplace_back(element_critical_step(body, fem::element_geometry(body.mesh, e)), e);
   const auto count = std::min(elements_named, steps.size());
   std::partial_sort(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(count), steps.end());
   for (std::size_t i = 0; i < count; ++i) {
@@ -48,34 +44,48 @@ void find_shortest(const BodyProblem& body, const std::vector<int>& elements, Is
   }
 }
 
-Islands islands_of_body(const Problem& problem, int index) {
+/// The implicit elements that hang on no contact, by their islands.
+std::map<int, std::vector<int>> elements_of_islands(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
   const std::vector<int> joined = joined_by_implicit(body);
-  std::vector<bool> held(joined.size(), false), counted(joined.size(), false);
+  std::vector<bool> held(joined.size(), false);
   for (const int node : contact_nodes(problem.contacts, index)) held[at(joined[at(node)])] = true;
   for (std::size_t n = 0; n < body.joined_node.size(); ++n)
     if (body.joined_node[n]) held[at(joined[n])] = true;
-  Islands islands{.body = index, .shortest = {}, .shortest_s = {}};
-  std::vector<int> elements;
-  std::vector<bool> of_island(joined.size(), false), of_explicit(joined.size(), false);
+  std::map<int, std::vector<int>> islands;
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
-    const auto& nodes = body.mesh.elements[at(e)];
-    const int root = joined[at(nodes[0])];
-    const bool island = body.implicit_element[at(e)] && !held[at(root)];
-    if (island) elements.push_back(e);
-    if (island && !counted[at(root)]) ++islands.islands;
-    if (island) counted[at(root)] = true;
-    for (const int node : nodes) {
-      if (island) of_island[at(node)] = true;
-      if (!body.implicit_element[at(e)]) of_explicit[at(node)] = true;
-    }
+    const int root = joined[at(body.mesh.elements[at(e)][0])];
+    if (body.implicit_element[at(e)] && !held[at(root)]) islands[root].push_back(e);
   }
-  islands.elements = static_cast<int>(elements.size());
-  for (std::size_t n = 0; n < of_island.size(); ++n) {
-    islands.nodes += of_island[n];
-    islands.shared_nodes += of_island[n] && of_explicit[n];
+  return islands;
+}
+
+void count_nodes(const BodyProblem& body, const std::vector<int>& elements, Islands& islands) {
+  std::vector<bool> is_explicit = body.implicit_element, of_island(body.mesh.elements.size(), false);
+  is_explicit.flip();
+  for (const int e : elements) of_island[at(e)] = true;
+  const std::vector<bool> touched = touched_nodes(body, of_island), shared = touched_nodes(body, is_explicit);
+  for (std::size_t n = 0; n < touched.size(); ++n) {
+    islands.nodes += touched[n];
+    islands.shared_nodes += touched[n] && shared[n];
   }
-  find_shortest(body, elements, islands);
+}
+
+Islands islands_of_body(const Problem& problem, int index) {
+  const BodyProblem& body = problem.bodies[at(index)];
+  Islands islands;
+  islands.body = index;
+  islands.step_s = automatic_step_s(problem.scene, body.name);
+  std::vector<int> all, of_slivers;
+  for (const auto& [root, elements] : elements_of_islands(problem, index)) {
+    islands.elements.push_back(static_cast<int>(elements.size()));
+    all.insert(all.end(), elements.begin(), elements.end());
+    if (islands.elements.back() >= Islands::sliver_elements) continue;
+    ++islands.slivers;
+    of_slivers.insert(of_slivers.end(), elements.begin(), elements.end());
+  }
+  count_nodes(body, all, islands);
+  find_shortest(body, islands.slivers > 0 ? of_slivers : all, islands);
   return islands;
 }
 
@@ -87,7 +97,7 @@ std::vector<Islands> islands_of(const Problem& problem) {
   if (scene.coupling.protocol.layout != Layout::hybrid || scene.partition.rule != PartitionRule::automatic) return all;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     Islands islands = islands_of_body(problem, index);
-    if (islands.islands > 0) all.push_back(std::move(islands));
+    if (!islands.elements.empty()) all.push_back(std::move(islands));
   }
   return all;
 }
@@ -101,13 +111,17 @@ std::string text_of(const Problem& problem, const Islands& islands) {
                             fem::place_text(body.mesh.model, body.mesh.position[at(body.mesh.elements[at(e)][0])]),
                             islands.shortest_s[i]);
   }
+  const auto count = islands.elements.size();
+  const int sum = std::accumulate(islands.elements.begin(), islands.elements.end(), 0);
   return fmt::format(
-      "body '{}' has {} island{} of {} implicit elements away from every contact, whose own steps are below the step "
-      "of {:.3g} s; they share {} of their {} nodes with explicit elements. Shortest: {}. {}",
-      body.name, islands.islands, islands.islands == 1 ? "" : "s", islands.elements, problem.clock.size_s(),
-      islands.shared_nodes, islands.nodes, elements,
-      islands.slivers() ? "Mend these elements, or take local_explicit, which needs no implicit ones"
-                        : "A zone that was made fine is right to be implicit");
+      "body '{}' has {} island{} of {} implicit elements away from every contact, whose own steps are below {:.3g} s; "
+      "they share {} of their {} nodes with explicit elements. {}. Shortest, numbered as in the fields: {}",
+      body.name, count, count == 1 ? "" : "s", sum, islands.step_s, islands.shared_nodes, islands.nodes,
+      islands.slivers > 0 ? fmt::format("{} of them ha{} fewer than {} elements: mend these, or take local_explicit, "
+                                        "which needs no implicit ones",
+                                        islands.slivers, islands.slivers == 1 ? "s" : "ve", Islands::sliver_elements)
+                          : "A zone that was made fine is right to be implicit",
+      elements);
 }
 
 }  // namespace ricochet::scene

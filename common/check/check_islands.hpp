@@ -9,13 +9,16 @@ namespace ricochet::scene {
 /// Implicit elements of a body that hang together by nodes and touch neither a contact surface nor a foreign body: the
 /// automatic partition made them implicit for their own critical step alone.
 struct Islands {
-  int body = 0, islands = 0, elements = 0;
-  int nodes = 0, shared_nodes = 0;  ///< of them; those that explicit elements have, too
-  std::vector<int> shortest;        ///< the elements of least critical step, at most five, ascending
-  std::vector<double> shortest_s;   ///< their steps
-  /// Single bad elements of a mesh, not a zone that somebody made fine.
-  [[nodiscard]] bool slivers() const { return elements < sliver_elements * islands; }
+  int body = 0;
+  double step_s = 0.0;              ///< an element with a critical step below this one is implicit
+  std::vector<int> elements;        ///< of each island
+  int nodes = 0, shared_nodes = 0;  ///< of all islands; those that explicit elements have, too
+  int slivers = 0;                  ///< islands of fewer elements: bad ones of a mesh, not a zone that was made fine
   static constexpr int sliver_elements = 10;
+  /// Of the slivers, if there are any, else of all islands: the elements of least critical step, at most five,
+  /// ascending, and their steps [s].
+  std::vector<int> shortest;
+  std::vector<double> shortest_s;
 };
 
 /// Per body that has some; none unless `partition.rule = "auto"` couples two sides.

@@ -36,6 +36,8 @@ void refuse_absorbing_contact(const Problem& problem);
 /// implicit_element and implicit_node of every body, by the protocol's layout and the partition's rule.
 void set_partition(Problem& problem);
 
+/// The step that the automatic partition asks the elements of a body to bear [s]: the longest window, or its substep.
+[[nodiscard]] double automatic_step_s(const Scene& scene, const std::string& body);
 /// Per element: a corner of it is among these nodes, which ascend.
 [[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);
 

@@ -184,6 +184,10 @@ double element_bound_time_step(const BodyProblem& body, const std::vector<bool>&
   return smallest;
 }
 
+double element_critical_step(const BodyProblem& body, const fem::ElementGeometry& geometry) {
+  return step_of(fem::element_max_frequency_squared(body.section, body.material, geometry));
+}
+
 std::vector<double> element_critical_steps(const Problem& problem) {
   std::vector<double> steps;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
@@ -193,7 +197,7 @@ std::vector<double> element_critical_steps(const Problem& problem) {
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       if (at_contact[at(e)]) continue;
       steps.push_back(copies.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
-        return step_of(fem::element_max_frequency_squared(body.section, body.material, geometry));
+        return element_critical_step(body, geometry);
       }));
     }
   }

@@ -85,8 +85,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const std::vector<int> contact = contact_nodes(problem.contacts, index);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
-    case PartitionRule::automatic:
-      return automatic(body, contact, longest_step_s(scene.time) / scene.substeps(body.name).fewest);
+    case PartitionRule::automatic: return automatic(body, contact, automatic_step_s(scene, body.name));
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);
@@ -197,6 +196,10 @@ void require_owners(const Problem& problem) {
 }
 
 }  // namespace
+
+double automatic_step_s(const Scene& scene, const std::string& body) {
+  return longest_step_s(scene.time) / scene.substeps(body).fewest;
+}
 
 std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, const ParticipantSpec& participant) {
   if (participant.role == Role::implicit_solver) return body.implicit_element;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <numeric>
 
 #include "common/check/check.hpp"
 #include "common/check/check_islands.hpp"
@@ -47,16 +48,15 @@ TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
   ASSERT_EQ(all.size(), 2U);
   for (const Islands& islands : all) {
     const auto elements = not_reached(problem, islands.body);
-    EXPECT_EQ(islands.elements, static_cast<int>(elements.size()));
-    EXPECT_GT(islands.islands, 1);
-    EXPECT_LE(islands.islands, islands.elements);
-    EXPECT_TRUE(islands.slivers());
+    EXPECT_EQ(std::accumulate(islands.elements.begin(), islands.elements.end(), 0), static_cast<int>(elements.size()));
+    EXPECT_GT(islands.elements.size(), 1U);
+    EXPECT_EQ(islands.slivers, static_cast<int>(islands.elements.size()));
     ASSERT_EQ(islands.shortest.size(), 5U);
     EXPECT_TRUE(std::is_sorted(islands.shortest_s.begin(), islands.shortest_s.end()));
     EXPECT_LT(islands.shortest_s.back(), problem.clock.size_s());
     for (const int e : islands.shortest) EXPECT_THAT(elements, testing::Contains(e));
     EXPECT_THAT(to_text(problem, plan(problem)), HasSubstr("note: " + text_of(problem, islands)));
-    EXPECT_THAT(text_of(problem, islands), HasSubstr("Mend these elements"));
+    EXPECT_THAT(text_of(problem, islands), HasSubstr("of them have fewer than 10 elements: mend these"));
   }
 }
 
@@ -73,10 +73,36 @@ TEST(Islands, OfAFineZoneAreRightToBeImplicit) {
   const auto far = build_problem(load_text(bars_with("0.01")));
   const auto islands = islands_of(far);
   ASSERT_EQ(islands.size(), 1U);
-  EXPECT_EQ(islands[0].islands, 1);
-  EXPECT_FALSE(islands[0].slivers());
+  EXPECT_EQ(islands[0].elements.size(), 1U);
+  EXPECT_EQ(islands[0].slivers, 0);
   EXPECT_EQ(islands[0].shared_nodes, 1);
   EXPECT_THAT(text_of(far, islands[0]), HasSubstr("right to be implicit"));
+}
+
+/// A fine zone does not hide the bad element beside it.
+TEST(Islands, AreJudgedOneByOne) {
+  auto problem = build_problem(load_text(bars_with("0.01")));
+  const auto zone = islands_of(problem);
+  ASSERT_EQ(zone.size(), 1U);
+  BodyProblem& body = problem.bodies[at(zone[0].body)];
+  const auto bad = std::find(body.implicit_element.begin(), body.implicit_element.end(), false) + 2;
+  ASSERT_FALSE(*(bad - 1) || *bad || *(bad + 1));
+  *bad = true;
+  const auto islands = islands_of(problem);
+  ASSERT_EQ(islands[0].elements.size(), 2U);
+  EXPECT_EQ(islands[0].slivers, 1);
+  EXPECT_THAT(islands[0].shortest, testing::ElementsAre(static_cast<int>(bad - body.implicit_element.begin())));
+  EXPECT_THAT(text_of(problem, islands[0]), HasSubstr("1 of them has fewer than 10 elements"));
+}
+
+/// The partition asks elements for the longest window of all, however short the last one is.
+TEST(Islands, AreOfTheStepThatThePartitionAsksFor) {
+  const auto problem = build_problem(
+      load_text(replaced(bars_with("0.01"), "[time]", "[time]\nchanges = [{ from_s = 8e-5, step_s = 1e-6 }]")));
+  EXPECT_EQ(problem.clock.size_s(), 1e-6);
+  const auto islands = islands_of(problem);
+  ASSERT_EQ(islands.size(), 1U);
+  EXPECT_EQ(islands[0].step_s, 2.226e-6);
 }
 
 TEST(Islands, AreNoneWhereTheSceneSaysWhatIsImplicit) {
