@@ -170,8 +170,8 @@ std::string head_html(const Json& study) {
   return fmt::format(
       "<dl><dt>scene</dt><dd>{}</dd>\n{}<dt>repeats</dt><dd>{}, methods taking turns</dd>\n<dt>version</dt>"
       "<dd>ricochet {}</dd></dl>\n",
-      escape_html(study.at("scene").get<std::string>()), references, study.at("repeats").get<int>(),
-      escape_html(study.at("version").get<std::string>()));
+      escape_html(std::filesystem::path(study.at("scene").get<std::string>()).filename().string()), references,
+      study.at("repeats").get<int>(), escape_html(study.at("version").get<std::string>()));
 }
 
 std::string work_precision_html(const Json& study, const std::vector<CsvRow>& rows, std::vector<std::string>& json) {

@@ -82,6 +82,13 @@ TEST_F(Page, TellsOfContactForcesThatWereNotFound) {
   EXPECT_THAT(read("report.html"), Not(HasSubstr("contact forces were not found")));
 }
 
+/// A page is sent to others: it names the scene, not where it lies.
+TEST_F(Page, ShowsNoPathOfTheMachine) {
+  write("summary.json", R"({"status": "done", "scene": "/home/me/a.toml"})");
+  write_report(folder_);
+  EXPECT_THAT(read("report.html"), AllOf(HasSubstr("<dt>scene</dt><dd>a.toml "), Not(HasSubstr("/home/me"))));
+}
+
 TEST_F(Page, SaysWhatAContactForceIs) {
   write_report(folder_);
   EXPECT_THAT(read("report.html"), HasSubstr("Contact pressure: impulse over the window / window size"));
