@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <optional>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -92,6 +93,11 @@ std::vector<Proposal> find_proposals(const AdviceRequest& request, const scene::
     return a.runs() != b.runs() ? a.runs() : a.predicted_s < b.predicted_s;
   });
   return proposals;
+}
+
+/// The bar on the elements and step of the scene, from that on elements and step of twice the length.
+double expected_bar(double coarse_bar, const std::optional<double>& order) {
+  return order ? coarse_bar / std::exp2(std::min(*order, 1.0)) : coarse_bar;
 }
 
 /// Bars of proposals on the scene's mesh, from their pilots on coarser ones.
@@ -242,10 +248,6 @@ void require_answerable(const AdviceRequest& request, const scene::Problem& prob
 
 }  // namespace
 
-double expected_bar(double coarse_bar, const std::optional<double>& order) {
-  return order ? coarse_bar / std::exp2(std::min(*order, 1.0)) : coarse_bar;
-}
-
 void advise(const AdviceRequest& request) {
   auto problem = request.scene.load();
   require_answerable(request, problem);
@@ -254,9 +256,8 @@ void advise(const AdviceRequest& request) {
   const std::string stem = std::filesystem::path(request.scene.path).stem().string();
   const ResultsDirectory results(request.out.empty() ? "out/" + stem + "_advice" : request.out, files,
                                  {request.scene.path});
-  if (!request.scene.set.empty()) {
+  if (!request.scene.set.empty())
     problem = load_problem(write_changed_scene(request.scene.path, request.scene.changes(), results.path()));
-  }
   std::vector<Proposal> proposals;
   {
     Announcer announcer;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "coupler/processes/given_scene.hpp"
@@ -22,8 +21,5 @@ struct AdviceRequest {
 /// has not, an error that is no share, a scene without coarser meshes, and an error that no candidate reaches; that
 /// message says the least bar, and how much finer the elements are to be.
 void advise(const AdviceRequest& request);
-
-/// The bar on the elements and step of the scene, from that on elements and step of twice the length.
-[[nodiscard]] double expected_bar(double coarse_bar, const std::optional<double>& order);
 
 }  // namespace ricochet::coupler

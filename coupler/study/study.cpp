@@ -28,6 +28,7 @@ class Study {
   void prepare_rows();
   void compute_rows();
   void measure(StudyRow& row) const;
+  [[nodiscard]] std::size_t compared_with(const StudyRow& row) const;
   void compare_histories();
   [[nodiscard]] double remaining_s(std::size_t next, int repeat) const;
   void write_results() const;
@@ -38,12 +39,16 @@ class Study {
   const ResultsDirectory& results_;
   std::vector<StudyReference> references_;
   std::vector<StudyRow> rows_;
+  std::vector<std::size_t> compared_;  ///< per row that whose history its own is compared with
 };
 
 void Study::prepare_rows() {
+  std::vector<std::vector<std::vector<scene::Override>>> of_methods;
+  for (const auto& method : file_.methods) of_methods.push_back(combinations(file_.variations, method.name));
   for (const auto& settings : all_combinations(file_)) {
-    for (const auto& method : file_.methods) {
-      if (!is_of(combinations(file_.variations, method.name), settings)) continue;
+    for (std::size_t m = 0; m < file_.methods.size(); ++m) {
+      if (!is_of(of_methods[m], settings)) continue;
+      const auto& method = file_.methods[m];
       auto changes = merged(settings, method.changes);
       changes.push_back({"coupling.protocol", method.protocol});
       StudyCase run(file_.scene, changes, results_.file("runs"));
@@ -67,8 +72,21 @@ void Study::measure(StudyRow& row) const {
   }
 }
 
-/// With the run of the other method at the same settings, or, where one of them has keys of its own, at the same ones
-/// of all methods.
+/// The run of the other method at the same settings, or, where one of them has keys of its own, at the same ones of all
+/// methods.
+std::size_t Study::compared_with(const StudyRow& row) const {
+  const auto of_other = [&](const StudyRow& other) { return other.method == file_.histories.compare_to; };
+  const auto common = of_all_methods(file_, row.settings);
+  auto found = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& other) {
+    return of_other(other) && same_settings(other.settings, row.settings);
+  });
+  if (found == rows_.end())
+    found = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& other) {
+      return of_other(other) && same_settings(of_all_methods(file_, other.settings), common);
+    });
+  return static_cast<std::size_t>(found - rows_.begin());
+}
+
 void Study::compare_histories() {
   const auto& histories = file_.histories;
   if (!histories.wanted()) return;
@@ -76,18 +94,13 @@ void Study::compare_histories() {
     const auto difference = rms_difference(histories.quantity, run, other);
     return difference ? std::optional(*difference / histories.over_pa) : std::nullopt;
   };
-  for (auto& row : rows_) {
+  for (std::size_t r = compared_.size(); r < rows_.size(); ++r) compared_.push_back(compared_with(rows_[r]));
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    auto& row = rows_[r];
     if (!row.seen) continue;
     if (!row.rms_reference) row.rms_reference = rms(*row.seen, reference_of(references_, row.settings).seen);
-    const auto common = of_all_methods(file_, row.settings);
-    auto other = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& o) {
-      return o.method == histories.compare_to && same_settings(o.settings, row.settings);
-    });
-    if (other == rows_.end())
-      other = std::find_if(rows_.begin(), rows_.end(), [&](const StudyRow& o) {
-        return o.method == histories.compare_to && same_settings(of_all_methods(file_, o.settings), common);
-      });
-    if (!row.rms_compared && other->seen) row.rms_compared = rms(*row.seen, *other->seen);
+    const auto& other = rows_[compared_[r]];
+    if (!row.rms_compared && other.seen) row.rms_compared = rms(*row.seen, *other.seen);
   }
 }
 

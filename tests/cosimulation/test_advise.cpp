@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tests/support/page.hpp"
-#include "tests/support/run.hpp"
+#include "tests/support/two_bars.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -51,14 +51,6 @@ nlohmann::json run_with(const std::string& scene, const TemporaryFolder& folder,
   return nlohmann::json::parse(file_text(out + "/summary.json"));
 }
 
-/// Two equal bars (A1) with 20 times `finer` elements each.
-std::string bars_of(int finer) {
-  std::string text = config_text("two_bars");
-  for (int body = 0; body < 2; ++body)
-    text = replaced(text, "elements = 20 ", "elements = " + std::to_string(20 * finer) + "  ");
-  return replaced(text, "step_s = 2.226e-6", "step_s = " + std::to_string(2.226e-6 / finer * 1e9) + "e-9");
-}
-
 struct KnownImpulse {
   std::string text;
   double exact_n_s;
@@ -66,7 +58,7 @@ struct KnownImpulse {
 
 /// Either the run that is named has at most the error that was asked, or the message says what can be had.
 TEST(Advice, IsKeptWhereTheImpulseIsKnownExactly) {
-  const double of_bars = 1.33453e5 * 98.937e-6;
+  const double of_bars = bars_force_n * bars_contact_s;
   int answered = 0, refused = 0;
   for (const auto& [text, exact] : {KnownImpulse{bars_of(1), of_bars},
                                     {bars_of(2), of_bars},

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "tests/support/page.hpp"
-#include "tests/support/run.hpp"
+#include "tests/support/two_bars.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -38,21 +38,13 @@ EstimatedRun estimated(const std::string& text, const TemporaryFolder& folder) {
   return run;
 }
 
-/// Two equal bars (A1) with 20 times `finer` elements each.
-std::string bars_of(int finer) {
-  std::string text = config_text("two_bars");
-  for (int body = 0; body < 2; ++body)
-    text = replaced(text, "elements = 20 ", "elements = " + std::to_string(20 * finer) + "  ");
-  return replaced(text, "step_s = 2.226e-6", "step_s = " + std::to_string(2.226e-6 / finer * 1e9) + "e-9");
-}
-
 /// Exact: force Z v = 1.33453e5 N for 98.937 us, full rebound. The table of docs/accuracy.md has these ratios.
 TEST(ErrorBars, HoldTheTrueErrorsOfTwoBars) {
   for (const int finer : {1, 2, 4, 8}) {
     const TemporaryFolder folder;
     const auto run = estimated(bars_of(finer), folder);
     ASSERT_EQ(run.outcome.code, 0) << run.outcome.error;
-    const double duration_s = 98.937e-6, force_n = 1.33453e5;
+    const double duration_s = bars_contact_s, force_n = bars_force_n;
     for (const auto& [quantity, exact, largest] : {std::tuple{"contact_impulse_n_s", force_n * duration_s, 3.0},
                                                    {"rebound_velocity_left_m_s", -5.13588, 3.0},
                                                    {"separation_time_s", 148.393e-6, 10.0},
