@@ -5,8 +5,8 @@
 #include "common/base/error.hpp"
 #include "common/body/body_state.hpp"
 #include "common/solver/describe.hpp"
-#include "tests/support/contact_blocks.hpp"
-#include "tests/support/contact_plates.hpp"
+#include "tests/support/blocks.hpp"
+#include "tests/support/plates.hpp"
 #include "tests/support/rods.hpp"
 
 namespace ricochet::solver {
@@ -71,7 +71,7 @@ TEST(BodyState, HasTheMassButNotTheInverseOfItWhereItIsHeld) {
 }
 
 TEST(BodyState, CountsTheMassOfANodeOnceInTwoDimensions) {
-  const test::ContactPlates plates("all_implicit");
+  const test::Plates plates("all_implicit");
   EXPECT_NEAR(plates.states[0].totals.mass_kg, 40.0, 1e-12) << "0.2 m x 0.2 m x 1 m of 1000 kg/m^3";
   EXPECT_NEAR(plates.states[1].totals.mass_kg, 80.0, 1e-12);
 }
@@ -89,7 +89,7 @@ TEST(BodyState, OfAllParticipantsTogetherHasTheMassOfTheBody) {
 // A turn by 2 rad/s about the origin, v = 2 (-y, x), of a plate of 80 kg. A quarter, a half and a quarter of it are
 // lumped at x = 0, 0.1 and 0.2 m and at y = 0, 0.2 and 0.4 m: mean x 0.1 m, y 0.2 m, x^2 0.015 m^2, y^2 0.06 m^2.
 TEST(BodyState, SumsMomentumAndAngularMomentumOfATurningPlate) {
-  test::ContactPlates plates("all_implicit");
+  test::Plates plates("all_implicit");
   auto& plate = plates.states[1];
   for (int node = 0; node < plate.part.nodes(); ++node) {
     const auto& x = plate.part.mesh.position[static_cast<std::size_t>(node)];
@@ -110,7 +110,7 @@ TEST(BodyState, SumsMomentumAndAngularMomentumOfATurningPlate) {
 /// A turn w about the origin, v = w x r, of a block displaced by d: L = sum m r x (w x r), r = x + d, added up here
 /// from the mean places and the squares of a block that is lumped at 3 x 3 x 3 nodes.
 TEST(BodyState, SumsTheAngularMomentumOfATurningBlock) {
-  test::ContactBlocks blocks("all_implicit");
+  test::Blocks blocks("all_implicit");
   auto& block = blocks.states[0];
   const Eigen::Vector3d turn(1.0, -2.0, 3.0), moved(0.5, 0.25, -0.125);
   Eigen::Vector3d expected = Eigen::Vector3d::Zero();
@@ -143,7 +143,7 @@ TEST(BodyState, OfABarHasMomentumAlongItAlone) {
 
 // 7 N over 0.1 s along x at (0.2, 0.4) m, where a support is, and along y at (0.1, 0.2) m, where a dashpot is.
 TEST(BodyState, WithoutLoadsBooksOnlySupportsAndDashpots) {
-  test::ContactPlates plates("all_implicit");
+  test::Plates plates("all_implicit");
   auto& plate = plates.states[1];
   plate.constrained = {{2 * plates.node_at(1, {0.2, 0.4}), 0.0, nullptr}};
   plate.dashpots = {{2 * plates.node_at(1, {0.1, 0.2}) + 1, 1.0, 0.0}};
@@ -157,7 +157,7 @@ TEST(BodyState, WithoutLoadsBooksOnlySupportsAndDashpots) {
 
 // The weight of 80 kg at 10 m/s^2 for 0.1 s, while the plate falls by 1 mm; its centre is at x = 0.1 m.
 TEST(BodyState, BooksALoadOnEveryNode) {
-  test::ContactPlates plates("all_implicit");
+  test::Plates plates("all_implicit");
   auto& plate = plates.states[1];
   scene::Body heavy = plates.problem.scene.bodies[1];
   heavy.gravity_m_s2 = {0.0, -10.0};

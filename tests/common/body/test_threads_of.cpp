@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "common/base/parallel.hpp"
-#include "tests/support/contact_blocks.hpp"
+#include "tests/support/blocks.hpp"
 
 namespace ricochet::solver {
 namespace {
 
 TEST(Threads, AreAParticipantsShareOfTheProcessorsUnlessTheSceneSays) {
-  test::ContactBlocks blocks("all_implicit");
+  test::Blocks blocks("all_implicit");
   auto& participants = blocks.problem.scene.participants;
   auto participant = participants.front();
   const auto threads = [&] { return initial_states(blocks.problem, participant, true).front().parallel->threads(); };
