@@ -8,7 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/body/free_motion.hpp"
-#include "common/body/plastic_bars.hpp"
+#include "common/body/plastic_elements.hpp"
 #include "common/solver/describe.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"

@@ -1,11 +1,11 @@
 #include "explicit_solver/material_force.hpp"
 
-#include "common/body/plastic_bars.hpp"
+#include "common/body/plastic_elements.hpp"
 
 namespace ricochet::explicit_solver {
 
 std::unique_ptr<solver::InternalForce> material_force(const solver::BodyState& state, const std::vector<int>& driven) {
-  if (state.plastic) return std::make_unique<solver::PlasticBars>(state);
+  if (state.plastic) return std::make_unique<solver::PlasticElements>(state);
   return linear_force(state, driven);
 }
 

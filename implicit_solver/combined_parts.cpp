@@ -5,6 +5,7 @@ CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies, const MakeF
   for (const auto& state : states) {
     forces.push_back(make_force(state));
     linear_ = linear_ && forces.back()->linear();
+    keep_tangents_ = keep_tangents_ && forces.back()->keeps_tangent();
     offsets.push_back(dofs_);
     for (const int dof : state.shared_dofs) shared_dofs.push_back(static_cast<int>(dofs_) + dof);
     dofs_ += state.part.dofs();

@@ -39,6 +39,8 @@ class CombinedParts {
   [[nodiscard]] Eigen::Index dofs() const { return dofs_; }
   /// Whether the internal force of every part is linear in u.
   [[nodiscard]] bool linear() const { return linear_; }
+  /// Whether that of every part keeps its tangent.
+  [[nodiscard]] bool keep_tangents() const { return keep_tangents_; }
   [[nodiscard]] Eigen::VectorXd displacement() const;
   /// K_T of each part at a displacement [N/m]; they stay until the next call.
   [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;
@@ -70,7 +72,7 @@ class CombinedParts {
 
  private:
   Eigen::Index dofs_ = 0;
-  bool linear_ = true;
+  bool linear_ = true, keep_tangents_ = true;
 };
 
 }  // namespace ricochet::implicit_solver

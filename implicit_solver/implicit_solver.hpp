@@ -7,7 +7,7 @@
 #include "common/base/separation.hpp"
 #include "common/body/body_state.hpp"
 #include "common/body/free_motion.hpp"
-#include "common/body/plastic_bars.hpp"
+#include "common/body/plastic_elements.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/reporting.hpp"
 #include "implicit_solver/combined_parts.hpp"
@@ -59,7 +59,7 @@ class ImplicitSolver : public participant::Participant {
     WindowState forces;
     std::vector<double> interface_work_j, first_staggered_j;  ///< per part
     std::vector<std::string> elements;                        ///< per part: what its InternalForce keeps
-    Eigen::VectorXd linearised_at;                            ///< where the operator is from; empty of linear elements
+    Eigen::VectorXd linearised_at;  ///< where the operator is from; empty of tangents that are kept
     std::optional<ImplicitContact::State> contact;
     SeparationWatch separation;
 

@@ -17,10 +17,15 @@ namespace {
 /// Newton's iteration ends when what is out of balance is so much of the largest force, or when an improvement is so
 /// much of the displacement or of its increment, which is rounding.
 constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
-/// Improvements by one operator go on while each leaves no more than so much of what was out of balance: ten solves
-/// then take it from 1 to 1e-7, and a factorisation costs more than ten.
+/// Improvements by one tangent go on while each leaves no more than so much of what was out of balance: ten solves then
+/// take it from 1 to 1e-7, and a factorisation costs more than ten.
 constexpr double slow_share = 0.2;
 constexpr int most_improvements = 50;
+/// Elements that keep their tangent take ten to twenty. The longest windows tried, in which a wave crosses fourteen
+/// elements that yield without hardening, take some hundred.
+constexpr int most_improvements_by_one_tangent = 2000;
+/// Steps that are remembered, a vector each.
+constexpr std::size_t most_steps = 50;
 /// An improvement that goes too far is shortened until the slope of the window's potential along it is so much of what
 /// it was at its beginning, or less.
 constexpr double level_share = 0.1;
@@ -127,22 +132,35 @@ void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
 }
 
 /// Newton's iteration where the elements are not linear: each step is a linear window for what the last one left out of
-/// balance, with contact forces found anew. The operator stays while it serves.
+/// balance, with contact forces found anew. The operator stays while it serves, and what its steps have shown of the
+/// difference to the tangent mends the next ones.
 void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
   const double quarter = 0.25 * dt_ * dt_;
-  double before_n = std::numeric_limits<double>::infinity();
+  double before_n = std::numeric_limits<double>::infinity(), largest_n = find_imbalance(trial);
+  steps_.clear();
+  const int most = parts_.keep_tangents() ? most_improvements_by_one_tangent : most_improvements;
   for (int improvements = 0;; ++improvements) {
-    const double largest_n = find_imbalance(trial);
     const Eigen::VectorXd left = imbalance_with_contact();
     const double left_n = left.lpNorm<Eigen::Infinity>();
     if (left_n <= balanced_share * largest_n) break;
-    if (improvements == most_improvements || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
-    if (left_n > slow_share * before_n) solver_.linearise(parts_.displacement() + trial.increment);
+    if (improvements == most || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
+    if (!parts_.keep_tangents() && left_n > slow_share * before_n) {
+      solver_.linearise(parts_.displacement() + trial.increment);
+      steps_.clear();
+    }
     before_n = left_n;
     before_ = trial.increment;
     rhs_ = quarter * imbalance_;
     solver_.improve(rhs_, trial.increment);
-    shorten(trial);
+    Eigen::VectorXd step = trial.increment - before_;
+    mend(step);
+    trial.increment = before_ + step;
+    largest_n = find_imbalance(trial);
+    if (shorten(step, trial, largest_n) || steps_.size() == most_steps) {
+      steps_.clear();
+    } else {
+      steps_.push_back(step);
+    }
     const double moved =
         std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), trial.increment.lpNorm<Eigen::Infinity>());
     if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved) break;
@@ -151,29 +169,37 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
   forget();  // rhs_ is another
 }
 
+/// Broyden's method by its steps (Kelley: Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3): the
+/// step that the operator finds becomes that of the operator which all steps so far have changed as little as would
+/// have made them right.
+void NewmarkWindow::mend(Eigen::VectorXd& step) const {
+  for (std::size_t k = 0; k < steps_.size(); ++k) {
+    const double along = steps_[k].dot(step) / steps_[k].squaredNorm();
+    if (k + 1 < steps_.size()) {
+      step += along * steps_[k + 1];
+    } else {
+      step /= 1.0 - along;
+    }
+  }
+}
+
 /// Elements that soften and stiffen again, as where they yield and unload, have Newton's steps swing to and fro over
 /// the minimum of the window's potential. Its slope along a step is minus what is out of balance; where the step ends
-/// uphill, the place between is found where it is level (false position).
-void NewmarkWindow::shorten(WindowTrial& trial) {
-  const Eigen::VectorXd step = trial.increment - before_;
+/// uphill, the place between is found where it is level (false position). Returns whether it was.
+bool NewmarkWindow::shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n) {
   const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step);
-  const auto downhill = [&](double share) {
-    trial.increment = before_ + share * step;
-    find_imbalance(trial);
-    return imbalance_.dot(step);
-  };
-  double low = 0.0, at_low = first, high = 1.0, at_high = downhill(1.0);
-  if (!(first > 0.0) || !(at_high < -0.5 * first)) {
-    trial.increment = before_ + step;
-    return;
-  }
+  double low = 0.0, at_low = first, high = 1.0, at_high = imbalance_.dot(step);
+  if (!(first > 0.0) || !(at_high < -0.5 * first)) return false;
   double share = 1.0, slope = at_high;
   for (int k = 0; k < most_shortenings && std::abs(slope) > level_share * first; ++k) {
     share = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
-    slope = downhill(share);
+    trial.increment = before_ + share * step;
+    largest_n = find_imbalance(trial);
+    slope = imbalance_.dot(step);
     (slope > 0.0 ? low : high) = share;
     (slope > 0.0 ? at_low : at_high) = slope;
   }
+  return true;
 }
 
 /// f - P - L - M a* at the free dofs for the present increment, without contact forces. Returns the largest of the

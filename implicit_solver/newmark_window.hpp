@@ -24,7 +24,8 @@ namespace ricochet::implicit_solver {
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
 /// That equation is solved by WindowSolver. Where elements are not linear, it is the first of Newton's steps to
 ///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
-/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError.
+/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError. Elements that keep
+/// their tangent (InternalForce) keep the operator, the contact's answer and this equation's factor for the whole run.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
@@ -61,7 +62,8 @@ class NewmarkWindow {
   void constrain_increment(double time_s, WindowTrial& trial);
   void balance(std::int64_t window, WindowTrial& trial);
   double find_imbalance(const WindowTrial& trial);
-  void shorten(WindowTrial& trial);
+  void mend(Eigen::VectorXd& step) const;
+  bool shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n);
   [[nodiscard]] Eigen::VectorXd imbalance_with_contact() const;
   [[noreturn]] void refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const;
   void find_rates(WindowTrial& trial);
@@ -80,6 +82,7 @@ class NewmarkWindow {
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Eigen::VectorXd rhs_, shared_x_, shared_force_;
   Eigen::VectorXd imbalance_, link_, internal_, inertia_, before_;  ///< of Newton's iteration
+  std::vector<Eigen::VectorXd> steps_;                              ///< by the present operator, in this window
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::VectorXd mean_velocity_;                  ///< see ImplicitContact::account
 };

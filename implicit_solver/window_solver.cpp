@@ -132,7 +132,7 @@ void WindowSolver::choose_root(const fem::SparseMatrix& a, const std::vector<boo
 }
 
 void WindowSolver::linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart) {
-  if (!parts_.linear()) linearised_at_ = u;
+  if (!parts_.keep_tangents()) linearised_at_ = u;
   std::vector<bool> active;
   fem::SparseMatrix a = assemble(u, active);
   choose_root(a, active);

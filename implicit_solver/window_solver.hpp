@@ -29,7 +29,7 @@ class WindowSolver {
   /// A at the displacement `u` (combined) from here on, and with it the contact's compliance. Everything eliminated is
   /// void.
   void linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart = nullptr);
-  /// Where A was linearised last; empty if all elements are linear.
+  /// Where A was linearised last; empty if all elements keep their tangent.
   [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
   /// b -= dt^2/4 K_T du of a constrained dof of a part.
   void subtract_moved(std::size_t part, int dof, double du, Eigen::VectorXd& b) const;

@@ -211,7 +211,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   set_motion(problem, state);
   set_dashpots(problem.bodies[index], role, state);
   state.set_mass(state.part.lumped_mass);
-  if (state.part.material.plasticity) state.plastic = std::make_shared<PlasticState>(state.part.mesh.elements.size());
+  if (state.part.material.plasticity) state.plastic = std::make_shared<PlasticState>(state.part);
   return state;
 }
 

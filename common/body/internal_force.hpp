@@ -51,8 +51,10 @@ class InternalForce {
   /// Energy of the elements at u [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
   [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, double half_work_j) const = 0;
 
-  /// K_T = dP/du at u [N/m], symmetric; what an implicit window is solved with. Stays as it is until the next call.
+  /// What an implicit window is solved with [N/m], symmetric: K_T = dP/du at u, which stays as it is until the next
+  /// call; or, if it `keeps_tangent`, one matrix for all u that is nowhere smaller than K_T.
   [[nodiscard]] virtual const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) = 0;
+  [[nodiscard]] virtual bool keeps_tangent() const;
 
   /// All that the next window depends on beside u.
   virtual void archive(Archive& a);
@@ -78,6 +80,7 @@ inline void InternalForce::go_back() {}
 inline void InternalForce::reach_all() {}
 inline void InternalForce::spread(Eigen::VectorXd&) {}
 inline bool InternalForce::spreads(int) const { return false; }
+inline bool InternalForce::keeps_tangent() const { return linear(); }
 inline void InternalForce::archive(Archive&) {}
 
 }  // namespace ricochet::solver

@@ -1,25 +1,40 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 
 #include "common/base/archive.hpp"
+#include "common/fem/part.hpp"
 
 namespace ricochet::solver {
 
-/// The bars of a part remember how they have yielded, a number per element, and the work that took.
+/// What the elements of a part that yields remember, of an accepted window. Plastic strain is kept at the quadrature
+/// points (fem::ElementPoint), element by element, as the components of fem::StressVector with each shear times
+/// sqrt(2), so that e : e is a sum of squares. It takes `modulus_pa` times itself off the elastic stress: the modulus
+/// is E of bars, whose lateral stress is zero, else 2 G, since plastic strain has no trace.
 struct PlasticState {
-  explicit PlasticState(std::size_t elements = 0)
-      : strain(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(elements))), equivalent(strain), stress_pa(strain) {}
+  PlasticState() = default;
+  explicit PlasticState(const fem::Part& part);
 
-  Eigen::VectorXd strain;      ///< plastic strain
-  Eigen::VectorXd equivalent;  ///< equivalent plastic strain, the sum of all magnitudes of its changes
-  Eigen::VectorXd stress_pa;
-  double work_j = 0.0;  ///< plastic work so far, of all elements
+  int components = 1, points = 1;  ///< of a strain; of an element
+  double modulus_pa = 0.0;
+  Eigen::VectorXd strain;      ///< plastic, `components` per point
+  Eigen::VectorXd equivalent;  ///< per point: equivalent plastic strain, the integral of sqrt(2/3 de : de)
+  Eigen::VectorXd force_n;     ///< per degree of freedom: integral of B^T modulus strain dV, so that P = K u - force
+  double energy_j = 0.0;       ///< integral of modulus/2 strain : strain dV
+  double work_j = 0.0;         ///< plastic work so far, of all elements
+  double largest = 0.0;        ///< of `equivalent`
+
+  [[nodiscard]] auto at(Eigen::Index point) { return strain.segment(point * components, components); }
+  [[nodiscard]] auto at(Eigen::Index point) const { return strain.segment(point * components, components); }
+  /// In the middle of an element, the mean of its points: plastic strain as a tensor in the order of fem::StressVector,
+  /// what it takes off the stress [Pa], and the equivalent plastic strain.
+  [[nodiscard]] fem::StressVector strain_of(int element) const;
+  [[nodiscard]] fem::StressVector stress_of(int element) const { return modulus_pa * strain_of(element); }
+  [[nodiscard]] double equivalent_of(int element) const;
 
   void archive(Archive& a) {
-    a.same_size(strain, equivalent, stress_pa);
-    a(work_j);
+    a.same_size(strain, equivalent, force_n);
+    a(energy_j, work_j, largest);
   }
 };
 

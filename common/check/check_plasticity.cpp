@@ -29,6 +29,15 @@ struct Yielding {
   }
 };
 
+void check_elements(const Yielding& yielding) {
+  for (const fem::Element& element : yielding.body.mesh.elements) {
+    if (fem::traits(element.kind).points) continue;
+    const bool plane = element.kind == fem::ElementKind::triangle;
+    yielding.refuse(fmt::format("of {}, which lock when they yield", plane ? "triangles" : "tetrahedra"),
+                    plane ? "a mesh of quadrilaterals alone" : "a mesh of hexahedra alone");
+  }
+}
+
 void check_protocol(const Yielding& yielding) {
   const ProtocolTraits& protocol = yielding.problem.scene.coupling.protocol;
   const std::string name = fmt::format("under \"{}\"", protocol.name);
@@ -70,6 +79,7 @@ void check_plasticity(const Problem& problem) {
   for (const BodyProblem& body : problem.bodies) {
     if (!body.material.plasticity) continue;
     const Yielding yielding{problem, body};
+    check_elements(yielding);
     check_protocol(yielding);
     check_contact_law(yielding);
     check_ranks(yielding);

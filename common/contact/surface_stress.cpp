@@ -60,7 +60,6 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
     model_ = part.mesh.model;
     part_ = static_cast<int>(p);
     plastic_ = states[p].plastic;
-    young_pa_ = part.material.youngs_modulus_pa;
     const int components = fem::components(model_);
     const auto elements = elements_by_face(part.mesh, found->second);
     for (const fem::Face& face : found->second) {
@@ -94,8 +93,8 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
 double SurfaceStress::smallest_principal(const Element& own, const Eigen::Ref<const Eigen::VectorXd>& u) const {
   fem::ElementVector nodal(static_cast<Eigen::Index>(own.dofs.size()));
   for (std::size_t i = 0; i < own.dofs.size(); ++i) nodal[static_cast<Eigen::Index>(i)] = u[own.dofs[i]];
-  const fem::StressVector stress = own.stress_of_displacement * nodal;
-  if (plastic_) return stress[0] - young_pa_ * plastic_->strain[own.element];
+  fem::StressVector stress = own.stress_of_displacement * nodal;
+  if (plastic_) stress -= plastic_->stress_of(own.element);
   if (model_ == fem::Model::bar) return stress[0];  // the lateral principal stresses of a bar are zero
   return fem::principal_stresses(model_, stress)[2];
 }

@@ -40,7 +40,6 @@ class SurfaceStress {
   fem::Model model_ = fem::Model::bar;
   int part_ = -1;
   std::shared_ptr<const PlasticState> plastic_;  ///< of the part, if that yields
-  double young_pa_ = 0.0;
   double area_m2_ = 0.0;
   std::vector<Element> elements_;
 };

@@ -97,6 +97,19 @@ SparseMatrix axial_stress_shares(const Part& part, const AxialLayers& layers) {
   return shares;
 }
 
+SparseMatrix axial_element_shares(const Part& part, const AxialLayers& layers) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+    const double own = element_volume(part.section, element_geometry(part.mesh, e)).sum();
+    for_each_layer(layers.border, extent(part.mesh, e), [&](int layer, double share) {
+      entries.emplace_back(layer, e, share * own / layers.volume_m3[static_cast<std::size_t>(layer)]);
+    });
+  }
+  SparseMatrix shares(layers.size(), static_cast<Eigen::Index>(part.mesh.elements.size()));
+  shares.setFromTriplets(entries.begin(), entries.end());
+  return shares;
+}
+
 std::vector<double> volume_shares(const Part& part, const AxialLayers& layers) {
   auto shares = volumes(part.mesh, part.section, layers.border);
   for (std::size_t i = 0; i < shares.size(); ++i) {

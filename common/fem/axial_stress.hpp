@@ -27,6 +27,9 @@ struct AxialLayers {
 /// sigma_axial dV = u . K_e z.
 [[nodiscard]] SparseMatrix axial_stress_shares(const Part& part, const AxialLayers& layers);
 
+/// The same of a stress that is constant in each element: layers x elements of the part.
+[[nodiscard]] SparseMatrix axial_element_shares(const Part& part, const AxialLayers& layers);
+
 /// Volume of the part's elements in each layer over the layer's volume, 0 to 1.
 [[nodiscard]] std::vector<double> volume_shares(const Part& part, const AxialLayers& layers);
 

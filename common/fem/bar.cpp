@@ -23,6 +23,12 @@ StressVector bar_stress(const Section&, const Material& material, const ElementC
   return StressVector::Constant(1, material.youngs_modulus_pa * (u[1] - u[0]) / length(x));
 }
 
+std::vector<ElementPoint> bar_points(const Section& section, const ElementCoordinates& x) {
+  ElementPoint middle{decltype(ElementPoint::gradient)::Zero(2, 3), section.measure * length(x)};
+  middle.gradient.col(0) << -1.0 / length(x), 1.0 / length(x);
+  return {middle};
+}
+
 double bar_jacobian(const ElementCoordinates& x, const NaturalPoint&) { return 0.5 * length(x); }
 
 }  // namespace ricochet::fem

@@ -17,5 +17,7 @@ namespace ricochet::fem {
                                       const ElementVector& u, const NaturalPoint& at);
 /// h/2.
 [[nodiscard]] double bar_jacobian(const ElementCoordinates& x, const NaturalPoint& at);
+/// One.
+[[nodiscard]] std::vector<ElementPoint> bar_points(const Section& section, const ElementCoordinates& x);
 
 }  // namespace ricochet::fem

@@ -41,6 +41,10 @@ StressVector element_stress(const Section& section, const Material& material, co
   return traits(element.kind).stress(section, material, matrix_places(section.model, element), u, at);
 }
 
+std::vector<ElementPoint> element_points(const Section& section, const ElementGeometry& element) {
+  return traits(element.kind).points(section, matrix_places(section.model, element));
+}
+
 EdgeLengths edge_lengths(const ElementGeometry& element) {
   EdgeLengths lengths{std::numeric_limits<double>::infinity(), 0.0};
   for (const auto& [a, b] : traits(element.kind).edges) {

@@ -53,6 +53,9 @@ struct EdgeLengths {
 /// Integral of N_i dA over an edge, for its two nodes [m^2] (bar: the cross section, all on the first).
 [[nodiscard]] Eigen::Vector2d edge_area(const Section& section, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
+/// The quadrature points of an element that may yield; its kind must have some.
+[[nodiscard]] std::vector<ElementPoint> element_points(const Section& section, const ElementGeometry& element);
+
 /// The element's largest natural frequency squared: largest eigenvalue of M_e^-1 K_e with its own lumped mass [1/s^2].
 /// The largest over the elements bounds that of their assembly from above, which gives a safe critical time step.
 /// Source: Hughes, The Finite Element Method, section 9.3 (Irons and Treharne).

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/fem/model.hpp"
 
@@ -39,6 +40,13 @@ using ElementMatrix =
 using ElementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * Element::most_nodes, 1>;
 using StressVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 using NaturalPoint = Eigen::Vector3d;  ///< (xi, eta, zeta); a bar reads xi alone, a plane kind the first two
+
+/// A point of quadrature of an element that may yield.
+struct ElementPoint {
+  /// A row per node [1/m]: N_i,x N_i,y and N_i,z of a solid, in axisymmetry N_i,r N_i,z N_i/r; else the rest is 0.
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Element::most_nodes, 3> gradient;
+  double volume_m3;
+};
 
 using NodePair = std::array<int, 2>;  ///< an element's own node numbers
 
@@ -90,6 +98,8 @@ struct ElementTraits {
   StressVector (*stress)(const Section&, const Material&, const ElementCoordinates&, const ElementVector&,
                          const NaturalPoint&);
   double (*jacobian)(const ElementCoordinates&, const NaturalPoint&);
+  /// Null of a kind that must not yield, since plastic flow keeps the volume, and its few points then lock it.
+  std::vector<ElementPoint> (*points)(const Section&, const ElementCoordinates&);
 };
 
 [[nodiscard]] const ElementTraits& traits(ElementKind kind);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "common/fem/mean_volume_strain.hpp"
 #include "common/fem/solid.hpp"
 
 namespace ricochet::fem {
@@ -73,9 +74,35 @@ Blocks blocks(const Elasticity& d, const Hexahedron::Coordinates& x) {
   return sum;
 }
 
+Eigen::Matrix<double, 1, dofs> mean_volume_strain(const Hexahedron::Coordinates& x) {
+  Eigen::Matrix<double, 1, dofs> sum = Eigen::Matrix<double, 1, dofs>::Zero();
+  double volume = 0.0;
+  for (const SolidPoint& q : Trilinear::points) {
+    const double own = q.weight * Hexahedron::jacobian_matrix(x, q.natural()).determinant();
+    sum += own * volume_strain(Hexahedron::strain_operator(x, q.natural()));
+    volume += own;
+  }
+  return sum / volume;
+}
+
+/// By B-bar, without modes.
+ElementMatrix yielding_stiffness(const Elasticity& d, const Hexahedron::Coordinates& x) {
+  const Eigen::Matrix<double, 1, dofs> mean = mean_volume_strain(x);
+  Eigen::Matrix<double, dofs, dofs> sum = Eigen::Matrix<double, dofs, dofs>::Zero();
+  for (const SolidPoint& q : Trilinear::points) {
+    Hexahedron::StrainOperator b = Hexahedron::strain_operator(x, q.natural());
+    take_volume_strain(mean, b);
+    const Hexahedron::StrainOperator stress =
+        q.weight * Hexahedron::jacobian_matrix(x, q.natural()).determinant() * (d * b);
+    sum.noalias() += b.transpose() * stress;
+  }
+  return 0.5 * (sum + sum.transpose());
+}
+
 }  // namespace
 
 ElementMatrix hexahedron_stiffness(const Section& section, const Material& material, const ElementCoordinates& x) {
+  if (material.plasticity) return yielding_stiffness(elasticity(section.model, material), Hexahedron::places(x));
   const Blocks k = blocks(elasticity(section.model, material), Hexahedron::places(x));
   const Eigen::Matrix<double, modes, dofs> follow = k.aa.ldlt().solve(k.ua.transpose());
   const Eigen::Matrix<double, dofs, dofs> stiffness = k.uu - k.ua * follow;
@@ -92,8 +119,10 @@ StressVector hexahedron_stress(const Section& section, const Material& material,
   const Elasticity d = elasticity(section.model, material);
   Eigen::Matrix<double, dofs, 1> displacement;
   for (int i = 0; i < dofs; ++i) displacement[i] = u[i];
-  Voigt strain = Hexahedron::strain_operator(places, at) * displacement;
-  if (!at.isZero(0.0)) {  // in the middle the modes have no strain
+  Hexahedron::StrainOperator b = Hexahedron::strain_operator(places, at);
+  if (material.plasticity) take_volume_strain(mean_volume_strain(places), b);
+  Voigt strain = b * displacement;
+  if (!material.plasticity && !at.isZero(0.0)) {  // in the middle the modes have no strain
     const Blocks k = blocks(d, places);
     const Eigen::Matrix<double, modes, 1> a = -k.aa.ldlt().solve(k.ua.transpose() * displacement);
     strain += mode_strains(Hexahedron::jacobian_matrix(places, NaturalPoint::Zero()),
@@ -103,6 +132,17 @@ StressVector hexahedron_stress(const Section& section, const Material& material,
   StressVector stress(6);
   for (int i = 0; i < 6; ++i) stress[i] = d.row(i).dot(strain);
   return stress;
+}
+
+std::vector<ElementPoint> hexahedron_points(const Section&, const ElementCoordinates& x) {
+  const Hexahedron::Coordinates places = Hexahedron::places(x);
+  std::vector<ElementPoint> points;
+  for (const SolidPoint& q : Trilinear::points) {
+    const Eigen::Matrix3d jacobian = Hexahedron::jacobian_matrix(places, q.natural());
+    points.push_back(
+        {Trilinear::natural_gradient(q.natural()) * jacobian.inverse().transpose(), q.weight * jacobian.determinant()});
+  }
+  return points;
 }
 
 double hexahedron_jacobian(const ElementCoordinates& x, const NaturalPoint& at) { return Hexahedron::jacobian(x, at); }

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <vector>
 
 #include "common/fem/element.hpp"
+#include "common/fem/mean_volume_strain.hpp"
 
 /// Integrals of plane isoparametric elements. `Shape` is a kind's shape functions and quadrature:
 ///   nodes                             how many
@@ -66,13 +68,29 @@ struct Isoparametric {
     return section.measure * radius * point.determinant;
   }
 
-  /// integral of B^T D B dV, symmetric to the last bit.
+  /// Mean over the volume of the operator of volume strain.
+  static Eigen::Matrix<double, 1, 2 * nodes> mean_volume_strain(const Section& section, const PlaneCoordinates& x) {
+    Eigen::Matrix<double, 1, 2 * nodes> sum = Eigen::Matrix<double, 1, 2 * nodes>::Zero();
+    double volume = 0.0;
+    for (const QuadraturePoint& q : Shape::points) {
+      const Point point = point_at(x, q.xi, q.eta);
+      const double own = q.weight * volume_factor(section, point);
+      sum += own * volume_strain(strain_operator(section.model, point, false));
+      volume += own;
+    }
+    return sum / volume;
+  }
+
+  /// integral of B^T D B dV, symmetric to the last bit; of a material that yields with B-bar.
   static ElementMatrix stiffness(const Section& section, const Material& material, const PlaneCoordinates& x) {
     const Eigen::Matrix4d d = elasticity(section.model, material);
     Eigen::Matrix<double, 2 * nodes, 2 * nodes> sum = Eigen::Matrix<double, 2 * nodes, 2 * nodes>::Zero();
+    Eigen::Matrix<double, 1, 2 * nodes> mean;
+    if (material.plasticity) mean = mean_volume_strain(section, x);
     for (const QuadraturePoint& q : Shape::points) {
       const Point point = point_at(x, q.xi, q.eta);
-      const StrainOperator b = strain_operator(section.model, point, false);
+      StrainOperator b = strain_operator(section.model, point, false);
+      if (material.plasticity) take_volume_strain(mean, b);
       sum += q.weight * volume_factor(section, point) * (b.transpose() * d * b);
     }
     return 0.5 * (sum + sum.transpose());
@@ -93,7 +111,22 @@ struct Isoparametric {
                              const ElementVector& u, const NaturalPoint& at) {
     const Point point = point_at(x, at[0], at[1]);
     const bool on_axis = point.radius <= 1e-9 * x.col(0).maxCoeff();
-    return elasticity(section.model, material) * (strain_operator(section.model, point, on_axis) * u);
+    StrainOperator b = strain_operator(section.model, point, on_axis);
+    if (material.plasticity) take_volume_strain(mean_volume_strain(section, x), b);
+    return elasticity(section.model, material) * (b * u);
+  }
+
+  static std::vector<ElementPoint> element_points(const Section& section, const PlaneCoordinates& x) {
+    std::vector<ElementPoint> points;
+    for (const QuadraturePoint& q : Shape::points) {
+      const Point point = point_at(x, q.xi, q.eta);
+      ElementPoint& own = points.emplace_back();
+      own.gradient.setZero(nodes, 3);
+      own.gradient.leftCols(2) = point.gradient;
+      if (section.model == Model::axisymmetric) own.gradient.col(2) = point.shape / point.radius;
+      own.volume_m3 = q.weight * volume_factor(section, point);
+    }
+    return points;
   }
 
   /// det J.

@@ -3,7 +3,7 @@
 #include <limits>
 #include <optional>
 
-/// Small-strain elasticity, and of bars plasticity, in three dimensions and in three reduced models. Node-major degrees
+/// Small-strain elasticity and plasticity in three dimensions and in three reduced models. Node-major degrees
 /// of freedom: dof = node * components + c.
 namespace ricochet::fem {
 

@@ -45,6 +45,10 @@ StressVector quadrilateral_stress(const Section& section, const Material& materi
   return Quadrilateral::stress(section, material, x, u, at);
 }
 
+std::vector<ElementPoint> quadrilateral_points(const Section& section, const ElementCoordinates& x) {
+  return Quadrilateral::element_points(section, x);
+}
+
 double quadrilateral_jacobian(const ElementCoordinates& x, const NaturalPoint& at) {
   return Quadrilateral::jacobian(x, at);
 }

@@ -91,7 +91,7 @@ struct Stresses {
         element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *of.displacement),
                        traits(element.kind).centre);
     append_tensor(compliance * at_centre, 0.5, strain);
-    if (of.plastic.strain) at_centre[0] -= part.material.youngs_modulus_pa * (*of.plastic.strain)[e];
+    if (of.plastic) at_centre -= of.plastic->stress_pa.col(e);
     append_tensor(at_centre, 1.0, stress);
     von_mises.push_back(von_mises_stress(model, at_centre));
     const Eigen::Vector3d values = principal_stresses(model, at_centre);
@@ -121,9 +121,9 @@ std::string equivalent_plastic_strains(const Parts& parts) {
   std::vector<double> values;
   bool any = false;
   for (const PartFields& of : parts) {
-    any = any || of.plastic.equivalent;
+    any = any || of.plastic;
     for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(of.part->mesh.elements.size()); ++e)
-      values.push_back(of.plastic.equivalent ? (*of.plastic.equivalent)[e] : 0.0);
+      values.push_back(of.plastic ? of.plastic->equivalent[e] : 0.0);
   }
   return any ? data_array("Float64", "equivalent_plastic_strain", 1, values) : "";
 }

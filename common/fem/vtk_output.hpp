@@ -10,17 +10,17 @@
 /// Result files that ParaView opens.
 namespace ricochet::fem {
 
-/// A number per element of a part that yields; null where the part does not.
+/// Of a part that yields.
 struct PlasticStrain {
-  const Eigen::VectorXd* strain = nullptr;
-  const Eigen::VectorXd* equivalent = nullptr;
+  Eigen::MatrixXd stress_pa;   ///< a column per element: what its plastic strain takes off the elastic stress
+  Eigen::VectorXd equivalent;  ///< per element
 };
 
 /// One part in a file; vectors node-major, one number per degree of freedom.
 struct PartFields {
   const Part* part = nullptr;
   const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
-  PlasticStrain plastic{};
+  const PlasticStrain* plastic = nullptr;  ///< null where the part does not yield
 };
 
 /// Contact at the nodes of one part.

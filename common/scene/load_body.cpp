@@ -20,10 +20,8 @@ constexpr Range densities{1e-15, 1e20, true, true};
 /// With fewer, an element would meet its own image: nodes lie within half a period of each other.
 constexpr int fewest_periodic_elements = 3;
 
-/// von Mises' yield condition in more than one dimension needs elements that do not lock where they flow.
-std::optional<fem::Plasticity> load_plasticity(TableReader& material, Model model) {
+std::optional<fem::Plasticity> load_plasticity(TableReader& material) {
   if (!material.has("plasticity")) return std::nullopt;
-  material.only_if(model == Model::bar, "plasticity", "model = \"bar\", whose elements are the only ones that yield");
   material.only_if(!material.has("yield_stress_pa"), "yield_stress_pa",
                    "an elastic material: one with plasticity keeps to the yield stress that is given there");
   TableReader table = material.table("plasticity", "plasticity");
@@ -44,7 +42,7 @@ Material load_material(TableReader table, Model model) {
   material.density_kg_m3 = table.number("density_kg_m3", densities);
   material.yield_stress_pa = table.number("yield_stress_pa", above(0.0), material.yield_stress_pa);
   material.strength_pa = table.number("strength_pa", above(0.0), material.strength_pa);
-  material.plasticity = load_plasticity(table, model);
+  material.plasticity = load_plasticity(table);
   table.finish();
   return material;
 }

@@ -29,7 +29,7 @@ class AxialStressShares {
   struct Body {
     fem::SparseMatrix shares;  ///< layers with own elements x dofs
     Eigen::VectorXd stress;
-    std::vector<int> along;  ///< elements of a bar that yields, from its start to its end
+    fem::SparseMatrix element_shares{};  ///< of a part that yields: the same layers x elements
   };
   void add_body(const scene::Problem& problem, const BodyState& state);
 

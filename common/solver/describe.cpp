@@ -90,9 +90,23 @@ void record_bodies(const std::vector<BodyState>& states, std::vector<double>& ro
     append_quantities(state.totals, row);
     if (!state.plastic) continue;
     row.push_back(state.plastic->work_j);
-    row.push_back(state.plastic->equivalent.size() > 0 ? state.plastic->equivalent.maxCoeff() : 0.0);
+    row.push_back(state.plastic->largest);
   }
 }
+
+namespace {
+
+fem::PlasticStrain plastic_strain(const BodyState& state) {
+  const auto elements = static_cast<int>(state.part.mesh.elements.size());
+  fem::PlasticStrain plastic{Eigen::MatrixXd(state.plastic->components, elements), Eigen::VectorXd(elements)};
+  for (int e = 0; e < elements; ++e) {
+    plastic.stress_pa.col(e) = state.plastic->stress_of(e);
+    plastic.equivalent[e] = state.plastic->equivalent_of(e);
+  }
+  return plastic;
+}
+
+}  // namespace
 
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
                   const std::vector<BodyState>& states, const std::vector<fem::ContactFields>& contact,
@@ -100,12 +114,14 @@ void write_fields(const std::string& directory, const std::string& participant, 
   std::vector<fem::PartFields> parts;
   std::vector<Eigen::VectorXd> accelerations;
   accelerations.reserve(states.size());
+  std::vector<fem::PlasticStrain> plastic;
+  plastic.reserve(states.size());
   for (const auto& state : states) {
     accelerations.push_back(state.a);
     for (const int dof : state.shared_dofs)
       if (moved_by_link) accelerations.back()[dof] = std::numeric_limits<double>::quiet_NaN();
     parts.push_back({&state.part, &state.u, &state.v, &accelerations.back()});
-    if (state.plastic) parts.back().plastic = {&state.plastic->strain, &state.plastic->equivalent};
+    if (state.plastic) parts.back().plastic = &plastic.emplace_back(plastic_strain(state));
   }
   fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, contact);
 }

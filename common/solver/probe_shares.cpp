@@ -73,12 +73,10 @@ void ProbeShares::add_motion(const scene::BodyProblem& body, const scene::Strain
   if (!motion.nodes.empty()) told.motion.push_back(std::move(motion));
 }
 
-void ProbeShares::add_plastic(const std::vector<scene::StrainPoint>& points, const scene::BodyProblem& body,
-                              const BodyState& state, Strained& strained) {
+void ProbeShares::add_plastic(const std::vector<scene::StrainPoint>& points, const BodyState& state,
+                              Strained& strained) {
   if (!state.plastic) return;
-  for (const auto& point : points)
-    strained.plastic.emplace_back(local_element(state.part, point.element),
-                                  point.share * body.material.youngs_modulus_pa);
+  for (const auto& point : points) strained.plastic.emplace_back(local_element(state.part, point.element), point.share);
 }
 
 /// The element that holds the probe.
@@ -89,7 +87,7 @@ void ProbeShares::add_strain_of_probe(const scene::BodyProblem& body, const scen
   for (const int node : body.mesh.elements[fem::at(point.element)]) {
     for (int c = 0; c < components; ++c) strained.dofs.push_back(local_node(state.part, node) * components + c);
   }
-  add_plastic({point}, body, state, strained);
+  add_plastic({point}, state, strained);
   told.strains.push_back(std::move(strained));
 }
 
@@ -115,7 +113,7 @@ void ProbeShares::add_strain_of_gauge(const scene::BodyProblem& body, const std:
     strained.rows.col(static_cast<Eigen::Index>(strained.dofs.size())) = share;
     strained.dofs.push_back(dof);
   }
-  add_plastic(points, body, state, strained);
+  add_plastic(points, state, strained);
   told.strains.push_back(std::move(strained));
 }
 
@@ -153,13 +151,20 @@ Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState
   for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = state.u[strained.dofs[static_cast<std::size_t>(i)]];
   Eigen::VectorXd values = strained.rows * u;
   const auto stresses = values.size() / 2;
-  for (const auto& [element, factor_pa] : strained.plastic)
-    values[stresses] -= factor_pa * state.plastic->strain[element];
+  const int axial = fem::components(state.part.mesh.model) - 1;
+  for (const auto& [element, share] : strained.plastic) {
+    const fem::StressVector less = share * state.plastic->stress_of(element);
+    if (strained.probe) {
+      values.tail(stresses) -= less;
+    } else {
+      values[stresses] -= less[axial];
+    }
+  }
   if (!strained.probe) return values;
   const fem::StressVector stress = values.tail(stresses);
   values.conservativeResize(values.size() + (strained.plastic.empty() ? 1 : 2));
   values[2 * stresses] = fem::von_mises_stress(state.part.mesh.model, stress);
-  for (const auto& plastic : strained.plastic) values[2 * stresses + 1] = state.plastic->equivalent[plastic.first];
+  for (const auto& plastic : strained.plastic) values[2 * stresses + 1] = state.plastic->equivalent_of(plastic.first);
   return values;
 }
 

@@ -13,8 +13,9 @@ namespace ricochet::solver {
 
 /// The shares of a participant in the probes and gauges of the scene. Motion at a place is the sum N_i u_i over the
 /// nodes of its element; each node counts where it is integrated, so that a node that two processes share counts once.
-/// Strain is that of the element B u, stress D B u, of bars that yield less E times their plastic strain, and counts
-/// where the element is owned; of a gauge each point has its share. The coupler adds the shares of all participants up.
+/// Strain is that of the element B u, stress D B u less what plastic strain takes off it in the element's middle, and
+/// counts where the element is owned; of a gauge each point has its share. The coupler adds the shares of all
+/// participants up.
 class ProbeShares {
  public:
   ProbeShares() = default;  ///< no place
@@ -38,7 +39,7 @@ class ProbeShares {
     std::vector<int> dofs;
     Eigen::MatrixXd rows;
     bool probe = false;  ///< von Mises stress follows and, where the body yields, equivalent plastic strain
-    /// Bars that yield: local elements, and what their plastic strain takes off the stress [Pa].
+    /// Local elements of a part that yields, and their shares.
     std::vector<std::pair<int, double>> plastic{};
   };
   struct Told {
@@ -47,8 +48,7 @@ class ProbeShares {
   };
   void add(const scene::Problem& problem, const scene::MeasuredPlace& place, const std::vector<BodyState>& states,
            const std::vector<std::string>& names);
-  static void add_plastic(const std::vector<scene::StrainPoint>& points, const scene::BodyProblem& body,
-                          const BodyState& state, Strained& strained);
+  static void add_plastic(const std::vector<scene::StrainPoint>& points, const BodyState& state, Strained& strained);
   static void add_strain_of_probe(const scene::BodyProblem& body, const scene::StrainPoint& point, std::size_t part,
                                   const BodyState& state, Told& told);
   static void add_strain_of_gauge(const scene::BodyProblem& body, const std::vector<scene::StrainPoint>& points,

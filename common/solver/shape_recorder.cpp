@@ -153,8 +153,9 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
-  const auto kept_strains = state.plastic ? drawn.element.size() : 0;
-  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_strains));
+  const auto kept_stresses =
+      state.plastic ? drawn.element.size() * static_cast<std::size_t>(state.plastic->components) : 0;
+  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_stresses));
   return drawn;
 }
 
@@ -190,9 +191,12 @@ void ShapeRecorder::keep(std::int64_t window) {
     for (std::size_t i = 0; i < part.kept_dof.size(); ++i)
       values[static_cast<Eigen::Index>(i)] = states_[p].u[part.kept_dof[i]];
     if (!states_[p].plastic) continue;
-    auto strain = values.tail(static_cast<Eigen::Index>(part.element.size()));
-    for (Eigen::Index i = 0; i < strain.size(); ++i)
-      strain[i] = states_[p].plastic->strain[part.element[static_cast<std::size_t>(i)]];
+    auto next = static_cast<Eigen::Index>(part.kept_dof.size());
+    const int components = states_[p].plastic->components;
+    for (const int element : part.element) {
+      values.segment(next, components) = states_[p].plastic->stress_of(element);
+      next += components;
+    }
   }
   windows_.push_back(window);
 }
@@ -248,8 +252,9 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
           fem::element_stress(mesh_part.section, mesh_part.material, geometry,
                               fem::element_displacement(mesh_part.mesh, e, u), fem::traits(geometry.kind).centre);
       if (states_[part].plastic)
-        tensor[0] -=
-            mesh_part.material.youngs_modulus_pa * drawn.kept[w][static_cast<Eigen::Index>(drawn.kept_dof.size() + i)];
+        tensor -= drawn.kept[w].segment(
+            static_cast<Eigen::Index>(drawn.kept_dof.size()) + tensor.size() * static_cast<Eigen::Index>(i),
+            tensor.size());
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
     }

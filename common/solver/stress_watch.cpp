@@ -43,11 +43,23 @@ Eigen::Matrix3d inverse_of(const fem::ElementGeometry& geometry) {
 double largest_principal_stress(const BodyState& state, int element) {
   const auto& part = state.part;
   const auto geometry = fem::element_geometry(part.mesh, element);
-  const auto stress =
+  fem::StressVector stress =
       fem::element_stress(part.section, part.material, geometry, fem::element_displacement(part.mesh, element, state.u),
                           fem::traits(geometry.kind).centre);
-  if (state.plastic) return stress[0] - part.material.youngs_modulus_pa * state.plastic->strain[element];
+  if (state.plastic) stress -= state.plastic->stress_of(element);
   return fem::principal_stresses(part.mesh.model, stress)[0];
+}
+
+/// A tensor in the order of fem::StressVector off the strains; `third` is the one across a plane.
+template <int dimension>
+void take_off(const fem::StressVector& strain, Eigen::Matrix<double, dimension, dimension>& gradient, double& third) {
+  gradient.diagonal() -= strain.head<dimension>();
+  if constexpr (dimension == 2) third -= strain[2];
+  constexpr int pairs[3][2] = {{0, 1}, {1, 2}, {2, 0}};
+  for (int row = 3; row < strain.size(); ++row) {
+    const auto& [c, d] = pairs[row - 3];
+    gradient(c, d) -= 2.0 * strain[row];
+  }
 }
 
 /// Of one stress [Pa^2, Pa].
@@ -122,8 +134,8 @@ void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed)
       u[i].template head<dimension>() = state.u.template segment<dimension>(nodes[i] * dimension);
     Eigen::Matrix<double, dimension, dimension> gradient =
         middle_differences<dimension>(nodes.kind, u) * inverse_[part][e].template topLeftCorner<dimension, dimension>();
-    if (state.plastic) gradient(0, 0) -= state.plastic->strain[static_cast<Eigen::Index>(e)];  // of bars alone
-    const double hoop = mesh.model == fem::Model::axisymmetric ? hoop_strain(mesh, nodes, u) : 0.0;
+    double hoop = mesh.model == fem::Model::axisymmetric ? hoop_strain(mesh, nodes, u) : 0.0;
+    if (state.plastic) take_off(state.plastic->strain_of(static_cast<int>(e)), gradient, hoop);
     const Size size = limits.size(gradient, hoop);
     if (size.von_mises_squared > limits.yield_squared)
       passed.yield.take(std::sqrt(size.von_mises_squared), middle(mesh, static_cast<int>(e)));
