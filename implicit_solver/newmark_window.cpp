@@ -26,6 +26,8 @@ constexpr int most_improvements = 50;
 constexpr int most_improvements_by_one_tangent = 2000;
 /// Steps that are remembered, a vector each.
 constexpr std::size_t most_steps = 50;
+/// Where they would lengthen a step by more, they are forgotten.
+constexpr double most_growth = 1e4;
 /// An improvement that goes too far is shortened until the slope of the window's potential along it is so much of what
 /// it was at its beginning, or less.
 constexpr double level_share = 0.1;
@@ -143,6 +145,13 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     const Eigen::VectorXd left = imbalance_with_contact();
     const double left_n = left.lpNorm<Eigen::Infinity>();
     if (left_n <= balanced_share * largest_n) break;
+    if (!std::isfinite(left_n) &&
+        !steps_.empty()) {  // mended too far: from the last place again, by the operator alone
+      steps_.clear();
+      trial.increment = before_;
+      largest_n = find_imbalance(trial);
+      continue;
+    }
     if (improvements == most || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
     if (!parts_.keep_tangents() && left_n > slow_share * before_n) {
       solver_.linearise(parts_.displacement() + trial.increment);
@@ -172,14 +181,16 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
 /// Broyden's method by its steps (Kelley: Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3): the
 /// step that the operator finds becomes that of the operator which all steps so far have changed as little as would
 /// have made them right.
-void NewmarkWindow::mend(Eigen::VectorXd& step) const {
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    const double along = steps_[k].dot(step) / steps_[k].squaredNorm();
-    if (k + 1 < steps_.size()) {
-      step += along * steps_[k + 1];
-    } else {
-      step /= 1.0 - along;
-    }
+void NewmarkWindow::mend(Eigen::VectorXd& step) {
+  if (steps_.empty()) return;
+  Eigen::VectorXd mended = step;
+  const auto along = [&](const Eigen::VectorXd& earlier) { return earlier.dot(mended) / earlier.squaredNorm(); };
+  for (std::size_t k = 0; k + 1 < steps_.size(); ++k) mended += along(steps_[k]) * steps_[k + 1];
+  const double shrinks = 1.0 - along(steps_.back());
+  if (std::abs(shrinks) * most_growth > 1.0) {
+    step = mended / shrinks;
+  } else {
+    steps_.clear();
   }
 }
 

@@ -62,7 +62,7 @@ class NewmarkWindow {
   void constrain_increment(double time_s, WindowTrial& trial);
   void balance(std::int64_t window, WindowTrial& trial);
   double find_imbalance(const WindowTrial& trial);
-  void mend(Eigen::VectorXd& step) const;
+  void mend(Eigen::VectorXd& step);
   bool shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n);
   [[nodiscard]] Eigen::VectorXd imbalance_with_contact() const;
   [[noreturn]] void refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const;

@@ -264,7 +264,8 @@ U
 )";
   const std::string job = (folder.path() / "punch").string();
   (void)folder.write(theirs, "punch.inp");
-  const auto calculix = run_command({"/bin/sh", "-c", "ccx -i " + job}, folder.path().string());
+  const auto calculix =
+      run_command({"/bin/sh", "-c", "cd " + folder.path().string() + " && ccx -i punch"}, folder.path().string());
   if (calculix.code == 127) GTEST_SKIP() << "CalculiX is not installed (Debian's calculix-ccx)";
   ASSERT_EQ(calculix.code, 0) << calculix.out;
   std::istringstream lines(file_text(job + ".dat"));
