@@ -87,7 +87,7 @@ BlockSums part_sums(const BodyState& state, const Eigen::VectorXd& internal) {
   return sums;
 }
 
-void set_totals(const BlockSums& sums, double dt, const solver::InternalForce& elements, BodyState& state) {
+void set_totals(const BlockSums& sums, double dt, BodyState& state) {
   const Eigen::Vector3d momentum(sums.momentum_kg_m_s);
   auto& totals = state.totals;
   totals.momentum_n_kg_m_s = state.normal.dot(momentum);
@@ -95,7 +95,7 @@ void set_totals(const BlockSums& sums, double dt, const solver::InternalForce& e
   totals.momentum_b_kg_m_s = state.binormal.dot(momentum);
   state.set_angular_momentum(Eigen::Vector3d(sums.angular_kg_m2_s));
   totals.energy_kinetic_j = 0.5 * (sums.velocity_j - 0.25 * dt * dt * sums.acceleration_j_s2);
-  totals.energy_strain_j = elements.stored(state.u, 0.5 * sums.strain_j);
+  totals.energy_strain_j = 0.5 * sums.strain_j;
 }
 
 }  // namespace ricochet::explicit_solver

@@ -31,8 +31,8 @@ struct BlockSums {
 /// Over all blocks.
 [[nodiscard]] BlockSums part_sums(const solver::BodyState& state, const Eigen::VectorXd& internal);
 
-/// Momentum, kinetic energy in the staggered metric 1/2 (v^T M v - dt^2/4 a^T M a) and strain energy of a part, from
-/// the sums over all its blocks, into its totals. `elements`: of the part, or of a share of it.
-void set_totals(const BlockSums& sums, double dt, const solver::InternalForce& elements, solver::BodyState& state);
+/// Momentum, kinetic energy in the staggered metric 1/2 (v^T M v - dt^2/4 a^T M a) and u . P(u)/2, the strain energy of
+/// linear elements, of a part, from the sums over all its blocks, into its totals.
+void set_totals(const BlockSums& sums, double dt, solver::BodyState& state);
 
 }  // namespace ricochet::explicit_solver

@@ -209,7 +209,11 @@ double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector
   double taken = mean.tangential[0] * moved(pair.tangent);
   if (surface_.components == 3) taken += mean.tangential[1] * moved(pair.binormal);
   state_.dissipated_friction_j -= taken;
-  solver::book_impulse(pair, dt() * mean.normal, dt() * mean.tangential, states, state_.impulses);
+  const auto middle = [&](int part, int dof) {
+    const auto p = static_cast<std::size_t>(part);
+    return 0.5 * (states[p].u[dof] + (*u_before[p])[dof]);
+  };
+  solver::book_impulse(pair, dt() * mean.normal, dt() * mean.tangential, middle, states, state_.impulses);
   return made;
 }
 
@@ -230,7 +234,7 @@ void ExplicitContact::clip_friction(std::size_t i, std::vector<BodyState>& state
   if (target > mean && (rate + inverse * impulse) * rate < 0.0) impulse = -rate / inverse;
   pair.push_along(impulse * e, states, push_velocities(states));
   state_.dissipated_friction_j -= impulse * (rate + 0.5 * impulse * inverse);
-  solver::book_impulse(pair, 0.0, impulse * e, states, state_.impulses);
+  solver::book_impulse(pair, 0.0, impulse * e, solver::displacement_at(states), states, state_.impulses);
   force += impulse / dt() * e;
 }
 
@@ -243,7 +247,8 @@ void ExplicitContact::finish(std::vector<BodyState>& states, const std::vector<c
     const double impulse = massless_->give_back(i, made_j_[i], dt() * state_.mean_forces[i].normal, states,
                                                 [&](std::size_t part) { return states[part].v.data(); });
     state_.mean_forces[i].normal += impulse / dt();
-    solver::book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), states, state_.impulses);
+    solver::book_impulse(surface_.pairs[i], impulse, Eigen::Vector2d::Zero(), solver::displacement_at(states), states,
+                         state_.impulses);
     clip_friction(i, states);
   }
   state_.work_normal_j += massless_->trial_work_j();

@@ -8,7 +8,6 @@
 
 #include "common/base/error.hpp"
 #include "common/body/free_motion.hpp"
-#include "common/body/plastic_elements.hpp"
 #include "common/solver/describe.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
@@ -42,7 +41,8 @@ participant::Description ExplicitSolver::describe() {
                               Capability::reconfigure, Capability::save_state};
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
   // What is loaded is to be continued linearly.
-  if (ranks_ == nullptr && !solver::any_yields(states_) && (!alone() || !problem_.scene.massless_contact()))
+  const bool linear = std::all_of(states_.begin(), states_.end(), [](const auto& state) { return state.linear(); });
+  if (ranks_ == nullptr && linear && (!alone() || !problem_.scene.massless_contact()))
     description.capabilities.push_back(Capability::load_state);
   return description;
 }
@@ -143,7 +143,11 @@ void ExplicitSolver::take_totals() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (!ranks_ || gathered_ == window_) solver::require_finite(state, state.u, window_);
-    if (!ranks_) set_totals(part_sums(state, stepping_->internal(b)), dt, stepping_->force(b), state);
+    if (ranks_) continue;
+    const auto& internal = stepping_->internal(b);
+    set_totals(part_sums(state, internal), dt, state);
+    double& strain_j = state.totals.energy_strain_j;
+    strain_j = stepping_->force(b).stored(state.u, internal, strain_j);
   }
 }
 

@@ -1,11 +1,11 @@
 #include "explicit_solver/material_force.hpp"
 
-#include "common/body/plastic_elements.hpp"
+#include "common/body/material_elements.hpp"
 
 namespace ricochet::explicit_solver {
 
 std::unique_ptr<solver::InternalForce> material_force(const solver::BodyState& state, const std::vector<int>& driven) {
-  if (state.plastic) return std::make_unique<solver::PlasticElements>(state);
+  if (state.plastic || state.frame) return solver::material_elements(state);
   return linear_force(state, driven);
 }
 

@@ -261,9 +261,9 @@ void ImplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_kinetic_j = 0.5 * kinetic + shared;
     if (window_ == 0) first_staggered_j_[b] = shared;
     state.totals.energy_interface_j = interface_work_j_[b] + shared - first_staggered_j_[b];
-    const double half_work_j = 0.5 * state.u.dot(parts_.segment(forces_.external, b) -
-                                                 parts_.segment(forces_.residual, b) - parts_.segment(forces_.link, b));
-    state.totals.energy_strain_j = parts_.forces[b]->stored(state.u, half_work_j);
+    const Eigen::VectorXd internal =
+        parts_.segment(forces_.external, b) - parts_.segment(forces_.residual, b) - parts_.segment(forces_.link, b);
+    state.totals.energy_strain_j = parts_.forces[b]->stored(state.u, internal, 0.5 * state.u.dot(internal));
   }
   solver::record_bodies(states_, row);
   if (contact_) append_quantities(contact_->report(states_), row);

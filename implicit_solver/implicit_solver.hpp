@@ -7,6 +7,7 @@
 #include "common/base/separation.hpp"
 #include "common/body/body_state.hpp"
 #include "common/body/free_motion.hpp"
+#include "common/body/material_elements.hpp"
 #include "common/body/plastic_elements.hpp"
 #include "common/participant/participant.hpp"
 #include "common/solver/reporting.hpp"

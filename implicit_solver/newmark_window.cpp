@@ -196,17 +196,21 @@ void NewmarkWindow::mend(Eigen::VectorXd& step) {
 
 /// Elements that soften and stiffen again, as where they yield and unload, have Newton's steps swing to and fro over
 /// the minimum of the window's potential. Its slope along a step is minus what is out of balance; where the step ends
-/// uphill, the place between is found where it is level (false position). Returns whether it was.
+/// uphill, the place between is found where it is level (false position). Contact forces are those that the step found.
+/// Returns whether it was.
 bool NewmarkWindow::shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n) {
-  const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step);
-  double low = 0.0, at_low = first, high = 1.0, at_high = imbalance_.dot(step);
+  double by_contact = 0.0;
+  for (std::size_t i = 0; i < roots_.size(); ++i)
+    by_contact += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)] * step[roots_[i].dof];
+  const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step) + by_contact;
+  double low = 0.0, at_low = first, high = 1.0, at_high = imbalance_.dot(step) + by_contact;
   if (!(first > 0.0) || !(at_high < -0.5 * first)) return false;
   double share = 1.0, slope = at_high;
   for (int k = 0; k < most_shortenings && std::abs(slope) > level_share * first; ++k) {
     share = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
     trial.increment = before_ + share * step;
     largest_n = find_imbalance(trial);
-    slope = imbalance_.dot(step);
+    slope = imbalance_.dot(step) + by_contact;
     (slope > 0.0 ? low : high) = share;
     (slope > 0.0 ? at_low : at_high) = slope;
   }

@@ -46,12 +46,7 @@ void add_angular_impulse(const Eigen::Vector3d& kg_m2_s, BodyTotals& totals) {
 
 }  // namespace
 
-void BodyState::give_moment(int dof, double impulse_n_s) {
-  if (place.size() == 0) return;
-  const auto u_of = [&](int other) { return u[other]; };
-  const Eigen::Vector3d along = Eigen::Vector3d::Unit(dof % fem::components(part.mesh.model));
-  add_angular_impulse(impulse_n_s * place_of(dof, u_of).cross(along), totals);
-}
+void BodyState::give_angular_impulse(const Eigen::Vector3d& kg_m2_s) { add_angular_impulse(kg_m2_s, totals); }
 
 void BodyState::take(const Given& given) {
   totals.energy_external_j += given.work_j;
@@ -95,6 +90,15 @@ Eigen::Vector3d momentum_by_lanes(const Eigen::VectorXd& mass, const Eigen::Vect
 }
 
 }  // namespace
+
+const Eigen::VectorXd& BodyState::straining(Eigen::VectorXd& in_frame) const {
+  if (!frame) return u;
+  return in_frame = frame->straining(u);
+}
+
+Eigen::Matrix3d BodyState::rotation() const {
+  return frame ? frame->fit(u).motion.rotation : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+}
 
 void BodyState::update_momentum() {
   const int components = fem::components(part.mesh.model);
@@ -211,6 +215,8 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   set_motion(problem, state);
   set_dashpots(problem.bodies[index], role, state);
   state.set_mass(state.part.lumped_mass);
+  if (problem.scene.bodies[index].large_rotation && !state.part.mesh.elements.empty())
+    state.frame = std::make_shared<PartFrame>(state.part);
   if (state.part.material.plasticity) state.plastic = std::make_shared<PlasticState>(state.part);
   return state;
 }

@@ -9,6 +9,7 @@
 #include "common/base/archive.hpp"
 #include "common/base/ledger.hpp"
 #include "common/body/other_ranks.hpp"
+#include "common/body/part_frame.hpp"
 #include "common/body/plastic_state.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/problem.hpp"
@@ -93,9 +94,16 @@ struct BodyState : BodyMotion {
   Eigen::Vector3d normal, tangent, binormal;  ///< directions of the momentum balance; the last of solids, else zero
   Eigen::VectorXd place;  ///< per dof, reference: of models with an angular momentum, plane strain and solids [m]
   std::vector<bool> own;  ///< of a share of a part, per local node: not another rank's; else empty
-  std::shared_ptr<PlasticState> plastic;  ///< of a material that yields, in the accepted window; else null
-  OtherRanks* others = nullptr;           ///< of a share of a part: who steps the rest of it
+  std::shared_ptr<PlasticState> plastic;   ///< of a material that yields, in the accepted window; else null
+  std::shared_ptr<const PartFrame> frame;  ///< of a part with elements whose body turns by any angle; else null
+  OtherRanks* others = nullptr;            ///< of a share of a part: who steps the rest of it
 
+  /// Its elements neither yield nor turn: P = K u.
+  [[nodiscard]] bool linear() const { return !plastic && !frame; }
+  /// What strains the elements: u, or of a part with a frame what is left of u there, which `in_frame` then holds [m].
+  [[nodiscard]] const Eigen::VectorXd& straining(Eigen::VectorXd& in_frame) const;
+  /// By which directions in the part's frame become those in space.
+  [[nodiscard]] Eigen::Matrix3d rotation() const;
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);
   /// Velocity and acceleration of the constrained dofs at a time; their displacement.
@@ -139,8 +147,13 @@ struct BodyState : BodyMotion {
     const int components = fem::components(part.mesh.model);
     for_each_booked([&](int dof) { book(mean_force(dof), increment(dof), dof % components, at(dof)); });
   }
-  /// Books the moment of an impulse on a degree of freedom, where its node is now.
-  void give_moment(int dof, double impulse_n_s);
+  /// Books the moment of an impulse on a degree of freedom, whose node is where `u_of(dof)` has it.
+  template <class Displacement>
+  void give_moment(int dof, double impulse_n_s, const Displacement& u_of) {
+    if (place.size() == 0) return;
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(dof % fem::components(part.mesh.model));
+    give_angular_impulse(impulse_n_s * place_of(dof, u_of).cross(along));
+  }
   /// Momentum of the integrated nodes from v, and its moment about the origin where they are.
   void update_momentum();
   void set_angular_momentum(const Eigen::Vector3d& kg_m2_s);
@@ -148,6 +161,7 @@ struct BodyState : BodyMotion {
   [[nodiscard]] Eigen::Vector3d angular_momentum_of(int first_node, int last_node) const;
 
  private:
+  void give_angular_impulse(const Eigen::Vector3d& kg_m2_s);
   template <class Visit>
   void for_each_booked(const Visit& visit) const {
     if (external.zero()) {

@@ -48,8 +48,9 @@ class InternalForce {
 
   /// Whether P(u + d) = P(u) + K d. Then a trial may be corrected by what the change of a force moves, alone.
   [[nodiscard]] virtual bool linear() const = 0;
-  /// Energy of the elements at u [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
-  [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, double half_work_j) const = 0;
+  /// Energy of the elements at u, where P(u) is `force` [J]; `half_work_j` = u . P(u)/2, which is it where P is linear.
+  [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
+                                      double half_work_j) const = 0;
 
   /// What an implicit window is solved with [N/m], symmetric: K_T = dP/du at u, which stays as it is until the next
   /// call; or, if it `keeps_tangent`, one matrix for all u that is nowhere smaller than K_T.

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/body/linear_elements.hpp"
 #include "common/fem/element_copies.hpp"
 
 namespace ricochet::solver {
@@ -261,7 +260,7 @@ void PlasticElements::go_back() {
 }
 
 /// u . K u/2 - u . force + integral of m/2 p : p dV, and u . P = u . K u - u . force.
-double PlasticElements::stored(const Eigen::VectorXd& u, double half_work_j) const {
+double PlasticElements::stored(const Eigen::VectorXd& u, const Eigen::VectorXd&, double half_work_j) const {
   return half_work_j - 0.5 * u.dot(settled_->force_n) + settled_->energy_j;
 }
 
@@ -273,15 +272,6 @@ void PlasticElements::archive(Archive& a) {
   u_step_ = u_settled_;
   std::fill(due_m_.begin(), due_m_.end(), 0.0);
   for (Block& block : blocks_) block.due_m = 0.0;
-}
-
-bool any_yields(const std::vector<BodyState>& states) {
-  return std::any_of(states.begin(), states.end(), [](const BodyState& state) { return state.plastic != nullptr; });
-}
-
-std::unique_ptr<InternalForce> material_elements(const BodyState& state) {
-  if (state.plastic) return std::make_unique<PlasticElements>(state);
-  return linear_elements(state);
 }
 
 }  // namespace ricochet::solver

@@ -35,7 +35,7 @@ class PlasticElements final : public InternalForce {
   void go_back() override;
   [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }
   [[nodiscard]] bool linear() const override { return false; }
-  [[nodiscard]] double stored(const Eigen::VectorXd& u, double half_work_j) const override;
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd&, double half_work_j) const override;
   /// K: where points flow the tangent is smaller. P has a convex potential, and no step that K finds goes too far.
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd&) override { return state_->part.stiffness; }
   [[nodiscard]] bool keeps_tangent() const override { return true; }
@@ -95,9 +95,5 @@ class PlasticElements final : public InternalForce {
   std::vector<Block> blocks_;
   std::vector<double> due_m_;  ///< per element: the path of its block at which it has to be looked at
 };
-
-[[nodiscard]] bool any_yields(const std::vector<BodyState>& states);
-/// P of a part by its material, for the implicit solver: linear or PlasticElements.
-[[nodiscard]] std::unique_ptr<InternalForce> material_elements(const BodyState& state);
 
 }  // namespace ricochet::solver

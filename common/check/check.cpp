@@ -14,7 +14,7 @@
 #include "common/check/check_local_steps.hpp"
 #include "common/check/check_mass_scaling.hpp"
 #include "common/check/check_model.hpp"
-#include "common/check/check_plasticity.hpp"
+#include "common/check/check_nonlinear.hpp"
 #include "common/check/check_reach.hpp"
 #include "common/check/check_switch.hpp"
 #include "common/problem/build.hpp"
@@ -172,7 +172,7 @@ Plan plan(const Problem& problem) {
   const Scene& scene = problem.scene;
   Plan plan;
   plan.windows = count_windows(problem);
-  check_plasticity(problem);
+  check_nonlinear(problem);
   for (const ContactGeometry& contact : problem.contacts) plan.contact_pairs += static_cast<int>(contact.pairs.size());
   const ProtocolTraits& protocol = scene.coupling.protocol;
   const bool one_step = protocol.dual && scene.substeps().most == 1;  // then dual protocols do not differ

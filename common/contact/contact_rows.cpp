@@ -101,7 +101,8 @@ Pair pair_of(const scene::Problem& problem, std::size_t contact, const scene::Co
   const Eigen::Vector3d binormal = components == 3 ? pair.normal.cross(tangent) : Eigen::Vector3d::Zero();
   std::vector<PartNode> nodes;
   for (const auto& [node, weight] : pair.b) nodes.push_back(find_node(parts, geometry.body_b, node, Side::b, weight));
-  nodes.push_back(find_node(parts, geometry.body_a, pair.node_a, Side::a, 1.0));
+  for (const auto& [node, weight] : scene::own_nodes(pair))
+    nodes.push_back(find_node(parts, geometry.body_a, node, Side::a, weight));
   Turn to_contact = turn_to_named(geometry, pair.normal);
   if (problem.scene.model == scene::Model::axisymmetric) to_contact.matrix(1, 0) = 0.0;
   const auto along = [&](const Eigen::Vector3d& direction) {
@@ -167,7 +168,8 @@ int ContactRow::part_of(Side side) const {
 namespace {
 
 /// What a support is booked with is the force on its node, of the contact, too: that is taken back.
-void take_from_supports(const ContactRow& row, double given_n_s, std::vector<BodyState>& states) {
+void take_from_supports(const ContactRow& row, double given_n_s, const DisplacementOf& u_of,
+                        std::vector<BodyState>& states) {
   for (const auto& e : row.entries) {
     auto& state = states[static_cast<std::size_t>(e.part)];
     if (given_n_s == 0.0 || state.free[static_cast<std::size_t>(e.dof)]) continue;
@@ -176,19 +178,19 @@ void take_from_supports(const ContactRow& row, double given_n_s, std::vector<Bod
     state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;
     state.totals.impulse_t_kg_m_s -= state.tangent[c] * on_support;
     state.totals.impulse_b_kg_m_s -= state.binormal[c] * on_support;
-    state.give_moment(e.dof, -on_support);
+    state.give_moment(e.dof, -on_support, [&](int dof) { return u_of(e.part, dof); });
   }
 }
 
 }  // namespace
 
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  std::vector<BodyState>& states, ContactImpulses& impulses) {
+                  const DisplacementOf& u_of, std::vector<BodyState>& states, ContactImpulses& impulses) {
   impulses[pair.contact].of_normal += pair.to_contact(normal_n_s, Eigen::Vector2d::Zero());
   impulses[pair.contact].of_friction += pair.to_contact(0.0, tangential_n_s);
-  take_from_supports(pair.normal, normal_n_s, states);
-  take_from_supports(pair.tangent, tangential_n_s[0], states);
-  take_from_supports(pair.binormal, tangential_n_s[1], states);
+  take_from_supports(pair.normal, normal_n_s, u_of, states);
+  take_from_supports(pair.tangent, tangential_n_s[0], u_of, states);
+  take_from_supports(pair.binormal, tangential_n_s[1], u_of, states);
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
   const Eigen::Vector3d given = pair.to_momentum(normal_n_s, tangential_n_s);
@@ -196,7 +198,8 @@ void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& ta
   state.totals.impulse_t_kg_m_s -= given[1];
   state.totals.impulse_b_kg_m_s -= given[2];
   const auto give_moments = [&](const ContactRow& row, double impulse_n_s) {
-    for (const auto& e : row.entries) state.give_moment(e.dof, e.coefficient * impulse_n_s);
+    for (const auto& e : row.entries)
+      state.give_moment(e.dof, e.coefficient * impulse_n_s, [&](int dof) { return u_of(e.part, dof); });
   };
   give_moments(pair.normal, normal_n_s);
   give_moments(pair.tangent, tangential_n_s[0]);

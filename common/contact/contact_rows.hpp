@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -131,10 +132,15 @@ using ContactImpulses = std::vector<ContactImpulse>;  ///< per contact
 inline constexpr double settled_share = 1e-13;
 inline constexpr int most_sweeps = 1000;
 
+using DisplacementOf = std::function<double(int part, int dof)>;  ///< [m]
+[[nodiscard]] inline DisplacementOf displacement_at(const std::vector<BodyState>& states) {
+  return [&states](int part, int dof) { return states[static_cast<std::size_t>(part)].u[dof]; };
+}
+
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
-/// is booked to its totals, with its moment about the origin where the nodes are.
+/// is booked to its totals, with its moment about the origin where `u_of` has the nodes.
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  std::vector<BodyState>& states, ContactImpulses& impulses);
+                  const DisplacementOf& u_of, std::vector<BodyState>& states, ContactImpulses& impulses);
 
 }  // namespace ricochet::solver

@@ -157,7 +157,9 @@ void ContactSurface::report(const std::vector<BodyState>& states, const std::vec
     record.contacts[i] = totals(states, forces, account.impulses, i);
   for (const auto& contact : record.contacts)
     record.contact_radius_m = std::max(record.contact_radius_m, contact.contact_radius_m);
-  record.principal_stress_mean_pa = stress.mean(displacement_of(states));
+  Eigen::VectorXd in_frame;
+  record.principal_stress_mean_pa = stress.mean(
+      [&](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].straining(in_frame); });
   record.contact_iterations = std::exchange(account.iterations, 0);
   record.contact_residual = std::exchange(account.largest_residual, 0.0);
   record.contact_unconverged = account.unconverged;

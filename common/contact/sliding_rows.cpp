@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include "common/body/blocks.hpp"
@@ -20,16 +21,21 @@ Eigen::Vector3d across(const Eigen::Vector3d& moved, const Eigen::Vector3d& norm
   return moved - moved.dot(normal) * normal;
 }
 
-/// The most that a pair's gap differs, by strain and rotation, from that of bodies which move as a whole by `moved_m`.
+/// The most that a pair's gap differs, by strain and rotation, from that of bodies which move as a whole: the second by
+/// `moved_m` and, where they turn, by that.
 double deformed_m(const std::vector<BodyState>& states, std::size_t contact, const Eigen::Vector3d& moved_m,
-                  const std::vector<Pair>& pairs) {
+                  const fem::RigidMotion& turn_a, const fem::RigidMotion& turn_b, const std::vector<Pair>& pairs) {
   double most = 0.0;
   for (const Pair& pair : pairs) {
     if (pair.contact != contact) continue;
     double closed = pair.normal.times(displacement_of(states));
     for (const auto& e : pair.normal.entries) {
-      const int c = e.dof % fem::components(states[static_cast<std::size_t>(e.part)].part.mesh.model);
-      if (e.side == Side::b) closed -= e.coefficient * moved_m[c];
+      const auto& mesh = states[static_cast<std::size_t>(e.part)].part.mesh;
+      const int components = fem::components(mesh.model);
+      const Eigen::Vector3d& place = mesh.position[static_cast<std::size_t>(e.dof / components)];
+      const Eigen::Vector3d moved =
+          e.side == Side::b ? Eigen::Vector3d(moved_m + turn_b.displacement(place)) : turn_a.displacement(place);
+      closed -= e.coefficient * moved[e.dof % components];
     }
     most = std::max(most, std::abs(closed));
   }
@@ -57,6 +63,39 @@ Eigen::Vector3d moves(const scene::Problem& problem, const scene::ContactGeometr
   return moves;
 }
 
+/// visit(state, node, mass) of all nodes of a body that have a mass here.
+template <class Visit>
+void for_each_node(int body, const std::vector<BodyState>& states, const Visit& visit) {
+  for (const auto& state : states) {
+    if (state.body != body) continue;
+    const int components = fem::components(state.part.mesh.model);
+    for (int node = 0; node < state.part.nodes(); ++node) {
+      const double node_kg = state.mass[node * components];
+      if (node_kg > 0.0) visit(state, node, node_kg);
+    }
+  }
+}
+
+fem::RigidMotion about(const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& turn) {
+  return {turn, centre_m, centre_m};
+}
+
+/// R of a body, with the displacement u + ahead_s v.
+Eigen::Matrix3d turn_of(const Eigen::Vector3d& centre_m, int body, const std::vector<BodyState>& states,
+                        double ahead_s) {
+  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+  int components = 0;
+  for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
+    components = fem::components(state.part.mesh.model);
+    const Eigen::Vector3d arm = state.part.mesh.position[fem::at(node)] - centre_m;
+    Eigen::Vector3d at = arm;
+    for (int c = 0; c < components; ++c)
+      at[c] += state.u[node * components + c] + ahead_s * state.v[node * components + c];
+    h += node_kg * at * arm.transpose();
+  });
+  return components == 2 ? rotation_of(Eigen::Matrix2d(h.topLeftCorner<2, 2>())) : rotation_of(h);
+}
+
 }  // namespace
 
 SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodyState>& states) : problem_(&problem) {
@@ -67,6 +106,8 @@ SlidingRows::SlidingRows(const scene::Problem& problem, const std::vector<BodySt
     contacts_.push_back({i,
                          moves(problem, geometry, geometry.body_a),
                          moves(problem, geometry, geometry.body_b),
+                         turning_of(geometry, geometry.body_a, states),
+                         turning_of(geometry, geometry.body_b, states),
                          {.shift_m = geometry.shift_m, .normal = geometry.touch_normal}});
   }
 }
@@ -86,22 +127,72 @@ Eigen::Vector3d SlidingRows::mean_motion(int body, const std::vector<BodyState>&
   return mean;
 }
 
-bool SlidingRows::stays(const Sliding& sliding, const Eigen::Vector3d& place_m, const std::vector<BodyState>& states,
+SlidingRows::Turning SlidingRows::turning_of(const scene::ContactGeometry& geometry, int body,
+                                             const std::vector<BodyState>& states) const {
+  Turning turning;
+  turning.turns = problem_->scene.bodies[static_cast<std::size_t>(body)].large_rotation;
+  if (!turning.turns) return turning;
+  double mass_kg = 0.0;
+  for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
+    mass_kg += node_kg;
+    turning.centre_m += node_kg * state.part.mesh.position[fem::at(node)];
+  });
+  turning.centre_m /= mass_kg;
+  const auto& mesh = problem_->bodies[static_cast<std::size_t>(body)].mesh;
+  for (const int node : scene::contact_nodes(geometry, body))
+    turning.reach_m = std::max(turning.reach_m, (mesh.position[fem::at(node)] - turning.centre_m).norm());
+  return turning;
+}
+
+SlidingRows::Pose SlidingRows::pose(const Sliding& sliding, const std::vector<BodyState>& states,
+                                    double ahead_s) const {
+  const auto& geometry = problem_->contacts[sliding.contact];
+  const auto turn_of_body = [&](const Turning& turning, int body) -> Eigen::Matrix3d {
+    return turning.turns ? turn_of(turning.centre_m, body, states, ahead_s) : Eigen::Matrix3d::Identity();
+  };
+  Pose pose{geometry.lifted_m, turn_of_body(sliding.turning_a, geometry.body_a),
+            turn_of_body(sliding.turning_b, geometry.body_b)};
+  pose.place_m += sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
+  pose.place_m -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
+  return pose;
+}
+
+bool SlidingRows::stays(const Sliding& sliding, const Pose& pose, const std::vector<BodyState>& states,
                         const std::vector<Pair>& pairs) const {
   const auto& geometry = problem_->contacts[sliding.contact];
   const Slide& slide = sliding.slide;
-  const double least_m = slide_share * geometry.sliding->edge_m;
-  if (!slide.asleep && across(place_m - slide.shift_m, slide.normal).norm() <= least_m) return true;
-  const double moved_m = (place_m - slide.place_m).norm();
-  return moved_m < slide.free_m &&
-         moved_m + deformed_m(states, sliding.contact, place_m - geometry.lifted_m, pairs) < slide.free_m;
+  const auto turned = [](const Turning& turning, const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
+    return turning.turns ? turning.reach_m * (to - from).norm() / std::numbers::sqrt2 : 0.0;  // 2 sin(angle/2)
+  };
+  const double turned_m = turned(sliding.turning_a, slide.turn_a, pose.turn_a) +
+                          turned(sliding.turning_b, slide.turn_b, pose.turn_b),
+               least_m = slide_share * geometry.sliding->edge_m;
+  if (!slide.asleep && across(pose.place_m - slide.shift_m, slide.normal).norm() + turned_m <= least_m) return true;
+  const double moved_m = (pose.place_m - slide.place_m).norm() + turned_m;
+  if (moved_m >= slide.free_m) return false;
+  const double deformed =
+      deformed_m(states, sliding.contact, pose.place_m - geometry.lifted_m,
+                 about(sliding.turning_a.centre_m, pose.turn_a), about(sliding.turning_b.centre_m, pose.turn_b), pairs);
+  return moved_m + deformed < slide.free_m;
+}
+
+/// The surfaces as the slide has them turned.
+void SlidingRows::turn(Sliding& sliding) const {
+  if (!sliding.turning_a.turns && !sliding.turning_b.turns) return;
+  sliding.turned = scene::turned_surfaces(*problem_->contacts[sliding.contact].sliding,
+                                          about(sliding.turning_a.centre_m, sliding.slide.turn_a),
+                                          about(sliding.turning_b.centre_m, sliding.slide.turn_b));
 }
 
 /// To rows for the place, where pairs are open by `gap_m` at least.
-void SlidingRows::move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const {
+void SlidingRows::move(Sliding& sliding, const Pose& pose, double gap_m) const {
   const auto& geometry = problem_->contacts[sliding.contact];
-  const scene::ContactMesh& mesh = *geometry.sliding;
+  const Eigen::Vector3d& place_m = pose.place_m;
   Slide& slide = sliding.slide;
+  slide.turn_a = pose.turn_a;
+  slide.turn_b = pose.turn_b;
+  turn(sliding);
+  const scene::ContactMesh& mesh = sliding.turned ? sliding.turned->mesh : *geometry.sliding;
   const double edge_m = mesh.edge_m, apart_m = mesh.second.apart_m(mesh.first, place_m);
   const Eigen::Vector3d moved = across(place_m - slide.shift_m, slide.normal);
   sliding.changed = slide.follows = true;
@@ -128,12 +219,9 @@ bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, d
                          const std::vector<PairForce>& forces, std::vector<Pair>& pairs) {
   bool moved = false;
   for (auto& sliding : contacts_) {
-    const auto& geometry = problem_->contacts[sliding.contact];
-    Eigen::Vector3d place_m = geometry.lifted_m;
-    place_m += sliding.moves_b.cwiseProduct(mean_motion(geometry.body_b, states, ahead_s));
-    place_m -= sliding.moves_a.cwiseProduct(mean_motion(geometry.body_a, states, ahead_s));
-    if (stays(sliding, place_m, states, pairs)) continue;
-    move(sliding, place_m, least_gap_m(states, sliding.contact, pairs));
+    const Pose now = pose(sliding, states, ahead_s);
+    if (stays(sliding, now, states, pairs)) continue;
+    move(sliding, now, least_gap_m(states, sliding.contact, pairs));
     moved = true;
   }
   if (!moved) return false;
@@ -195,7 +283,8 @@ void SlidingRows::write(std::vector<Pair>& pairs) {
                    [i](const Pair& p) { return p.contact == i; });
       continue;
     }
-    for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m))
+    const auto* turned = sliding->turned ? &*sliding->turned : nullptr;
+    for (const auto& pair : scene::slid_pairs(*problem_, i, sliding->slide.shift_m, turned))
       written.push_back(pair_of(*problem_, i, pair, parts_));
   }
   pairs = std::move(written);
@@ -213,6 +302,7 @@ bool SlidingRows::restore(const State& state, std::vector<Pair>& pairs) {
     any_follows = any_follows || state[i].follows;
     any_stops = any_stops || (contacts_[i].slide.follows && !state[i].follows);
     contacts_[i].slide = state[i];
+    turn(contacts_[i]);
     contacts_[i].changed = state[i].follows;
   }
   if (any_stops) pairs = contact_rows(*problem_, parts_);  // as before anything slid

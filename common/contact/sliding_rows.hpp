@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "common/base/archive.hpp"
@@ -17,6 +18,10 @@ namespace ricochet::solver {
 /// g0 + N u is the gap of the surfaces there. (A participant that has a layer of a body alone takes that layer's mean.)
 /// Along a coordinate in which a support holds nodes of its surface, as at a plane of symmetry, a body does not slide:
 /// its mean displacement there is strain.
+///
+/// A body with large_rotation turns, too: by the rotation R that fits its nodes here best, in the measure of their
+/// masses (rotation_of), about their centre. The rows are then those of the turned surfaces, anew when a node of
+/// them has moved so far by the turn.
 ///
 /// Rows are written with the second body moved from s along the normal n to where it touches the first, so that what
 /// it moves along n, apart or together, leaves them right; the next rows are written when it has moved by `slide_share`
@@ -51,8 +56,10 @@ class SlidingRows {
     Eigen::Vector3d place_m{0.0, 0.0, 0.0};  ///< s when they were
     double free_m = 0.0;                     ///< how far from there it may get before it may touch
     double offset_m = 0.0;                   ///< c, that all gaps have
+    /// R of both bodies that the rows are written for.
+    Eigen::Matrix3d turn_a = Eigen::Matrix3d::Identity(), turn_b = Eigen::Matrix3d::Identity();
 
-    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m, offset_m); }
+    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m, offset_m, turn_a, turn_b); }
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;
@@ -60,15 +67,32 @@ class SlidingRows {
   bool restore(const State& state, std::vector<Pair>& pairs);
 
  private:
+  /// A body that turns: where its nodes here have their centre at the start, and how far from that its surface reaches.
+  struct Turning {
+    bool turns = false;
+    Eigen::Vector3d centre_m{0.0, 0.0, 0.0};
+    double reach_m = 0.0;
+  };
   struct Sliding {
     std::size_t contact;
     Eigen::Vector3d moves_a, moves_b;  ///< per component 1, or 0 where a support holds some of the body's surface
+    Turning turning_a, turning_b;
     Slide slide;
-    bool changed = false;  ///< rows are to be written
+    std::optional<scene::TurnedSurfaces> turned{};  ///< of the slide
+    bool changed = false;                           ///< rows are to be written
   };
-  [[nodiscard]] bool stays(const Sliding& sliding, const Eigen::Vector3d& place_m, const std::vector<BodyState>& states,
+  /// Where bodies are, and how they have turned.
+  struct Pose {
+    Eigen::Vector3d place_m;
+    Eigen::Matrix3d turn_a, turn_b;
+  };
+  [[nodiscard]] Pose pose(const Sliding& sliding, const std::vector<BodyState>& states, double ahead_s) const;
+  [[nodiscard]] bool stays(const Sliding& sliding, const Pose& pose, const std::vector<BodyState>& states,
                            const std::vector<Pair>& pairs) const;
-  void move(Sliding& sliding, const Eigen::Vector3d& place_m, double gap_m) const;
+  void move(Sliding& sliding, const Pose& pose, double gap_m) const;
+  void turn(Sliding& sliding) const;
+  [[nodiscard]] Turning turning_of(const scene::ContactGeometry& geometry, int body,
+                                   const std::vector<BodyState>& states) const;
   [[nodiscard]] Eigen::Vector3d mean_motion(int body, const std::vector<BodyState>& states, double ahead_s) const;
   void write(std::vector<Pair>& pairs);
   void balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,

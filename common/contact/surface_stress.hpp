@@ -18,12 +18,13 @@ class SurfaceStress {
   SurfaceStress() = default;
   SurfaceStress(const scene::Problem& problem, const std::vector<BodyState>& states);
 
-  /// `displacement` per part, node-major. 0 if no element of the surface is here.
+  /// `displacement_of_part`: what strains it (BodyState::straining). 0 if no element of the surface is here.
   template <class DisplacementOfPart>
   [[nodiscard]] double mean(const DisplacementOfPart& displacement_of_part) const {
     if (elements_.empty()) return 0.0;
     double sum = 0.0;
-    for (const auto& own : elements_) sum += own.area_m2 * -smallest_principal(own, displacement_of_part(part_));
+    const auto& u = displacement_of_part(part_);
+    for (const auto& own : elements_) sum += own.area_m2 * -smallest_principal(own, u);
     return sum / area_m2_;
   }
 

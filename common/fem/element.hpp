@@ -68,6 +68,9 @@ struct EdgeLengths {
 [[nodiscard]] bool element_frequency_squared_above(const Section& section, const Material& material,
                                                    const ElementGeometry& element, double limit);
 
+/// R s R^T of a symmetric tensor in the order above, whose shears are those of the tensor; of plane strain or a solid.
+[[nodiscard]] StressVector turned(const StressVector& tensor, const Eigen::Matrix3d& rotation);
+
 /// Principal stresses, algebraically largest first, of a stress in the order above [Pa].
 [[nodiscard]] Eigen::Vector3d principal_stresses(Model model, const StressVector& stress);
 

@@ -33,6 +33,20 @@ Eigen::Vector3d principal_stresses_of_solid(const StressVector& stress) {
 
 }  // namespace
 
+StressVector turned(const StressVector& tensor, const Eigen::Matrix3d& rotation) {
+  constexpr int first[3] = {0, 1, 0}, second[3] = {1, 2, 2};
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  for (Eigen::Index c = 0; c < 3; ++c) matrix(c, c) = tensor[c];
+  for (Eigen::Index shear = 3; shear < tensor.size(); ++shear)
+    matrix(first[shear - 3], second[shear - 3]) = matrix(second[shear - 3], first[shear - 3]) = tensor[shear];
+  matrix = (rotation * matrix * rotation.transpose()).eval();
+  StressVector result = tensor;
+  for (Eigen::Index c = 0; c < 3; ++c) result[c] = matrix(c, c);
+  for (Eigen::Index shear = 3; shear < tensor.size(); ++shear)
+    result[shear] = matrix(first[shear - 3], second[shear - 3]);
+  return result;
+}
+
 Eigen::Vector3d principal_stresses(Model model, const StressVector& stress) {
   if (model == Model::solid) return principal_stresses_of_solid(stress);
   Eigen::Vector3d principal(stress[0], 0.0, 0.0);

@@ -73,9 +73,8 @@ constexpr std::string_view tensor_names =
     "ComponentName5=\"xz\"";
 
 /// Components in the order of `StressVector`, whose first four or six are VTK's.
-void append_tensor(const StressVector& tensor, double of_shear, std::vector<double>& values) {
-  for (Eigen::Index c = 0; c < tensor_width; ++c)
-    values.push_back(c >= tensor.size() ? 0.0 : c < 3 ? tensor[c] : of_shear * tensor[c]);
+void append_tensor(const StressVector& tensor, std::vector<double>& values) {
+  for (Eigen::Index c = 0; c < tensor_width; ++c) values.push_back(c >= tensor.size() ? 0.0 : tensor[c]);
 }
 
 /// Stress and what follows from it, element by element.
@@ -87,12 +86,18 @@ struct Stresses {
     const Part& part = *of.part;
     const ElementGeometry element = element_geometry(part.mesh, e);
     const Model model = part.section.model;
-    StressVector at_centre =
-        element_stress(part.section, part.material, element, element_displacement(part.mesh, e, *of.displacement),
-                       traits(element.kind).centre);
-    append_tensor(compliance * at_centre, 0.5, strain);
+    const Eigen::VectorXd& straining = of.straining ? *of.straining : *of.displacement;
+    StressVector at_centre = element_stress(part.section, part.material, element,
+                                            element_displacement(part.mesh, e, straining), traits(element.kind).centre);
+    StressVector strain_at_centre = compliance * at_centre;
+    if (strain_at_centre.size() > 3) strain_at_centre.tail(strain_at_centre.size() - 3) *= 0.5;  // from 2 e_xy
     if (of.plastic) at_centre -= of.plastic->stress_pa.col(e);
-    append_tensor(at_centre, 1.0, stress);
+    if (of.straining) {
+      strain_at_centre = turned(strain_at_centre, of.rotation);
+      at_centre = turned(at_centre, of.rotation);
+    }
+    append_tensor(strain_at_centre, strain);
+    append_tensor(at_centre, stress);
     von_mises.push_back(von_mises_stress(model, at_centre));
     const Eigen::Vector3d values = principal_stresses(model, at_centre);
     for (std::size_t c = 0; c < 3; ++c) principal[c].push_back(values[static_cast<Eigen::Index>(c)]);

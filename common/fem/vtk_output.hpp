@@ -20,7 +20,9 @@ struct PlasticStrain {
 struct PartFields {
   const Part* part = nullptr;
   const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
-  const PlasticStrain* plastic = nullptr;  ///< null where the part does not yield
+  const PlasticStrain* plastic = nullptr;      ///< null where the part does not yield
+  const Eigen::VectorXd* straining = nullptr;  ///< of a part in a frame that turns: what strains it there; else null
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< of that frame
 };
 
 /// Contact at the nodes of one part.

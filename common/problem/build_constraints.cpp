@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
 #include "common/base/error.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -76,6 +78,25 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
   prescribe(scene, spec, body, holders);
 }
 
+namespace {
+
+/// Of a spin about the centre of mass: w x (X - X_c).
+std::vector<Eigen::Vector3d> spin_velocity(const Body& spec, const BodyProblem& body) {
+  std::vector<Eigen::Vector3d> velocity(body.mesh.position.size(), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d spin(spec.initial_angular_velocity_rad_s.data());
+  if (spin.isZero(0.0)) return velocity;
+  const Eigen::VectorXd mass = body_lumped_mass(body);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t node = 0; node < velocity.size(); ++node)
+    centre += mass[static_cast<Eigen::Index>(node)] * body.mesh.position[node];
+  centre /= mass.sum();
+  for (std::size_t node = 0; node < velocity.size(); ++node)
+    velocity[node] = spin.cross(body.mesh.position[node] - centre);
+  return velocity;
+}
+
+}  // namespace
+
 void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) {
   const int components = scene.components();
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -86,6 +107,7 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
   const auto dofs = static_cast<Eigen::Index>(body.fixed_dof.size());
   body.initial_displacement_m.resize(dofs);
   body.initial_velocity_m_s.resize(dofs);
+  const std::vector<Eigen::Vector3d> spin = spin_velocity(spec, body);
   for (int dof = 0; dof < static_cast<int>(dofs); ++dof) {
     const int node = dof / components;
     const auto c = at(dof % components);
@@ -103,7 +125,8 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     if (prescribed >= 0)
       body.initial_displacement_m[dof] =
           body.prescribed_displacement_m[dof] * spec.prescribed[at(prescribed)].amplitude.at(0.0);
-    body.initial_velocity_m_s[dof] = body.fixed_dof[at(dof)] ? 0.0 : spec.initial_velocity_m_s[c];
+    const double moves = spec.initial_velocity_m_s[c] + spin[at(node)][static_cast<Eigen::Index>(c)];
+    body.initial_velocity_m_s[dof] = body.fixed_dof[at(dof)] ? 0.0 : moves;
   }
 }
 

@@ -33,8 +33,12 @@ double start_tolerance(const ContactSide& a, const ContactSide* b) {
 /// rigid plane.
 void check_start(const ContactContext& context, const ContactSide& a, const ContactSide* b, ContactPair& pair) {
   const std::string place = place_on(a, a.body->mesh.position[at(pair.node_a)]);
-  double motion = -initial_motion(a, pair.node_a, pair.normal);
-  bool held = held_along(a, pair.node_a, pair.normal);
+  double motion = 0.0;
+  bool held = true;
+  for (const auto& [node, weight] : own_nodes(pair)) {
+    motion -= weight * initial_motion(a, node, pair.normal);
+    held = held && held_along(a, node, pair.normal);
+  }
   for (const auto& [node, weight] : pair.b) {
     motion += weight * initial_motion(*b, node, pair.normal);
     held = held && held_along(*b, node, pair.normal);
@@ -55,10 +59,21 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
   return static_cast<int>(body - bodies.data());
 }
 
+/// A body that turns may touch by an edge of its surface, and only nodes of the one that carries the rows are felt.
+bool may_touch_by_edge(const ContactContext& context, const ContactSide& side) {
+  if (!context.scene.body(side.body->name).large_rotation) return false;
+  const std::vector<SurfaceFace> faces = faces_of(side);
+  return std::any_of(faces.begin(), faces.end(), [](const SurfaceFace& face) {
+    return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
+  });
+}
+
 /// The surface named second has the finer mesh; of equal ones the body that comes first carries the rows, so that the
 /// order of the names changes nothing. Pairs of nodes are the same either way.
 bool second_carries_rows(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
   if (needs_pairs(context.scene) || a.normal.dot(b.normal) >= 0.0 || match_in_pairs(a, b)) return false;
+  const bool edge_of_b = may_touch_by_edge(context, b);
+  if (edge_of_b != may_touch_by_edge(context, a)) return edge_of_b;
   const double ratio = b.shortest_edge_m / a.shortest_edge_m;
   return std::abs(ratio - 1.0) > flat_tolerance ? ratio < 1.0 : b.body < a.body;
 }
@@ -68,7 +83,7 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   if (a.flat && !context.contact.normal.empty())
     context.refuse(fmt::format("a normal for surface \"{}\", which is flat", a.name), "no key normal");
   std::optional<ContactSide> b;
-  if (context.contact.second) b = make_side(context, bodies, *context.contact.second, {});
+  if (context.contact.second) b = make_side(context, bodies, *context.contact.second, {}, Eigen::Vector3d(-a.normal));
   ContactGeometry geometry;
   geometry.name = context.contact.name;
   geometry.named_normal = a.normal;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/problem/box_tree.hpp"
 #include "common/problem/contact_side.hpp"
 
 namespace ricochet::scene {
@@ -134,9 +135,48 @@ void set_normals(const ContactSide& side, std::vector<SurfaceFace>& faces) {
     for (std::size_t i = 0; i < face.node.size(); ++i) {
       const PatchNode& node = nodes.at({face.patch, face.node[i]});
       face.held[i] = side.flat ? 0 : node.held;
+      face.sharp[i] = node.at_rim;
       const Eigen::Vector3d normal = without(node.held, node.mirrored.isZero(0.0) ? node.sum : node.mirrored);
       face.node_normal[i] = side.flat ? side.normal : normal.normalized();
     }
+  }
+}
+
+Eigen::Vector3d middle_of(const SurfaceFace& face) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < face.node.size(); ++i) sum += face.x[i];
+  return sum / static_cast<double>(face.node.size());
+}
+
+/// Whether a line from a place along a direction, of which no component is 0, meets a box.
+bool meets(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& place, const Eigen::Vector3d& along) {
+  const Eigen::Array3d low = (box.min() - place).array() / along.array(),
+                       high = (box.max() - place).array() / along.array();
+  return low.max(high).minCoeff() >= std::max(0.0, low.min(high).maxCoeff());
+}
+
+/// Of a surface that goes around its body.
+void set_thickness(std::vector<SurfaceFace>& faces) {
+  constexpr double least_facing = 0.1, beside = 1e-3;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const SurfaceFace& face : faces) {
+    Eigen::AlignedBox3d& box = boxes.emplace_back();
+    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i]);
+    const Eigen::Vector3d wider = Eigen::Vector3d::Constant(1e-3 * box.diagonal().norm());
+    box.min() -= wider;
+    box.max() += wider;
+  }
+  const BoxTree tree(boxes);
+  for (SurfaceFace& face : faces) {
+    const Eigen::Vector3d place = middle_of(face), inwards = -face.normal;
+    Eigen::Vector3d along = inwards;
+    for (double& c : along) c = std::copysign(std::max(std::abs(c), 1e-12), c);
+    tree.visit([&](const Eigen::AlignedBox3d& box) { return meets(box, place, along); },
+               [&](std::size_t i) {
+                 if (faces[i].normal.dot(inwards) < least_facing) return;
+                 const Hit hit = hit_of(place, inwards, faces[i]);
+                 if (hit.inside >= -beside && hit.far_m > 0.0) face.thickness_m = std::min(face.thickness_m, hit.far_m);
+               });
   }
 }
 
@@ -156,6 +196,7 @@ std::vector<SurfaceFace> faces_of(const ContactSide& side) {
   }
   set_patches(faces);
   set_normals(side, faces);
+  if (!side.flat && mesh.period_m == 0.0) set_thickness(faces);
   return faces;
 }
 

@@ -78,13 +78,13 @@ std::vector<ContactPair> matching_pairs(const ContactContext& context, const Con
   return pairs;
 }
 
-ContactMesh mesh_of(const ContactSide& a, const ContactSide& b) {
+ContactMesh mesh_of(const ContactSide& a, const ContactSide& b, bool edges_touch) {
   const auto compliance = [](const ContactSide& side) {
     const fem::Material& material = side.body->material;
     return (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
   };
   return {faces_of(a), OppositeFaces(faces_of(b), {a.body->mesh.period_m, a.body->mesh.period_wide_m}),
-          a.shortest_edge_m, compliance(b) / (compliance(a) + compliance(b))};
+          a.shortest_edge_m, compliance(b) / (compliance(a) + compliance(b)), edges_touch};
 }
 
 /// Rows with the second surface moved by `shift_m`; its body then stands `moved_m` from where it started.
@@ -93,6 +93,7 @@ std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& m
   std::vector<ContactPair> pairs;
   for (auto& row : mesh.rows(shift_m)) {
     pairs.push_back({.node_a = row.node,
+                     .a = std::move(row.own),
                      .patch = row.patch,
                      .b = std::move(row.opposite),
                      .normal = row.normal,
@@ -198,7 +199,8 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   geometry.lifted_m = context.contact.initial_gap_m * geometry.named_normal;
   if (geometry.second_named_first) geometry.lifted_m *= -1.0;
   geometry.shift_m = geometry.lifted_m;
-  geometry.flat = flat_and_parallel(a, b);
+  geometry.turns = context.scene.body(a.body->name).large_rotation || context.scene.body(b.body->name).large_rotation;
+  geometry.flat = flat_and_parallel(a, b) && !geometry.turns;
   geometry.pairs = matching_pairs(context, a, b);
   for (auto& pair : geometry.pairs)
     complete(context.contact, mesh_a,
@@ -206,7 +208,7 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   const bool may_be_written_anew =
       context.scene.model != Model::bar && context.scene.model != Model::axisymmetric && !needs_pairs(context.scene);
   if (!geometry.pairs.empty() && !(may_be_written_anew && may_slide(context.scene, a, &b, a.normal))) return;
-  const auto mesh = std::make_shared<const ContactMesh>(mesh_of(a, b));
+  const auto mesh = std::make_shared<const ContactMesh>(mesh_of(a, b, geometry.turns));
   if (geometry.pairs.empty()) set_mortar_pairs(context, a, b, *mesh, geometry);
   if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
@@ -214,11 +216,52 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   if (may_be_written_anew && may_slide(context.scene, a, &b, geometry.touch_normal)) geometry.sliding = mesh;
 }
 
-std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t index, const Eigen::Vector3d& shift_m) {
+namespace {
+
+std::vector<SurfaceFace> turned_faces(std::vector<SurfaceFace> faces, const fem::RigidMotion& motion) {
+  for (SurfaceFace& face : faces) {
+    face.normal = motion.rotation * face.normal;
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      face.x[i] += motion.displacement(face.x[i]);
+      face.node_normal[i] = motion.rotation * face.node_normal[i];
+    }
+  }
+  return faces;
+}
+
+}  // namespace
+
+TurnedSurfaces turned_surfaces(const ContactMesh& mesh, const fem::RigidMotion& first, const fem::RigidMotion& second) {
+  return {first,
+          second,
+          {turned_faces(mesh.first, first), OppositeFaces(turned_faces(mesh.second.faces(), second), {0.0, 0.0}),
+           mesh.edge_m, mesh.first_share, mesh.edges_touch}};
+}
+
+namespace {
+
+/// The gap of a pair is gap0 + N u also where the bodies have turned: what N makes of the turn is no gap.
+void take_turn_off(const fem::Mesh& first, const fem::Mesh& second, const TurnedSurfaces& turned,
+                   std::vector<ContactPair>& pairs) {
+  for (ContactPair& pair : pairs) {
+    Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+    for (const auto& [node, weight] : own_nodes(pair))
+      moved -= weight * turned.first.displacement(first.position[at(node)]);
+    for (const auto& [node, weight] : pair.b) moved += weight * turned.second.displacement(second.position[at(node)]);
+    pair.gap0_m -= pair.normal.dot(moved);
+  }
+}
+
+}  // namespace
+
+std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t index, const Eigen::Vector3d& shift_m,
+                                    const TurnedSurfaces* turned) {
   const ContactGeometry& geometry = problem.contacts[index];
   const fem::Mesh& mesh_a = problem.bodies[at(geometry.body_a)].mesh;
   std::vector<ContactPair> pairs =
-      mortar_pairs(problem.scene.contacts[index], mesh_a, *geometry.sliding, shift_m, shift_m - geometry.lifted_m);
+      mortar_pairs(problem.scene.contacts[index], mesh_a, turned != nullptr ? turned->mesh : *geometry.sliding, shift_m,
+                   shift_m - geometry.lifted_m);
+  if (turned != nullptr) take_turn_off(mesh_a, problem.bodies[at(geometry.body_b)].mesh, *turned, pairs);
   sort_by_distance(pairs);
   return pairs;
 }

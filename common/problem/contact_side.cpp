@@ -52,8 +52,10 @@ double whole_area(const ContactSide& side, const fem::Face& face) {
   return std::accumulate(nodal.begin(), nodal.end(), 0.0);
 }
 
-/// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels.
-Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& side, const std::vector<double>& given) {
+/// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels. `of_all_ways`: see
+/// make_side.
+Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& side, const std::vector<double>& given,
+                            const std::optional<Eigen::Vector3d>& of_all_ways) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double area = 0.0;
   for (const fem::Face& face : side.faces()) {
@@ -67,8 +69,9 @@ Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& si
     context.refuse(fmt::format("a normal into surface \"{}\"", side.name), "one out of it");
   }
   if (sum.norm() > least_one_sided * area) return sum.normalized();
+  if (of_all_ways) return *of_all_ways;
   context.refuse(fmt::format("surface \"{}\", which faces all ways", side.name),
-                 "the part of it that may touch, as a surface of its own");
+                 "the part of it that may touch, as a surface of its own, or a normal towards the other surface");
 }
 
 void take_faces(const std::vector<fem::Face>& faces, ContactSide& side) {
@@ -89,7 +92,7 @@ void ContactContext::refuse(const std::string& found, const std::string& allowed
 }
 
 ContactSide make_side(const ContactContext& context, const std::vector<BodyProblem>& bodies, const SurfaceName& name,
-                      const std::vector<double>& normal) {
+                      const std::vector<double>& normal, const std::optional<Eigen::Vector3d>& of_all_ways) {
   const Model model = context.scene.model;
   ContactSide side;
   side.name = name.body + "." + name.surface;
@@ -104,7 +107,7 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
     context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
   if (model == Model::bar || (is_flat(side) && !with_placed_plane(context.contact))) return side;
   side.flat = false;
-  side.normal = mean_normal(context, side, normal);
+  side.normal = mean_normal(context, side, normal, of_all_ways);
   for (std::size_t i = 0; i < side.nodes.size(); ++i)
     if (side.position(i).dot(side.normal) > side.point.dot(side.normal)) side.point = side.position(i);
   return side;
@@ -146,6 +149,8 @@ Eigen::Vector3d closing_velocity(const Scene& scene, const ContactSide& a, const
 }
 
 bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b, const Eigen::Vector3d& normal) {
+  if (scene.body(a.body->name).large_rotation || (b != nullptr && scene.body(b->body->name).large_rotation))
+    return true;
   const auto along = [&](const Eigen::Vector3d& x) {
     return (x - x.dot(normal) * normal).norm() > direction_tolerance * x.norm();
   };

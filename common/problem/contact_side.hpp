@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +42,11 @@ struct ContactSide {
   }
 };
 
-/// `normal`: of a curved surface or a placed plane, if it is given.
+/// `normal`: of a curved surface or a placed plane, if it is given; `of_all_ways`: of one whose normals cancel, as
+/// those of a whole circle do, that is refused without.
 [[nodiscard]] ContactSide make_side(const ContactContext& context, const std::vector<BodyProblem>& bodies,
-                                    const SurfaceName& name, const std::vector<double>& normal);
+                                    const SurfaceName& name, const std::vector<double>& normal,
+                                    const std::optional<Eigen::Vector3d>& of_all_ways = std::nullopt);
 
 /// Whether a contact is with a rigid plane that has a place and a normal of its own.
 [[nodiscard]] bool with_placed_plane(const Contact& contact);

@@ -41,7 +41,7 @@ std::vector<CurvedFacets> curved_facets(const Problem& problem, std::size_t cont
   const ContactContext context{problem.scene, problem.scene.contacts[contact]};
   const ContactGeometry& geometry = problem.contacts[contact];
   const auto take = [&](const SurfaceName& name, const std::vector<double>& normal) {
-    const ContactSide side = make_side(context, problem.bodies, name, normal);
+    const ContactSide side = make_side(context, problem.bodies, name, normal, geometry.normal);
     if (!side.flat) facets.push_back(facets_at(side, nearest_node(problem, geometry, side.body)));
   };
   if (geometry.pairs.empty()) return facets;

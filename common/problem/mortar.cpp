@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace ricochet::scene {
@@ -14,6 +15,10 @@ namespace {
 constexpr double least_share = 1e-4;
 /// Faces that are seen from a place so much from the side are not what lies opposite.
 constexpr double least_facing = 0.1;
+/// Smooth surfaces that touch have normals that differ by less [rad].
+constexpr double most_tilt = 0.35;
+/// A face that is tilted by less against another lies on it, and its edge with it [rad].
+constexpr double least_edge_tilt = 1e-3;
 /// Directions that differ by less are one.
 constexpr double same_direction = 1e-9;
 
@@ -67,6 +72,15 @@ struct OppositePiece {
   Eigen::Vector3d moved_m;
 };
 
+/// Faces of surfaces that go around their bodies also have their fronts towards each other where the bodies turn their
+/// backs on each other: one of the bodies lies between them, or both. None can be so deep in the other.
+double most_depth_m(double thickness_m, double other_thickness_m) {
+  return 0.5 * std::min(thickness_m, other_thickness_m);
+}
+bool back_to_back(const SurfaceFace& face, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
+  return face.normal.dot(other.x[0] + moved_m - face.x[0]) < -most_depth_m(face.thickness_m, other.thickness_m);
+}
+
 /// A hit so far beside a face is none.
 constexpr double beside = 0.05;
 /// Per face of every image of it a box.
@@ -97,6 +111,8 @@ bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, con
 /// integral phi_j and integral psi_j phi_k so far.
 class OppositeFaces::RowSums {
  public:
+  explicit RowSums(bool edges_touch) : edges_touch_(edges_touch) {}
+
   void add(const SurfaceFace& face, const Polygon& own, const std::vector<OppositePiece>& pieces) {
     const auto corners = static_cast<Eigen::Index>(own.size());
     ShapeValues d = ShapeValues::Zero();
@@ -114,11 +130,12 @@ class OppositeFaces::RowSums {
     std::array<Sum*, 4> sums{};
     for (Eigen::Index j = 0; j < corners; ++j) {
       const auto at = static_cast<std::size_t>(j);
-      Sum& sum = *(sums[at] = &sums_[{face.patch, face.node[at]}]);
+      Sum& sum = *(sums[at] = &sums_[key(face, at)]);
       sum.area_m2 += d[j];
       sum.place = face.x[at];
       sum.normal = face.node_normal[at];
       sum.held = face.held[at];
+      sum.sharp = face.sharp[at];
       for (const OppositePiece& piece : pieces)
         if (!far_from(piece.opposite, own[at])) sum.near.push_back({piece.face, piece.moved_m});
     }
@@ -142,7 +159,7 @@ class OppositeFaces::RowSums {
   [[nodiscard]] std::array<Eigen::Vector3d, 4> normals(const SurfaceFace& face, double first_share) const {
     std::array<Eigen::Vector3d, 4> normals = face.node_normal;
     for (std::size_t i = 0; i < face.node.size(); ++i) {
-      const auto found = sums_.find({face.patch, face.node[i]});
+      const auto found = sums_.find(key(face, i));
       if (found != sums_.end()) normals[i] = normal_of(found->second, first_share);
     }
     return normals;
@@ -151,10 +168,18 @@ class OppositeFaces::RowSums {
     std::vector<MortarRow> rows;
     for (const auto& [place, sum] : sums_) {
       const Eigen::Vector3d normal = normal_of(sum, first_share);
-      MortarRow row{place.second, sum.area_m2, {}, place.first, normal, gap_of(sum, normal)};
-      for (const auto& [other, value] : sum.coupling) {
-        if (std::abs(value) > 1e-14 * sum.area_m2) row.opposite.push_back({other, value / sum.area_m2});
+      const OppositePlace opposite = opposite_of(sum, normal);
+      if (edges_touch_ && opposite.face == nullptr) continue;
+      MortarRow row{place.second, sum.area_m2, {}, place.first, normal, opposite.gap_m};
+      std::map<int, double> shares;
+      if (edges_touch_ && sum.sharp && opposite.face != nullptr) {
+        for (std::size_t k = 0; k < opposite.face->node.size(); ++k)
+          shares[opposite.face->node[k]] = opposite.shape[static_cast<Eigen::Index>(k)];
+      } else {
+        for (const auto& [other, value] : sum.coupling) shares[other] = value / sum.area_m2;
       }
+      for (const auto& [other, share] : shares)
+        if (std::abs(share) > 1e-14) row.opposite.push_back({other, share});
       rows.push_back(std::move(row));
     }
     return rows;
@@ -169,27 +194,41 @@ class OppositeFaces::RowSums {
     double area_m2 = 0.0;
     Eigen::Vector3d place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
     unsigned held = 0;
+    bool sharp = false;
     std::map<int, double> coupling;
     Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with phi_j
     std::vector<Opposite> near;
   };
 
+  [[nodiscard]] std::pair<int, int> key(const SurfaceFace& face, std::size_t node) const {
+    return {edges_touch_ && face.sharp[node] ? -1 : face.patch, face.node[node]};
+  }
   /// Beyond a plane of symmetry the other surface goes on as on this side of it.
-  static Eigen::Vector3d normal_of(const Sum& sum, double first_share) {
+  [[nodiscard]] Eigen::Vector3d normal_of(const Sum& sum, double first_share) const {
     Eigen::Vector3d other = sum.other_normal;
+    if (edges_touch_ && sum.sharp) return -other.normalized();
+    if (edges_touch_ && -other.normalized().dot(sum.normal) < std::cos(most_tilt)) return sum.normal;
     for (Eigen::Index c = 0; c < 3; ++c)
       if ((sum.held >> c & 1U) != 0) other[c] = 0.0;
     return (first_share * sum.normal - (1.0 - first_share) * other.normalized()).normalized();
   }
-  static double gap_of(const Sum& sum, const Eigen::Vector3d& normal) {
+  /// What the line along the normal of a node meets; `face` is null where it meets nothing.
+  struct OppositePlace {
+    double gap_m;
+    const SurfaceFace* face = nullptr;
+    ShapeValues shape = ShapeValues::Zero();
+  };
+  static OppositePlace opposite_of(const Sum& sum, const Eigen::Vector3d& normal) {
     Hit best{-std::numeric_limits<double>::infinity(), 0.0};
+    const SurfaceFace* face = nullptr;
     for (const Opposite& near : sum.near) {
       if (!(near.face->normal.dot(normal) < -least_facing)) continue;
       const Hit hit = hit_of(sum.place - near.moved_m, normal, *near.face);
       if (hit.inside > best.inside || (hit.inside == best.inside && std::abs(hit.far_m) < std::abs(best.far_m)))
-        best = hit;
+        std::tie(best, face) = std::pair(hit, near.face);
     }
-    return best.inside >= -beside ? best.far_m : sum.apart.dot(normal) / sum.area_m2;
+    if (best.inside >= -beside) return {best.far_m, face, best.shape};
+    return {sum.apart.dot(normal) / sum.area_m2};
   }
   /// By more than the polygon's size.
   static bool far_from(const Polygon& polygon, const Place& place) {
@@ -198,6 +237,7 @@ class OppositeFaces::RowSums {
     return box.exteriorDistance(place) > box.diagonal().norm();
   }
 
+  bool edges_touch_;
   std::map<std::pair<int, int>, Sum> sums_;  ///< by patch and node
 };
 
@@ -214,6 +254,56 @@ OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector
     }
   }
   tree_ = BoxTree(std::move(boxes));
+  find_edges();
+}
+
+void OppositeFaces::find_edges() {
+  std::map<int, EdgeNode> edges;
+  for (const SurfaceFace& face : faces_) {
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      if (!face.sharp[i]) continue;
+      EdgeNode& edge = edges[face.node[i]];
+      edge.node = face.node[i];
+      edge.x = face.x[i];
+      edge.thickness_m = std::max(edge.thickness_m, face.thickness_m);
+      edge.normals.push_back(face.normal);
+      const Polygon own = Plane(face).of(face, Eigen::Vector3d::Zero());
+      edge.area_m2 += face.measure[i] * measure_of(own) / static_cast<double>(face.node.size());
+    }
+  }
+  for (auto& [node, edge] : edges) edges_.push_back(std::move(edge));
+}
+
+void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                  std::vector<MortarRow>& rows) const {
+  for (const EdgeNode& edge : edges_) {
+    const Eigen::Vector3d place = edge.x + shift_m;
+    const SurfaceFace* opposite = nullptr;
+    Hit nearest{0.0, std::numeric_limits<double>::infinity()};
+    for (const SurfaceFace& face : first) {
+      const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
+        return -normal.dot(face.normal) > std::cos(least_edge_tilt);
+      };
+      if (std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;  // other rows have it
+      if (std::none_of(edge.normals.begin(), edge.normals.end(),
+                       [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
+        continue;
+      const Hit hit = hit_of(place, -face.normal, face);
+      if (hit.inside < 0.0 || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
+      if (std::abs(hit.far_m) < std::abs(nearest.far_m)) std::tie(nearest, opposite) = std::pair(hit, &face);
+    }
+    if (opposite == nullptr) continue;
+    MortarRow row{-1, edge.area_m2, {{edge.node, 1.0}}, -2 - edge.node, opposite->normal, nearest.far_m};
+    std::map<int, double> shares;
+    for (std::size_t k = 0; k < opposite->node.size(); ++k)
+      shares[opposite->node[k]] = nearest.shape[static_cast<Eigen::Index>(k)];
+    double largest = 0.0;
+    for (const auto& [node, share] : shares) {
+      row.own.push_back({node, share});
+      if (share > largest) std::tie(largest, row.node) = std::pair(share, node);
+    }
+    rows.push_back(std::move(row));
+  }
 }
 
 Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
@@ -224,8 +314,8 @@ Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
 }
 
 OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                           const Normals& normals_of) const {
-  RowSums sums;
+                                           const Normals& normals_of, bool edges_touch) const {
+  RowSums sums(edges_touch);
   std::vector<OppositePiece> pieces;
   std::vector<std::size_t> near;
   for (const SurfaceFace& face : first) {
@@ -246,6 +336,7 @@ OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first
       const SurfaceFace& other = faces_[images_[image].face];
       if (face.normal.dot(other.normal) >= 0.0) continue;
       const Eigen::Vector3d moved_m = images_[image].moved_m + shift_m;
+      if (back_to_back(face, other, moved_m)) continue;
       Polygon opposite =
           tilt > same_direction ? seen_along(directions, face, plane, own, other, moved_m) : plane.of(other, moved_m);
       if (apart(own, opposite)) continue;
@@ -261,15 +352,18 @@ OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first
 }
 
 std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                           double first_share) const {
+                                           double first_share, bool edges_touch) const {
   const Eigen::Vector3d shift = within_period(shift_m);
-  const RowSums by_own = sums(first, shift, [](const SurfaceFace& face) { return face.node_normal; });
+  const RowSums by_own = sums(
+      first, shift, [](const SurfaceFace& face) { return face.node_normal; }, edges_touch);
   const auto between = [&](const SurfaceFace& face) { return by_own.normals(face, first_share); };
   const bool same = std::all_of(first.begin(), first.end(), [&](const SurfaceFace& face) {
     return std::equal(face.node_normal.begin(), face.node_normal.end(), between(face).begin(),
                       [](const auto& x, const auto& y) { return (x - y).norm() <= same_direction; });
   });
-  return (same ? by_own : sums(first, shift, between)).rows(first_share);
+  std::vector<MortarRow> rows = (same ? by_own : sums(first, shift, between, edges_touch)).rows(first_share);
+  if (edges_touch) add_edge_rows(first, shift, rows);
+  return rows;
 }
 
 double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const {

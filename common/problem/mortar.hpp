@@ -26,7 +26,9 @@
 ///
 /// n_j is the normal of the surface to which both deform where they touch: that of each counts by the compliance
 /// (1 - nu^2)/E of the other, so that half-spaces of one material meet halfway. Along it, what bodies slide does not
-/// change the gap.
+/// change the gap. Of bodies that turn an edge or a corner may touch: there, and where the normals differ by more than
+/// bodies do that touch where they are smooth, n_j is that of the smooth one; the row of an edge is against what the
+/// line along n_j meets. Nodes at edges of the second surface then have rows of their own, against the first.
 ///
 /// Rows are rates; what they start from is the gap of the surfaces along n_j at the node. Between the corners of a
 /// face, of shape functions N and with normals n_k, the surface is
@@ -43,12 +45,13 @@ struct WeightedNode {
 };
 
 struct MortarRow {
-  int node = -1;  ///< of the first surface
+  int node = -1;  ///< of the first surface; of several the one with the largest share
   double area_m2 = 0.0;
   std::vector<WeightedNode> opposite;     ///< ascending by node
   int patch = 0;                          ///< a node between two smooth pieces of a surface has a row for each
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n_j
   double gap_m = 0.0;                     ///< of the surfaces
+  std::vector<WeightedNode> own{};        ///< of the first surface, where it is not `node` alone: ascending by node
 };
 
 /// The second surface, so that what lies opposite a face need not be looked for among all of it.
@@ -59,8 +62,9 @@ class OppositeFaces {
 
   /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending by
   /// piece and node. `first_share`: what the normal of the first counts.
+  /// `edges_touch`: bodies turn. A node where smooth pieces of the first surface meet then has one row.
   [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                            double first_share = 0.5) const;
+                                            double first_share = 0.5, bool edges_touch = false) const;
   /// No more than the distance from the first surface, and by about an edge of that less [m].
   [[nodiscard]] double apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
@@ -75,9 +79,22 @@ class OppositeFaces {
   /// Integrals over the pieces of the first surface's faces that lie opposite along these normals of its
   /// nodes.
   [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                             const Normals& normals_of) const;
+                             const Normals& normals_of, bool edges_touch) const;
+  /// Of nodes at edges of this surface.
+  void add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                     std::vector<MortarRow>& rows) const;
   [[nodiscard]] Eigen::Vector3d within_period(Eigen::Vector3d shift_m) const;
+  /// A node at an edge of the surface.
+  struct EdgeNode {
+    int node;
+    Eigen::Vector3d x;
+    double area_m2 = 0.0;
+    double thickness_m = 0.0;              ///< largest of its faces
+    std::vector<Eigen::Vector3d> normals;  ///< of its faces
+  };
+  void find_edges();
   std::vector<SurfaceFace> faces_;
+  std::vector<EdgeNode> edges_;
   Eigen::Vector2d period_m_;
   std::vector<Image> images_;
   BoxTree tree_;
@@ -89,9 +106,10 @@ struct ContactMesh {
   OppositeFaces second;
   double edge_m = 0.0;       ///< shortest of the first
   double first_share = 0.5;  ///< of the normals
+  bool edges_touch = false;  ///< see OppositeFaces::rows
 
   [[nodiscard]] std::vector<MortarRow> rows(const Eigen::Vector3d& shift_m) const {
-    return second.rows(first, shift_m, first_share);
+    return second.rows(first, shift_m, first_share, edges_touch);
   }
 };
 

@@ -9,6 +9,7 @@
 #include "common/base/window_clock.hpp"
 #include "common/fem/mesh.hpp"
 #include "common/fem/part.hpp"
+#include "common/fem/rigid_motion.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "common/problem/mortar.hpp"
 #include "common/scene/scene.hpp"
@@ -18,8 +19,9 @@ namespace ricochet::scene {
 
 /// A contact node of the surface that carries the rows and what lies opposite.
 struct ContactPair {
-  int node_a = -1;  ///< of body_a's mesh
-  int patch = 0;    ///< smooth piece of that surface: a node between two has a pair for each
+  int node_a = -1;                ///< of body_a's mesh; of several the one with the largest share
+  std::vector<WeightedNode> a{};  ///< of body_a's mesh, where it is not node_a alone: against an edge of the other body
+  int patch = 0;                  ///< smooth piece of that surface: a node between two has a pair for each
   /// Nodes of the other surface: one at the same place, several where meshes differ, none of what is rigid.
   std::vector<WeightedNode> b;
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n, out of body a
@@ -27,6 +29,11 @@ struct ContactPair {
   double area_m2 = 0.0;                   ///< tributary area: integral of N dA over that surface's faces
   double distance_m = 0.0;                ///< from the axis (first coordinate of node a), for the nose and for output
 };
+
+/// Its nodes of body_a.
+[[nodiscard]] inline std::vector<WeightedNode> own_nodes(const ContactPair& pair) {
+  return pair.a.empty() ? std::vector<WeightedNode>{{pair.node_a, 1.0}} : pair.a;
+}
 
 struct ContactGeometry {
   std::string name;  ///< of one of several
@@ -41,7 +48,8 @@ struct ContactGeometry {
   Eigen::Vector3d named_normal{0.0, 0.0, 0.0};  ///< the same out of the surface named first, as columns have it
   bool matching = false;                        ///< pairs of nodes: every `b` is one node of weight 1, or none
   std::vector<ContactPair> pairs;               ///< sorted by distance
-  bool flat = true;                             ///< both surfaces are, and parallel
+  bool flat = true;                             ///< both surfaces are, and parallel, and none turns
+  bool turns = false;                           ///< one of the bodies has large_rotation
   /// By how much the second body is taken to be off its mesh at the start: initial_gap_m along the normal.
   Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};
   /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such
@@ -115,10 +123,17 @@ struct Problem {
 /// The same but for the clock, whose windows stay 0: a participant hears it from the coupler.
 [[nodiscard]] Problem build_bodies(const Scene& scene);
 
-/// The pairs of a contact that slides, once the second body has moved by `shift_m`, lifted_m in it, against the first;
-/// sorted by distance, without nodes that lie opposite nothing.
+/// The surfaces of a contact whose bodies have turned, each about a place of its own that stays where it is.
+struct TurnedSurfaces {
+  fem::RigidMotion first, second;
+  ContactMesh mesh;
+};
+[[nodiscard]] TurnedSurfaces turned_surfaces(const ContactMesh& mesh, const fem::RigidMotion& first,
+                                             const fem::RigidMotion& second);
+/// The pairs of a contact that slides, once the second body has moved by `shift_m`, lifted_m in it, against the first,
+/// and both have turned; sorted by distance, without nodes that lie opposite nothing. `turned`: null where none has.
 [[nodiscard]] std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t contact,
-                                                  const Eigen::Vector3d& shift_m);
+                                                  const Eigen::Vector3d& shift_m, const TurnedSurfaces* turned);
 
 /// The contact nodes of a body, ascending; empty if it takes no part in the contact, or in any.
 [[nodiscard]] std::vector<int> contact_nodes(const ContactGeometry& contact, int body);

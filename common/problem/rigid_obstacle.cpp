@@ -105,7 +105,7 @@ std::vector<ContactPair> round_pairs(const ContactContext& context, const Contac
 void refuse_sliding(const ContactContext& context, const ContactSide& side) {
   if (context.scene.model == Model::axisymmetric || !may_slide(context.scene, side, nullptr, side.normal)) return;
   context.refuse(fmt::format("body \"{}\", which may slide along a rigid sphere or cylinder by its initial velocity, "
-                             "gravity, a traction or a prescribed displacement",
+                             "gravity, a traction, a prescribed displacement or large_rotation",
                              side.body->name),
                  "motion and loads along the contact normal there; a rigid plane, or a body with a curved surface");
 }

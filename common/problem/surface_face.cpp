@@ -49,7 +49,7 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
     aim -= view.of(found);
   }
   const double* first = shape.data();
-  return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from)};
+  return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from), shape};
 }
 
 }  // namespace ricochet::scene

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 
 #include "common/fem/element_kind.hpp"
 #include "common/problem/plane_polygon.hpp"
@@ -18,7 +19,10 @@ struct SurfaceFace {
   std::array<Eigen::Vector3d, 4> node_normal{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                              Eigen::Vector3d::Zero()};
   std::array<unsigned, 4> held{};  ///< of the nodes: bits of the coordinates that no normal there has a part along
+  std::array<bool, 4> sharp{};     ///< of the nodes: the smooth piece ends there, and no plane of symmetry
   int patch = 0;                   ///< smooth piece of the surface
+  /// Of the body behind it, to where the same surface bounds it again; infinite where that ends before.
+  double thickness_m = std::numeric_limits<double>::infinity();
 };
 
 /// The place of the smooth surface (mortar.hpp) where a face's shape functions have these values, and its normal there.
@@ -29,6 +33,7 @@ struct SurfaceFace {
 struct Hit {
   double inside;  ///< the least shape function, at most 0
   double far_m;
+  ShapeValues shape = ShapeValues::Zero();  ///< of the face there
 };
 [[nodiscard]] Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face);
 

@@ -207,6 +207,20 @@ AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vect
   return absorbing;
 }
 
+/// In a plane one number, about the axis across it.
+void load_rotation(TableReader& table, Model model, Body& body) {
+  const bool can_turn = model == Model::plane_strain || model == Model::solid;
+  table.only_if(can_turn, "large_rotation", R"(model = "plane_strain" or "solid")");
+  body.large_rotation = table.boolean("large_rotation", false);
+  const char* const spin = "initial_angular_velocity_rad_s";
+  table.only_if(body.large_rotation, spin, "large_rotation = true beside it");
+  if (!table.has(spin)) return;
+  if (model == Model::plane_strain)
+    body.initial_angular_velocity_rad_s[2] = table.number(spin, any_number());
+  else
+    std::ranges::copy(table.numbers(spin, any_number(), 3), body.initial_angular_velocity_rad_s.begin());
+}
+
 void load_initial_state(TableReader& table, std::size_t components, Body& body) {
   const auto vector = [&](TableReader& from, const std::string& key) {
     return from.has(key) ? from.numbers(key, any_number(), components) : std::vector<double>(components, 0.0);
@@ -261,6 +275,7 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   if (model == Model::bar) body.area_m2 = table.number("area_m2", above(0.0), 1.0);
   if (model == Model::plane_strain) body.thickness_m = table.number("thickness_m", above(0.0), 1.0);
   load_initial_state(table, component_names(model).size(), body);
+  load_rotation(table, model, body);
   const std::vector<std::string> surfaces = surface_names(model, body);
   for (TableReader& entry : table.tables("support", "support"))
     body.supports.push_back(load_support(entry, model, surfaces));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -92,7 +93,10 @@ struct Body {
   double area_m2 = 1.0;      ///< `bar`: cross section
   double thickness_m = 1.0;  ///< `plane_strain`: thickness
   std::variant<StructuredMesh, GmshMesh> mesh;
-  std::vector<double> initial_velocity_m_s;          ///< one entry per component
+  std::vector<double> initial_velocity_m_s;  ///< one entry per component
+  bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
+  /// About its centre of mass, along the axes of space; zero unless large_rotation.
+  std::array<double, 3> initial_angular_velocity_rad_s{};
   std::vector<double> initial_displacement_start_m;  ///< at the low end of the axis, linear along it
   std::vector<double> initial_displacement_end_m;    ///< at the high end of the axis
   std::vector<double> gravity_m_s2;                  ///< body force per unit mass, one entry per component

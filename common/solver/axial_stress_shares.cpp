@@ -52,7 +52,8 @@ void AxialStressShares::append(const std::vector<BodyState>& states, std::int64_
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto& body = bodies_[b];
     require_finite(states[b], states[b].u, window);
-    body.stress.noalias() = body.shares * states[b].u;
+    Eigen::VectorXd in_frame;
+    body.stress.noalias() = body.shares * states[b].straining(in_frame);
     if (states[b].plastic) body.stress -= body.element_shares * axial_plastic_stress(states[b]);
     row.insert(row.end(), body.stress.begin(), body.stress.end());
   }

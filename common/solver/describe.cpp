@@ -116,12 +116,17 @@ void write_fields(const std::string& directory, const std::string& participant, 
   accelerations.reserve(states.size());
   std::vector<fem::PlasticStrain> plastic;
   plastic.reserve(states.size());
+  std::vector<Eigen::VectorXd> straining;
+  straining.reserve(states.size());
   for (const auto& state : states) {
     accelerations.push_back(state.a);
     for (const int dof : state.shared_dofs)
       if (moved_by_link) accelerations.back()[dof] = std::numeric_limits<double>::quiet_NaN();
     parts.push_back({&state.part, &state.u, &state.v, &accelerations.back()});
     if (state.plastic) parts.back().plastic = &plastic.emplace_back(plastic_strain(state));
+    if (!state.frame) continue;
+    parts.back().straining = &straining.emplace_back(state.frame->straining(state.u));
+    parts.back().rotation = state.rotation();
   }
   fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, contact);
 }

@@ -183,13 +183,15 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
     const auto& state = states[p];
     const auto& mesh = state.part.mesh;
     const int components = fem::components(mesh.model);
+    Eigen::VectorXd in_frame;
+    const Eigen::VectorXd& straining = state.straining(in_frame);
     Worst strain, rotation, inverted;
     for (std::size_t e = 0; e < elements_[p].size(); ++e) {
       const auto& element = elements_[p][e];
       const auto& nodes = mesh.elements[e];
       const Eigen::Vector3d& place = mesh.position[static_cast<std::size_t>(nodes[0])];
       if (components == 1) {
-        const double stretch = (state.u[nodes[1]] - state.u[nodes[0]]) * element.inverse_diagonals(0, 0);
+        const double stretch = (straining[nodes[1]] - straining[nodes[0]]) * element.inverse_diagonals(0, 0);
         strain.take(std::abs(stretch), place);
         if (stretch <= -1.0) inverted.take(-stretch, place);
         continue;
@@ -197,7 +199,7 @@ void ModelWatch::look_at_elements(std::int64_t window, const std::vector<BodySta
       Displacements u;
       for (std::size_t i = 0; i < nodes.size(); ++i) {
         u[i].setZero();
-        for (int c = 0; c < components; ++c) u[i][c] = state.u[nodes[i] * components + c];
+        for (int c = 0; c < components; ++c) u[i][c] = straining[nodes[i] * components + c];
       }
       if (components == 2) look_at_element<2>(element, nodes, u, place, strain, rotation);
       if (components == 3) look_at_element<3>(element, nodes, u, place, strain, rotation);

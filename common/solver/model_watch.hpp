@@ -13,7 +13,8 @@
 
 namespace ricochet::solver {
 
-/// Looks for what small strain, small displacement and node pairs that stay opposite do not describe:
+/// Looks for what small strain, small displacement and node pairs that stay opposite do not describe; of a part with a
+/// frame strain and rotation are those in it:
 ///   strain      largest |principal strain| at an element's middle, hoop strain included
 ///   rotation    of the middle, atan2(H_21 - H_12, 2 + H_11 + H_22) of the displacement gradient H, of a solid with
 ///               twice the length of H's axial vector and 2 + tr H: exact for any rotation [rad]

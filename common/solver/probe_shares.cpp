@@ -147,8 +147,9 @@ void ProbeShares::add(const scene::Problem& problem, const scene::MeasuredPlace&
 }
 
 Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState& state) {
-  Eigen::VectorXd u(static_cast<Eigen::Index>(strained.dofs.size()));
-  for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = state.u[strained.dofs[static_cast<std::size_t>(i)]];
+  Eigen::VectorXd in_frame, u(static_cast<Eigen::Index>(strained.dofs.size()));
+  const Eigen::VectorXd& straining = state.straining(in_frame);
+  for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = straining[strained.dofs[static_cast<std::size_t>(i)]];
   Eigen::VectorXd values = strained.rows * u;
   const auto stresses = values.size() / 2;
   const int axial = fem::components(state.part.mesh.model) - 1;
@@ -161,6 +162,11 @@ Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState
     }
   }
   if (!strained.probe) return values;
+  if (state.frame) {
+    const Eigen::Matrix3d rotation = state.rotation();
+    values.head(stresses) = fem::turned(fem::StressVector(values.head(stresses)), rotation);
+    values.tail(stresses) = fem::turned(fem::StressVector(values.tail(stresses)), rotation);
+  }
   const fem::StressVector stress = values.tail(stresses);
   values.conservativeResize(values.size() + (strained.plastic.empty() ? 1 : 2));
   values[2 * stresses] = fem::von_mises_stress(state.part.mesh.model, stress);

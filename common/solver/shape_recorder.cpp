@@ -15,6 +15,9 @@
 namespace ricochet::solver {
 namespace {
 
+/// Of a part that turns: its rotation, and how far its centre has moved.
+constexpr int numbers_of_frame = 12;
+
 /// A face of a solid, with its element: equal sorted nodes make two of them one face inside the body.
 struct SolidFace {
   fem::Face sorted, face;
@@ -155,7 +158,9 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   }
   const auto kept_stresses =
       state.plastic ? drawn.element.size() * static_cast<std::size_t>(state.plastic->components) : 0;
-  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_stresses));
+  const std::size_t of_frame = state.frame ? numbers_of_frame : 0;
+  for (auto& kept : drawn.kept)
+    kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_stresses + of_frame));
   return drawn;
 }
 
@@ -190,6 +195,10 @@ void ShapeRecorder::keep(std::int64_t window) {
     auto& values = part.kept[windows_.size()];
     for (std::size_t i = 0; i < part.kept_dof.size(); ++i)
       values[static_cast<Eigen::Index>(i)] = states_[p].u[part.kept_dof[i]];
+    if (states_[p].frame) {
+      const fem::RigidMotion motion = states_[p].frame->fit(states_[p].u).motion;
+      values.tail<numbers_of_frame>() << motion.rotation.reshaped(), motion.to_m - motion.from_m;
+    }
     if (!states_[p].plastic) continue;
     auto next = static_cast<Eigen::Index>(part.kept_dof.size());
     const int components = states_[p].plastic->components;
@@ -239,6 +248,13 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
     for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
       u[drawn.kept_dof[i]] = drawn.kept[w][static_cast<Eigen::Index>(i)];
+    Eigen::VectorXd straining = u;
+    if (states_[part].frame) {
+      const auto frame = drawn.kept[w].tail<numbers_of_frame>();
+      const fem::RigidMotion motion{Eigen::Matrix3d(frame.head<9>().reshaped(3, 3)), Eigen::Vector3d::Zero(),
+                                    frame.tail<3>()};
+      states_[part].frame->straining(u, motion, straining);
+    }
     std::vector<float> displacement, stress;
     displacement.reserve(drawn.node.size() * static_cast<std::size_t>(components));
     for (const int node : drawn.node) {
@@ -248,9 +264,9 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
     for (std::size_t i = 0; i < drawn.element.size(); ++i) {
       const int e = drawn.element[i];
       const auto geometry = fem::element_geometry(mesh_part.mesh, e);
-      auto tensor =
-          fem::element_stress(mesh_part.section, mesh_part.material, geometry,
-                              fem::element_displacement(mesh_part.mesh, e, u), fem::traits(geometry.kind).centre);
+      auto tensor = fem::element_stress(mesh_part.section, mesh_part.material, geometry,
+                                        fem::element_displacement(mesh_part.mesh, e, straining),
+                                        fem::traits(geometry.kind).centre);
       if (states_[part].plastic)
         tensor -= drawn.kept[w].segment(
             static_cast<Eigen::Index>(drawn.kept_dof.size()) + tensor.size() * static_cast<Eigen::Index>(i),

@@ -53,8 +53,8 @@ class ShapeRecorder {
     std::vector<std::array<int, 4>> cells;  ///< indices into `node`, -1 beyond a cell's own
     std::vector<int> element;               ///< of the part, per cell
     std::vector<int> kept_dof;              ///< of all nodes of these elements
-    /// Displacement of those and, of a part that yields, what its plastic strain takes off the
-    /// stress of each cell's element.
+    /// Displacement of those and, of a part that yields, what its plastic strain takes off the stress of each cell's
+    /// element; of a part that turns also its frame.
     std::array<Eigen::VectorXd, most_windows + 1> kept;
   };
   /// A cell in the nodes of its part, and the element that it shows.

@@ -40,11 +40,11 @@ Eigen::Matrix3d inverse_of(const fem::ElementGeometry& geometry) {
   }
 }
 
-double largest_principal_stress(const BodyState& state, int element) {
+double largest_principal_stress(const BodyState& state, const Eigen::VectorXd& u, int element) {
   const auto& part = state.part;
   const auto geometry = fem::element_geometry(part.mesh, element);
   fem::StressVector stress =
-      fem::element_stress(part.section, part.material, geometry, fem::element_displacement(part.mesh, element, state.u),
+      fem::element_stress(part.section, part.material, geometry, fem::element_displacement(part.mesh, element, u),
                           fem::traits(geometry.kind).centre);
   if (state.plastic) stress -= state.plastic->stress_of(element);
   return fem::principal_stresses(part.mesh.model, stress)[0];
@@ -127,11 +127,13 @@ template <int dimension>
 void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed) const {
   const auto& mesh = state.part.mesh;
   const Limits limits(state.part.material);
+  Eigen::VectorXd in_frame;
+  const Eigen::VectorXd& straining = state.straining(in_frame);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const auto& nodes = mesh.elements[e];
     Displacements u;
     for (std::size_t i = 0; i < nodes.size(); ++i)
-      u[i].template head<dimension>() = state.u.template segment<dimension>(nodes[i] * dimension);
+      u[i].template head<dimension>() = straining.template segment<dimension>(nodes[i] * dimension);
     Eigen::Matrix<double, dimension, dimension> gradient =
         middle_differences<dimension>(nodes.kind, u) * inverse_[part][e].template topLeftCorner<dimension, dimension>();
     double hoop = mesh.model == fem::Model::axisymmetric ? hoop_strain(mesh, nodes, u) : 0.0;
@@ -140,7 +142,7 @@ void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed)
     if (size.von_mises_squared > limits.yield_squared)
       passed.yield.take(std::sqrt(size.von_mises_squared), middle(mesh, static_cast<int>(e)));
     if (size.tension_at_most <= limits.strength) continue;
-    const double tension = largest_principal_stress(state, static_cast<int>(e));
+    const double tension = largest_principal_stress(state, straining, static_cast<int>(e));
     if (tension > limits.strength) passed.tension.take(tension, middle(mesh, static_cast<int>(e)));
   }
 }

@@ -72,7 +72,8 @@ void Errors::add(HistoryRow& row) {
     double square = 0;
     for (const auto& d : conserved_.directions)
       square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s, body.momentum_b_kg_m_s), 2);
-    momentum += std::sqrt(square);
+    const double of_motion = 2.0 * body.mass_kg * std::max(0.0, body.energy_kinetic_j);
+    momentum += std::sqrt(std::max(square, of_motion));
   }
   largest_momentum_ = std::max(largest_momentum_, momentum);
   std::vector<double> balance;

@@ -70,11 +70,15 @@ std::string OutsideModel::text_of(const Departed& d) const {
         100 * d.size, place(d), 100 * d.size);
   }
   if (d.kind == "rotation") {
+    const scene::Scene& scene = problem_.scene;
+    const bool in_frame = !scene.is_foreign(d.body) && scene.body(d.body).large_rotation;
+    const bool may_turn = scene.model == scene::Model::plane_strain || scene.model == scene::Model::solid;
     return fmt::format(
-        "rotation of {:.3g} degrees {}: small displacement knows no turning, so the body grows there by {:.2g} % of "
-        "its "
-        "size, with no stress of it, and its stresses keep the directions of the start",
-        d.size * 180.0 / std::numbers::pi, place(d), 100.0 * (1.0 / std::cos(std::min(d.size, 1.5)) - 1.0));
+        "rotation of {:.3g} degrees {}: small displacement{} knows no turning, so the body grows there "
+        "by {:.2g} % of its size, with no stress of it, and its stresses keep the directions of the {}{}",
+        d.size * 180.0 / std::numbers::pi, place(d), in_frame ? " in the frame that turns with the body" : "",
+        100.0 * (1.0 / std::cos(std::min(d.size, 1.5)) - 1.0), in_frame ? "frame" : "start",
+        may_turn && !in_frame ? "; a body that turns as a whole takes large_rotation = true" : "");
   }
   if (d.kind == "yield" || d.kind == "tension") return stress_text(d);
   if (d.kind == "slip") {

@@ -81,7 +81,7 @@ void FirstRank::take_totals(const Stepping& own, double dt, std::vector<BodyStat
     whole[b].totals.mass_kg = mass_kg;
     BlockSums sum;
     for (const auto& block : sums[b]) sum.add(block);
-    set_totals(sum, dt, own.force(b), whole[b]);
+    set_totals(sum, dt, whole[b]);
   }
 }
 

@@ -289,13 +289,16 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     state_.work_normal_j += impulse.normal / dt * pair.normal.times(of_part(moved));
     state_.dissipated_friction_j -= impulse.tangential.dot(pair.slip(of_part(moved))) / dt;
   };
+  const auto middle = [&](int part, int dof) {
+    return states[static_cast<std::size_t>(part)].u[dof] + 0.5 * of_part(increment)(part)[dof];
+  };
   const double half = 0.5 * dt_;
   const auto& old_pairs = before_.pairs.empty() ? surface_.pairs : before_.pairs;
   const auto& old_forces = before_.pairs.empty() ? state_.remembered : before_.remembered;
   for (std::size_t i = 0; i < old_pairs.size(); ++i) {
     const PairForce at_n{.normal = half * old_forces[i].normal, .tangential = half * old_forces[i].tangential};
     work(old_pairs[i], at_n, increment, dt_);
-    book_impulse(old_pairs[i], at_n.normal, at_n.tangential, states, state_.impulses);
+    book_impulse(old_pairs[i], at_n.normal, at_n.tangential, middle, states, state_.impulses);
   }
   for (std::size_t i = 0; i < pairs(); ++i) {
     const auto& pair = surface_.pairs[i];
@@ -304,7 +307,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     work(pair, at_end, increment, dt_);
     work(pair, trial_.jump[i], mean_velocity, 1.0);
     book_impulse(pair, trial_.impulse[i].normal - half * state_.remembered[i].normal,
-                 trial_.impulse[i].tangential - half * state_.remembered[i].tangential, states, state_.impulses);
+                 trial_.impulse[i].tangential - half * state_.remembered[i].tangential, middle, states,
+                 state_.impulses);
     if (!by_impedance()) continue;
     const auto both = [&](Eigen::Index d, const Eigen::VectorXd& moved) {
       return row_of(pair, d).of(Side::a, of_part(moved)) + row_of(pair, d).of(Side::b, of_part(moved));

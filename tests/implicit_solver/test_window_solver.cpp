@@ -174,8 +174,9 @@ class CountingBars final : public solver::InternalForce {
   void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override { linear_.evaluate(u, force); }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return linear_.rows(); }
   [[nodiscard]] bool linear() const override { return true; }
-  [[nodiscard]] double stored(const Eigen::VectorXd& u, double half_work_j) const override {
-    return linear_.stored(u, half_work_j);
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
+                              double half_work_j) const override {
+    return linear_.stored(u, force, half_work_j);
   }
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) override {
     ++tangents_;
@@ -222,8 +223,9 @@ class RandomBars final : public solver::InternalForce {
   }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return linear_.rows(); }
   [[nodiscard]] bool linear() const override { return false; }
-  [[nodiscard]] double stored(const Eigen::VectorXd& u, double half_work_j) const override {
-    return linear_.stored(u, half_work_j);
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
+                              double half_work_j) const override {
+    return linear_.stored(u, force, half_work_j);
   }
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) override { return linear_.tangent(u); }
 

@@ -25,7 +25,7 @@ class CubicBars final : public solver::InternalForce {
   }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return rows_; }
   [[nodiscard]] bool linear() const override { return false; }
-  [[nodiscard]] double stored(const Eigen::VectorXd& u, double) const override {
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd&, double) const override {
     double energy_j = 0.0;
     for_each_bar(u, [&](int, int, double length_m, double strain) {
       const double square = strain * strain;

@@ -117,4 +117,27 @@ inline std::string disc_msh(const std::string& body, double x, double y, double 
   return disc.msh(body, {{"cap", cap}});
 }
 
+/// A disc with its whole circle as the surface "rim".
+inline std::string whole_disc_msh(const std::string& body, double x, double y, double radius_m, int cells) {
+  const PlaneGrid disc(cells, cells, [&](double a, double b) {
+    const auto [across, rise] = on_rays(2.0 * a - 1.0, 2.0 * b - 1.0, 0.75);
+    return PlaneGrid::Place(x + radius_m * across, y + radius_m * rise);
+  });
+  return disc.msh(body, {{"rim", disc.low() + disc.right() + disc.high() + disc.left()}});
+}
+
+/// A rectangle about (x, y), turned by an angle; its whole outline is the surface "rim", its sides are "low" and
+/// "high".
+inline std::string brick_msh(const std::string& body, double x, double y, double width_m, double height_m, int across,
+                             int up, double angle_rad = 0.0) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const PlaneGrid brick(across, up, [&](double a, double b) {
+    const double p = (a - 0.5) * width_m, q = (b - 0.5) * height_m;
+    return PlaneGrid::Place(x + c * p - s * q, y + s * p + c * q);
+  });
+  return brick.msh(body, {{"rim", brick.low() + brick.right() + brick.high() + brick.left()},
+                          {"low", brick.low()},
+                          {"high", brick.high()}});
+}
+
 }  // namespace ricochet::test

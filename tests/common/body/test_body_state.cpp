@@ -124,7 +124,7 @@ TEST(BodyState, SumsTheAngularMomentumOfATurningBlock) {
   const Eigen::Vector3d found(block.totals.angular_momentum_x_kg_m2_s, block.totals.angular_momentum_y_kg_m2_s,
                               block.totals.angular_momentum_z_kg_m2_s);
   EXPECT_LT((found - expected).norm(), 1e-13 * expected.norm());
-  block.give_moment(1, 2.0);  // along y, at the place of the first node
+  block.give_moment(1, 2.0, [&](int dof) { return block.u[dof]; });  // along y, at the place of the first node
   const Eigen::Vector3d at = block.part.mesh.position[0] + moved;
   EXPECT_NEAR(block.totals.angular_impulse_x_kg_m2_s, -2.0 * at[2], 1e-15);
   EXPECT_EQ(block.totals.angular_impulse_y_kg_m2_s, 0.0);

@@ -53,7 +53,7 @@ struct Moved {
     elements->follow(force);
   }
   [[nodiscard]] double stored() const {
-    return elements->stored(scene.states[0].u, 0.5 * scene.states[0].u.dot(force));
+    return elements->stored(scene.states[0].u, force, 0.5 * scene.states[0].u.dot(force));
   }
 
   test::SceneStates scene;

@@ -41,11 +41,11 @@ TEST(ContactRows, OfARigidPlaneBookItsImpulseToTheBody) {
   plates.use_one_row();
   Pair pair = plates.surface.pairs[0];
   ContactImpulses impulses(1);
-  book_impulse(pair, 2.0, {1.0, 0.0}, plates.states, impulses);
+  book_impulse(pair, 2.0, {1.0, 0.0}, displacement_at(plates.states), plates.states, impulses);
   EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, 0.0) << "two bodies keep their momentum";
   for (auto* row : {&pair.normal, &pair.tangent})
     std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
-  book_impulse(pair, 2.0, {1.0, 0.0}, plates.states, impulses);
+  book_impulse(pair, 2.0, {1.0, 0.0}, displacement_at(plates.states), plates.states, impulses);
   EXPECT_EQ(plates.states[0].totals.impulse_n_kg_m_s, -2.0);
   EXPECT_EQ(plates.states[0].totals.impulse_t_kg_m_s, -1.0);
   // at (0.1, 0): force (1, -2) on A, x F_y - y F_x = -0.2
@@ -69,7 +69,7 @@ TEST(ContactRows, OfSolidsMeasureTheSlipAlongTangentAndBinormal) {
   for (auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
     std::erase_if(row->entries, [](const RowEntry& e) { return e.side == Side::b; });
   ContactImpulses impulses(1);
-  book_impulse(pair, 2.0, {1.0, 3.0}, blocks.states, impulses);
+  book_impulse(pair, 2.0, {1.0, 3.0}, displacement_at(blocks.states), blocks.states, impulses);
   EXPECT_EQ(impulses[0].of_normal, Eigen::Vector3d(2.0, 0.0, 0.0));
   EXPECT_EQ(impulses[0].of_friction, Eigen::Vector3d(0.0, 1.0, 3.0));
   EXPECT_EQ(blocks.states[0].totals.impulse_n_kg_m_s, -2.0);

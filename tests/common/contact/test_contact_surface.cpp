@@ -127,7 +127,8 @@ TEST(ContactSurface, TellsTheTangentialPartOfNormalForcesFromFriction) {
   ContactRecord report = plates.surface.empty_record();
   ContactAccount account{.impulses = plates.surface.no_impulses()};
   for (std::size_t i = 0; i < forces.size(); ++i)
-    book_impulse(plates.surface.pairs[i], forces[i].normal, forces[i].tangential, plates.states, account.impulses);
+    book_impulse(plates.surface.pairs[i], forces[i].normal, forces[i].tangential, displacement_at(plates.states),
+                 plates.states, account.impulses);
   plates.surface.report(plates.states, forces, account, report);
   EXPECT_NEAR(report.contact_force_n, 3.0 * c - s + 5.0, 1e-15);
   EXPECT_NEAR(report.friction_force_n, c + 2.0, 1e-15);

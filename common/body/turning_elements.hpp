@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
+#include "common/body/part_frame.hpp"
+
+namespace ricochet::solver {
+
+/// P of elements whose part turns by any angle: in a frame that turns with the part (PartFrame) they answer to what is
+/// left there of its motion. Strain and rotation relative to the frame must be small. P is the gradient of their
+/// energy, so that central difference keeps the angular momentum to rounding and the energy as that of a linear part.
+class TurningElements final : public InternalForce {
+ public:
+  /// `elements`: those in the frame. `state`, whose frame is not null, must outlive this object unmoved.
+  TurningElements(const BodyState& state, std::unique_ptr<InternalForce> elements);
+
+  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void follow(const Eigen::VectorXd&) override { elements_->follow(force_in_frame_); }
+  void settle() override { elements_->settle(); }
+  void go_back() override { elements_->go_back(); }
+  [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }
+  [[nodiscard]] bool linear() const override { return false; }
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
+                              double half_work_j) const override;
+  /// R K R^T, without what the turn of the frame adds where the part is under stress.
+  [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) override;
+  void archive(Archive& a) override { elements_->archive(a); }
+
+ private:
+  const BodyState* state_;
+  std::unique_ptr<InternalForce> elements_;
+  std::vector<Rows> all_;
+  Eigen::VectorXd straining_, force_in_frame_;  ///< d and g of the last evaluation
+  fem::SparseMatrix tangent_;
+};
+
+}  // namespace ricochet::solver
