@@ -261,7 +261,8 @@ void ImplicitSolver::record(std::vector<double>& row) {
     state.totals.energy_kinetic_j = 0.5 * kinetic + shared;
     if (window_ == 0) first_staggered_j_[b] = shared;
     state.totals.energy_interface_j = interface_work_j_[b] + shared - first_staggered_j_[b];
-    const Eigen::VectorXd internal =
+    Eigen::VectorXd& internal = internal_[b];
+    internal =
         parts_.segment(forces_.external, b) - parts_.segment(forces_.residual, b) - parts_.segment(forces_.link, b);
     state.totals.energy_strain_j = parts_.forces[b]->stored(state.u, internal, 0.5 * state.u.dot(internal));
   }

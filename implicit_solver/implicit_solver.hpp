@@ -91,7 +91,7 @@ class ImplicitSolver : public participant::Participant {
   CombinedParts parts_;
   WindowState forces_;  ///< of the last accepted window
   WindowTrial trial_;
-  std::vector<Eigen::VectorXd> internal_;  ///< per part: P(u) of a resynchronisation
+  std::vector<Eigen::VectorXd> internal_;  ///< per part: P(u) of a resynchronisation or a row
   std::optional<ImplicitContact> contact_;
   std::optional<NewmarkWindow> newmark_;  ///< from `initialize` on
   std::optional<FlightWindow> flight_;

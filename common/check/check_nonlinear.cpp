@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/base/error.hpp"
+#include "common/problem/build.hpp"
 
 namespace ricochet::scene {
 namespace {

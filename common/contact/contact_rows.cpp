@@ -167,9 +167,7 @@ int ContactRow::part_of(Side side) const {
 
 namespace {
 
-/// What a support is booked with is the force on its node, of the contact, too: that is taken back.
-void take_from_supports(const ContactRow& row, double given_n_s, const DisplacementOf& u_of,
-                        std::vector<BodyState>& states) {
+void take_from_supports(const ContactRow& row, double given_n_s, std::vector<BodyState>& states) {
   for (const auto& e : row.entries) {
     auto& state = states[static_cast<std::size_t>(e.part)];
     if (given_n_s == 0.0 || state.free[static_cast<std::size_t>(e.dof)]) continue;
@@ -178,32 +176,24 @@ void take_from_supports(const ContactRow& row, double given_n_s, const Displacem
     state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;
     state.totals.impulse_t_kg_m_s -= state.tangent[c] * on_support;
     state.totals.impulse_b_kg_m_s -= state.binormal[c] * on_support;
-    state.give_moment(e.dof, -on_support, [&](int dof) { return u_of(e.part, dof); });
   }
 }
 
 }  // namespace
 
-void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  const DisplacementOf& u_of, std::vector<BodyState>& states, ContactImpulses& impulses) {
+void book_without_moments(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
+                          std::vector<BodyState>& states, ContactImpulses& impulses) {
   impulses[pair.contact].of_normal += pair.to_contact(normal_n_s, Eigen::Vector2d::Zero());
   impulses[pair.contact].of_friction += pair.to_contact(0.0, tangential_n_s);
-  take_from_supports(pair.normal, normal_n_s, u_of, states);
-  take_from_supports(pair.tangent, tangential_n_s[0], u_of, states);
-  take_from_supports(pair.binormal, tangential_n_s[1], u_of, states);
+  take_from_supports(pair.normal, normal_n_s, states);
+  take_from_supports(pair.tangent, tangential_n_s[0], states);
+  take_from_supports(pair.binormal, tangential_n_s[1], states);
   if (pair.normal.has(Side::b)) return;
   auto& state = states[static_cast<std::size_t>(pair.normal.part_of(Side::a))];
   const Eigen::Vector3d given = pair.to_momentum(normal_n_s, tangential_n_s);
   state.totals.impulse_n_kg_m_s -= given[0];
   state.totals.impulse_t_kg_m_s -= given[1];
   state.totals.impulse_b_kg_m_s -= given[2];
-  const auto give_moments = [&](const ContactRow& row, double impulse_n_s) {
-    for (const auto& e : row.entries)
-      state.give_moment(e.dof, e.coefficient * impulse_n_s, [&](int dof) { return u_of(e.part, dof); });
-  };
-  give_moments(pair.normal, normal_n_s);
-  give_moments(pair.tangent, tangential_n_s[0]);
-  give_moments(pair.binormal, tangential_n_s[1]);
 }
 
 }  // namespace ricochet::solver

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -132,15 +131,36 @@ using ContactImpulses = std::vector<ContactImpulse>;  ///< per contact
 inline constexpr double settled_share = 1e-13;
 inline constexpr int most_sweeps = 1000;
 
-using DisplacementOf = std::function<double(int part, int dof)>;  ///< [m]
-[[nodiscard]] inline DisplacementOf displacement_at(const std::vector<BodyState>& states) {
+/// The present displacement, for `book_impulse`.
+[[nodiscard]] inline auto displacement_at(const std::vector<BodyState>& states) {
   return [&states](int part, int dof) { return states[static_cast<std::size_t>(part)].u[dof]; };
 }
 
+/// Books the impulses alone of `book_impulse`: what supports take and a rigid plane gives.
+void book_without_moments(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
+                          std::vector<BodyState>& states, ContactImpulses& impulses);
+
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
-/// is booked to its totals, with its moment about the origin where `u_of` has the nodes.
-void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
-                  const DisplacementOf& u_of, std::vector<BodyState>& states, ContactImpulses& impulses);
+/// is booked to its totals, with its moment about the origin where `u_of(part, dof)` has the nodes [m]. What a support
+/// is booked with is the force on its node, of the contact, too: that is taken back.
+template <class Displacement>
+void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s, const Displacement& u_of,
+                  std::vector<BodyState>& states, ContactImpulses& impulses) {
+  book_without_moments(pair, normal_n_s, tangential_n_s, states, impulses);
+  const bool by_plane = !pair.normal.has(Side::b);
+  const auto give = [&](const ContactRow& row, double impulse_n_s) {
+    if (impulse_n_s == 0.0) return;
+    for (const auto& e : row.entries) {
+      auto& state = states[static_cast<std::size_t>(e.part)];
+      const double times = (by_plane ? 1.0 : 0.0) - (state.free[static_cast<std::size_t>(e.dof)] ? 0.0 : 1.0);
+      if (times == 0.0) continue;
+      state.give_moment(e.dof, times * e.coefficient * impulse_n_s, [&](int dof) { return u_of(e.part, dof); });
+    }
+  };
+  give(pair.normal, normal_n_s);
+  give(pair.tangent, tangential_n_s[0]);
+  give(pair.binormal, tangential_n_s[1]);
+}
 
 }  // namespace ricochet::solver

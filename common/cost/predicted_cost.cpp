@@ -278,8 +278,8 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
 bool bears_local_steps(const scene::Problem& problem) {
   const auto& scene = problem.scene;
   const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == scene::Enforcement::penalty;
-  return scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 && !penalty &&
-         !scene.massless_contact();
+  return scene::linear(problem) && scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 &&
+         !penalty && !scene.massless_contact();
 }
 
 /// The products of windows of the scene's steps with local steps; where those are all that every element takes none.

@@ -109,6 +109,12 @@ struct Problem {
                      [](const BodyProblem& body) { return body.material.plasticity.has_value(); });
 }
 
+/// Whether no body yields or turns: P = K u of all elements.
+[[nodiscard]] inline bool linear(const Problem& problem) {
+  return !yields(problem) && std::none_of(problem.scene.bodies.begin(), problem.scene.bodies.end(),
+                                          [](const Body& body) { return body.large_rotation; });
+}
+
 /// The direction that momentum is balanced along, and tangent_of it: the normal of the first contact; without one, the
 /// axis.
 [[nodiscard]] inline Eigen::Vector3d momentum_normal(const Problem& problem) {

@@ -67,14 +67,16 @@ void Errors::add(HistoryRow& row) {
   const auto along = [](const Conserved::Direction& d, double n, double t, double b) {
     return d.n * n + d.t * t + d.b * b;
   };
-  double momentum = 0;
+  constexpr double at_rest = 1e-6;  // its bodies turn or vibrate, and go nowhere
+  double momentum = 0, of_motion = 0;
   for (const auto& body : row.bodies) {
     double square = 0;
     for (const auto& d : conserved_.directions)
       square += std::pow(along(d, body.momentum_n_kg_m_s, body.momentum_t_kg_m_s, body.momentum_b_kg_m_s), 2);
-    const double of_motion = 2.0 * body.mass_kg * std::max(0.0, body.energy_kinetic_j);
-    momentum += std::sqrt(std::max(square, of_motion));
+    momentum += std::sqrt(square);
+    of_motion += std::sqrt(2.0 * body.mass_kg * std::max(0.0, body.energy_kinetic_j));
   }
+  if (momentum < at_rest * of_motion) momentum = of_motion;
   largest_momentum_ = std::max(largest_momentum_, momentum);
   std::vector<double> balance;
   for (const auto& d : conserved_.directions) {

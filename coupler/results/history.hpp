@@ -67,8 +67,9 @@ struct ToldBalances {
 
 /// Relative errors of the balances, from row to row.
 ///   energy_error   = EnergyBalance::created_j / reference_j
-///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of sqrt(2 m E_kin) so far, largest over the
-///   conserved directions; sqrt(2 m E_kin) is |p| of a body that moves as a whole, and the scale of one that turns
+///   momentum_error = |p - impulse - p_0| / largest sum over the bodies of |p_body| so far, largest over the conserved
+///   directions; of bodies that turn or vibrate on the spot |p_body| is rounding, and sqrt(2 m E_kin) stands in its
+///   place, which is |p| of a body that moves as a whole
 ///   angular_momentum_error = |L - angular impulse - L_0| / (arm_m times the same sum), L a vector
 /// Zero where the reference is zero.
 class Errors {

@@ -33,9 +33,11 @@ std::vector<ContactStability> measure(const scene::Problem& problem, const std::
   const auto& traits = problem.scene.coupling.protocol;
   check_contact_owner(problem, descriptions);
   check_capabilities(traits, descriptions);
-  for (const auto& description : descriptions) {
-    require_capability(description, Capability::load_state, "`ricochet stability`");
-  }
+  const char* const activity = scene::linear(problem)
+                                   ? "`ricochet stability`"
+                                   : "`ricochet stability`, which continues a state linearly, as no body that yields "
+                                     "or turns goes on";
+  for (const auto& description : descriptions) require_capability(description, Capability::load_state, activity);
   Coupling coupling(set.peers().all(), joined(problem, descriptions), problem.clock.size_s(1));
   const auto protocol = make_protocol(traits.name, protocol_settings(problem.scene.coupling));
   protocol->start(coupling, endless_request(problem));

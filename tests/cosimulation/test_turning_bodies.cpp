@@ -545,6 +545,10 @@ TEST(TurningBody, IsRefusedWhereSomethingKeepsItsDirection) {
     EXPECT_EQ(outcome.code, 2) << outcome.out;
     EXPECT_THAT(outcome.error, AllOf(HasSubstr(found), HasSubstr("allowed: "), HasSubstr(allowed)));
   };
+  const auto stability = run_command({ricochet_binary(), "stability", folder.write(two_discs("hughes_liu", 10.0))},
+                                     folder.path().string());
+  EXPECT_EQ(stability.code, 2) << stability.out;
+  EXPECT_THAT(stability.error, HasSubstr("as no body that yields or turns goes on"));
   const std::string discs = two_discs("all_explicit", 10.0);
   refused(replaced(plate(10.0), "[time]", "[[body.absorbing]]\nsurface = \"end\"\nwave = \"bar\"\n[time]"),
           "body.plate.large_rotation: found large_rotation of a body with an absorbing surface",
