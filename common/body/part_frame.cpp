@@ -13,16 +13,20 @@
 namespace ricochet::solver {
 namespace {
 
-/// work(block, first node, last node) of each block.
+/// work(block, first node, last node) of each block. Threads take many at a time: one takes less than handing it out.
 template <class Work>
 void for_each_block(int nodes, Parallel* parallel, const Work& work) {
-  const auto one = [&](int block, int) noexcept {
-    work(block, block * block_nodes, std::min((block + 1) * block_nodes, nodes));
+  constexpr int at_a_time = 64;
+  const int blocks = blocks_of(nodes);
+  const auto some = [&](int part, int) noexcept {
+    for (int block = part * at_a_time; block < std::min((part + 1) * at_a_time, blocks); ++block)
+      work(block, block * block_nodes, std::min((block + 1) * block_nodes, nodes));
   };
-  if (parallel != nullptr) {
-    parallel->for_each(blocks_of(nodes), one);
+  const int parts = (blocks + at_a_time - 1) / at_a_time;
+  if (parallel != nullptr && parts > 1) {
+    parallel->for_each(parts, some);
   } else {
-    for (int block = 0; block < blocks_of(nodes); ++block) one(block, 0);
+    for (int part = 0; part < parts; ++part) some(part, 0);
   }
 }
 

@@ -81,19 +81,18 @@ fem::RigidMotion about(const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& t
 }
 
 /// R of a body, with the displacement u + ahead_s v.
+template <int components>
 Eigen::Matrix3d turn_of(const Eigen::Vector3d& centre_m, int body, const std::vector<BodyState>& states,
                         double ahead_s) {
-  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
-  int components = 0;
+  Eigen::Matrix<double, components, components> h = Eigen::Matrix<double, components, components>::Zero();
   for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
-    components = fem::components(state.part.mesh.model);
-    const Eigen::Vector3d arm = state.part.mesh.position[fem::at(node)] - centre_m;
-    Eigen::Vector3d at = arm;
-    for (int c = 0; c < components; ++c)
-      at[c] += state.u[node * components + c] + ahead_s * state.v[node * components + c];
-    h += node_kg * at * arm.transpose();
+    const Eigen::Matrix<double, components, 1> arm =
+        (state.part.mesh.position[fem::at(node)] - centre_m).template head<components>();
+    const auto u = state.u.template segment<components>(node * components),
+               v = state.v.template segment<components>(node * components);
+    h += node_kg * (arm + u + ahead_s * v) * arm.transpose();
   });
-  return components == 2 ? rotation_of(Eigen::Matrix2d(h.topLeftCorner<2, 2>())) : rotation_of(h);
+  return rotation_of(h);
 }
 
 }  // namespace
@@ -148,7 +147,9 @@ SlidingRows::Pose SlidingRows::pose(const Sliding& sliding, const std::vector<Bo
                                     double ahead_s) const {
   const auto& geometry = problem_->contacts[sliding.contact];
   const auto turn_of_body = [&](const Turning& turning, int body) -> Eigen::Matrix3d {
-    return turning.turns ? turn_of(turning.centre_m, body, states, ahead_s) : Eigen::Matrix3d::Identity();
+    if (!turning.turns) return Eigen::Matrix3d::Identity();
+    return problem_->scene.components() == 2 ? turn_of<2>(turning.centre_m, body, states, ahead_s)
+                                             : turn_of<3>(turning.centre_m, body, states, ahead_s);
   };
   Pose pose{geometry.lifted_m, turn_of_body(sliding.turning_a, geometry.body_a),
             turn_of_body(sliding.turning_b, geometry.body_b)};
