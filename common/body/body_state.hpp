@@ -100,7 +100,8 @@ struct BodyState : BodyMotion {
 
   /// Its elements neither yield nor turn: P = K u.
   [[nodiscard]] bool linear() const { return !plastic && !frame; }
-  /// What strains the elements: u, or of a part with a frame what is left of u there, which `in_frame` then holds [m].
+  /// The displacement that strains the elements: u, or of a part with a frame the rest of u there, which `in_frame`
+  /// then holds [m].
   [[nodiscard]] const Eigen::VectorXd& straining(Eigen::VectorXd& in_frame) const;
   /// By which directions in the part's frame become those in space.
   [[nodiscard]] Eigen::Matrix3d rotation() const;

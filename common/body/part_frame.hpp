@@ -12,11 +12,11 @@ namespace ricochet::solver {
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Matrix2d& h);
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& h);
 
-/// The frame of a part that turns by any angle. Of all rigid motions it has that which leaves least of the part's
-/// motion, in the measure of the masses: with m_i the lumped mass of node i, X_i its place, x_i = X_i + u_i, and Y_i,
+/// The frame of a part that turns by any angle. It has the rigid motion that leaves least of the part's motion, in the
+/// measure of the masses: with m_i the lumped mass of node i, X_i its place, x_i = X_i + u_i, and Y_i,
 /// y_i the same from the centre of mass,
 ///   R maximises sum m_i y_i . R Y_i,   that is   sum m_i y_i Y_i^T = R S   with S symmetric (rotation_of).
-/// What strains the part is
+/// The part is strained by
 ///   d_i = R^T y_i - Y_i.
 class PartFrame {
  public:

@@ -155,7 +155,7 @@ bool meets(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& place, const E
   return low.max(high).minCoeff() >= std::max(0.0, low.min(high).maxCoeff());
 }
 
-/// Of a surface that goes around its body.
+/// Finds SurfaceFace::thickness_m where a surface goes around its body.
 void set_thickness(std::vector<SurfaceFace>& faces) {
   constexpr double least_facing = 0.1, beside = 1e-3;
   std::vector<Eigen::AlignedBox3d> boxes;

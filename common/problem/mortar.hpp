@@ -26,7 +26,7 @@
 ///
 /// n_j is the normal of the surface to which both deform where they touch: that of each counts by the compliance
 /// (1 - nu^2)/E of the other, so that half-spaces of one material meet halfway. Along it, what bodies slide does not
-/// change the gap. Of bodies that turn an edge or a corner may touch: there, and where the normals differ by more than
+/// change the gap. Bodies that turn may touch by an edge or a corner: there, and where the normals differ by more than
 /// bodies do that touch where they are smooth, n_j is that of the smooth one; the row of an edge is against what the
 /// line along n_j meets. Nodes at edges of the second surface then have rows of their own, against the first.
 ///
@@ -80,7 +80,7 @@ class OppositeFaces {
   /// nodes.
   [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                              const Normals& normals_of, bool edges_touch) const;
-  /// Of nodes at edges of this surface.
+  /// Adds the rows of nodes at edges of this surface.
   void add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                      std::vector<MortarRow>& rows) const;
   [[nodiscard]] Eigen::Vector3d within_period(Eigen::Vector3d shift_m) const;

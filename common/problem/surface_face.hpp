@@ -21,7 +21,7 @@ struct SurfaceFace {
   std::array<unsigned, 4> held{};  ///< of the nodes: bits of the coordinates that no normal there has a part along
   std::array<bool, 4> sharp{};     ///< of the nodes: the smooth piece ends there, and no plane of symmetry
   int patch = 0;                   ///< smooth piece of the surface
-  /// Of the body behind it, to where the same surface bounds it again; infinite where that ends before.
+  /// Thickness of the body behind it, to where the same surface bounds it again; infinite where that ends before.
   double thickness_m = std::numeric_limits<double>::infinity();
 };
 

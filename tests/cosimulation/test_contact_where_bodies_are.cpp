@@ -98,14 +98,7 @@ TEST(DiscsThatFly, ObliquelyKeepTheEnergyAsStraightOnesDo) {
 TEST(DiscsThatFly, GoOnFromACheckpointToTheSameBytes) {
   const TemporaryFolder folder;
   const RunResult whole = collide({.along_m_s = 5.77}, folder, "[checkpoint]\nevery_windows = 550\n");
-  const std::string half = (folder.path() / "half").string();
-  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
-  const auto windows = checkpoints_in(half);
-  ASSERT_EQ(windows.size(), 2U);
-  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
-  const auto outcome = resume(half, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  expect_same_results(half, whole.folder);
+  (void)expect_the_same_from_the_earlier_checkpoint(whole, folder);
 }
 
 /// In the flight after a slide that has left a pair without a partner, twice: each process begins with the pairs of the

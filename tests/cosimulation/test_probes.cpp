@@ -349,15 +349,8 @@ TEST(Probe, GoesOnToTheSameBytes) {
   const std::string text = with_key(replaced(config_text("kim_impact"), "end_s = 60e-6", "end_s = 20e-6") + places,
                                     "checkpoint", "every_windows", "150");
   const RunResult whole = run_text(text, folder);
-  const std::string half = (folder.path() / "half").string();
-  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
-  const auto windows = checkpoints_in(half);
-  ASSERT_EQ(windows.size(), 2U);
-  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
-  const auto outcome = resume(half, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  EXPECT_TRUE(file_text(half + "/probes.csv") == file_text(whole.folder + "/probes.csv"));
-  expect_same_results(half, whole.folder);
+  (void)expect_the_same_from_the_earlier_checkpoint(whole, folder);
+  EXPECT_TRUE(file_text(whole.folder + "_half/probes.csv") == file_text(whole.folder + "/probes.csv"));
 }
 
 TEST(Probe, IsWrittenOnlyIfItIsAskedFor) {

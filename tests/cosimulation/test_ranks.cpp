@@ -68,14 +68,7 @@ TEST(Rank, ThatWasSavedGoesOnToTheSameBytes) {
   const TemporaryFolder folder;
   const RunResult whole =
       run_text(with_key(with_ranks(config_text("kim_impact"), 3), "checkpoint", "every_windows", "400"), folder);
-  const std::string half = (folder.path() / "half").string();
-  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
-  const auto windows = checkpoints_in(half);
-  ASSERT_EQ(windows.size(), 2U);
-  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
-  const auto outcome = resume(half, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  expect_same_results(half, whole.folder);
+  (void)expect_the_same_from_the_earlier_checkpoint(whole, folder);
 }
 
 Outcome refused(const std::string& text, const TemporaryFolder& folder) {

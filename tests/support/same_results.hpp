@@ -67,4 +67,19 @@ inline Outcome resume(const std::string& results, const TemporaryFolder& folder,
   return run_command(command, folder.path().string(), timeout_s);
 }
 
+/// Takes the last of the two checkpoints off a copy of a run's results, goes on from the other, and expects the same
+/// bytes. Returns how the second half ended; its results are in `whole.folder` + "_half".
+inline Outcome expect_the_same_from_the_earlier_checkpoint(const RunResult& whole, const TemporaryFolder& folder) {
+  const std::string half = whole.folder + "_half";
+  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
+  const auto windows = checkpoints_in(half);
+  EXPECT_EQ(windows.size(), 2U);
+  if (windows.size() != 2) return {};
+  std::filesystem::remove(half + "/checkpoint/" + std::to_string(windows.back()) + ".json");
+  Outcome outcome = resume(half, folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  if (outcome.code == 0) expect_same_results(half, whole.folder);
+  return outcome;
+}
+
 }  // namespace ricochet::test

@@ -234,15 +234,8 @@ TEST(MassBetweenCubicBars, GoesOnFromACheckpointToTheSameBytes) {
   const TemporaryFolder folder;
   const std::string text = scene_between({"hughes_liu", 1, Cubic::both}, 0.02, 2.0);
   const RunResult whole = run_text(with_key(text, "checkpoint", "every_windows", "50"), folder);
-  const std::string half = (folder.path() / "half").string();
-  std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
-  const auto windows = checkpoints_in(half);
-  ASSERT_EQ(windows.size(), 2U);
-  std::filesystem::remove(fmt::format("{}/checkpoint/{}.json", half, windows.back()));
-  const Outcome outcome = resume(half, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const Outcome outcome = expect_the_same_from_the_earlier_checkpoint(whole, folder);
   EXPECT_THAT(outcome.error, testing::HasSubstr("going on from window 50"));
-  expect_same_results(half, whole.folder);
 }
 
 /// A bar of one element, pressed against a stop by its other end at a given rate: what stops it is N(strain).
