@@ -84,12 +84,13 @@ const char* model_name(fem::Model model) {
 
 namespace {
 
-/// Displacements that are drawn larger than they are would push the bodies into each other.
+/// Displacements that are drawn larger than they are would push the bodies into each other, or let one that turns grow.
 bool uneven(const scene::ContactGeometry& contact) {
   const auto by_gap = [](const scene::ContactPair& x, const scene::ContactPair& y) { return x.gap0_m < y.gap0_m; };
   const auto [low, high] = std::minmax_element(contact.pairs.begin(), contact.pairs.end(), by_gap);
   return contact.sliding || high->gap0_m > low->gap0_m;
 }
+bool turns(const scene::Body& body) { return body.large_rotation; }
 
 }  // namespace
 
@@ -101,7 +102,8 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
       clock_(&setup.clock),
       nose_(std::any_of(problem.scene.contacts.begin(), problem.scene.contacts.end(),
                         [](const scene::Contact& contact) { return contact.nose_radius_m > 0.0; })),
-      uneven_(std::any_of(problem.contacts.begin(), problem.contacts.end(), uneven)) {
+      uneven_(std::any_of(problem.contacts.begin(), problem.contacts.end(), uneven) ||
+              std::any_of(problem.scene.bodies.begin(), problem.scene.bodies.end(), turns)) {
   if (setup.output_directory.empty()) return;
   path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
   windows_.reserve(most_windows + 1);

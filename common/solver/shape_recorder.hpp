@@ -75,7 +75,7 @@ class ShapeRecorder {
   fem::Model model_ = fem::Model::bar;
   const WindowClock* clock_;
   bool nose_ = false;    ///< of a contact
-  bool uneven_ = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
+  bool uneven_ = false;  ///< gaps of the meshes differ over a contact, its bodies slide, or one turns
   std::vector<Drawn> parts_;
   std::size_t too_many_cells_ = 0;  ///< how many there are; 0: not too many
   std::vector<std::int64_t> windows_;

@@ -82,6 +82,15 @@ TEST(SpinningPlate, TurnsAtItsSpeedAndKeepsItsMomentaAndItsEnergy) {
   EXPECT_LT(std::abs(across_pa / rows), 0.15 * expected);
 }
 
+/// Drawn fifty times as large, a turn of a sixth of a degree would be a plate twice its size.
+TEST(SpinningPlate, IsDrawnToScale) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(
+      replaced(replaced(plate(3.0), "initial_velocity_m_s = [10.0, 3.0]\n", ""), "end_s = 8e-3", "end_s = 1e-3"),
+      folder);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), HasSubstr("Displacements are drawn to scale."));
+}
+
 /// Without the frame a plate grows as it turns, and the run says so and what to type.
 TEST(SpinningPlate, WithoutAFrameIsStoppedAndToldOfIt) {
   const TemporaryFolder folder;
