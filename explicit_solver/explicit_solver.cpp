@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/body/free_motion.hpp"
+#include "common/participant/heartbeat.hpp"
 #include "common/solver/describe.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
@@ -63,6 +64,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   }
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   const bool local = problem_.scene.coupling.protocol.local_steps;
+  participant::Heartbeat heart(setup_.progress);
+  heart.begin(local ? "finding local steps and what contact forces move in them" : "preparing the steps");
   stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
   stepping_->answer(output);
   reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr, true);
@@ -113,6 +116,7 @@ void ExplicitSolver::accept() {
   tell(Order::accept, window_ + 1);
   if (!stepping_->accept(window_ + 1)) return;
   ++window_;
+  for (auto& state : states_) state.move_hanging();
   update_status();
   if (reporting_.due(window_)) reported();
   reporting_.note(window_, states_, stepped());

@@ -192,6 +192,7 @@ void ImplicitSolver::accept() {
     state.u += parts_.segment(trial_.increment, b);
     state.v = parts_.segment(trial_.velocity, b);
     state.a = parts_.segment(trial_.acceleration, b);
+    state.move_hanging();
   }
   std::swap(forces_, trial_.end);
   parts_.settle();

@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/body/blocks.hpp"
+#include "common/fem/hanging_nodes.hpp"
 
 namespace ricochet::solver {
 
@@ -90,6 +91,10 @@ Eigen::Vector3d momentum_by_lanes(const Eigen::VectorXd& mass, const Eigen::Vect
 }
 
 }  // namespace
+
+void BodyState::move_hanging() {
+  for (Eigen::VectorXd* of : {&u, &v, &a}) fem::follow(part.mesh.hanging, fem::components(part.mesh.model), *of);
+}
 
 const Eigen::VectorXd& BodyState::straining(Eigen::VectorXd& in_frame) const {
   if (!frame) return u;
@@ -204,6 +209,10 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   state.own = std::move(owned.own);
   for (std::size_t dof = 0; dof < state.integrated.size() && !state.own.empty(); ++dof)
     state.integrated[dof] = state.own[dof / static_cast<std::size_t>(components)];
+  for (const auto& hanging : state.part.mesh.hanging) {
+    for (int c = 0; c < components; ++c)
+      state.integrated[static_cast<std::size_t>(hanging.node * components + c)] = false;
+  }
   for (const int node : state.shared_nodes) {
     for (int c = 0; c < components; ++c) {
       state.shared_dofs.push_back(node * components + c);

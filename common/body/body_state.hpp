@@ -98,6 +98,8 @@ struct BodyState : BodyMotion {
   std::shared_ptr<const PartFrame> frame;  ///< of a part with elements whose body turns by any angle; else null
   OtherRanks* others = nullptr;            ///< of a share of a part: who steps the rest of it
 
+  /// u, v and a of its hanging nodes become those of their carriers: fields, probes and pictures show them.
+  void move_hanging();
   /// Its elements neither yield nor turn: P = K u.
   [[nodiscard]] bool linear() const { return !plastic && !frame; }
   /// The displacement that strains the elements: u, or of a part with a frame the rest of u there, which `in_frame`

@@ -28,6 +28,7 @@ std::vector<int> joined_by_implicit(const BodyProblem& body) {
     if (!body.implicit_element[e]) continue;
     const int first = root(body.mesh.elements[e][0]);
     for (const int node : body.mesh.elements[e]) parent[at(root(node))] = first;
+    fem::for_each_carrier(body.mesh, body.mesh.elements[e], [&](int node) { parent[at(root(node))] = first; });
   }
   for (int node = 0; node < static_cast<int>(parent.size()); ++node) parent[at(node)] = root(node);
   return parent;

@@ -17,13 +17,19 @@ namespace {
 /// Pairs with less of the largest pressure are not closed: where nothing presses forces are rounding.
 constexpr double pressing_share = 1e-3;
 
-/// Coordinates, as bits, along the surface in which a support holds the first surface's node of a solid: there is a
-/// plane of symmetry, and as much of the contact beyond it.
-unsigned planes_at(const Pair& pair, const std::vector<BodyState>& states) {
-  const RowEntry* most = nullptr;  // of the normal
+/// Of the normal's entries on the first surface.
+const RowEntry* largest_of_first(const Pair& pair) {
+  const RowEntry* most = nullptr;
   for (const auto& e : pair.normal.entries) {
     if (e.side == Side::a && (most == nullptr || std::abs(e.coefficient) > std::abs(most->coefficient))) most = &e;
   }
+  return most;
+}
+
+/// Coordinates, as bits, along the surface in which a support holds the first surface's node of a solid: there is a
+/// plane of symmetry, and as much of the contact beyond it.
+unsigned planes_at(const Pair& pair, const std::vector<BodyState>& states) {
+  const RowEntry* most = largest_of_first(pair);
   const auto& free = states[static_cast<std::size_t>(most->part)].free;
   const int first = most->dof - most->dof % 3;
   unsigned planes = 0;
@@ -73,10 +79,9 @@ fem::ContactFields no_fields(const fem::Part& part) {
           Eigen::VectorXd::Constant(nodes, none), std::vector<std::int32_t>(static_cast<std::size_t>(nodes), -1)};
 }
 
-/// Part and local number of the node that carries the pair's row: the only one of the first surface.
+/// Part and local number of the node that has the largest share in the pair's row on the first surface.
 std::pair<std::size_t, int> carrier(const Pair& pair, int components) {
-  const auto& entries = pair.normal.entries;
-  const auto own = std::find_if(entries.begin(), entries.end(), [](const RowEntry& e) { return e.side == Side::a; });
+  const RowEntry* own = largest_of_first(pair);
   return {static_cast<std::size_t>(own->part), own->dof / components};
 }
 

@@ -12,8 +12,24 @@
 
 namespace ricochet::fem {
 
+constexpr int most_elements = 1'000'000;  ///< of a body
+
 /// A node or element number as an index.
 [[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// A node with its share in a sum.
+struct WeightedNode {
+  int node = -1;
+  double weight = 0.0;
+};
+
+/// A node of small elements on the edge or the face of a larger one: it has no motion of its own,
+///   u = sum of weight u of its carriers,
+/// and what acts on it acts on them by the same shares. None of them hangs. Weights are >= 0 and sum to 1.
+struct HangingNode {
+  int node = -1;
+  std::vector<WeightedNode> carriers;
+};
 
 /// Nodes, elements and named groups of one body.
 /// Coordinates: bar (x, 0, 0); plane strain (x, y, 0); axisymmetric (r, z, 0); solid (x, y, z).
@@ -23,6 +39,8 @@ struct Mesh {
   std::vector<Element> elements;
   std::map<std::string, std::vector<int>> element_groups;
   std::map<std::string, std::vector<Face>> surfaces;
+  std::vector<HangingNode> hanging;           ///< ascending by node
+  std::vector<std::string> refined_surfaces;  ///< with faces of elements that were divided
   double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
   double period_wide_m = 0.0;  ///< of solids: the same of the second coordinate
 };

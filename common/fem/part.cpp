@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/fem/element_copies.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/fem/neighbours.hpp"
 
 namespace ricochet::fem {
@@ -20,6 +21,7 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
   for (const int node : extra_nodes) local[at(node)] = 0;
   for (const int e : part.body_element) {
     for (const int node : whole.elements[at(e)]) local[at(node)] = 0;
+    for_each_carrier(whole, whole.elements[at(e)], [&](int node) { local[at(node)] = 0; });
   }
   for (std::size_t node = 0; node < local.size(); ++node) {
     if (local[node] < 0) continue;
@@ -31,6 +33,12 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
   for (const int e : part.body_element) {
     Element& element = part.mesh.elements.emplace_back(whole.elements[at(e)]);
     for (int& node : element) node = local[at(node)];
+  }
+  for (const HangingNode& hanging : whole.hanging) {
+    if (local[at(hanging.node)] < 0) continue;
+    HangingNode& own = part.mesh.hanging.emplace_back(hanging);
+    own.node = local[at(hanging.node)];
+    for (auto& carrier : own.carriers) carrier.node = local[at(carrier.node)];
   }
 }
 
@@ -148,6 +156,8 @@ Part extract_part(const Mesh& whole, const std::string& body, const Section& sec
   take_elements(whole, extra_nodes, part);
   take_groups_and_surfaces(whole, part);
   assemble(part);
+  pass_on(part.mesh.hanging, 1, part.lumped_mass);
+  eliminate(part.mesh.hanging, components(whole.model), part.stiffness);
   return part;
 }
 
@@ -268,6 +278,7 @@ Eigen::VectorXd force_on_faces(const Part& part, const std::string& surface, con
       for (int c = 0; c < dofs_per_node; ++c) force[face[i] * dofs_per_node + c] += area[i] * traction_pa[at(c)];
     }
   }
+  pass_on(part.mesh.hanging, dofs_per_node, force);
   return force;
 }
 

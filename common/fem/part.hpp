@@ -48,8 +48,9 @@ struct Part {
 /// Part made of the listed elements of `whole` (in ascending order), plus `extra_nodes` that may belong to no element
 /// of it (contact nodes whose elements another participant owns; their mass here is 0). Nodes in ascending order. Every
 /// surface of `whole` keeps its name and holds the faces of own elements only, possibly none, so that a load is taken
-/// by one part. Mass and stiffness are summed in a fixed order: bit-identical for the same elements whatever else the
-/// participant owns.
+/// by one part. Carriers of hanging nodes are nodes of the part, too; hanging nodes have neither mass nor stiffness
+/// there (hanging_nodes.hpp). Mass and stiffness are summed in a fixed order: bit-identical for the same elements
+/// whatever else the participant owns.
 [[nodiscard]] Part extract_part(const Mesh& whole, const std::string& body, const Section& section,
                                 const Material& material, const std::vector<int>& elements,
                                 const std::vector<int>& extra_nodes = {});

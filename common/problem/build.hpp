@@ -38,10 +38,10 @@ void set_partition(Problem& problem);
 
 /// The step that the automatic partition asks the elements of a body to bear [s]: the longest window, or its substep.
 [[nodiscard]] double automatic_step_s(const Scene& scene, const std::string& body);
-/// Per element: a corner of it is among these nodes, which ascend.
+/// Per element: a node that carries it (fem::for_each_carrier) is among these, which ascend.
 [[nodiscard]] std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes);
 
-/// Per node: belongs to one of the elements.
+/// Per node: carries one of the elements.
 [[nodiscard]] std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>& of_element);
 
 /// Throws ConfigError, led by file, line and key, if `surface` is not in the mesh.

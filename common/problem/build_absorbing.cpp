@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/fem/element.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 
 namespace ricochet::scene {
@@ -48,8 +49,10 @@ class Absorber {
  private:
   /// A force on a dof that is held would do nothing.
   void add(int node, int c, double coefficient) {
-    const int dof = node * scene_->components() + c;
-    if (!body_->fixed_dof[at(dof)]) body_->damping_kg_s[dof] += coefficient;
+    for (const auto& [carrier, share] : fem::carried(body_->mesh, {{node, 1.0}})) {
+      const int dof = carrier * scene_->components() + c;
+      if (!body_->fixed_dof[at(dof)]) body_->damping_kg_s[dof] += share * coefficient;
+    }
   }
   [[noreturn]] void refuse(const std::string& found, const std::string& allowed) const {
     throw ConfigError(fmt::format("{}: found {}; allowed: {}", scene_->where(key_), found, allowed));
@@ -72,7 +75,7 @@ class Absorber {
            edge ? "edges along one coordinate" : "faces across one coordinate");
   }
   void refuse_held(int node, int normal) const {
-    if (body_->fixed_dof[at(node * scene_->components() + normal)])
+    if (body_->fixed_dof[at(node * scene_->components() + normal)] && fem::hanging_at(body_->mesh, node) == nullptr)
       refuse("the node at " + place(node) + ", which is held along the surface's normal",
              "a surface that is free to move");
   }

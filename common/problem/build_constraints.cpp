@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 
@@ -65,6 +66,17 @@ void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders&
   }
 }
 
+/// Nobody integrates a hanging node. A surface that has one has its carriers, too: held there, it is held by them.
+void hold_hanging(BodyProblem& body, int components) {
+  for (const fem::HangingNode& hanging : body.mesh.hanging) {
+    for (int dof = hanging.node * components; dof < (hanging.node + 1) * components; ++dof) {
+      body.fixed_dof[at(dof)] = true;
+      body.prescribed_displacement_m[dof] = 0.0;
+      body.prescribed_index[at(dof)] = -1;
+    }
+  }
+}
+
 }  // namespace
 
 void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
@@ -76,6 +88,7 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
   fix_axis(body, holders);
   fix_supports(scene, spec, body, holders);
   prescribe(scene, spec, body, holders);
+  hold_hanging(body, scene.components());
 }
 
 namespace {
@@ -116,7 +129,8 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     const double initial = start + part * (end - start);
     const int prescribed = body.prescribed_index[at(dof)];
     const double round_off = 1e-12 * std::max(std::abs(start), std::abs(end));
-    if (body.fixed_dof[at(dof)] && prescribed < 0 && std::abs(initial) > round_off)
+    const bool hangs = fem::hanging_at(body.mesh, node) != nullptr;
+    if (body.fixed_dof[at(dof)] && !hangs && prescribed < 0 && std::abs(initial) > round_off)
       throw ConfigError(fmt::format("{}: found {} m at {}, which is held; allowed: 0 on supports and on the axis r = 0",
                                     scene.where("body." + spec.name + ".initial_displacement_m"), initial,
                                     node_text(body, node)));
@@ -128,6 +142,8 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     const double moves = spec.initial_velocity_m_s[c] + spin[at(node)][static_cast<Eigen::Index>(c)];
     body.initial_velocity_m_s[dof] = body.fixed_dof[at(dof)] ? 0.0 : moves;
   }
+  fem::follow(body.mesh.hanging, components, body.initial_displacement_m);
+  fem::follow(body.mesh.hanging, components, body.initial_velocity_m_s);
 }
 
 }  // namespace ricochet::scene

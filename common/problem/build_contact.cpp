@@ -100,6 +100,7 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   } else {
     geometry.pairs = rigid_pairs(context, a);
   }
+  carry(a.body->mesh, b ? &b->body->mesh : nullptr, geometry.pairs);
   geometry.round = !b && context.contact.obstacle != Obstacle::plane;
   geometry.matching =
       std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
@@ -130,16 +131,16 @@ std::vector<int> contact_nodes(const std::vector<ContactGeometry>& contacts, int
 std::vector<int> contact_nodes(const ContactGeometry& contact, int body) {
   std::vector<int> nodes;
   for (const ContactPair& pair : contact.pairs) {
-    if (body == contact.body_a) nodes.push_back(pair.node_a);
+    for (const auto& own : own_nodes(pair)) {
+      if (body == contact.body_a) nodes.push_back(own.node);
+    }
     for (const auto& opposite : pair.b) {
       if (body == contact.body_b) nodes.push_back(opposite.node);
     }
   }
-  const auto add = [&](const std::vector<SurfaceFace>& faces) {
-    for (const auto& face : faces) nodes.insert(nodes.end(), face.node.begin(), face.node.end());
-  };
-  if (contact.sliding && body == contact.body_a) add(contact.sliding->first);
-  if (contact.sliding && body == contact.body_b) add(contact.sliding->second.faces());
+  const auto& [of_a, of_b] = contact.sliding_nodes;
+  if (body == contact.body_a) nodes.insert(nodes.end(), of_a.begin(), of_a.end());
+  if (body == contact.body_b) nodes.insert(nodes.end(), of_b.begin(), of_b.end());
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;

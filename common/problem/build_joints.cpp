@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 
 namespace ricochet::scene {
@@ -95,7 +96,14 @@ std::vector<Joint> build_joints(const Scene& scene, std::vector<BodyProblem>& bo
     } else {
       joint.nodes = nodes_of_file(scene, foreign, *body);
     }
-    for (const int node : joint.nodes) body->joined_node[at(node)] = true;
+    for (const int node : joint.nodes) {
+      if (fem::hanging_at(body->mesh, node) != nullptr)
+        throw ConfigError(fmt::format(
+            "{}: found a joined node at {}, which hangs on larger elements; allowed: nodes "
+            "inside or outside of the boxes of mesh.refine",
+            scene.where("body." + foreign.name), fem::place_text(scene.model, body->mesh.position[at(node)])));
+      body->joined_node[at(node)] = true;
+    }
     joints.push_back(std::move(joint));
   }
   return joints;

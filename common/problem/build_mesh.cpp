@@ -3,6 +3,7 @@
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/fem/inp_file.hpp"
+#include "common/fem/refine.hpp"
 #include "common/problem/build.hpp"
 #include "common/scene/reader.hpp"
 
@@ -58,6 +59,22 @@ fem::Mesh mesh_of_file(const Scene& scene, const GmshMesh& spec, const std::stri
   return mesh;
 }
 
+void refine(const Scene& scene, const Body& body, fem::Mesh& mesh) {
+  for (std::size_t i = 0; i < body.refine.size(); ++i) {
+    fem::RefinedBox box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), body.refine[i].ratio};
+    for (std::size_t c = 0; c < at(scene.components()); ++c) {
+      box.from_m[static_cast<Eigen::Index>(c)] = body.refine[i].from_m[c];
+      box.to_m[static_cast<Eigen::Index>(c)] = body.refine[i].to_m[c];
+    }
+    try {
+      fem::refine(mesh, box);
+    } catch (const ConfigError& error) {
+      throw ConfigError(
+          fmt::format("{}: {}", scene.where(fmt::format("body.{}.mesh.refine[{}]", body.name, i)), error.what()));
+    }
+  }
+}
+
 /// A set of nodes has no faces, without which there is neither an area nor a normal.
 std::string node_set_text(const Scene& scene, const std::string& surface) {
   for (const Body& body : scene.bodies) {
@@ -73,15 +90,17 @@ std::string node_set_text(const Scene& scene, const std::string& surface) {
 
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
   const std::string key = "body." + body.name + ".mesh";
+  fem::Mesh mesh;
   try {
     const auto* file = std::get_if<GmshMesh>(&body.mesh);
-    const fem::Mesh mesh = file == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
-                                           : mesh_of_file(scene, *file, body.name);
+    mesh = file == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
+                           : mesh_of_file(scene, *file, body.name);
     fem::check_mesh(mesh, body.name);
-    return mesh;
   } catch (const ConfigError& error) {
     throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
   }
+  refine(scene, body, mesh);
+  return mesh;
 }
 
 void require_surface(const Scene& scene, const std::string& key, const fem::Mesh& mesh, const std::string& surface) {

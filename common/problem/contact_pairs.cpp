@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+
+#include "common/fem/hanging_nodes.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -177,9 +180,67 @@ void require_matching(const ContactContext& context, std::vector<std::string> lo
 }
 
 void complete(const Contact& contact, const fem::Mesh& mesh_a, double apart_m, ContactPair& pair) {
-  pair.distance_m = mesh_a.position[at(pair.node_a)][0];
+  const Eigen::Vector3d& x = mesh_a.position[at(pair.node_a)];
+  pair.distance_m = x[0];
   pair.gap0_m = apart_m;
-  if (contact.nose_radius_m > 0.0) pair.gap0_m += pair.distance_m * pair.distance_m / (2.0 * contact.nose_radius_m);
+  if (contact.nose_radius_m == 0.0) return;
+  const double across_m = mesh_a.model == Model::solid ? std::hypot(x[0], x[1]) : x[0];
+  pair.gap0_m += across_m * across_m / (2.0 * contact.nose_radius_m);
+}
+
+namespace {
+
+/// Sums over the rows that make up one, each weighed by its area.
+struct RowSum {
+  double area_m2 = 0.0, gap_m3 = 0.0;
+  Eigen::Vector3d normal_m2 = Eigen::Vector3d::Zero();
+  std::vector<WeightedNode> a, b;
+
+  void add(double area, const ContactPair& pair) {
+    area_m2 += area;
+    gap_m3 += area * pair.gap0_m;
+    normal_m2 += area * pair.normal;
+    for (const auto& [node, weight] : own_nodes(pair)) a.push_back({node, area * weight});
+    for (const auto& [node, weight] : pair.b) b.push_back({node, area * weight});
+  }
+  void take(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, ContactPair& pair) const {
+    const auto mean = [this](std::vector<WeightedNode> sum) {
+      for (auto& of : sum) of.weight /= area_m2;
+      return sum;
+    };
+    pair.area_m2 = area_m2;
+    pair.gap0_m = gap_m3 / area_m2;
+    pair.normal = normal_m2.normalized();
+    pair.a = mean(fem::carried(mesh_a, a));
+    if (mesh_b != nullptr) pair.b = mean(fem::carried(*mesh_b, b));
+  }
+};
+
+}  // namespace
+
+void carry(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, std::vector<ContactPair>& pairs) {
+  if (mesh_b != nullptr && !mesh_b->hanging.empty())
+    for (ContactPair& pair : pairs) pair.b = fem::carried(*mesh_b, pair.b);
+  const auto hangs = [&](const ContactPair& pair) { return fem::hanging_at(mesh_a, pair.node_a) != nullptr; };
+  const auto first = std::stable_partition(pairs.begin(), pairs.end(), [&](const ContactPair& p) { return !hangs(p); });
+  const std::vector<ContactPair> hanging(first, pairs.end());
+  pairs.erase(first, pairs.end());
+  std::map<std::pair<int, int>, std::size_t> row_of;
+  for (std::size_t i = 0; i < pairs.size(); ++i) row_of[{pairs[i].node_a, pairs[i].patch}] = i;
+  std::map<std::size_t, RowSum> sums;
+  for (const ContactPair& pair : hanging) {
+    for (const auto& [node, weight] : fem::hanging_at(mesh_a, pair.node_a)->carriers) {
+      const auto [row, is_new] = row_of.insert({{node, pair.patch}, pairs.size()});
+      RowSum& sum = sums[row->second];
+      if (is_new) {
+        pairs.push_back({.node_a = node, .patch = pair.patch, .b = {}, .distance_m = mesh_a.position[at(node)][0]});
+      } else if (sum.area_m2 == 0.0) {
+        sum.add(pairs[row->second].area_m2, pairs[row->second]);
+      }
+      sum.add(weight * pair.area_m2, pair);
+    }
+  }
+  for (const auto& [row, sum] : sums) sum.take(mesh_a, mesh_b, pairs[row]);
 }
 
 void sort_by_distance(std::vector<ContactPair>& pairs) {
@@ -213,7 +274,9 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
                    "surfaces that face each other along a part of them at least");
-  if (may_be_written_anew && may_slide(context.scene, a, &b, geometry.touch_normal)) geometry.sliding = mesh;
+  if (!may_be_written_anew || !may_slide(context.scene, a, &b, geometry.touch_normal)) return;
+  geometry.sliding = mesh;
+  geometry.sliding_nodes = {fem::carriers_of(mesh_a, a.nodes), fem::carriers_of(b.body->mesh, b.nodes)};
 }
 
 namespace {
@@ -261,7 +324,9 @@ std::vector<ContactPair> slid_pairs(const Problem& problem, std::size_t index, c
   std::vector<ContactPair> pairs =
       mortar_pairs(problem.scene.contacts[index], mesh_a, turned != nullptr ? turned->mesh : *geometry.sliding, shift_m,
                    shift_m - geometry.lifted_m);
-  if (turned != nullptr) take_turn_off(mesh_a, problem.bodies[at(geometry.body_b)].mesh, *turned, pairs);
+  const fem::Mesh& mesh_b = problem.bodies[at(geometry.body_b)].mesh;
+  if (turned != nullptr) take_turn_off(mesh_a, mesh_b, *turned, pairs);
+  carry(mesh_a, &mesh_b, pairs);
   sort_by_distance(pairs);
   return pairs;
 }

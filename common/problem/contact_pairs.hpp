@@ -22,6 +22,10 @@ void require_matching(const ContactContext& context, std::vector<std::string> lo
 
 /// Sets what a pair's node says, and its gap, the surfaces being apart along the normal by `apart_m`.
 void complete(const Contact& contact, const fem::Mesh& mesh_a, double apart_m, ContactPair& pair);
+/// A hanging node has no force of its own: the row of one of the first surface goes to its carriers, by its shares, and
+/// what it weighs of the second to theirs. A carrier's row becomes the mean of those, by their areas, gap and normal
+/// too: its force does the work that theirs, shared out like this, would do. `mesh_b` is null for what is rigid.
+void carry(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, std::vector<ContactPair>& pairs);
 void sort_by_distance(std::vector<ContactPair>& pairs);
 
 }  // namespace ricochet::scene

@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/fem/hanging_nodes.hpp"
+#include "common/problem/contact_pairs.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -105,6 +107,16 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
   side.normal = model == Model::bar ? bar_normal(mesh, side.nodes[0]) : fem::face_normal(mesh, side.faces()[0]);
   if (model == Model::bar && side.nodes.size() > 1)
     context.refuse(fmt::format("surface \"{}\" of {} nodes", side.name, side.nodes.size()), "one end of a bar");
+  const auto& refined = mesh.refined_surfaces;
+  const bool is_refined = std::find(refined.begin(), refined.end(), name.surface) != refined.end();
+  if (is_refined && !is_flat(side))
+    context.refuse(
+        fmt::format("surface \"{}\", which is curved and has elements that mesh.refine divides", side.name),
+        "boxes away from it: the new nodes lie on the straight edges of the larger elements, not on a curve");
+  const auto hangs = [&](int node) { return fem::hanging_at(mesh, node) != nullptr; };
+  if (needs_pairs(context.scene) && std::any_of(side.nodes.begin(), side.nodes.end(), hangs))
+    context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine", side.name),
+                   "a surface of one size of elements with massless contact or impact_update = \"impedance\"");
   if (model == Model::bar || (is_flat(side) && !with_placed_plane(context.contact))) return side;
   side.flat = false;
   side.normal = mean_normal(context, side, normal, of_all_ways);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/fem/element_copies.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
@@ -77,7 +78,9 @@ Whole assemble(const Problem& problem) {
 void add_springs(const Problem& problem, const ContactGeometry& contact, Whole& whole) {
   const int components = problem.scene.components();
   for (const ContactPair& pair : contact.pairs) {
-    std::vector<std::pair<int, double>> ends{{whole.first_node[at(contact.body_a)] + pair.node_a, -1.0}};
+    std::vector<std::pair<int, double>> ends;
+    for (const auto& [node, weight] : own_nodes(pair))
+      ends.emplace_back(whole.first_node[at(contact.body_a)] + node, -weight);
     for (const auto& [node, weight] : pair.b) ends.emplace_back(whole.first_node[at(contact.body_b)] + node, weight);
     const double stiffness = problem.scene.contact_law().penalty_pa_m * pair.area_m2;
     for (const auto& [p, sign_p] : ends)
@@ -101,6 +104,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }
   add_scaled_mass(body, mass);
+  fem::pass_on(body.mesh.hanging, 1, mass);
   return mass;
 }
 

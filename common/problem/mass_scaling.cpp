@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/fem/element_copies.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 
@@ -39,6 +40,7 @@ fem::Part body_part(const BodyProblem& body, const std::vector<int>& elements, c
     for (Eigen::Index i = 0; i < added.size(); ++i)
       part.lumped_mass[part.mesh.elements[e][static_cast<std::size_t>(i)]] += added[i];
   }
+  fem::pass_on(part.mesh.hanging, 1, part.lumped_mass);
   return part;
 }
 

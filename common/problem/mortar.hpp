@@ -38,11 +38,7 @@
 /// nothing, the gap is the mean with phi_j over what of its faces does.
 namespace ricochet::scene {
 
-/// A node with its share in a row.
-struct WeightedNode {
-  int node = -1;
-  double weight = 0.0;
-};
+using fem::WeightedNode;
 
 struct MortarRow {
   int node = -1;  ///< of the first surface; of several the one with the largest share

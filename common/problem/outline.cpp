@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 
 namespace ricochet::scene {
@@ -25,9 +26,10 @@ std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh) {
       ++entry.first;
     }
   }
+  const fem::FacesBetweenSizes inside(mesh);
   std::vector<fem::Face> faces;
   for (const auto& [nodes, entry] : count)
-    if (entry.first == 1) faces.push_back(entry.second);
+    if (entry.first == 1 && !inside.has(entry.second)) faces.push_back(entry.second);
   return faces;
 }
 

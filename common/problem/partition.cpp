@@ -7,6 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/fem/element_copies.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
@@ -163,7 +164,7 @@ void require_implicit_between(const Scene& scene, const BodyProblem& body, const
   std::vector<int> of_node(body.mesh.position.size(), -1);
   for (std::size_t e = 0; e < owner.size(); ++e) {
     if (owner[e] < 0) continue;
-    for (const int node : body.mesh.elements[e]) {
+    fem::for_each_carrier(body.mesh, body.mesh.elements[e], [&](int node) {
       int& first = of_node[at(node)];
       if (first < 0) first = owner[e];
       if (first != owner[e] && !body.implicit_node[at(node)])
@@ -172,7 +173,7 @@ void require_implicit_between(const Scene& scene, const BodyProblem& body, const
             "elements implicit",
             scene.where("participant." + scene.participants[at(owner[e])].name), place(body, node),
             scene.participants[at(first)].name, scene.participants[at(owner[e])].name));
-    }
+    });
   }
 }
 
@@ -218,8 +219,10 @@ std::vector<bool> owned_elements(const Scene& scene, const BodyProblem& body, co
 std::vector<bool> elements_at(const fem::Mesh& mesh, const std::vector<int>& nodes) {
   std::vector<bool> at_them;
   for (const auto& element : mesh.elements) {
-    at_them.push_back(std::any_of(element.begin(), element.end(),
-                                  [&](int n) { return std::binary_search(nodes.begin(), nodes.end(), n); }));
+    bool is_there = false;
+    fem::for_each_carrier(mesh, element,
+                          [&](int n) { is_there = is_there || std::binary_search(nodes.begin(), nodes.end(), n); });
+    at_them.push_back(is_there);
   }
   return at_them;
 }
@@ -228,7 +231,7 @@ std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>
   std::vector<bool> touched(body.mesh.position.size(), false);
   for (std::size_t e = 0; e < of_element.size(); ++e) {
     if (!of_element[e]) continue;
-    for (const int node : body.mesh.elements[e]) touched[at(node)] = true;
+    fem::for_each_carrier(body.mesh, body.mesh.elements[e], [&](int node) { touched[at(node)] = true; });
   }
   return touched;
 }
@@ -262,8 +265,9 @@ void require_implicit_contact(const Problem& problem) {
 /// Joined nodes are integrated by the implicit participant, which has mass of its own there whatever the protocol.
 void add_joined_layer(BodyProblem& body) {
   for (std::size_t e = 0; e < body.implicit_element.size(); ++e) {
-    const auto& nodes = body.mesh.elements[e];
-    const bool joined = std::any_of(nodes.begin(), nodes.end(), [&](int node) { return body.joined_node[at(node)]; });
+    bool joined = false;
+    fem::for_each_carrier(body.mesh, body.mesh.elements[e],
+                          [&](int node) { joined = joined || body.joined_node[at(node)]; });
     body.implicit_element[e] = body.implicit_element[e] || joined;
   }
 }

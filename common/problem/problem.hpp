@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ namespace ricochet::scene {
 /// A contact node of the surface that carries the rows and what lies opposite.
 struct ContactPair {
   int node_a = -1;                ///< of body_a's mesh; of several the one with the largest share
-  std::vector<WeightedNode> a{};  ///< of body_a's mesh, where it is not node_a alone: against an edge of the other body
+  std::vector<WeightedNode> a{};  ///< of body_a's mesh, where it is not node_a alone: against an edge, beside hanging
   int patch = 0;                  ///< smooth piece of that surface: a node between two has a pair for each
   /// Nodes of the other surface: one at the same place, several where meshes differ, none of what is rigid.
   std::vector<WeightedNode> b;
@@ -55,9 +56,10 @@ struct ContactGeometry {
   /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such
   /// as lie nowhere opposite at the start, where it touches the first, which has touch_normal there.
   Eigen::Vector3d shift_m{0.0, 0.0, 0.0}, touch_normal{0.0, 0.0, 0.0};
-  /// Of bodies that may slide along each other: from this the pairs are found anew. Then all nodes of both surfaces are
-  /// contact nodes, else those of the pairs.
+  /// Of bodies that may slide along each other: from this the pairs are found anew. Then all nodes of both surfaces,
+  /// but for hanging ones, are contact nodes, else those of the pairs.
   std::shared_ptr<const ContactMesh> sliding;
+  std::array<std::vector<int>, 2> sliding_nodes{};  ///< then of body_a and body_b, ascending, without hanging ones
 };
 
 /// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to
@@ -72,12 +74,13 @@ struct BodyProblem {
   std::string name;
   fem::Section section;
   fem::Material material;
-  fem::Mesh mesh;                             ///< the whole body
-  std::vector<double> density_factor;         ///< per element, by mass scaling (mass_scaling.hpp); empty: all 1
-  std::vector<bool> implicit_element;         ///< per element; those at joined nodes are
-  std::vector<bool> implicit_node;            ///< per node: integrated by the implicit participant
-  std::vector<bool> joined_node;              ///< per node: a foreign body has it, too
-  std::vector<bool> fixed_dof;                ///< supports and the axis r = 0 (u_r); prescribed dofs too
+  fem::Mesh mesh;                      ///< the whole body
+  std::vector<double> density_factor;  ///< per element, by mass scaling (mass_scaling.hpp); empty: all 1
+  std::vector<bool> implicit_element;  ///< per element; those at joined nodes are
+  std::vector<bool> implicit_node;     ///< per node: integrated by the implicit participant
+  std::vector<bool> joined_node;       ///< per node: a foreign body has it, too
+  /// Supports and the axis r = 0 (u_r); prescribed dofs and those of hanging nodes, too.
+  std::vector<bool> fixed_dof;
   Eigen::VectorXd prescribed_displacement_m;  ///< per dof, amplitude excluded; 0 on supports
   std::vector<int> prescribed_index;          ///< per dof: which Body::prescribed, -1 none
   Eigen::VectorXd damping_kg_s;            ///< per dof: dashpots of the absorbing surfaces; 0 elsewhere and where held

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/fem/inp_file.hpp"
+#include "common/fem/mesh.hpp"
 #include "common/scene/loaders.hpp"
 #include "common/scene/material_library.hpp"
 #include "common/scene/toml_file.hpp"
@@ -13,7 +14,7 @@
 namespace ricochet::scene {
 namespace {
 
-constexpr int most_elements = 1'000'000;  // of a body
+using fem::most_elements;
 /// Far beyond every material, in any system of units; wave speeds and energies of other values leave the range of
 /// numbers.
 constexpr Range densities{1e-15, 1e20, true, true};
@@ -123,7 +124,25 @@ void load_extent_across(TableReader& table, Model model, StructuredMesh& mesh) {
   if (has_height) mesh.periodic_across = table.boolean("periodic_across", false);
 }
 
-std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model, const std::string& folder) {
+std::vector<RefinedBox> load_refined_boxes(TableReader& mesh, Model model) {
+  constexpr int largest_ratio = 64;
+  const std::size_t components = component_names(model).size();
+  std::vector<RefinedBox> boxes;
+  for (TableReader& table : mesh.tables("refine", "refine")) {
+    RefinedBox& box = boxes.emplace_back();
+    box.from_m = table.numbers("from_m", any_number(), components);
+    box.to_m = table.numbers("to_m", any_number(), components);
+    for (std::size_t c = 0; c < components; ++c)
+      if (!(box.to_m[c] > box.from_m[c]))
+        table.refuse("to_m", fmt::format("{}", box.to_m[c]),
+                     fmt::format("a number > {}, that of from_m", box.from_m[c]));
+    box.ratio = table.integer("ratio", 2, largest_ratio);
+    table.finish();
+  }
+  return boxes;
+}
+
+std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader& table, Model model, const std::string& folder) {
   if (table.has("gmsh") || table.has("inp")) return load_mesh_file(table, folder);
   table.only_if(false, "length_unit", "gmsh or inp; lengths of a structured mesh are metres");
   StructuredMesh mesh;
@@ -139,7 +158,6 @@ std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader table, Model model,
   const double grading = solid && mesh.grading_across == 1.0 ? mesh.grading_wide : mesh.grading_across;
   if (mesh.periodic_across && grading != 1.0)
     table.refuse("grading", fmt::format("{} across", grading), "1 across a periodic mesh");
-  table.finish();
   return mesh;
 }
 
@@ -269,7 +287,10 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   for (const char* key : {"joined_to", "surface", "interface_nodes", "mass_kg"})
     table.only_if(false, key, "foreign = true");
   body.material = load_material_of(table, model, materials);
-  body.mesh = load_mesh(table.table("mesh", "mesh"), model, folder);
+  TableReader mesh = table.table("mesh", "mesh");
+  body.mesh = load_mesh(mesh, model, folder);
+  body.refine = load_refined_boxes(mesh, model);
+  mesh.finish();
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
   table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");
   if (model == Model::bar) body.area_m2 = table.number("area_m2", above(0.0), 1.0);

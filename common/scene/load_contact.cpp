@@ -198,7 +198,7 @@ Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   load_normal(table, scene, contact);
   check_placed_plane(table, scene.model, contact);
   contact.initial_gap_m = table.number("initial_gap_m", at_least(0.0), 0.0);
-  table.only_if(fem::components(scene.model) == 2, "nose_radius_m", "a two-dimensional model");
+  table.only_if(scene.model != Model::bar, "nose_radius_m", "a model of two or three dimensions");
   contact.nose_radius_m = table.has("nose_radius_m") ? table.number("nose_radius_m", above(0.0)) : 0.0;
   load_enforcement(table, contact);
   load_friction(table, scene.model, contact);

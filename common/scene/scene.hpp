@@ -49,6 +49,13 @@ struct GmshMesh {
   double unit_m = 1.0;  ///< length of its unit
 };
 
+/// A part of a mesh whose elements are divided (fem::refine): those with their middle in a box of the mesh's own
+/// coordinates.
+struct RefinedBox {
+  std::vector<double> from_m, to_m;  ///< one entry per component
+  int ratio = 2;                     ///< elements along an edge of one that is divided
+};
+
 /// Piecewise linear factor over time, constant outside the given times. Empty: factor 1.
 struct Amplitude {
   std::vector<double> time_s;
@@ -93,6 +100,7 @@ struct Body {
   double area_m2 = 1.0;      ///< `bar`: cross section
   double thickness_m = 1.0;  ///< `plane_strain`: thickness
   std::variant<StructuredMesh, GmshMesh> mesh;
+  std::vector<RefinedBox> refine;            ///< one after the other
   std::vector<double> initial_velocity_m_s;  ///< one entry per component
   bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
   /// About its centre of mass, along the axes of space; zero unless large_rotation.
@@ -141,7 +149,7 @@ struct Contact {
   std::vector<double> rigid_place_m;  ///< beside its middle along the normal, empty: the origin; of a plane in it
   std::vector<double> normal;         ///< a unit vector; empty: the mean of the first surface's faces
   double initial_gap_m = 0.0;         ///< added to the distance of the two meshes along n
-  double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R) with r the distance from the axis (or from x = 0)
+  double nose_radius_m = 0.0;         ///< > 0 adds r^2/(2R), r from the axis r = 0 or x = 0, of a solid from the z axis
   Enforcement enforcement = Enforcement::multiplier;
   MultiplierUpdate multiplier_update = MultiplierUpdate::trapezoidal_reset;
   double penalty_pa_m = 0.0;  ///< traction per penetration, Eq. 8-10

@@ -11,6 +11,7 @@
 
 #include "common/base/base64.hpp"
 #include "common/base/write_file.hpp"
+#include "common/fem/hanging_nodes.hpp"
 
 namespace ricochet::solver {
 namespace {
@@ -38,11 +39,12 @@ std::vector<SolidFace> surface_of(const fem::Mesh& mesh) {
   std::sort(faces.begin(), faces.end(), [](const SolidFace& a, const SolidFace& b) {
     return std::pair(a.sorted, a.element) < std::pair(b.sorted, b.element);
   });
+  const fem::FacesBetweenSizes inside(mesh);
   std::vector<SolidFace> surface;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const bool twin_before = i > 0 && faces[i - 1].sorted == faces[i].sorted;
     const bool twin_after = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
-    if (!twin_before && !twin_after) surface.push_back(faces[i]);
+    if (!twin_before && !twin_after && !inside.has(faces[i].face)) surface.push_back(faces[i]);
   }
   return surface;
 }

@@ -14,6 +14,8 @@ namespace {
 
 /// Columns whose share in the fit is below this are rounding.
 constexpr double rank_tolerance = 1e-8;
+/// Of a displacement: in balance nothing moves, and no residual is smaller than this.
+constexpr double round_off = 1e-15;
 
 Eigen::MatrixXd newest_first(const std::vector<Eigen::VectorXd>& columns, Eigen::Index rows) {
   Eigen::MatrixXd matrix(rows, static_cast<Eigen::Index>(columns.size()));
@@ -49,7 +51,7 @@ void FixedPoint::step(Coupling& coupling, const Step& step) {
     coupling.advance_implicit(trial, force, Acceptance::trial);
     const Vector answer = view(coupling.displacement()), residual = answer - u;
     scale_ = std::max(scale_, (answer - start).norm());
-    if (residual.norm() <= settings_.tolerance * scale_) {
+    if (residual.norm() <= std::max(settings_.tolerance * scale_, round_off * answer.norm())) {
       coupling.accept(step);
       ++windows_;
       iterations_ += iteration;

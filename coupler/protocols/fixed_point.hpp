@@ -12,7 +12,7 @@ namespace ricochet::coupler {
 /// Strong coupling by iteration, for participants that can only repeat a window: the explicit side answers a
 /// displacement u of the shared nodes with a force, the implicit side that force with a displacement u~(u), until the
 /// residual
-///   r = u~(u) - u,   |r| <= tolerance times the largest |u~ - u_n| of a window so far
+///   r = u~(u) - u,   |r| <= tolerance times the largest |u~ - u_n| of a window so far, or the round-off of u~
 /// vanishes. Its solution is that of `belytschko_mullen`. The next u is
 ///   constant  u + omega r
 ///   aitken    the same with omega_k = -omega_{k-1} r_{k-1} . dr / |dr|^2,  dr = r_k - r_{k-1}  (Irons, Tuck 1969)

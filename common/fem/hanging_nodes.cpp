@@ -1,0 +1,128 @@
+#include "common/fem/hanging_nodes.hpp"
+
+#include <algorithm>
+
+namespace ricochet::fem {
+
+const HangingNode* hanging_at(const Mesh& mesh, int node) {
+  const auto found = std::lower_bound(mesh.hanging.begin(), mesh.hanging.end(), node,
+                                      [](const HangingNode& hanging, int n) { return hanging.node < n; });
+  return found != mesh.hanging.end() && found->node == node ? &*found : nullptr;
+}
+
+std::vector<WeightedNode> carried(const Mesh& mesh, const std::vector<WeightedNode>& nodes) {
+  std::vector<WeightedNode> all;
+  for (const WeightedNode& of : nodes) {
+    if (const HangingNode* hanging = hanging_at(mesh, of.node)) {
+      for (const auto& carrier : hanging->carriers) all.push_back({carrier.node, of.weight * carrier.weight});
+    } else {
+      all.push_back(of);
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const WeightedNode& x, const WeightedNode& y) { return x.node < y.node; });
+  std::vector<WeightedNode> sums;
+  for (const WeightedNode& of : all) {
+    if (sums.empty() || sums.back().node != of.node) {
+      sums.push_back(of);
+    } else {
+      sums.back().weight += of.weight;
+    }
+  }
+  return sums;
+}
+
+std::vector<int> carriers_of(const Mesh& mesh, const std::vector<int>& nodes) {
+  std::vector<WeightedNode> weighted;
+  for (const int node : nodes) weighted.push_back({node, 1.0});
+  std::vector<int> carriers;
+  for (const WeightedNode& of : carried(mesh, weighted)) carriers.push_back(of.node);
+  return carriers;
+}
+
+void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values) {
+  for (const HangingNode& of : hanging) {
+    for (int c = 0; c < components; ++c) {
+      double& own = values[of.node * components + c];
+      for (const auto& carrier : of.carriers) values[carrier.node * components + c] += carrier.weight * own;
+      own = 0.0;
+    }
+  }
+}
+
+void follow(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values) {
+  for (const HangingNode& of : hanging) {
+    for (int c = 0; c < components; ++c) {
+      double sum = 0.0;
+      for (const auto& carrier : of.carriers) sum += carrier.weight * values[carrier.node * components + c];
+      values[of.node * components + c] = sum;
+    }
+  }
+}
+
+void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMatrix& stiffness) {
+  if (hanging.empty()) return;
+  const auto nodes = static_cast<std::size_t>(stiffness.rows() / components);
+  std::vector<const HangingNode*> at_node(nodes, nullptr);
+  for (const HangingNode& of : hanging) at_node[at(of.node)] = &of;
+  const auto hangs = [&](Eigen::Index dof) { return at_node[static_cast<std::size_t>(dof / components)]; };
+  const auto each = [&](Eigen::Index dof, const auto& visit) {
+    if (const HangingNode* of = hangs(dof)) {
+      for (const auto& carrier : of->carriers)
+        visit(carrier.node * components + static_cast<int>(dof % components), carrier.weight);
+    } else {
+      visit(static_cast<int>(dof), 1.0);
+    }
+  };
+  std::vector<Eigen::Triplet<double>> moved;
+  for (Eigen::Index row = 0; row < stiffness.rows(); ++row) {
+    for (SparseMatrix::InnerIterator entry(stiffness, row); entry; ++entry) {
+      if (hangs(row) == nullptr && hangs(entry.col()) == nullptr) continue;
+      each(row, [&](int i, double of_row) {
+        each(entry.col(),
+             [&](int j, double of_column) { moved.emplace_back(i, j, of_row * of_column * entry.value()); });
+      });
+    }
+  }
+  SparseMatrix added(stiffness.rows(), stiffness.cols());
+  added.setFromTriplets(moved.begin(), moved.end());
+  // Sums of an entry and of its mirror image run in different orders.
+  const SparseMatrix mirrored = added.transpose();
+  added = 0.5 * (added + mirrored);
+  stiffness.prune(
+      [&](Eigen::Index row, Eigen::Index column, double) { return hangs(row) == nullptr && hangs(column) == nullptr; });
+  stiffness = SparseMatrix(stiffness + added);
+}
+
+FacesBetweenSizes::FacesBetweenSizes(const Mesh& mesh) : mesh_(mesh) {
+  const std::size_t nodes_of_face = mesh.model == Model::solid ? 4 : 2;
+  for (const HangingNode& of : mesh.hanging)
+    if (of.carriers.size() == nodes_of_face) large_.insert(carriers(of.node));
+}
+
+/// Sorted; of a node that does not hang itself.
+Face FacesBetweenSizes::carriers(int node) const {
+  Face of{};
+  if (const HangingNode* hanging = hanging_at(mesh_, node)) {
+    for (const auto& carrier : hanging->carriers) of.push_back(carrier.node);
+  } else {
+    of.push_back(node);
+  }
+  return sorted(of);
+}
+
+/// The face of a small element has a node in the middle of the large one's, or of its edge in two dimensions.
+bool FacesBetweenSizes::has(const Face& face) const {
+  if (large_.empty()) return false;
+  if (large_.contains(sorted(face))) return true;
+  return std::any_of(face.begin(), face.end(), [&](int middle) {
+    const Face large = carriers(middle);
+    const auto on_it = [&](int node) {
+      const Face of = carriers(node);
+      return std::includes(large.begin(), large.end(), of.begin(), of.end());
+    };
+    return large_.contains(large) && std::all_of(face.begin(), face.end(), on_it);
+  });
+}
+
+}  // namespace ricochet::fem

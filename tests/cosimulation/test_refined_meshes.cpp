@@ -1,0 +1,279 @@
+// mesh.refine: small elements in a box of a body, whose nodes hang on the larger ones around it.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/plane_grid.hpp"
+#include "tests/support/same_results.hpp"
+
+namespace ricochet::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* steel = "{ youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }";
+/// c_L of it [m/s].
+const double wave_speed = std::sqrt(200e9 * 0.7 / (7800.0 * 1.3 * 0.4));
+
+std::string box(const std::vector<double>& from, const std::vector<double>& to, int ratio) {
+  return fmt::format("[[body.mesh.refine]]\nfrom_m = [{}]\nto_m = [{}]\nratio = {}\n", fmt::join(from, ", "),
+                     fmt::join(to, ", "), ratio);
+}
+
+std::string protocol_of(const std::string& name) {
+  return fmt::format("[coupling]\nprotocol = \"{}\"\n{}", name, name == "prakash_hjelmstad" ? "substeps = 2\n" : "");
+}
+
+/// Elements of 1 mm held along their sides, strained evenly by a traction on both ends.
+std::string strained_square(const std::string& protocol) {
+  const double strain = 1e-4, traction_pa = 200e9 * 0.7 / (1.3 * 0.4) * strain;
+  std::string text = fmt::format(
+      "model = \"plane_strain\"\n[[body]]\nname = \"square\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, 0.0]\n"
+      "initial_displacement_m = {{ start = [0.0, 0.0], end = [0.0, {}] }}\n"
+      "[body.mesh]\nlength_m = 0.01\nheight_m = 0.008\nelements = [8, 10]\n",
+      steel, 0.01 * strain);
+  text += box({0.002, 0.003}, {0.006, 0.007}, 4) + box({0.003, 0.004}, {0.005, 0.006}, 2);
+  for (const char* side : {"inner", "outer"})
+    text += fmt::format("[[body.support]]\nsurface = \"{}\"\nfixed = [\"x\"]\n", side);
+  for (const auto& [end, sign] : {std::pair("start", -1.0), std::pair("end", 1.0)})
+    text += fmt::format("[[body.traction]]\nsurface = \"{}\"\ntraction_pa = [0.0, {}]\n", end, sign * traction_pa);
+  return text + fmt::format("[time]\nstep_s = {}\nend_s = 10e-6\n", protocol == "all_explicit" ? 1e-8 : 5e-8) +
+         protocol_of(protocol);
+}
+
+class EvenlyStrained : public testing::TestWithParam<const char*> {};
+
+/// The patch test in motion: neither the change of size nor the interface there pushes anything.
+TEST_P(EvenlyStrained, SquareStaysInBalance) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(strained_square(GetParam()), folder);
+  EXPECT_LT(run.largest("energy_kinetic_j"), 1e-16 * run.column("energy_strain_j").front());
+  EXPECT_NEAR(run.last("energy_strain_j") / run.column("energy_strain_j").front(), 1.0, 1e-10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, EvenlyStrained,
+                         testing::Values("hughes_liu", "kim", "belytschko_mullen", "prakash_hjelmstad",
+                                         "gravouil_combescure", "fixed_point", "all_explicit", "all_implicit",
+                                         "local_explicit"));
+
+/// A strip of elements of 1 mm with a smooth pulse of `pulse_elements` from its start, and elements `ratio` times
+/// smaller from 0.1 m on.
+std::string strip(const std::string& protocol, int pulse_elements, int ratio) {
+  constexpr int points = 20;
+  std::vector<double> time_s, factor;
+  for (int i = 0; i <= points; ++i) {
+    time_s.push_back(pulse_elements * 1e-3 / wave_speed * i / points);
+    factor.push_back(std::pow(std::sin(std::acos(-1.0) * i / points), 2));
+  }
+  factor.back() = 0.0;
+  std::string text = fmt::format(
+      "model = \"plane_strain\"\n[[body]]\nname = \"strip\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, 0.0]\n"
+      "[body.mesh]\nlength_m = 0.2\nheight_m = 0.002\nelements = [2, 200]\n",
+      steel);
+  text += box({0.0, 0.1}, {0.002, 0.2}, ratio);
+  for (const char* side : {"inner", "outer"})
+    text += fmt::format("[[body.support]]\nsurface = \"{}\"\nfixed = [\"x\"]\n", side);
+  text += fmt::format(
+      "[[body.traction]]\nsurface = \"start\"\ntraction_pa = [0.0, 1e6]\n[body.traction.amplitude]\ntime_s = [{}]\n"
+      "factor = [{}]\n",
+      fmt::join(time_s, ", "), fmt::join(factor, ", "));
+  const double courant = protocol == "all_explicit" ? 0.9 / ratio : 0.6;
+  text += fmt::format("[time]\nstep_s = {}\nend_s = {}\n", courant * 1e-3 / wave_speed, 0.17 / wave_speed);
+  return text + protocol_of(protocol) + "[[output.probe]]\nname = \"before\"\nbody = \"strip\"\nat_m = [0.001, 0.05]\n";
+}
+
+/// Largest velocity that comes back from the change of size over the largest that went there.
+double reflected(const std::string& protocol, int pulse_elements, int ratio) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(strip(protocol, pulse_elements, ratio), folder);
+  const History probes = read_history(run.folder + "/probes.csv");
+  double there = 0.0, back = 0.0;
+  for (std::size_t n = 0; n < probes.at("time_s").size(); ++n) {
+    const double way_m = wave_speed * probes.at("time_s")[n], v = std::abs(probes.at("before.velocity_y_m_s")[n]);
+    if (way_m < 0.1) there = std::max(there, v);
+    if (way_m > 0.14) back = std::max(back, v);
+  }
+  return back / there;
+}
+
+class ChangeOfSize : public testing::TestWithParam<std::tuple<const char*, int>> {};
+
+/// Of a pulse over 20 of the larger elements half a per cent comes back, of one over 10 about three times as much,
+/// whatever the ratio: what a wave feels is how well the larger elements carry it.
+TEST_P(ChangeOfSize, ReflectsLittleOfASmoothFront) {
+  const auto& [protocol, ratio] = GetParam();
+  const double long_one = reflected(protocol, 20, ratio), short_one = reflected(protocol, 10, ratio);
+  EXPECT_LT(long_one, 5e-3);
+  EXPECT_LT(short_one, 1.5e-2);
+  EXPECT_GT(short_one / long_one, 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ratios, ChangeOfSize,
+                         testing::Combine(testing::Values("hughes_liu", "all_explicit"), testing::Values(2, 4, 8)),
+                         [](const auto& info) {
+                           return fmt::format("{}_{}", std::get<0>(info.param), std::get<1>(info.param));
+                         });
+
+/// A striker with a nose of 50 mm against a strip, oblique, both with boxes at the contact.
+std::string oblique_impact(const std::string& protocol, const std::string& of_bodies = "",
+                           const std::string& more = "") {
+  std::string text = "model = \"plane_strain\"\n";
+  for (const bool striker : {true, false}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [{}]\n{}"
+        "[body.mesh]\nlength_m = 0.01\nheight_m = 0.008\nstart_m = {}\nelements = [8, 10]\n",
+        striker ? "striker" : "strip", steel, striker ? "1.0, 10.0" : "0.0, 0.0", of_bodies, striker ? 0.0 : 0.01);
+    text += striker ? box({0.0, 0.007}, {0.006, 0.01}, 4) : box({0.0, 0.01}, {0.006, 0.013}, 3);
+  }
+  return text + "[contact]\nsurfaces = [\"striker.end\", \"strip.start\"]\nnose_radius_m = 0.05\n" +
+         "friction_coefficient = 0.2\n[time]\nend_s = 8e-6\n" +
+         (protocol == "all_explicit" ? "safety_factor = 0.5\n" : "step_s = 8e-8\n") + more + protocol_of(protocol);
+}
+
+class RefinedImpact : public testing::TestWithParam<const char*> {};
+
+TEST_P(RefinedImpact, KeepsBothMomenta) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(oblique_impact(GetParam()), folder),
+                  reference = run_text(oblique_impact("all_implicit"), folder, "reference");
+  EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-10);
+  EXPECT_LT(run.summary["angular_momentum_error_max"].get<double>(), 1e-3) << "bodies without a frame of their own";
+  EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-2);
+  EXPECT_NEAR(run.last("contact_impulse_n_s") / reference.last("contact_impulse_n_s"), 1.0, 0.02);
+  EXPECT_NEAR(run.last("friction_impulse_n_s") / reference.last("friction_impulse_n_s"), 1.0, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, RefinedImpact,
+                         testing::Values("hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "fixed_point",
+                                         "all_explicit", "local_explicit"));
+
+std::string yields(const std::string& text) {
+  std::string all = text;
+  for (std::size_t at = all.find("density_kg_m3 = 7800.0 }"); at != std::string::npos;
+       at = all.find("density_kg_m3 = 7800.0 }", at))
+    all.replace(at, 24, "density_kg_m3 = 7800.0, plasticity = { yield_stress_pa = 300e6, hardening_pa = 2e9 } }");
+  return all;
+}
+
+/// Hanging nodes take their part in yield: every joule is owned in the explicit part, and an implicit one agrees.
+TEST(RefinedImpact, OfBodiesThatYieldOwnsEveryJoule) {
+  const TemporaryFolder folder;
+  const RunResult explicit_run = run_text(yields(oblique_impact("all_explicit")), folder, "explicit"),
+                  implicit_run = run_text(yields(oblique_impact("all_implicit")), folder, "implicit"),
+                  elastic = run_text(oblique_impact("all_implicit"), folder, "elastic");
+  const double energy_j = explicit_run.column("energy_kinetic_j").front();
+  EXPECT_GT(implicit_run.last("plastic_work_j"), 0.02 * energy_j);
+  EXPECT_NEAR(explicit_run.last("plastic_work_j") / implicit_run.last("plastic_work_j"), 1.0, 0.05);
+  EXPECT_NEAR(explicit_run.last("contact_impulse_n_s") / implicit_run.last("contact_impulse_n_s"), 1.0, 0.02);
+  EXPECT_LT(implicit_run.summary["momentum_error_max"].get<double>(), 1e-10);
+  EXPECT_LT(std::abs(implicit_run.last("energy_error") - elastic.last("energy_error")), 5e-3);
+}
+
+/// A plate with a box in its middle spins as one.
+TEST(RefinedPlate, SpinsAndKeepsItsMomentaAndItsEnergy) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(
+      fmt::format("model = \"plane_strain\"\n[[body]]\nname = \"plate\"\nmaterial = {}\nlarge_rotation = true\n"
+                  "initial_angular_velocity_rad_s = 3000.0\ninitial_velocity_m_s = [10.0, 3.0]\n"
+                  "[body.mesh]\nlength_m = 0.06\nheight_m = 0.02\nelements = [4, 12]\n{}"
+                  "[time]\nsafety_factor = 0.7\nend_s = 2e-3\n[output]\nhistory_every = 40\n{}",
+                  steel, box({0.005, 0.02}, {0.015, 0.04}, 3), protocol_of("all_explicit")),
+      folder);
+  EXPECT_LT(run.summary["angular_momentum_error_max"].get<double>(), 1e-12);
+  EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-12);
+  EXPECT_LT(run.summary["energy_error_max"].get<double>(), 1e-5);
+}
+
+/// Blocks of hexahedra that slide along each other, with nodes that hang in both contact surfaces.
+std::string sliding_blocks(const std::string& more) {
+  std::string text = "model = \"solid\"\n";
+  for (const bool upper : {true, false}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [{}]\n[body.mesh]\nlength_m = 0.004\n"
+        "height_m = {}\nwidth_m = {}\nstart_m = {}\nelements = {}\n",
+        upper ? "upper" : "lower", steel, upper ? "2.0, 0.0, -10.0" : "0.0, 0.0, 0.0", upper ? 0.004 : 0.006,
+        upper ? 0.004 : 0.006, upper ? 0.0 : -0.004, upper ? "[4, 4, 4]" : "[6, 6, 4]");
+    text +=
+        upper ? box({0.001, 0.001, 0.0}, {0.003, 0.003, 0.002}, 2) : box({0.0, 0.0, -0.002}, {0.004, 0.004, 0.0}, 2);
+  }
+  return text + "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\nfriction_coefficient = 0.2\n" +
+         "[time]\nstep_s = 6e-8\nend_s = 4e-6\n" + more;
+}
+
+TEST(RefinedBlocks, SlideOnNodesThatHang) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(sliding_blocks("[checkpoint]\nevery_windows = 25\n"), folder),
+                  implicit_run = run_text(sliding_blocks(protocol_of("all_implicit")), folder, "implicit");
+  EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-11);
+  EXPECT_NEAR(run.last("contact_impulse_n_s") / implicit_run.last("contact_impulse_n_s"), 1.0, 0.02);
+  EXPECT_NEAR(run.last("friction_impulse_n_s") / implicit_run.last("friction_impulse_n_s"), 1.0, 0.05);
+  EXPECT_LE(std::abs(run.last("friction_impulse_n_s")), 0.2 * run.last("contact_impulse_n_s") * (1.0 + 1e-9));
+  expect_the_same_from_the_earlier_checkpoint(run, folder);
+}
+
+/// All elements divided are a finer mesh: the same impact but for round-off.
+TEST(RefinedBlocks, DividedThroughoutAreTheFinerMesh) {
+  const TemporaryFolder folder;
+  const auto bars = [](const std::string& elements, const std::string& boxes) {
+    std::string text = "model = \"plane_strain\"\n";
+    for (const bool striker : {true, false})
+      text += fmt::format(
+          "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, {}]\n[body.mesh]\nlength_m = 0.01\n"
+          "height_m = 0.004\nstart_m = {}\nelements = {}\n{}",
+          striker ? "striker" : "strip", steel, striker ? 10.0 : 0.0, striker ? 0.0 : 0.01, elements, boxes);
+    return text +
+           "[contact]\nsurfaces = [\"striker.end\", \"strip.start\"]\n[partition]\nimplicit_length_m = "
+           "{ striker = 2e-3, strip = 2e-3 }\n[time]\nstep_s = 4e-8\nend_s = 8e-6\n";
+  };
+  const RunResult divided = run_text(bars("[2, 5]", box({0.0, 0.0}, {1.0, 1.0}, 4)), folder, "divided"),
+                  finer = run_text(bars("[8, 20]", ""), folder, "finer");
+  const auto &force = divided.column("contact_force_n"), &expected = finer.column("contact_force_n");
+  ASSERT_EQ(force.size(), expected.size());
+  const double scale = finer.largest("contact_force_n");
+  for (std::size_t n = 0; n < force.size(); ++n) ASSERT_NEAR(force[n], expected[n], 1e-8 * scale) << n;
+}
+
+std::string refusal(const std::string& text) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
+  EXPECT_EQ(outcome.code, 2);
+  return outcome.error;
+}
+
+TEST(RefinedMeshes, AreRefusedWhereTheyCannotBe) {
+  const std::string square = strained_square("all_explicit");
+  EXPECT_THAT(refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.003, 0.006]")),
+              HasSubstr("found 0.003; allowed: a number > 0.003, that of from_m"));
+  EXPECT_THAT(refusal(replaced(square, "ratio = 2", "ratio = 1")), HasSubstr("body.square.mesh.refine[1].ratio"));
+  EXPECT_THAT(refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.006, 0.006]")),
+              HasSubstr("a whole layer of elements between two changes of size"));
+  EXPECT_THAT(
+      refusal(square + "[[participant]]\nname = \"all\"\nrole = \"explicit\"\nbodies = [\"square\"]\nranks = 2\n"),
+      HasSubstr("with body \"square\", which mesh.refine divides in part; allowed: no ranks (and threads)"));
+  EXPECT_THAT(refusal(replaced(sliding_blocks(""), "friction_coefficient = 0.2", "multiplier_update = \"massless\"")),
+              HasSubstr("with nodes that hang, by mesh.refine; allowed: a surface of one size of elements"));
+}
+
+/// New nodes would lie on the chords of the larger elements.
+TEST(RefinedMeshes, AreRefusedAtACurvedContactSurface) {
+  const TemporaryFolder folder;
+  const PlaneGrid arch(12, 4, [](double a, double b) {
+    const double angle = (a - 0.5) * 1.0, radius = 0.01 + 0.004 * b;
+    return PlaneGrid::Place(radius * std::sin(angle), 0.014 - radius * std::cos(angle));
+  });
+  (void)folder.write(arch.msh("arch", {{"outer", arch.high()}}), "arch.msh");
+  const std::string text = fmt::format(
+      "model = \"plane_strain\"\n[[body]]\nname = \"arch\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, -1.0]\n"
+      "[body.mesh]\ngmsh = \"arch.msh\"\n{}[contact]\nsurfaces = [\"arch.outer\", \"rigid_plane\"]\n[time]\nend_s = 1e-6\n{}",
+      steel, box({-0.002, -0.002}, {0.002, 0.002}, 2), protocol_of("all_explicit"));
+  const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
+  EXPECT_THAT(outcome.error, HasSubstr("which is curved and has elements that mesh.refine divides"));
+}
+
+}  // namespace
+}  // namespace ricochet::test
