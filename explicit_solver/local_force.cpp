@@ -26,6 +26,13 @@ bool LocalForce::spreads(int dof) const {
   return steps_.any() && steps_.steps_locally(dof / fem::components(state_->part.mesh.model));
 }
 
+double LocalForce::stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force, double half_work_j) const {
+  if (!steps_.any()) return half_work_j;
+  Eigen::VectorXd elements(u.size());
+  state_->stiffness.multiply(u, elements);
+  return half_work_j + 0.5 * u.dot(elements - force);
+}
+
 MakeForce local_force(double window_s) {
   return [window_s](const solver::BodyState& state, const std::vector<int>& driven) {
     return std::make_unique<LocalForce>(state, driven, window_s);

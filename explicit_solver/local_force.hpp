@@ -20,6 +20,8 @@ class LocalForce final : public solver::LinearElements {
   void reach_all() override { front_.reach_all(); }
   void spread(Eigen::VectorXd& force) override { steps_.spread(force); }
   [[nodiscard]] bool spreads(int dof) const override;
+  [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
+                              double half_work_j) const override;
   void archive(Archive& a) override { front_.archive(a); }
 
  private:

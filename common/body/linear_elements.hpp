@@ -18,7 +18,7 @@ class LinearElements : public InternalForce {
   void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override { state_->stiffness.multiply(u, force); }
   [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }
   [[nodiscard]] bool linear() const final { return true; }
-  [[nodiscard]] double stored(const Eigen::VectorXd&, const Eigen::VectorXd&, double half_work_j) const final {
+  [[nodiscard]] double stored(const Eigen::VectorXd&, const Eigen::VectorXd&, double half_work_j) const override {
     return half_work_j;
   }
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd&) final { return state_->part.stiffness; }

@@ -31,7 +31,7 @@ LocalStepsPlan plan_local_steps(const Problem& problem, const ParticipantPart& p
   const BodyProblem& body = problem.bodies[at(part.body)];
   const fem::LocalSteps steps = local_steps(body, part.part, problem.clock.size_s());
   if (steps.any()) refuse_absorbing(problem, body, steps);
-  return {body.name, steps.nodes_by_level(), steps.extra_rows(), steps.longest_window_s()};
+  return {body.name, steps.nodes_by_level(), extra_rows(problem, part.body, steps), steps.longest_window_s()};
 }
 
 void check_local_steps(const Problem& problem, Plan& plan) {

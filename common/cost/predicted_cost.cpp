@@ -293,7 +293,8 @@ void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std
     std::vector<int> elements(body.mesh.elements.size());
     std::iota(elements.begin(), elements.end(), 0);
     const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
-    whole[b].products += scene::local_steps(body, part, problem.clock.largest_size_s()).extra_rows();
+    const auto steps = scene::local_steps(body, part, problem.clock.largest_size_s());
+    whole[b].products += scene::extra_rows(problem, static_cast<int>(b), steps);
   }
 }
 

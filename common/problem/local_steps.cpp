@@ -1,5 +1,7 @@
 #include "common/problem/local_steps.hpp"
 
+#include <algorithm>
+
 namespace ricochet::scene {
 
 fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s) {
@@ -10,6 +12,13 @@ fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, doub
     inverse_mass[dof] = fixed ? 0.0 : 1.0 / part.lumped_mass[dof / components];
   }
   return {part.stiffness, inverse_mass, components, window_s};
+}
+
+double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps) {
+  if (!steps.any()) return 0.0;
+  const std::vector<int> contact = contact_nodes(problem.contacts, body);
+  const bool inside = std::any_of(contact.begin(), contact.end(), [&](int node) { return steps.steps_locally(node); });
+  return (inside ? 2.0 : 1.0) * steps.extra_rows();
 }
 
 }  // namespace ricochet::scene

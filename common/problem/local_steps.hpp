@@ -8,4 +8,8 @@ namespace ricochet::scene {
 /// Local steps of a whole body in windows of `window_s`, with its supports. `part`: all its elements.
 [[nodiscard]] fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s);
 
+/// Rows of K that a window multiplies beside the whole, over all rows: once for the body's own forces, and once more
+/// for contact forces that act inside the small steps.
+[[nodiscard]] double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps);
+
 }  // namespace ricochet::scene

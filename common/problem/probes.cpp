@@ -186,26 +186,30 @@ std::vector<MeasuredPlace> measured_places(const Problem& problem) {
   return places;
 }
 
+std::vector<std::string> columns_of_probe(Model model, const std::string& name, bool yields) {
+  std::vector<std::string> columns;
+  for (const auto& [quantity, unit] : {std::pair{"displacement", "m"}, {"velocity", "m_s"}, {"acceleration", "m_s2"}}) {
+    for (const auto& component : motion_names(model))
+      columns.push_back(fmt::format("{}.{}_{}_{}", name, quantity, component, unit));
+  }
+  for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.strain_{}", name, component));
+  for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.stress_{}_pa", name, component));
+  columns.push_back(name + ".von_mises_pa");
+  if (yields) columns.push_back(name + ".equivalent_plastic_strain");
+  return columns;
+}
+
+std::vector<std::string> columns_of_gauge(const std::string& name) { return {name + ".strain", name + ".stress_pa"}; }
+
 std::vector<std::string> probe_columns(const Scene& scene) {
   std::vector<std::string> columns;
   if (!scene.output.wants_probes()) return columns;
-  for (const Probe& probe : scene.output.probes) {
-    for (const auto& [quantity, unit] :
-         {std::pair{"displacement", "m"}, {"velocity", "m_s"}, {"acceleration", "m_s2"}}) {
-      for (const auto& component : motion_names(scene.model))
-        columns.push_back(fmt::format("{}.{}_{}_{}", probe.name, quantity, component, unit));
-    }
-    for (const auto& component : strain_names(scene.model))
-      columns.push_back(fmt::format("{}.strain_{}", probe.name, component));
-    for (const auto& component : strain_names(scene.model))
-      columns.push_back(fmt::format("{}.stress_{}_pa", probe.name, component));
-    columns.push_back(probe.name + ".von_mises_pa");
-    if (scene.body(probe.body).material.plasticity) columns.push_back(probe.name + ".equivalent_plastic_strain");
-  }
-  for (const Gauge& gauge : scene.output.gauges) {
-    columns.push_back(gauge.name + ".strain");
-    columns.push_back(gauge.name + ".stress_pa");
-  }
+  const auto add = [&columns](const std::vector<std::string>& more) {
+    columns.insert(columns.end(), more.begin(), more.end());
+  };
+  for (const Probe& probe : scene.output.probes)
+    add(columns_of_probe(scene.model, probe.name, scene.body(probe.body).material.plasticity.has_value()));
+  for (const Gauge& gauge : scene.output.gauges) add(columns_of_gauge(gauge.name));
   return columns;
 }
 

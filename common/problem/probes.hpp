@@ -31,9 +31,13 @@ struct MeasuredPlace {
 /// "x", "y", ... of the displacement; "xx", "yy", ... of strain and stress, in the order of element.hpp.
 [[nodiscard]] std::vector<std::string> strain_names(Model model);
 
-/// Names of the columns of probes.csv behind the time, in its order. A probe has displacement, velocity, acceleration,
-/// strain (shear as the tensor's), stress, von Mises stress and, where its body yields, equivalent plastic strain; a
-/// gauge has strain and stress along the axis.
+/// Names of the columns of a probe and of a gauge. A probe has displacement, velocity, acceleration, strain (shear as
+/// the tensor's), stress, von Mises stress and, where its body `yields`, equivalent plastic strain; a gauge has strain
+/// and stress along the axis.
+[[nodiscard]] std::vector<std::string> columns_of_probe(Model model, const std::string& name, bool yields);
+[[nodiscard]] std::vector<std::string> columns_of_gauge(const std::string& name);
+
+/// Names of the columns of probes.csv behind the time, in its order.
 [[nodiscard]] std::vector<std::string> probe_columns(const Scene& scene);
 
 }  // namespace ricochet::scene

@@ -120,7 +120,9 @@ void StudyCase::compute() {
 
 Observation StudyCase::observation() const {
   const std::string folder = repeat_folder(1);
-  return observe(report::read_history(folder + "/history.csv"), report::read_summary(folder + "/summary.json"));
+  const std::string probes = folder + "/probes.csv";
+  return observe(report::read_history(folder + "/history.csv"), report::read_summary(folder + "/summary.json"),
+                 scene::is_file(probes) ? report::read_history(probes) : report::HistoryTable());
 }
 
 }  // namespace ricochet::coupler

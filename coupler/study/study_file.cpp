@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/base/names.hpp"
+#include "common/problem/probes.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
 #include "common/scene/toml_file.hpp"
@@ -143,10 +144,31 @@ std::string text_at(const scene::Toml& table, const char* key) {
   return table.at(key).as_string();
 }
 
+fem::Model model_of(const std::string& name) {
+  if (name == "bar") return fem::Model::bar;
+  if (name == "solid") return fem::Model::solid;
+  return name == "plane_strain" ? fem::Model::plane_strain : fem::Model::axisymmetric;
+}
+
+/// Whether its body yields is not known: its plastic strain has no error where it does not.
+void add_probes(const scene::Toml& output, fem::Model model, MeasuredScene& scene) {
+  const auto add = [&](const char* key, const auto& columns_of) {
+    if (!output.is_table() || !output.contains(key) || !output.at(key).is_array()) return;
+    for (const auto& place : output.at(key).as_array()) {
+      const auto columns = columns_of(text_at(place, "name"));
+      scene.probes.insert(scene.probes.end(), columns.begin(), columns.end());
+    }
+  };
+  add("probe", [model](const std::string& name) { return scene::columns_of_probe(model, name, true); });
+  add("gauge", [](const std::string& name) { return scene::columns_of_gauge(name); });
+}
+
 /// What a study can measure of its scene, which may still lack what the study gives it.
 MeasuredScene measured_scene(const std::string& path) {
   const scene::Toml file = scene::parse_toml(path, scene::read_text(path));
-  MeasuredScene scene{.solid = text_at(file, "model") == "solid"};
+  const fem::Model model = model_of(text_at(file, "model"));
+  MeasuredScene scene{.solid = model == fem::Model::solid};
+  if (file.contains("output")) add_probes(file.at("output"), model, scene);
   if (!file.contains("contact") || !file.at("contact").is_array() || file.at("contact").size() < 2) return scene;
   for (const auto& contact : file.at("contact").as_array()) scene.contacts.push_back(text_at(contact, "name"));
   return scene;
@@ -155,8 +177,8 @@ MeasuredScene measured_scene(const std::string& path) {
 std::vector<std::string> load_quantities(TableReader& root, const MeasuredScene& scene) {
   auto names = quantity_names(scene);
   if (!root.has("quantities")) return names;
-  const auto of_contacts = contact_quantity_names(scene);
-  names.insert(names.end(), of_contacts.begin(), of_contacts.end());
+  const auto more = more_quantity_names(scene);
+  names.insert(names.end(), more.begin(), more.end());
   return root.words("quantities", names);
 }
 

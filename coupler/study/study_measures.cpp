@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "common/base/error.hpp"
 #include "coupler/results/theory.hpp"
@@ -11,8 +12,9 @@
 namespace ricochet::coupler {
 namespace {
 
-/// Midpoints of the contact period at which histories are compared.
+/// Midpoints of a period at which histories are compared.
 constexpr int samples = 4000;
+constexpr const char* of_probe = "probe/";
 
 std::optional<double> value_of(const nlohmann::ordered_json& summary, const char* key) {
   const auto found = summary.find(key);
@@ -85,6 +87,29 @@ struct QuantityName {
     return found == seen.contacts.end() ? unknown : found->second;
   }
 };
+
+/// Root of the mean square of the difference from `begin_s` to `end_s`.
+double rms_between(const Curve& run, const Curve& reference, double begin_s, double end_s) {
+  double squares = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const double time_s = begin_s + (i + 0.5) / samples * (end_s - begin_s);
+    const double difference = run.at(time_s) - reference.at(time_s);
+    squares += difference * difference;
+  }
+  return std::sqrt(squares / samples);
+}
+
+/// A value that nobody told is nan, and so is an error with it.
+std::optional<double> probe_error(const std::string& column, const Observation& run, const Observation& reference) {
+  const auto own = run.probes.find(column), other = reference.probes.find(column);
+  if (own == run.probes.end() || other == reference.probes.end()) return {};
+  const Curve &curve = own->second, &exact = other->second;
+  if (curve.time_s.empty() || exact.time_s.empty()) return {};
+  double largest = 0.0;
+  for (const double value : exact.value) largest = std::max(largest, std::abs(value));
+  const double error = rms_between(curve, exact, exact.time_s.front(), exact.time_s.back()) / largest;
+  return std::isfinite(error) ? std::optional(error) : std::nullopt;
+}
 
 std::optional<double> contact_error(const std::string& quantity, const ContactObservation& run,
                                     const ContactObservation& reference) {
@@ -164,8 +189,11 @@ double Curve::at(double t) const {
   return value[i - 1] + (value[i] - value[i - 1]) * (t - time_s[i - 1]) / (time_s[i] - time_s[i - 1]);
 }
 
-Observation observe(const report::HistoryTable& history, const nlohmann::ordered_json& summary) {
+Observation observe(const report::HistoryTable& history, const nlohmann::ordered_json& summary,
+                    const report::HistoryTable& probes) {
   Observation seen;
+  for (std::size_t c = 1; c < probes.columns.size(); ++c)
+    seen.probes[probes.names[c]] = {probes.columns.front(), probes.columns[c]};
   const double window_s = value_of(summary, "window_size_s").value_or(0.0);
   static_cast<ContactObservation&>(seen) = observe_contact(history, "", summary, window_s);
   if (const auto contacts = summary.find("contacts"); contacts != summary.end()) {
@@ -228,7 +256,7 @@ std::vector<std::string> quantity_names(const MeasuredScene& scene) {
   return names;
 }
 
-std::vector<std::string> contact_quantity_names(const MeasuredScene& scene) {
+std::vector<std::string> more_quantity_names(const MeasuredScene& scene) {
   std::vector<std::string> names;
   for (const auto& contact : scene.contacts) {
     for (const char* quantity :
@@ -237,6 +265,7 @@ std::vector<std::string> contact_quantity_names(const MeasuredScene& scene) {
         names.push_back(fmt::format("{}/{}", quantity, contact));
     }
   }
+  for (const auto& column : scene.probes) names.push_back(of_probe + column);
   return names;
 }
 
@@ -258,13 +287,7 @@ std::optional<double> rms_difference(const std::string& quantity, const Observat
 std::optional<double> rms_difference(const Curve& run, const Curve& reference, const ContactObservation& of) {
   const double period_s = contact_period_s(of);
   if (!(period_s > 0.0) || run.time_s.empty() || reference.time_s.empty()) return {};
-  double squares = 0.0;
-  for (int i = 0; i < samples; ++i) {
-    const double time_s = of.contact_begin_s + (i + 0.5) / samples * period_s;
-    const double difference = run.at(time_s) - reference.at(time_s);
-    squares += difference * difference;
-  }
-  return std::sqrt(squares / samples);
+  return rms_between(run, reference, of.contact_begin_s, of.contact_end_s);
 }
 
 std::optional<double> error_of(const std::string& quantity, const Observation& run, const Observation& reference) {
@@ -273,6 +296,7 @@ std::optional<double> error_of(const std::string& quantity, const Observation& r
                          reference);
   if (quantity == "rebound_velocity") return rebound_error(run, reference);
   if (quantity == "energy_drift") return run.energy_drift;
+  if (quantity.starts_with(of_probe)) return probe_error(quantity.substr(std::strlen(of_probe)), run, reference);
   const QuantityName name(quantity);
   return contact_error(name.quantity, name.of(run), name.of(reference));
 }

@@ -31,12 +31,15 @@ struct ContactObservation {
 struct Observation : ContactObservation {
   Curve principal_stress_pa;  ///< mean over the contact surface, positive in compression
   std::map<std::string, ContactObservation> contacts;
+  std::map<std::string, Curve> probes;  ///< by columns of probes.csv
   std::optional<double> energy_drift;
   std::vector<double> rebound_velocity_m_s;  ///< mean velocity of every body along the normal, at the end
   double greatest_speed_m_s = 0.0;           ///< of these mean velocities, at any time
 };
 
-[[nodiscard]] Observation observe(const report::HistoryTable& history, const nlohmann::ordered_json& summary);
+/// `probes`: probes.csv, empty of a run without.
+[[nodiscard]] Observation observe(const report::HistoryTable& history, const nlohmann::ordered_json& summary,
+                                  const report::HistoryTable& probes = {});
 
 /// One-dimensional impedance theory (theory.hpp) as an observation. ConfigError where it is not exact: for other models
 /// than bars, with supports or loads, and where the longer bar's wave changes the force before the end.
@@ -46,6 +49,7 @@ struct Observation : ContactObservation {
 struct MeasuredScene {
   bool solid = false;
   std::vector<std::string> contacts{};  ///< names of several
+  std::vector<std::string> probes{};    ///< columns of probes and gauges
 };
 
 /// Names of the quantities of a whole scene, as a study file lists them:
@@ -57,8 +61,9 @@ struct MeasuredScene {
 ///   rebound_velocity  largest difference of any body over the reference's greatest speed
 ///   energy_drift  of the run itself, over the initial energy, whatever the reference.
 [[nodiscard]] std::vector<std::string> quantity_names(const MeasuredScene& scene);
-/// And of each of several contacts, "QUANTITY/CONTACT".
-[[nodiscard]] std::vector<std::string> contact_quantity_names(const MeasuredScene& scene);
+/// And of each of several contacts, "QUANTITY/CONTACT"; of probes and gauges "probe/COLUMN": RMS over all of the
+/// reference's rows of the difference of the histories, over the reference's largest magnitude.
+[[nodiscard]] std::vector<std::string> more_quantity_names(const MeasuredScene& scene);
 
 /// Quantities that are histories of a stress.
 [[nodiscard]] std::vector<std::string> history_names(const MeasuredScene& scene);

@@ -193,6 +193,38 @@ refine = { time.step_s = 2.5e-7 }
   EXPECT_EQ(rows_of(out), rows);
 }
 
+/// Of a probe's history the error falls with the step; a column that no probe has is refused by its nearest name.
+TEST(Study, ComparesWhatAProbeSees) {
+  const TemporaryFolder folder;
+  (void)folder.write(config_text("two_bars") + "[[output.probe]]\nname = \"middle\"\nbody = \"left\"\nat_m = [0.0]\n",
+                     "probed.toml");
+  const std::string text = R"(scene = "probed.toml"
+methods = ["all_implicit"]
+quantities = ["probe/middle.displacement_x_m"]
+[[vary]]
+time.step_s = [1e-6, 5e-7]
+[reference]
+protocol = "all_explicit"
+changes = { time.step_s = 1e-7 }
+refine = { time.step_s = 5e-8 }
+)";
+  const std::string out = (folder.path() / "study").string();
+  const auto outcome = study(folder.write(text, "study.toml"), out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 2U);
+  const double coarse = std::stod(rows[0].at("error_probe/middle.displacement_x_m")),
+               fine = std::stod(rows[1].at("error_probe/middle.displacement_x_m"));
+  EXPECT_LT(coarse, 2e-2);
+  EXPECT_LT(fine, coarse);
+  EXPECT_GT(fine, 0.0);
+  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("middle.displacement_x_m"));
+  const auto wrong =
+      study(folder.write(replaced(text, "displacement_x_m", "displacement_y_m"), "wrong.toml"), out + "_wrong", folder);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.error, HasSubstr("did you mean \"probe/middle.displacement_x_m\"?"));
+}
+
 /// The run that was going on is not begun anew: it goes on, to the bytes of one that was never interrupted.
 TEST(Study, ResumesInsideTheRunThatWasInterrupted) {
   const TemporaryFolder folder;

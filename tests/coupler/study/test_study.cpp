@@ -408,6 +408,25 @@ TEST(StudyMeasures, AForceStandsAtTheMiddleOfItsWindow) {
   EXPECT_EQ(seen.principal_stress_pa.at(1.0), 1.0) << "a stress is that of its time";
 }
 
+/// Of 2 (t - 2) from t = 2 to 3 in a run of 3 s, over a largest magnitude of 4: as above.
+TEST(StudyMeasures, AProbeIsComparedOverItsWholeRun) {
+  const auto seen = [](const report::HistoryTable& probes) {
+    report::HistoryTable history;
+    history.names = {"time_s", "contact_force_n", "contact_pressure_mean_pa", "principal_stress_mean_pa",
+                     "friction_force_n"};
+    history.columns.assign(5, {0.0});
+    return observe(history, nlohmann::ordered_json::object(), probes);
+  };
+  const std::vector<std::string> names{"time_s", "far.stress_pa", "far.strain"};
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto run = seen({names, {{0.0, 2.0, 3.0}, {-4.0, -4.0, -2.0}, {none, none, none}}}),
+             reference = seen({names, {{0.0, 3.0}, {-4.0, -4.0}, {1.0, 1.0}}});
+  EXPECT_NEAR(*error_of("probe/far.stress_pa", run, reference), std::sqrt(4.0 / 9.0) / 4.0, 1e-6);
+  EXPECT_EQ(*error_of("probe/far.stress_pa", reference, reference), 0.0);
+  EXPECT_FALSE(error_of("probe/far.strain", run, reference)) << "nobody told it";
+  EXPECT_FALSE(error_of("probe/near.stress_pa", run, reference));
+}
+
 TEST(StudyMeasures, RmsOfARampIsExact) {
   Observation reference, run;
   reference.contact_end_s = run.contact_end_s = 3.0;
