@@ -17,7 +17,7 @@ namespace {
 /// Pairs with less of the largest pressure are not closed: where nothing presses forces are rounding.
 constexpr double pressing_share = 1e-3;
 
-/// Of the normal's entries on the first surface.
+/// The largest entry of the normal's row on the first surface.
 const RowEntry* largest_of_first(const Pair& pair) {
   const RowEntry* most = nullptr;
   for (const auto& e : pair.normal.entries) {

@@ -13,7 +13,7 @@
 /// higher than that of the elements alone. Sums of forces, masses and first moments stay what they were.
 namespace ricochet::fem {
 
-/// Of a node that hangs its carriers, else null.
+/// Null if the node does not hang.
 [[nodiscard]] const HangingNode* hanging_at(const Mesh& mesh, int node);
 
 /// visit(node) of the nodes that say how an element moves: its own, in place of those that hang their carriers. One may
@@ -35,7 +35,7 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
 /// Nodes in ascending order, in place of those that hang their carriers.
 [[nodiscard]] std::vector<int> carriers_of(const Mesh& mesh, const std::vector<int>& nodes);
 
-/// What lies on hanging nodes, forces or masses of `components` numbers a node, goes to their carriers.
+/// Gives what lies on hanging nodes, forces or masses of `components` numbers a node, to their carriers.
 void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values);
 
 /// Hanging nodes take the displacement, velocity or acceleration of their carriers.

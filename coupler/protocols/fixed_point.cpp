@@ -14,7 +14,7 @@ namespace {
 
 /// Columns whose share in the fit is below this are rounding.
 constexpr double rank_tolerance = 1e-8;
-/// Of a displacement: in balance nothing moves, and no residual is smaller than this.
+/// Share of a displacement: in balance nothing moves, and no residual is smaller than this.
 constexpr double round_off = 1e-15;
 
 Eigen::MatrixXd newest_first(const std::vector<Eigen::VectorXd>& columns, Eigen::Index rows) {

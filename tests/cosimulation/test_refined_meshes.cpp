@@ -103,7 +103,7 @@ double reflected(const std::string& protocol, int pulse_elements, int ratio) {
 
 class ChangeOfSize : public testing::TestWithParam<std::tuple<const char*, int>> {};
 
-/// Of a pulse over 20 of the larger elements half a per cent comes back, of one over 10 about three times as much,
+/// Half a per cent comes back of a pulse over 20 of the larger elements, about three times as much of one over 10,
 /// whatever the ratio: what a wave feels is how well the larger elements carry it.
 TEST_P(ChangeOfSize, ReflectsLittleOfASmoothFront) {
   const auto& [protocol, ratio] = GetParam();
@@ -219,6 +219,40 @@ TEST(RefinedBlocks, SlideOnNodesThatHang) {
   expect_the_same_from_the_earlier_checkpoint(run, folder);
 }
 
+/// Blocks of two materials whose contact slips towards the middle; boxes of two ratios there.
+std::string squeezed_blocks(bool whole) {
+  const double side_m = whole ? 0.004 : 0.002, middle_m = whole ? 0.002 : 0.0;
+  std::string text = "model = \"solid\"\n";
+  for (const bool upper : {true, false}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = {}, poisson_ratio = 0.3, density_kg_m3 = 7800.0 "
+        "}}\ninitial_velocity_m_s = [0.0, 0.0, {}]\n[body.mesh]\nlength_m = 0.002\nheight_m = {}\nwidth_m = {}\n"
+        "start_m = {}\nelements = [{}, {}, 4]\n",
+        upper ? "upper" : "lower", upper ? 200e9 : 70e9, upper ? -10.0 : 0.0, side_m, side_m, upper ? 0.0 : -0.002,
+        whole ? 8 : 4, whole ? 8 : 4);
+    const double half_m = upper ? 0.001 : 0.0005, low_m = middle_m - half_m, high_m = middle_m + half_m;
+    text += box({low_m, low_m, upper ? 0.0 : -0.001}, {high_m, high_m, upper ? 0.001 : 0.0}, upper ? 2 : 3);
+    for (const auto& [surface, held] : {std::pair("inner", "x"), std::pair("front", "y")})
+      text += whole ? "" : fmt::format("[[body.support]]\nsurface = \"{}\"\nfixed = [\"{}\"]\n", surface, held);
+  }
+  return text + "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\nfriction_coefficient = 0.1\n" +
+         "[time]\nstep_s = 2e-8\nend_s = 2e-6\n";
+}
+
+/// Nodes that hang across a plane of symmetry push and rub as those of the whole.
+TEST(RefinedBlocks, OfAQuarterHaveItsShare) {
+  const TemporaryFolder folder;
+  const RunResult whole = run_text(squeezed_blocks(true), folder, "whole"),
+                  quarter = run_text(squeezed_blocks(false), folder, "quarter");
+  for (const char* column : {"contact_force_n", "energy_friction_j", "energy_strain_j"}) {
+    const auto &all = whole.column(column), &share = quarter.column(column);
+    ASSERT_EQ(all.size(), share.size());
+    for (std::size_t n = 0; n < all.size(); ++n)
+      ASSERT_NEAR(4.0 * share[n], all[n], 1e-6 * std::abs(whole.largest(column))) << column << ", row " << n;
+  }
+  EXPECT_GT(whole.last("energy_friction_j"), 0.0);
+}
+
 /// All elements divided are a finer mesh: the same impact but for round-off.
 TEST(RefinedBlocks, DividedThroughoutAreTheFinerMesh) {
   const TemporaryFolder folder;
@@ -272,7 +306,8 @@ TEST(RefinedMeshes, AreRefusedAtACurvedContactSurface) {
   (void)folder.write(arch.msh("arch", {{"outer", arch.high()}}), "arch.msh");
   const std::string text = fmt::format(
       "model = \"plane_strain\"\n[[body]]\nname = \"arch\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, -1.0]\n"
-      "[body.mesh]\ngmsh = \"arch.msh\"\n{}[contact]\nsurfaces = [\"arch.outer\", \"rigid_plane\"]\n[time]\nend_s = 1e-6\n{}",
+      "[body.mesh]\ngmsh = \"arch.msh\"\n{}[contact]\nsurfaces = [\"arch.outer\", \"rigid_plane\"]\n[time]\nend_s = "
+      "1e-6\n{}",
       steel, box({-0.002, -0.002}, {0.002, 0.002}, 2), protocol_of("all_explicit"));
   const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
   EXPECT_THAT(outcome.error, HasSubstr("which is curved and has elements that mesh.refine divides"));

@@ -193,7 +193,7 @@ refine = { time.step_s = 2.5e-7 }
   EXPECT_EQ(rows_of(out), rows);
 }
 
-/// Of a probe's history the error falls with the step; a column that no probe has is refused by its nearest name.
+/// The error of a probe's history falls with the step; a column that no probe has is refused by its nearest name.
 TEST(Study, ComparesWhatAProbeSees) {
   const TemporaryFolder folder;
   (void)folder.write(config_text("two_bars") + "[[output.probe]]\nname = \"middle\"\nbody = \"left\"\nat_m = [0.0]\n",

@@ -121,7 +121,7 @@ TEST(Refine, OfAllElementsIsTheFinerMesh) {
   EXPECT_NEAR(assembled_whole(divided).stiffness.norm() / assembled_whole(finer).stiffness.norm(), 1.0, 1e-12);
 }
 
-/// What the elements of a mesh are, where their middle box is divided, and the free nodes of a motion.
+/// A mesh, its elements' name, and the box in its middle that is divided.
 struct Divided {
   const char* name;
   Mesh mesh;
@@ -240,7 +240,8 @@ TEST(Refine, GoesOnWithinABoxThatLeavesALayer) {
   Eigen::VectorXd u(part.dofs());
   for (int dof = 0; dof < u.size(); ++dof) u[dof] = dof % 2 == 0 ? mesh.position[at(dof / 2)][1] : 0.0;
   const Eigen::VectorXd force = part.stiffness * u;
-  EXPECT_NEAR(force.dot(u) / (refined_steel.youngs_modulus_pa / 2.6 * 12.0), 1.0, 1e-12) << "G gamma^2 V of a pure shear";
+  EXPECT_NEAR(force.dot(u) / (refined_steel.youngs_modulus_pa / 2.6 * 12.0), 1.0, 1e-12)
+      << "G gamma^2 V of a pure shear";
 }
 
 /// An element that repeats across the period of the mesh keeps its new nodes within one.

@@ -1,10 +1,12 @@
 // Contact surfaces with nodes that hang: their rows go to the nodes that carry them.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "common/base/error.hpp"
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/mass_scaling.hpp"
 #include "common/problem/problem.hpp"
@@ -13,26 +15,27 @@
 namespace ricochet::scene {
 namespace {
 
-/// Two blocks whose boxes do not match. `across` > 0: the upper one slides.
-Problem blocks(const SceneFolder& folder, double across_m_s, const std::string& second = "upper.start") {
+/// Two blocks whose boxes do not match; the upper one moves across. `more`: of the lower body, or tables behind it.
+Problem blocks(const SceneFolder& folder, double across_m_s, const std::string& second = "upper.start",
+               const std::string& more = "") {
   const auto body = [&](const std::string& name, const std::string& mesh, double vx, double vz) {
     return "[[body]]\nname = \"" + name +
            "\"\nmaterial = { youngs_modulus_pa = 2e11, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }\n"
            "initial_velocity_m_s = [" +
            std::to_string(vx) + ", 0.0, " + std::to_string(vz) + "]\n[body.mesh]\n" + mesh;
   };
-  return build_problem(load_scene(
-      folder.write("model = \"solid\"\n" +
-                   body("upper",
-                        "length_m = 0.004\nheight_m = 0.004\nwidth_m = 0.004\nelements = [4, 4, 4]\n"
-                        "refine = [{ from_m = [0.001, 0.0, 0.0], to_m = [0.003, 0.002, 0.002], ratio = 3 }]\n",
-                        across_m_s, -1.0) +
-                   body("lower",
-                        "length_m = 0.004\nheight_m = 0.006\nwidth_m = 0.006\nstart_m = -0.004\nelements = [6, 6, 4]\n"
-                        "refine = [{ from_m = [0.002, 0.002, -0.002], to_m = [0.006, 0.004, 0.0], ratio = 2 }]\n",
-                        0.0, 0.0) +
-                   "[contact]\nsurfaces = [\"lower.end\", \"" + second +
-                   "\"]\n[time]\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n")));
+  return build_problem(load_scene(folder.write(
+      "model = \"solid\"\n" +
+      body("upper",
+           "length_m = 0.004\nheight_m = 0.004\nwidth_m = 0.004\nelements = [4, 4, 4]\n"
+           "refine = [{ from_m = [0.001, 0.0, 0.0], to_m = [0.003, 0.002, 0.002], ratio = 3 }]\n",
+           across_m_s, -1.0) +
+      body("lower",
+           "length_m = 0.004\nheight_m = 0.006\nwidth_m = 0.006\nstart_m = -0.004\nelements = [6, 6, 4]\n"
+           "refine = [{ from_m = [0.002, 0.002, -0.002], to_m = [0.006, 0.004, 0.0], ratio = 2 }]\n",
+           0.0, 0.0) +
+      more + "[contact]\nsurfaces = [\"lower.end\", \"" + second + "\"]\n[time]\nstep_s = 1e-8\nend_s = 1e-6\n" +
+      (more.find("theirs") == std::string::npos ? "[coupling]\nprotocol = \"all_explicit\"\n" : ""))));
 }
 
 /// Forces of an even pressure of 1 Pa at the nodes of both bodies.
@@ -108,6 +111,34 @@ TEST(RefinedContact, HasNodesThatDoNotHang) {
       for (const int node : contact_nodes(problem.contacts, body))
         EXPECT_EQ(fem::hanging_at(problem.bodies[fem::at(body)].mesh, node), nullptr);
     }
+  }
+}
+
+/// The dashpots of hanging nodes are their carriers'.
+TEST(RefinedSurface, AbsorbsByItsWholeArea) {
+  const SceneFolder folder;
+  const Problem problem =
+      blocks(folder, 0.0, "upper.start", "[[body.absorbing]]\nsurface = \"outer\"\nwave = \"dilatational\"\n");
+  const BodyProblem& body = problem.bodies[1];
+  double along = 0.0;
+  for (Eigen::Index dof = 0; dof < body.damping_kg_s.size(); dof += 3) along += body.damping_kg_s[dof];
+  const double speed = std::sqrt(2e11 * 0.7 / (7800.0 * 1.3 * 0.4));
+  EXPECT_NEAR(along / (7800.0 * speed * 0.006 * 0.004), 1.0, 1e-12);
+  for (const fem::HangingNode& hanging : body.mesh.hanging)
+    EXPECT_EQ(body.damping_kg_s.segment<3>(3 * hanging.node).norm(), 0.0);
+}
+
+TEST(RefinedSurface, CannotBeJoinedToAForeignBody) {
+  const SceneFolder folder;
+  try {
+    (void)blocks(folder, 0.0, "upper.start",
+                 "[[body]]\nname = \"base\"\nforeign = true\njoined_to = \"lower\"\nsurface = \"outer\"\n"
+                 "[[participant]]\nname = \"ours\"\nrole = \"explicit\"\nbodies = [\"lower\", \"upper\"]\n"
+                 "[[participant]]\nname = \"theirs\"\nrole = \"explicit\"\nbodies = [\"base\"]\nexecutable = "
+                 "\"theirs\"\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n");
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("which hangs on larger elements; allowed: nodes inside or outside"));
   }
 }
 

@@ -408,7 +408,7 @@ TEST(StudyMeasures, AForceStandsAtTheMiddleOfItsWindow) {
   EXPECT_EQ(seen.principal_stress_pa.at(1.0), 1.0) << "a stress is that of its time";
 }
 
-/// Of 2 (t - 2) from t = 2 to 3 in a run of 3 s, over a largest magnitude of 4: as above.
+/// They differ by 2 (t - 2) from t = 2 to 3 in a run of 3 s; the largest magnitude is 4.
 TEST(StudyMeasures, AProbeIsComparedOverItsWholeRun) {
   const auto seen = [](const report::HistoryTable& probes) {
     report::HistoryTable history;
