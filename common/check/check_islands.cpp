@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/fem/element.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 

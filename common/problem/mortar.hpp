@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/fem/mesh.hpp"
 #include "common/problem/box_tree.hpp"
 #include "common/problem/surface_face.hpp"
 

@@ -190,7 +190,8 @@ Json Study::description() const {
   for (const auto& ratio : file_.published) published.push_back(described(ratio));
   Json together = Json::array();
   for (const auto& variation : file_.variations) {
-    for (const auto& key : telling_keys(variation)) axes.push_back(key);
+    for (const auto& key : telling_keys(variation))
+      if (std::find(axes.begin(), axes.end(), key) == axes.end()) axes.push_back(key);
     if (std::find(variation.keys.begin(), variation.keys.end(), file_.along) != variation.keys.end())
       together = variation.keys;
   }

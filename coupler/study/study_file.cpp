@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "common/base/names.hpp"
 #include "common/problem/probes.hpp"
@@ -82,12 +84,16 @@ std::vector<Variation> load_variations(TableReader& root, const std::vector<std:
   const scene::Toml* value = root.open("vary");
   if (value == nullptr) return variations;
   if (!value->is_array()) root.refuse("vary", scene::value_text(*value), "[[vary]] tables");
-  std::set<std::string> seen;
+  std::set<std::pair<std::string, std::string>> seen;  // keys of methods
   for (const auto& table : value->as_array()) {
     const std::string at = fmt::format("vary[{}]", variations.size());
     variations.push_back(load_variation(root, table, methods, at));
+    const auto& of = variations.back().methods.empty() ? methods : variations.back().methods;
     for (const auto& key : variations.back().keys) {
-      if (!seen.insert(key).second) root.fail(table, at, key + " a second time", "each key in one table");
+      for (const auto& method : of)
+        if (!seen.insert({key, method}).second)
+          root.fail(table, at, fmt::format("{} a second time for \"{}\"", key, method),
+                    "each key in one table of a method");
     }
   }
   return variations;
@@ -267,11 +273,20 @@ std::vector<std::string> method_names(const StudyFile& file) {
   return names;
 }
 
-std::vector<std::string> varied_keys(const StudyFile& file) {
+namespace {
+
+std::vector<std::string> keys_of(const std::vector<Variation>& variations) {
   std::vector<std::string> all;
-  for (const auto& variation : file.variations) all.insert(all.end(), variation.keys.begin(), variation.keys.end());
+  for (const auto& variation : variations) {
+    for (const auto& key : variation.keys)
+      if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
+  }
   return all;
 }
+
+}  // namespace
+
+std::vector<std::string> varied_keys(const StudyFile& file) { return keys_of(file.variations); }
 
 std::vector<std::string> telling_keys(const Variation& variation) {
   for (std::size_t k = 0; k < variation.keys.size(); ++k) {
@@ -289,29 +304,29 @@ bool is_varied(const Variation& variation, const std::string& method) {
          std::find(variation.methods.begin(), variation.methods.end(), method) != variation.methods.end();
 }
 
-/// The settings that a variation gives the runs of a method.
-std::vector<std::vector<Override>> settings_for(const Variation& variation, const std::string& method) {
-  if (is_varied(variation, method)) return variation.settings;
-  std::vector<Override> none;
-  for (const auto& key : variation.keys) none.push_back({key, std::string()});
-  return {none};
-}
-
 }  // namespace
 
 std::vector<std::vector<Override>> combinations(const std::vector<Variation>& variations, const std::string& method) {
-  std::vector<std::vector<Override>> all{{}};
+  std::vector<std::map<std::string, Override>> all{{}};
   for (const auto& variation : variations) {
-    std::vector<std::vector<Override>> more;
+    if (!is_varied(variation, method)) continue;
+    std::vector<std::map<std::string, Override>> more;
     for (const auto& begun : all) {
-      for (const auto& setting : settings_for(variation, method)) {
+      for (const auto& setting : variation.settings) {
         more.push_back(begun);
-        more.back().insert(more.back().end(), setting.begin(), setting.end());
+        for (const auto& of_key : setting) more.back().insert({of_key.key, of_key});
       }
     }
     all = std::move(more);
   }
-  return all;
+  std::vector<std::vector<Override>> in_order(all.size());
+  for (const auto& key : keys_of(variations)) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto found = all[i].find(key);
+      in_order[i].push_back(found == all[i].end() ? Override{key, std::string()} : found->second);
+    }
+  }
+  return in_order;
 }
 
 bool same_settings(const std::vector<Override>& a, const std::vector<Override>& b) {

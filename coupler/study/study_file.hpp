@@ -66,14 +66,14 @@ struct StudyFile {
 
 [[nodiscard]] std::vector<std::string> method_names(const StudyFile& file);
 
-/// The scene's keys that the study varies, in the file's order.
+/// The scene's keys that the study varies, each once, in the file's order.
 [[nodiscard]] std::vector<std::string> varied_keys(const StudyFile& file);
 
 /// Keys that tell the settings of a variation apart: its first key whose values all differ, else all of them.
 [[nodiscard]] std::vector<std::string> telling_keys(const Variation& variation);
 
-/// Every combination of the settings of all variations in the runs of a method; one empty one without variations. Keys
-/// of a variation that is not the method's have the empty text.
+/// Every combination of the settings of a method's variations, with all varied keys in their order; one empty one
+/// without variations. Keys that no variation of the method has have the empty text.
 [[nodiscard]] std::vector<std::vector<scene::Override>> combinations(const std::vector<Variation>& variations,
                                                                      const std::string& method);
 

@@ -86,6 +86,24 @@ TEST(StudyFile, VariesSomeKeysForSomeMethodsOnly) {
   EXPECT_EQ(common[0].key, "contact.enforcement");
 }
 
+TEST(StudyFile, MethodsMayHaveTheirOwnValuesOfAKey) {
+  const test::TemporaryFolder folder;
+  const auto text = test::replaced(good_study(), "[[vary]]\ntime",
+                                   "[[vary]]\nmethods = [\"all_implicit\"]\ntime.step_s = [3e-6, 4e-6, 5e-6]\n"
+                                   "[[vary]]\nmethods = [\"kim\", \"soft\"]\ntime");
+  const auto study = load_study(folder.write(text, "study.toml"));
+  EXPECT_THAT(varied_keys(study), ElementsAre("time.step_s", "body.left.mesh.elements", "contact.enforcement"));
+  const auto implicit = combinations(study.variations, "all_implicit"), kim = combinations(study.variations, "kim");
+  ASSERT_EQ(implicit.size(), 3U);
+  ASSERT_EQ(kim.size(), 2U);
+  EXPECT_EQ(text_of(implicit[1][0]), "4e-06");
+  EXPECT_EQ(text_of(implicit[1][1]), "") << "as the scene says";
+  EXPECT_EQ(text_of(kim[0][0]), "2e-06");
+  EXPECT_EQ(text_of(kim[0][1]), "10");
+  EXPECT_EQ(kim[0][2].key, "contact.enforcement");
+  EXPECT_EQ(all_combinations(study).size(), 5U);
+}
+
 TEST(StudyFile, ReadsWhatIsDrawnAndComparedBesides) {
   const test::TemporaryFolder folder;
   const auto study = load_study(folder.write(good_study(), "study.toml"));
@@ -252,7 +270,7 @@ INSTANTIATE_TEST_SUITE_P(
               "\"contact.enforcement\" = [\"penalty\"]",
               "time.step_s = [1e-7]",
               8,
-              {"time.step_s a second time"}},
+              {"time.step_s a second time for \"", "each key in one table of a method"}},
         Wrong{"protocol_varied",
               "\"contact.enforcement\" = [\"penalty\"]",
               "coupling.protocol = [\"kim\"]",
