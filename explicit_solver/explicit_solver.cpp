@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -64,8 +65,8 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   }
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   const bool local = problem_.scene.coupling.protocol.local_steps;
-  participant::Heartbeat heart(setup_.progress);
-  heart.begin(local ? "finding local steps and what contact forces move in them" : "preparing the steps");
+  std::optional<participant::Heartbeat> heart;  // the set-up of others is short
+  if (local) heart.emplace(setup_.progress).begin("finding local steps and what contact forces move in them");
   stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
   stepping_->answer(output);
   reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr, true);

@@ -221,6 +221,7 @@ struct RowSum {
 void carry(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, std::vector<ContactPair>& pairs) {
   if (mesh_b != nullptr && !mesh_b->hanging.empty())
     for (ContactPair& pair : pairs) pair.b = fem::carried(*mesh_b, pair.b);
+  if (mesh_a.hanging.empty()) return;
   const auto hangs = [&](const ContactPair& pair) { return fem::hanging_at(mesh_a, pair.node_a) != nullptr; };
   const auto first = std::stable_partition(pairs.begin(), pairs.end(), [&](const ContactPair& p) { return !hangs(p); });
   const std::vector<ContactPair> hanging(first, pairs.end());

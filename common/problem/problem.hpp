@@ -21,7 +21,7 @@ namespace ricochet::scene {
 /// A contact node of the surface that carries the rows and what lies opposite.
 struct ContactPair {
   int node_a = -1;                ///< of body_a's mesh; of several the one with the largest share
-  std::vector<WeightedNode> a{};  ///< of body_a's mesh, where it is not node_a alone: against an edge, beside hanging
+  std::vector<WeightedNode> a{};  ///< of body_a's mesh, where it is not node_a alone: at edges and hanging nodes
   int patch = 0;                  ///< smooth piece of that surface: a node between two has a pair for each
   /// Nodes of the other surface: one at the same place, several where meshes differ, none of what is rigid.
   std::vector<WeightedNode> b;
@@ -56,7 +56,7 @@ struct ContactGeometry {
   /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such
   /// as lie nowhere opposite at the start, where it touches the first, which has touch_normal there.
   Eigen::Vector3d shift_m{0.0, 0.0, 0.0}, touch_normal{0.0, 0.0, 0.0};
-  /// Of bodies that may slide along each other: from this the pairs are found anew. Then all nodes of both surfaces,
+  /// From this the pairs of bodies that may slide along each other are found anew. Then all nodes of both surfaces,
   /// but for hanging ones, are contact nodes, else those of the pairs.
   std::shared_ptr<const ContactMesh> sliding;
   std::array<std::vector<int>, 2> sliding_nodes{};  ///< then of body_a and body_b, ascending, without hanging ones
