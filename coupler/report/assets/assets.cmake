@@ -33,3 +33,5 @@ add_custom_command(
   DEPENDS ${report_files} ${report_charts}/installed ${report_source}/embed.cmake
   COMMENT "Embedding the report page and its chart libraries"
   VERBATIM)
+# By itself, so that it waits for no room of its users.
+add_custom_target(report_assets DEPENDS ${report_assets})

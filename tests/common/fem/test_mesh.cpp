@@ -37,12 +37,14 @@ TEST(GradedCoordinates, OfOneElementIgnoreTheGrading) {
 }
 
 TEST(GradedCoordinates, RefuseWhatMakesNoMesh) {
-  for (const auto& [length, count, grading] : {std::tuple{1.0, 0, 1.0},
-                                               {0.0, 2, 1.0},
-                                               {-1.0, 2, 1.0},
-                                               {1.0, 2, 0.0},
-                                               {std::numeric_limits<double>::quiet_NaN(), 2, 1.0}}) {
-    EXPECT_THAT(message_of([&] { (void)graded_coordinates(0.0, length, count, grading); }),
+  struct Case {
+    double length;
+    int count;
+    double grading;
+  };
+  for (const auto& wrong : {Case{1.0, 0, 1.0}, Case{0.0, 2, 1.0}, Case{-1.0, 2, 1.0}, Case{1.0, 2, 0.0},
+                            Case{std::numeric_limits<double>::quiet_NaN(), 2, 1.0}}) {
+    EXPECT_THAT(message_of([&] { (void)graded_coordinates(0.0, wrong.length, wrong.count, wrong.grading); }),
                 HasSubstr("at least one element, a positive length and a positive grading"));
   }
 }

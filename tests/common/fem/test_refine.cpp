@@ -212,8 +212,8 @@ TEST_P(DividedMeshes, TakeTheSameForceAndMomentOfATraction) {
     const Eigen::VectorXd force = traction_force(part, "start", traction);
     Eigen::Vector3d sum(0.0, 0.0, 0.0);
     for (int node = 0; node < part.nodes(); ++node)
-      sum += force[node * components(mesh.model)] *
-             Eigen::Vector3d(1.0, of.position[at(node)][0], of.position[at(node)][1]);
+      sum +=
+          force[node * components(of.model)] * Eigen::Vector3d(1.0, of.position[at(node)][0], of.position[at(node)][1]);
     return sum;
   };
   const bool round = mesh.model == Model::axisymmetric;
