@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -8,6 +10,9 @@
 namespace ricochet::fem {
 
 enum class Model { bar, plane_strain, axisymmetric, solid };
+/// As the key `model` of a scene has them.
+constexpr std::array<const char*, 4> model_names{"bar", "plane_strain", "axisymmetric", "solid"};
+constexpr const char* model_name(Model model) { return model_names[static_cast<std::size_t>(model)]; }
 
 /// Von Mises plasticity with linear isotropic hardening: the yield stress is yield_stress_pa + hardening_pa times the
 /// equivalent plastic strain [Pa].

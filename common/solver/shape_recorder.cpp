@@ -11,7 +11,6 @@
 
 #include "common/base/base64.hpp"
 #include "common/base/write_file.hpp"
-#include "common/fem/hanging_nodes.hpp"
 
 namespace ricochet::solver {
 namespace {
@@ -19,72 +18,10 @@ namespace {
 /// Of a part that turns: its rotation, and how far its centre has moved.
 constexpr int numbers_of_frame = 12;
 
-/// A face of a solid, with its element: equal sorted nodes make two of them one face inside the body.
-struct SolidFace {
-  fem::Face sorted, face;
-  int element = 0;
-};
-
-/// Faces that belong to one element of the part alone, element by element.
-std::vector<SolidFace> surface_of(const fem::Mesh& mesh) {
-  std::vector<SolidFace> faces;
-  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const auto& element = mesh.elements[fem::at(e)];
-    for (const auto& local : fem::traits(element.kind).faces) {
-      fem::Face face = local;
-      for (int& node : face) node = element[fem::at(node)];
-      faces.push_back({fem::sorted(face), face, e});
-    }
-  }
-  std::sort(faces.begin(), faces.end(), [](const SolidFace& a, const SolidFace& b) {
-    return std::pair(a.sorted, a.element) < std::pair(b.sorted, b.element);
-  });
-  const fem::FacesBetweenSizes inside(mesh);
-  std::vector<SolidFace> surface;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const bool twin_before = i > 0 && faces[i - 1].sorted == faces[i].sorted;
-    const bool twin_after = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
-    if (!twin_before && !twin_after && !inside.has(faces[i].face)) surface.push_back(faces[i]);
-  }
-  return surface;
-}
-
-}  // namespace
-
-/// In local nodes, each with its element.
-std::vector<ShapeRecorder::Placed> ShapeRecorder::cells_of(const fem::Mesh& mesh) {
-  std::vector<Placed> cells;
-  const auto add = [&cells](const auto& nodes, int element) {
-    cells.push_back({{-1, -1, -1, -1}, element});
-    std::copy(nodes.begin(), nodes.end(), cells.back().nodes.begin());
-  };
-  if (mesh.model == fem::Model::solid) {
-    for (const auto& face : surface_of(mesh)) add(face.face, face.element);
-  } else {
-    for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) add(mesh.elements[fem::at(e)], e);
-  }
-  return cells;
-}
-
-namespace {
-
 template <class Number>
 std::string packed(const std::vector<Number>& values) {
   return fmt::format("\"{}\"", base64({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)}));
 }
-
-const char* model_name(fem::Model model) {
-  switch (model) {
-    case fem::Model::bar: return "bar";
-    case fem::Model::plane_strain: return "plane_strain";
-    case fem::Model::axisymmetric: return "axisymmetric";
-    default: return "solid";
-  }
-}
-
-}  // namespace
-
-namespace {
 
 /// Displacements that are drawn larger than they are would push the bodies into each other, or let one that turns grow.
 bool uneven(const scene::ContactGeometry& contact) {
@@ -109,25 +46,25 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
   if (setup.output_directory.empty()) return;
   path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
   windows_.reserve(most_windows + 1);
-  std::vector<std::vector<Placed>> cells;
+  std::vector<fem::SeenCells> seen;
   std::size_t count = 0;
   for (const auto& state : states) {
-    cells.push_back(cells_of(state.part.mesh));
-    count += cells.back().size();
+    seen.push_back(fem::seen_cells(state.part.mesh));
+    count += seen.back().cells.size();
   }
-  if (count > most_cells) {
+  if (count > fem::SeenCells::most) {
     too_many_cells_ = count;
     return;
   }
   for (std::size_t p = 0; p < states.size(); ++p)
-    parts_.push_back(drawn_part(states[p], problem.bodies[static_cast<std::size_t>(states[p].body)], cells[p]));
+    parts_.push_back(
+        drawn_part(states[p], problem.bodies[static_cast<std::size_t>(states[p].body)], std::move(seen[p])));
 }
 
 ShapeRecorder::~ShapeRecorder() { write(); }
 
-/// A node, and its image across the period where a cell reaches it there, are two nodes of the picture.
 ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const scene::BodyProblem& body,
-                                               const std::vector<Placed>& cells) const {
+                                               fem::SeenCells&& seen) const {
   const auto& mesh = state.part.mesh;
   const int components = fem::components(model_);
   Drawn drawn;
@@ -136,27 +73,18 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (Eigen::Index dof = 0; dof < body.initial_velocity_m_s.size(); ++dof)
     drawn.velocity_m_s[dof % components] += body.initial_velocity_m_s[dof];
   drawn.velocity_m_s /= static_cast<double>(body.mesh.position.size());
-  std::array<std::vector<int>, 2> number;  // of the nodes, of their images: index in the picture
-  for (auto& of : number) of.assign(mesh.position.size(), -1);
-  std::vector<bool> keep(mesh.position.size(), false);
-  for (const auto& cell : cells) {
-    drawn.cells.push_back({-1, -1, -1, -1});
-    drawn.element.push_back(cell.element);
-    for (const int node : mesh.elements[fem::at(cell.element)]) keep[fem::at(node)] = true;
-    for (std::size_t i = 0; i < 4 && cell.nodes[i] >= 0; ++i) {
-      const auto node = fem::at(cell.nodes[i]);
-      const Eigen::Vector3d x = fem::nearest_image(mesh, mesh.position[node], mesh.position[fem::at(cell.nodes[0])]);
-      const bool image = x[0] != mesh.position[node][0];
-      int& index = number[image ? 1 : 0][node];
-      if (index < 0) {
-        index = static_cast<int>(drawn.node.size());
-        drawn.node.push_back(cell.nodes[i]);
-        drawn.body_node.push_back(image ? -1 - state.part.body_node[node] : state.part.body_node[node]);
-        for (int c = 0; c < components; ++c) drawn.position_m.push_back(static_cast<float>(x[c]));
-      }
-      drawn.cells.back()[i] = index;
-    }
+  for (std::size_t i = 0; i < seen.node.size(); ++i) {
+    const int body_node = state.part.body_node[fem::at(seen.node[i])];
+    drawn.body_node.push_back(seen.image[i] ? -1 - body_node : body_node);
+    for (int c = 0; c < components; ++c) drawn.position_m.push_back(static_cast<float>(seen.position_m[i][c]));
   }
+  std::vector<bool> keep(mesh.position.size(), false);
+  for (const int element : seen.element) {
+    for (const int node : mesh.elements[fem::at(element)]) keep[fem::at(node)] = true;
+  }
+  drawn.node = std::move(seen.node);
+  drawn.cells = std::move(seen.cells);
+  drawn.element = std::move(seen.element);
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
@@ -239,8 +167,8 @@ std::string ShapeRecorder::text() const {
   return fmt::format(
       "{{\"format\": \"ricochet shapes 2\", \"model\": \"{}\", \"largest_window_s\": {:.17g}, \"nose\": {}, "
       "\"uneven\": {}, \"windows\": [{}], \"times_s\": [{}], \"too_many_cells\": {}, \"bodies\": [{}]}}\n",
-      model_name(model_), clock_->largest_size_s(), nose_, uneven_, fmt::join(windows_, ", "), fmt::join(times, ", "),
-      too_many_cells_, bodies);
+      fem::model_name(model_), clock_->largest_size_s(), nose_, uneven_, fmt::join(windows_, ", "),
+      fmt::join(times, ", "), too_many_cells_, bodies);
 }
 
 std::string ShapeRecorder::text_of(std::size_t part) const {

@@ -8,6 +8,7 @@
 #include "common/base/archive.hpp"
 #include "common/base/window_clock.hpp"
 #include "common/body/body_state.hpp"
+#include "common/fem/seen_cells.hpp"
 #include "common/participant/participant.hpp"
 
 namespace ricochet::solver {
@@ -16,13 +17,12 @@ namespace ricochet::solver {
 /// becomes, and writes them with the stress of what can be seen to DIRECTORY/NAME.shapes.json, from which `ricochet
 /// report` draws the deformed bodies. Stresses are reckoned at the end, and for those windows alone: while the run goes
 /// on, a window costs a copy of u at most. It is a picture only: if it cannot be written, a line on stderr says so and
-/// nothing fails; in a folder that is not there (on another machine) it does not try.
+/// nothing fails; in a folder that is not there (on another machine) it does not try. Of more than SeenCells::most the
+/// file says how many there are.
 class ShapeRecorder {
  public:
   /// Windows kept; one more when this many are there: then every second goes, and half as many are kept from there on.
   static constexpr std::size_t most_windows = 8;
-  /// Of elements (of a solid: faces of its surface). More are not drawn; the file says how many there are.
-  static constexpr std::size_t most_cells = 100000;
 
   /// Keeps nothing if `setup` has no output directory. `states` must outlive this object unmoved.
   ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
@@ -57,14 +57,7 @@ class ShapeRecorder {
     /// element; of a part that turns also its frame.
     std::array<Eigen::VectorXd, most_windows + 1> kept;
   };
-  /// A cell in the nodes of its part, and the element that it shows.
-  struct Placed {
-    std::array<int, 4> nodes;
-    int element = 0;
-  };
-  [[nodiscard]] static std::vector<Placed> cells_of(const fem::Mesh& mesh);
-  [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body,
-                                 const std::vector<Placed>& cells) const;
+  [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body, fem::SeenCells&& seen) const;
   void keep(std::int64_t window);
   void write();
   [[nodiscard]] std::string text() const;

@@ -33,7 +33,7 @@ struct Arguments {
   std::string scene, study, out, name, results;
   std::vector<std::string> set;
   ContractRequest contract;
-  bool estimate_error = false;
+  bool estimate_error = false, picture = false;
   std::optional<double> step_s, until_s;
   std::optional<std::string> time;
   StabilityRequest stability;
@@ -65,6 +65,10 @@ void define_slurm_script(CLI::App& app, Arguments& arguments) {
 void define_check(CLI::App& app, Arguments& arguments) {
   define_set(app, arguments);
   app.add_option("SCENE", arguments.scene, "Scene file (TOML)")->required();
+  app.add_flag("--picture", arguments.picture,
+               "Draw the scene, too: parts, contact surfaces, interface, supports, loads");
+  app.add_option("--out", arguments.out, "Folder of the picture; default: out/<name of the scene file>_scene")
+      ->type_name("DIR");
 }
 
 void define_advise(CLI::App& app, Arguments& arguments) {
@@ -72,9 +76,9 @@ void define_advise(CLI::App& app, Arguments& arguments) {
   define_set(app, arguments);
   app.add_option("SCENE", asked.scene.path, "Scene file (TOML)")->required();
   app.add_option("--quantity", asked.quantity, "Which result, as contact_impulse_n_s or peak_contact_force_n")
-      ->type_name("NAME")
-      ->required();
-  app.add_option("--error", asked.error, "Its largest relative error, as 0.01")->type_name("SHARE")->required();
+      ->type_name("NAME");
+  app.add_option("--error", asked.error, "Its largest relative error, as 0.01; without both: the table [accuracy]")
+      ->type_name("SHARE");
   app.add_option("--out", asked.out, "Folder of the pilot runs; default: out/<name of the scene file>_advice")
       ->type_name("DIR");
 }
@@ -190,7 +194,8 @@ const Subcommand subcommands[] = {
      done<[](const Arguments& a) { write_slurm_script(a.scene, a.out, a.time); }>},
     {"check", "Report and refuse all that can be known before a process starts", define_check,
      done<[](const Arguments& a) {
-       check_scene({a.scene, a.set});
+       if (!a.picture && !a.out.empty()) throw ConfigError("--out: found without --picture, allowed: with it");
+       check_scene({a.scene, a.set}, a.picture ? std::optional(a.out) : std::nullopt);
      }>},
     {"advise", "Say which protocol and step reach an error in the least time", define_advise,
      done<[](const Arguments& a) {

@@ -11,17 +11,21 @@
 #include "common/base/archive.hpp"
 #include "common/base/computer.hpp"
 #include "common/base/error.hpp"
+#include "common/base/own_files.hpp"
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
 #include "common/check/check.hpp"
+#include "coupler/command/advise.hpp"
 #include "coupler/command/announcer.hpp"
 #include "coupler/command/cost_text.hpp"
 #include "coupler/command/impact_text.hpp"
+#include "coupler/command/method_choice.hpp"
 #include "coupler/processes/executable.hpp"
 #include "coupler/processes/given_scene.hpp"
 #include "coupler/processes/machine_check.hpp"
 #include "coupler/processes/participants.hpp"
 #include "coupler/report/report.hpp"
+#include "coupler/report/scene_page/scene_page.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/checkpoints.hpp"
 #include "coupler/run/compute_scene.hpp"
@@ -154,6 +158,22 @@ Planned plan_scene(const GivenScene& given, Announcer& announcer) {
   return {std::move(problem), std::move(plan)};
 }
 
+/// Beside what a run has left in the folder.
+std::string write_scene_page(const std::string& scene_path, const std::string& picture_folder,
+                             const std::string& page) {
+  namespace fs = std::filesystem;
+  const std::string stem = fs::path(scene_path).stem().string(), name = "scene.html";
+  const auto folder = fs::absolute(picture_folder.empty() ? "out/" + stem + "_scene" : picture_folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw_errno(error.value(), "cannot create the folder " + folder.string());
+  OwnFiles own(folder.string());
+  own.keep({scene_path});
+  own.claim({name});
+  write_atomically((folder / name).string(), page);
+  return (folder / name).string();
+}
+
 }  // namespace
 
 void run_scene(const GivenScene& given, const std::string& out, bool with_error_bars) {
@@ -162,7 +182,8 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
     return plan_scene(given, announcer);
   }();
   if (with_error_bars) require_companions(problem.scene, "--estimate-error");
-  const auto executables = find_executables(problem.scene);
+  if (!problem.scene.accuracy.empty()) require_choice(problem, problem.scene.accuracy, "accuracy");
+  auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(given.path).stem().string();
   auto files = files_of_run(problem.scene);
   if (!given.set.empty()) files.insert(files.end(), {changed_scene_name(given.path), "fields/" + stem + ".pvd"});
@@ -170,12 +191,14 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
   if (!given.set.empty()) {
     problem = load_problem(write_changed_scene(given.path, given.changes(), results.path()));
   }
-  if (problem.scene.time.largest_step_s) {
-    problem = load_problem(choose_step(problem, results));
+  if (problem.scene.leaves_open()) {
+    const bool by_accuracy = !problem.scene.accuracy.empty();
+    problem = load_problem(by_accuracy ? choose_by_accuracy(problem, results) : choose_step(problem, results));
     plan = scene::plan(problem);
+    executables = find_executables(problem.scene);  // another protocol may have other participants
   }
   run_accepted(problem, std::move(plan), executables, results, {});
-  if (!with_error_bars) return;
+  if (!with_error_bars && problem.scene.accuracy.empty()) return;
   std::fflush(stdout);
   fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results)));
   try_report(results.path());
@@ -232,21 +255,36 @@ void request_checkpoint(const std::string& folder) {
   fmt::print("checkpoint at window {}: {} resume {} goes on from there\n", after.back(), command_name, folder);
 }
 
-void check_scene(const GivenScene& given) {
+void check_scene(const GivenScene& given, const std::optional<std::string>& picture_folder) {
   Announcer announcer;
   const auto [problem, plan] = plan_scene(given, announcer);
-  fmt::print("{}{}", printable(scene::to_text(problem, plan)), printable(impact_text(problem, plan)));
-  for (const auto& warning : limit_warnings(problem, plan)) fmt::print("warning: {}\n", printable(warning));
-  std::fflush(stdout);
+  std::string said;
+  const auto say = [&said](const std::string& text) {
+    fmt::print("{}", text);
+    std::fflush(stdout);
+    said += text;
+  };
+  say(printable(scene::to_text(problem, plan)) + printable(impact_text(problem, plan)));
+  for (const auto& warning : limit_warnings(problem, plan)) say(fmt::format("warning: {}\n", printable(warning)));
   announcer.begin("predicting what a run costs: factors, fronts of waves");
-  fmt::print("{}", cost_text(problem, plan));
+  say(cost_text(problem, plan));
   if (const auto warning = address_warning(problem.scene); !warning.empty())
-    fmt::print("warning: {}\n", printable(warning));
-  if (problem.scene.time.largest_step_s) {
-    fmt::print(
-        "this is the largest step: `ricochet run` measures whether a smaller one, with less of it implicit, takes less "
+    say(fmt::format("warning: {}\n", printable(warning)));
+  if (!problem.scene.accuracy.empty()) {
+    require_choice(problem, problem.scene.accuracy, "accuracy");
+    say(fmt::format("asked: {}; `ricochet run` {}\n", to_text(problem.scene.accuracy),
+                    problem.scene.leaves_open() ? "chooses what the scene leaves open of protocol and step, as "
+                                                  "`ricochet advise` would, and says what was reached"
+                                                : "says whether that was reached"));
+  } else if (problem.scene.time.largest_step_s) {
+    say("this is the largest step: `ricochet run` measures whether a smaller one, with less of it implicit, takes less "
         "time\n");
   }
+  if (!picture_folder) return;
+  announcer.begin("drawing the scene");
+  const auto page = report::scene_page(problem, said);
+  const auto path = write_scene_page(given.path, *picture_folder, page);
+  fmt::print("wrote {}\n", path);
 }
 
 }  // namespace ricochet::coupler

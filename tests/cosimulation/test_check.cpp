@@ -135,5 +135,46 @@ TEST(LargeScene, IsFoundSoonOrSaysWhatItIsDoing) {
   EXPECT_THAT(outcome.out, HasSubstr("set-up before the first step: about "));
 }
 
+Outcome drawn(const TemporaryFolder& folder, const std::vector<std::string>& options) {
+  std::vector<std::string> words{"/usr/bin/env",    "-C",    folder.path().string(),
+                                 ricochet_binary(), "check", folder.write(config_text("two_bars"), "bars.toml")};
+  words.insert(words.end(), options.begin(), options.end());
+  return run_command(words, folder.path().string(), 300.0);
+}
+
+TEST(CheckedScene, IsDrawnBesideWhatARunHasLeft) {
+  const TemporaryFolder folder;
+  const auto out = folder.path() / "out" / "bars_scene";
+  for (int again = 0; again < 2; ++again) {
+    const auto outcome = drawn(folder, {"--picture"});
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_THAT(outcome.out, HasSubstr("wrote " + (out / "scene.html").string()));
+  }
+  const auto page = file_text((out / "scene.html").string());
+  EXPECT_THAT(page, AllOf(HasSubstr("The scene bars.toml before it runs."), HasSubstr("by impedance theory")));
+  const auto run = run_command(
+      {ricochet_binary(), "run", (folder.path() / "bars.toml").string(), "--out", (folder.path() / "results").string()},
+      folder.path().string(), 300.0);
+  ASSERT_EQ(run.code, 0) << run.error;
+  EXPECT_EQ(drawn(folder, {"--picture", "--out", "results", "--set", "time.step_s=1e-6"}).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results" / "summary.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results" / "scene.html"));
+}
+
+TEST(CheckedScene, IsNotDrawnOverAFileOfSomebodyElse) {
+  const TemporaryFolder folder;
+  const auto mine = folder.write("mine", "scene.html");
+  const auto outcome = drawn(folder, {"--picture", "--out", "."});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error, HasSubstr("scene.html"));
+  EXPECT_EQ(file_text(mine), "mine");
+  const auto alone = drawn(folder, {"--out", "."});
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_THAT(alone.error, HasSubstr("--out: found without --picture, allowed: with it"));
+  const auto below = drawn(folder, {"--picture", "--out", "bars.toml/below"});
+  EXPECT_EQ(below.code, 2);
+  EXPECT_THAT(below.error, HasSubstr("cannot create the folder"));
+}
+
 }  // namespace
 }  // namespace ricochet::test

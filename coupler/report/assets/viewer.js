@@ -36,7 +36,7 @@ class Shape {
     };
     for (const piece of this.bodies.pieces) {
       for (let cell = 0; cell < piece.cell.length / 4; ++cell) {
-        const corners = this.bodies.corners(piece, time, cell), colour = this.bodies.colour(piece.stress[time][cell]);
+        const corners = this.bodies.corners(piece, time, cell), colour = this.bodies.colour(piece, time, cell);
         for (const mirror of this.mirrors) {
           for (let i = 2; i < corners.length; ++i)
             for (const k of [0, i - 1, i]) put(face, corners[k], mirror, colour);
@@ -98,6 +98,27 @@ class Viewer {
       Object.assign(new three.LineSegments(geometry, this.materials[1]), { frustumCulled: false }));
     this.inner = inner;
     this.scene.add(this.mesh, inner, outline, new three.AmbientLight(0xffffff, 2.4));
+    this.nearer = { value: 0 };  // in units of the depth that the camera sees, 2 in all
+    this.bodies.marks.forEach((mark, order) => this.addDots(mark, order));
+  }
+  // Larger dots lie below smaller ones, both above the faces that they are on.
+  addDots(mark, order) {
+    const places = [];
+    for (let i = 0; i < mark.place.length / this.bodies.components; ++i) {
+      const [x, y, z] = this.bodies.point(mark.place, i);
+      for (const mirror of this.shape.mirrors) places.push(mirror * x, y, z);
+    }
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute("position", new three.BufferAttribute(new Float32Array(places), 3));
+    const material = new three.PointsMaterial({ size: mark.size, sizeAttenuation: false, color: mark.colour });
+    // Nearer by their own size, or a slanting face would cut them.
+    material.onBeforeCompile = (shader) => {
+      shader.uniforms.nearer = this.nearer;
+      shader.vertexShader = "uniform float nearer;\n" +
+        shader.vertexShader.replace("#include <project_vertex>", "#include <project_vertex>\ngl_Position.z -= nearer;");
+    };
+    this.materials.push(material);
+    this.scene.add(Object.assign(new three.Points(geometry, material), { frustumCulled: false, renderOrder: order + 1 }));
   }
   addCamera() {
     const { solid, box } = this.bodies, size = Math.max(box.size, 1e-30);
@@ -120,7 +141,7 @@ class Viewer {
   }
   addControls() {
     const { times, solid } = this.bodies;
-    const time = element(this.place, "div", { className: "controls" });
+    const time = element(this.place, "div", { className: "controls", hidden: times.length === 1 });
     this.playButton = element(time, "button", { textContent: "Play", onclick: () => this.play() });
     this.slider = element(time, "input", { type: "range", min: 0, max: times.length - 1, ariaLabel: "time",
       oninput: () => this.showTime(Number(this.slider.value)) });
@@ -166,6 +187,7 @@ class Viewer {
     at.disabled = true;
   }
   addLegend() {
+    if (this.bodies.kinds) return this.addKinds();
     const { hex, signed, high_pa, stress, stress_factor, stress_unit } = this.bodies;
     const legend = element(this.place, "div", { className: "legend" });
     element(legend, "span", { textContent: `${stress} [${stress_unit}]` });
@@ -174,7 +196,14 @@ class Viewer {
     for (let i = 0; i <= 4; ++i)
       element(numbers, "span", { textContent: Number(((low + i * (1 - low) / 4) * high_pa * stress_factor).toPrecision(3)) });
   }
-  // The pointer finds the stress of the element below it.
+  addKinds() {
+    const legend = element(this.place, "div", { className: "legend kinds" });
+    const kinds = this.bodies.kinds.filter((_, k) => this.bodies.pieces.some((piece) => piece.kind.includes(k)));
+    for (const [entries, className] of [[kinds, "kind"], [this.bodies.marks, "mark"]])
+      for (const { name, colour } of entries)
+        element(legend, "span", { className, textContent: name }).style.setProperty("--colour", colour);
+  }
+  // The pointer finds what is said of the element below it.
   addPointer() {
     const canvas = this.renderer.domElement, ray = new three.Raycaster(), text = element(this.frame, "div", { className: "pointed" });
     text.hidden = true;
@@ -185,8 +214,7 @@ class Viewer {
         !this.materials[0].clippingPlanes || this.plane.distanceToPoint(h.point) >= 0);
       text.hidden = !hit;
       if (!hit) return;
-      const [piece, cell] = this.shape.owners[hit.faceIndex], { bodies, stress, stress_factor, stress_unit } = this.bodies;
-      text.textContent = `${bodies[piece.body].name}: ${stress} ${(piece.stress[this.time][cell] * stress_factor).toPrecision(4)} ${stress_unit}`;
+      text.textContent = this.bodies.says(...this.shape.owners[hit.faceIndex], this.time);
       text.style.left = `${Math.min(x + 12, Math.max(0, this.width - 260))}px`;
       text.style.top = `${Math.min(y + 12, this.height - 30)}px`;
     });
@@ -248,6 +276,7 @@ class Viewer {
   render() {
     if (!this.width) return;
     this.inner.visible = this.shape.edge * this.camera.zoom >= 6;  // closer together they would hide the colours
+    this.nearer.value = 20 / this.camera.zoom / (this.camera.far - this.camera.near);
     this.renderer.render(this.scene, this.camera);
     this.drawScale();
     this.drawAxes();

@@ -1,4 +1,5 @@
-// The numbers of <script id="bodies"> (see data_of in shape_viewer.cpp), which viewer.js draws.
+// The numbers of <script id="bodies">, which viewer.js draws: those of a run have stresses (see data_of in
+// shape_viewer.cpp), those of a scene that has not run (scene_page.cpp) the kind of each cell, and dots that mark nodes.
 "use strict";
 
 // YlOrRd and RdBu of colorbrewer2.org: told apart by colour-blind eyes; the second from compression to tension.
@@ -33,7 +34,7 @@ class Box {
 // The numbers of the page: places and stresses of each piece at each of the kept times.
 class Bodies {
   constructor(data) {
-    Object.assign(this, data);
+    Object.assign(this, { kinds: null, marks: [] }, data);
     this.solid = data.model === "solid";
     this.components = data.model === "bar" ? 1 : this.solid ? 3 : 2;
     this.signed = data.model === "bar";
@@ -41,17 +42,21 @@ class Bodies {
       piece.cell = unpacked(piece.cell, Int32Array);
       piece.edge = unpacked(piece.edge, Uint8Array);
       piece.place = piece.place.map((text) => unpacked(text, Float32Array));
-      piece.stress = piece.stress.map((text) => unpacked(text, Float32Array));
+      if (this.kinds) piece.kind = unpacked(piece.kind, Uint8Array);
+      else piece.stress = piece.stress.map((text) => unpacked(text, Float32Array));
     }
+    for (const mark of this.marks) mark.place = unpacked(mark.place, Float32Array);
     this.box = new Box();
     this.times.forEach((_, time) => this.eachNode(time, (piece, x) => this.box.include(x)));
     if (this.model === "axisymmetric") this.box.include(this.box.high.map((x, c) => (c === 0 ? -x : x)));
     const colours = (this.signed ? signedColours : magnitudeColours);
-    this.colours = colours.map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
     this.hex = colours.map((hex) => "#" + hex);
+    this.colours = (this.kinds?.map((kind) => kind.colour) ?? this.hex).map((hex) =>
+      [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
   }
-  node(piece, time, i) {
-    const n = this.components, place = piece.place[time];
+  node(piece, time, i) { return this.point(piece.place[time], i); }
+  point(place, i) {
+    const n = this.components;
     return [place[n * i], n > 1 ? place[n * i + 1] : 0, n > 2 ? place[n * i + 2] : 0];
   }
   eachNode(time, each) {
@@ -68,11 +73,19 @@ class Bodies {
     const [a, b] = [this.node(piece, time, nodes[0])[0], this.node(piece, time, nodes[1])[0]];
     return [[a, -half, 0], [b, -half, 0], [b, half, 0], [a, half, 0]];
   }
-  colour(stress) {
+  colour(piece, time, cell) {
+    if (this.kinds) return this.colours[piece.kind[cell]];
+    const stress = piece.stress[time][cell];
     const share = this.signed ? 0.5 + 0.5 * stress / this.high_pa : stress / this.high_pa;
     const at = Math.min(1, Math.max(0, share)) * (this.colours.length - 1);
     const below = Math.min(Math.floor(at), this.colours.length - 2);
     return this.colours[below].map((value, c) => value + (at - below) * (this.colours[below + 1][c] - value));
+  }
+  // What is said of a cell.
+  says(piece, cell, time) {
+    const body = this.bodies[piece.body].name;
+    if (this.kinds) return `${body}, ${this.kinds[piece.kind[cell]].name}`;
+    return `${body}: ${this.stress} ${(piece.stress[time][cell] * this.stress_factor).toPrecision(4)} ${this.stress_unit}`;
   }
   // Where two bodies come near each other: {name, centre, size, time}, at the first time they do.
   contacts() {

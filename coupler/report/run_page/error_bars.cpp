@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "coupler/report/parts/text.hpp"
+#include "coupler/report/run_page/summary_page.hpp"
 
 namespace ricochet::report {
 namespace {
@@ -11,6 +12,14 @@ std::string error_cell(const Json& quantity, const char* key, int digits = 2) {
   const auto found = quantity.find(key);
   const bool known = found != quantity.end() && found->is_number();
   return "<td>" + (known ? fmt::format("{:.{}g}", found->get<double>(), digits) : std::string("unknown")) + "</td>";
+}
+
+/// Of what the scene asks for.
+std::string asked_text(const Json& quantity) {
+  const auto asked = number(quantity, "asked");
+  if (!asked) return "";
+  return fmt::format("; asked {:g} %: {}", 100.0 * *asked,
+                     quantity.value("reached", false) ? "reached" : "not reached");
 }
 
 }  // namespace
@@ -25,7 +34,7 @@ std::string error_bars_html(const Json& summary) {
   for (const auto& [name, quantity] : quantities.items()) {
     text += "<tr><th scope=\"row\">" + escape_html(name) + "</th>" + error_cell(quantity, "value", 5);
     for (const char* part : {"total", "time", "space", "coupling", "contact_law"}) text += error_cell(quantity, part);
-    text += "<td>" + escape_html(quantity.value("found", "")) + "</td></tr>\n";
+    text += "<td>" + escape_html(quantity.value("found", "")) + asked_text(quantity) + "</td></tr>\n";
   }
   return text + "</tbody>\n</table>\n";
 }

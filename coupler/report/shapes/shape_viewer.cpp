@@ -7,11 +7,9 @@
 #include <limits>
 #include <numeric>
 
-#include "common/base/base64.hpp"
 #include "coupler/report/assets/assets.hpp"
 #include "coupler/report/parts/quantity.hpp"
 #include "coupler/report/parts/text.hpp"
-#include "coupler/report/shapes/cell_looks.hpp"
 #include "coupler/report/shapes/shape_motion.hpp"
 
 namespace ricochet::report {
@@ -47,37 +45,23 @@ StressScale stress_scale(const Shapes& shapes) {
   return scale;
 }
 
-template <class Number>
-Json packed(const std::vector<Number>& values) {
-  return base64({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)});
-}
-
 std::size_t components_of(const Shapes& shapes) { return shapes.model == "bar" ? 1 : shapes.model == "solid" ? 3 : 2; }
 
 /// Where the nodes are drawn at the end of a window.
 std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, std::size_t window,
                                 const Magnification& magnification) {
   const auto& velocity = shapes.bodies[static_cast<std::size_t>(piece.body)].velocity_m_s;
-  std::vector<float> places;
-  for (std::size_t i = 0; i < piece.position.size(); ++i) {
-    const auto x =
-        magnification.place(piece.position[i], piece.displacement[window][i], velocity, shapes.times_s[window]);
-    for (std::size_t c = 0; c < components_of(shapes); ++c) places.push_back(static_cast<float>(x[c]));
-  }
-  return places;
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < piece.position.size(); ++i)
+    places.push_back(
+        magnification.place(piece.position[i], piece.displacement[window][i], velocity, shapes.times_s[window]));
+  return node_places(shapes, places);
 }
 
-/// {"body", "cell": four int32 each, "edge": four bytes each (0 none, 1 inner, 2 outline), "place": a window's
-/// components of each node as float32, "stress": a window's float32 of each cell}. Faces that nobody sees are left out.
+/// cells_data and "place": a window's components of each node as float32, "stress": a window's float32 of each cell.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
-  std::vector<int> cells;
-  std::vector<std::uint8_t> edges;
-  for (std::size_t c = 0; c < piece.cells.size(); ++c) {
-    if (looks[c].hidden) continue;
-    cells.insert(cells.end(), piece.cells[c].begin(), piece.cells[c].end());
-    for (const auto kind : looks[c].edges) edges.push_back(static_cast<std::uint8_t>(kind));
-  }
+  Json data = cells_data(piece, looks);
   Json places = Json::array(), stresses = Json::array();
   for (std::size_t w = 0; w < shapes.times_s.size(); ++w) {
     std::vector<float> stress;
@@ -87,8 +71,9 @@ Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<Ce
     places.push_back(packed(drawn_places(shapes, piece, w, magnification)));
     stresses.push_back(packed(stress));
   }
-  return {
-      {"body", piece.body}, {"cell", packed(cells)}, {"edge", packed(edges)}, {"place", places}, {"stress", stresses}};
+  data["place"] = std::move(places);
+  data["stress"] = std::move(stresses);
+  return data;
 }
 
 Json data_of(const Shapes& shapes, const Magnification& magnification, const StressScale& scale) {
@@ -137,7 +122,28 @@ std::string note_of(const Shapes& shapes, const Magnification& magnification, co
   return note;
 }
 
-std::string scripts_of(const Json& data) {
+}  // namespace
+
+Json cells_data(const ShapePiece& piece, const std::vector<CellLook>& looks) {
+  std::vector<int> cells;
+  std::vector<std::uint8_t> edges;
+  for (std::size_t c = 0; c < piece.cells.size(); ++c) {
+    if (looks[c].hidden) continue;
+    cells.insert(cells.end(), piece.cells[c].begin(), piece.cells[c].end());
+    for (const auto kind : looks[c].edges) edges.push_back(static_cast<std::uint8_t>(kind));
+  }
+  return {{"body", piece.body}, {"cell", packed(cells)}, {"edge", packed(edges)}};
+}
+
+std::vector<float> node_places(const Shapes& shapes, const std::vector<Place>& places) {
+  std::vector<float> numbers;
+  for (const auto& place : places) {
+    for (std::size_t c = 0; c < components_of(shapes); ++c) numbers.push_back(static_cast<float>(place[c]));
+  }
+  return numbers;
+}
+
+std::string viewer_scripts(const Json& data) {
   return fmt::format(
       "<script>/*! three\n{}*/\n{}</script>\n<script type=\"application/json\" id=\"bodies\">{}</script>\n"
       "<script>\n{}</script>\n<script>\n{}</script>\n",
@@ -145,7 +151,11 @@ std::string scripts_of(const Json& data) {
       inside_script(asset("viewer_bodies.js")), inside_script(asset("viewer.js")));
 }
 
-}  // namespace
+std::string viewer_figure(const std::string& title, const std::string& note) {
+  return fmt::format(
+      "<figure>\n<figcaption><h2>{}</h2><p>{}</p></figcaption>\n<div id=\"deformed_bodies\"></div>\n</figure>\n",
+      escape_html(title), escape_html(note));
+}
 
 std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable& history, double first_contact_s) {
   if (shapes.pieces.empty() || shapes.times_s.empty()) return std::nullopt;
@@ -157,12 +167,10 @@ std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable
   const auto scale = stress_scale(shapes);
   ShapeViewer viewer;
   viewer.data = data_of(shapes, magnification, scale);
-  viewer.scripts = scripts_of(viewer.data);
-  viewer.html = fmt::format(
-      "<figure>\n<figcaption><h2>Deformed bodies: {} at {} times</h2><p>{}</p></figcaption>\n"
-      "<div id=\"deformed_bodies\"></div>\n</figure>\n",
-      viewer.data["stress"].get<std::string>(), shapes.times_s.size(),
-      escape_html(note_of(shapes, magnification, scale)));
+  viewer.scripts = viewer_scripts(viewer.data);
+  viewer.html = viewer_figure(
+      fmt::format("Deformed bodies: {} at {} times", viewer.data["stress"].get<std::string>(), shapes.times_s.size()),
+      note_of(shapes, magnification, scale));
   return viewer;
 }
 

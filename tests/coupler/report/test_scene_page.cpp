@@ -1,0 +1,134 @@
+// A scene drawn before it runs: whose elements are whose, and which nodes are marked.
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <map>
+#include <regex>
+#include <set>
+
+#include "common/base/base64.hpp"
+#include "coupler/report/scene_page/scene_page.hpp"
+#include "tests/coupler/report/sample_run.hpp"
+#include "tests/support/scene_file.hpp"
+
+namespace ricochet::report {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Two blocks of four elements each, 1 m high, the lower supported; the upper comes down and is pressed at its end.
+const char* const blocks = R"(model = "plane_strain"
+[[body]]
+name = "lower"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 1e3 }
+mesh = { start_m = -4.0, length_m = 4.0, height_m = 1.0, elements = [1, 4] }
+support = [{ surface = "start", fixed = ["y"] }]
+[[body]]
+name = "upper"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 1e3 }
+mesh = { length_m = 4.0, height_m = 1.0, elements = [1, 4] }
+initial_velocity_m_s = [0.0, -1.0]
+traction = [{ surface = "end", pressure_pa = 1e3 }]
+[contact]
+surfaces = ["lower.end", "upper.start"]
+initial_gap_m = 0.25
+[partition]
+implicit_length_m = { lower = 1.0, upper = 2.0 }
+[time]
+end_s = 1e-2
+[[output.probe]]
+name = "tip"
+body = "upper"
+at_m = [0.5, 3.5]
+)";
+
+scene::Problem problem_of(const std::string& text) {
+  const test::TemporaryFolder folder;
+  return scene::build_problem(scene::load_scene(folder.write(text)));
+}
+
+Json data_on(const std::string& page) {
+  std::smatch found;
+  if (!std::regex_search(page, found, std::regex(R"(id="bodies">([^<]*)</script>)")))
+    throw std::runtime_error("no data");
+  return Json::parse(found[1].str());
+}
+
+template <class Number>
+std::vector<Number> numbers(const Json& packed) {
+  const auto bytes = from_base64(packed.get<std::string>());
+  std::vector<Number> values(bytes.value().size() / sizeof(Number));
+  std::memcpy(values.data(), bytes->data(), bytes->size());
+  return values;
+}
+
+/// Heights of the nodes with dots, by the name of the mark.
+std::map<std::string, std::set<float>> marked_heights(const Json& data) {
+  std::map<std::string, std::set<float>> heights;
+  for (const auto& mark : data.at("marks")) {
+    const auto places = numbers<float>(mark.at("place"));
+    for (std::size_t i = 1; i < places.size(); i += 2) heights[mark.at("name")].insert(places[i]);
+  }
+  return heights;
+}
+
+TEST(ScenePage, ColoursElementsByWhoIntegratesThem) {
+  const auto data = data_on(scene_page(problem_of(blocks), "said"));
+  std::map<std::string, std::vector<std::string>> kinds;  // of the elements of a body, upwards
+  for (const auto& piece : data.at("pieces")) {
+    const auto cells = numbers<int>(piece.at("cell"));
+    const auto places = numbers<float>(piece.at("place").at(0));
+    const auto kind = numbers<std::uint8_t>(piece.at("kind"));
+    ASSERT_EQ(cells.size(), 4 * kind.size());
+    std::map<float, std::string> by_height;
+    for (std::size_t c = 0; c < kind.size(); ++c)
+      by_height[places[2 * static_cast<std::size_t>(cells[4 * c]) + 1]] =
+          data.at("kinds").at(std::size_t{kind[c]}).at("name");
+    for (const auto& [height, name] : by_height)
+      kinds[data.at("bodies").at(piece.at("body").get<std::size_t>()).at("name")].push_back(name);
+  }
+  const std::string implicit = "implicit: integrated implicitly", other = "explicit: integrated explicitly";
+  EXPECT_THAT(kinds["lower"], ElementsAre(other, other, other, implicit));
+  EXPECT_THAT(kinds["upper"], ElementsAre(implicit, implicit, other, other));
+}
+
+TEST(ScenePage, MarksWhatHoldsOnNodes) {
+  const auto heights = marked_heights(data_on(scene_page(problem_of(blocks), "")));
+  const std::map<std::string, std::set<float>> expected{{"contact", {0.0F}},
+                                                        {"supports", {-4.0F}},
+                                                        {"loads on surfaces", {4.0F}},
+                                                        {"interface of explicit and implicit elements", {-1.0F, 2.0F}},
+                                                        {"probes", {3.5F}}};
+  EXPECT_EQ(heights, expected);
+}
+
+TEST(ScenePage, SaysWhatTheSceneIsAndWhatIsNotDrawn) {
+  const auto page = scene_page(problem_of(blocks), "2 < 3 windows\n");
+  EXPECT_THAT(page, HasSubstr("2 &lt; 3 windows"));
+  EXPECT_THAT(page, HasSubstr("In the contact initial_gap_m adds 0.25 m, which is not drawn."));
+  auto rigid = test::replaced(blocks, "[\"lower.end\", \"upper.start\"]\ninitial_gap_m = 0.25",
+                              "[\"upper.start\", \"rigid_plane\"]");
+  rigid = test::replaced(rigid, "lower = 1.0, ", "");
+  EXPECT_THAT(scene_page(problem_of(rigid), ""), HasSubstr("What is rigid in the contact is not drawn."));
+}
+
+TEST(ScenePage, RefusesMoreElementsThanABrowserDraws) {
+  const std::string many = R"(model = "bar"
+[[body]]
+name = "long"
+material = { youngs_modulus_pa = 1e9, density_kg_m3 = 1e3 }
+area_m2 = 1e-4
+mesh = { length_m = 1.0, elements = 100001 }
+[coupling]
+protocol = "all_explicit"
+[time]
+end_s = 1e-3
+)";
+  const auto error = config_error([&] { static_cast<void>(scene_page(problem_of(many), "")); });
+  EXPECT_THAT(error, HasSubstr("--picture: found 100001 elements (of solids: faces of the surface) in "));
+  EXPECT_THAT(error, HasSubstr("allowed: 100000"));
+}
+
+}  // namespace
+}  // namespace ricochet::report
