@@ -126,4 +126,10 @@ Checkpointing load_checkpoint(TableReader& table) {
   return checkpoint;
 }
 
+std::map<std::string, double> load_accuracy(TableReader& table, const Scene& scene) {
+  auto errors = table.numbers_by_name("relative_error", {0.0, 1.0, false, false}, scene.quantities_with_bars());
+  table.finish();
+  return errors;
+}
+
 }  // namespace ricochet::scene

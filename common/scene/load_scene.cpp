@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "common/base/sha256.hpp"
@@ -11,10 +12,8 @@ namespace ricochet::scene {
 namespace {
 
 Model load_model(TableReader& root) {
-  const std::string model = root.word("model", {"bar", "plane_strain", "axisymmetric", "solid"});
-  if (model == "bar") return Model::bar;
-  if (model == "solid") return Model::solid;
-  return model == "plane_strain" ? Model::plane_strain : Model::axisymmetric;
+  const std::vector<std::string> names(fem::model_names.begin(), fem::model_names.end());
+  return static_cast<Model>(std::find(names.begin(), names.end(), root.word("model", names)) - names.begin());
 }
 
 void load_bodies(TableReader& root, Scene& scene) {
@@ -173,6 +172,10 @@ void load_tables(TableReader& root, Scene& scene) {
   if (root.has("checkpoint")) {
     TableReader table = root.table("checkpoint", "checkpoint");
     scene.checkpoint = load_checkpoint(table);
+  }
+  if (root.has("accuracy")) {
+    TableReader table = root.table("accuracy", "accuracy");
+    scene.accuracy = load_accuracy(table, scene);
   }
   root.finish();
 }

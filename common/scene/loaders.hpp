@@ -32,6 +32,8 @@ void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& sce
 /// `scene` has its bodies and its time already.
 [[nodiscard]] Output load_output(TableReader& table, const Scene& scene);
 Checkpointing load_checkpoint(TableReader& table);
+/// `scene` has its bodies and contacts already.
+[[nodiscard]] std::map<std::string, double> load_accuracy(TableReader& table, const Scene& scene);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);
 /// Throws ConfigError if a foreign body of the scene is nobody's.

@@ -100,4 +100,17 @@ Scene::Substeps Scene::substeps(const std::string& body) const {
   return found;
 }
 
+std::vector<std::string> Scene::quantities_with_bars() const {
+  std::vector<std::string> quantities;
+  for (const char* of_contact :
+       {"peak_contact_force_n", "contact_impulse_n_s", "contact_duration_s", "separation_time_s"}) {
+    if (contacts.empty()) continue;
+    quantities.emplace_back(of_contact);
+    for (const std::string& name : contact_names()) quantities.push_back(of_contact + ("/" + name));
+  }
+  if (!contacts.empty()) quantities.emplace_back("plateau_stress_pa");
+  for (const Body& body : bodies) quantities.push_back("rebound_velocity_" + body.name + "_m_s");
+  return quantities;
+}
+
 }  // namespace ricochet::scene

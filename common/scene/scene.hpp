@@ -296,6 +296,9 @@ struct Scene {
   std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
   Output output;
   Checkpointing checkpoint;
+  /// [accuracy]: relative errors that are asked of results, by their names; empty: none is. What the scene leaves open
+  /// of protocol and step, `ricochet run` then chooses.
+  std::map<std::string, double> accuracy;
   /// [mass_scaling] of `all_explicit`: elements that this step is too long for are made heavier until they bear it.
   std::optional<double> mass_scaling_step_s;
   std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file
@@ -313,6 +316,14 @@ struct Scene {
   /// Of the bodies that it meshes, and of the foreign ones after them.
   [[nodiscard]] std::vector<std::string> body_names() const;
   [[nodiscard]] bool is_foreign(const std::string& body) const;
+  /// Results whose errors are estimated, docs/accuracy.md.
+  [[nodiscard]] std::vector<std::string> quantities_with_bars() const;
+  /// The file names one.
+  [[nodiscard]] bool protocol_given() const { return lines.count("coupling.protocol") > 0; }
+  /// `ricochet run` chooses the step, or protocol and step, before it starts.
+  [[nodiscard]] bool leaves_open() const {
+    return time.largest_step_s || (!accuracy.empty() && !(protocol_given() && time.step_s));
+  }
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown
   [[nodiscard]] const ParticipantSpec& participant(const std::string& name) const;  ///< ConfigError if unknown

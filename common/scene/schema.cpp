@@ -6,7 +6,7 @@ const Schema& scene_schema() {
   static const Schema tables{
       {"scene",
        {"model", "material", "body", "contact", "partition", "time", "coupling", "participant", "output", "checkpoint",
-        "mass_scaling"}},
+        "mass_scaling", "accuracy"}},
       {"body",
        {"name", "material", "mesh", "area_m2", "thickness_m", "initial_velocity_m_s", "initial_displacement_m",
         "large_rotation", "initial_angular_velocity_rad_s", "gravity_m_s2", "support", "traction", "prescribed",
@@ -39,6 +39,7 @@ const Schema& scene_schema() {
        {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads",
         "substeps"}},
       {"mass_scaling", {"step_s"}},
+      {"accuracy", {"relative_error"}},
       {"output",
        {"history_every", "history_every_s", "fields_every", "fields_every_s", "axial_stress_every", "probes_every",
         "probes_every_s", "probe", "gauge"}},

@@ -29,7 +29,7 @@ Toml parse_toml(const std::string& path, const std::string& text) {
   check_text(path, text);
   std::istringstream stream(text);
   try {
-    return toml::parse<toml::discard_comments, std::unordered_map, TomlArray>(stream, path);
+    return toml::parse<toml::discard_comments, std::map, TomlArray>(stream, path);
   } catch (const std::exception& error) {  // toml11 throws several kinds, each with the underlined source
     throw ConfigError(fmt::format("{}: not a TOML file; allowed: TOML 1.0\n{}", path, error.what()));
   }

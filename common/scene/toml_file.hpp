@@ -1,9 +1,9 @@
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <toml.hpp>
-#include <unordered_map>
 #include <vector>
 
 namespace ricochet::scene {
@@ -20,7 +20,8 @@ class TomlArray : public std::vector<Element> {
     return std::vector<Element>::back();
   }
 };
-using Toml = toml::basic_value<toml::discard_comments, std::unordered_map, TomlArray>;
+/// In the order of the keys, so that a file that was changed has the same text whichever key was changed first.
+using Toml = toml::basic_value<toml::discard_comments, std::map, TomlArray>;
 
 /// The bytes of a file. Throws ConfigError if it cannot be read.
 [[nodiscard]] std::string read_text(const std::string& path);

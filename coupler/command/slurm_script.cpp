@@ -124,7 +124,7 @@ void write_slurm_script(const std::string& scene_path, const std::string& out, c
   const auto program = own_path(), results = fs::absolute("out/" + stem).string();
   for (const auto& each : {path, program, results}) require_printable(each);
   const std::string changed = quoted(changed_scene_name(path));
-  const std::string resumed = problem.scene.time.largest_step_s ? "\"$results\"/" + changed : "\"$scene\"";
+  const std::string resumed = problem.scene.leaves_open() ? "\"$results\"/" + changed : "\"$scene\"";
   const auto script = fmt::format(batch_script, fmt::arg("resumed", resumed), fmt::arg("scene_path", path),
                                   fmt::arg("name", job_name(stem)), fmt::arg("tasks", tasks_of(problem.scene)),
                                   fmt::arg("time", time_line(time)), fmt::arg("ricochet", quoted(program)),

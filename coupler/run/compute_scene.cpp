@@ -44,7 +44,9 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
   }
   const auto checkpoints = CheckpointFolder::names(participant_names(scene));
   names.insert(names.end(), checkpoints.begin(), checkpoints.end());
-  if (scene.time.largest_step_s) names.insert(names.end(), {"calibration.csv", changed_scene_name(scene.path)});
+  if (scene.leaves_open())
+    names.insert(names.end(),
+                 {scene.accuracy.empty() ? "calibration.csv" : "advice.csv", changed_scene_name(scene.path)});
   return names;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -141,6 +142,21 @@ Json block_of(const std::vector<Companion>& companions) {
   return block;
 }
 
+/// Whether the run has what its scene asks for; the entry of the quantity gets "asked" and "reached".
+std::string verdict_of(const std::string& name, double asked, Json& quantities) {
+  const std::string wanted = fmt::format("  asked: {} within {:g} %", name, 100.0 * asked);
+  const auto found = quantities.find(name);
+  if (found == quantities.end()) return wanted + ": not a result of this run\n";
+  auto& entry = found.value();
+  const auto bar = report::number(entry, "total");
+  const double share = bar ? *bar / std::abs(entry.at("value").get<double>()) : 0.0;
+  const bool reached = bar && share <= asked;
+  entry["asked"] = asked;
+  entry["reached"] = reached;
+  if (!bar) return wanted + ": its bar is unknown\n";
+  return fmt::format("{}: {}, its bar is {:.2g} %\n", wanted, reached ? "reached" : "not reached", 100.0 * share);
+}
+
 }  // namespace
 
 std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results) {
@@ -156,6 +172,7 @@ std::string estimate_error(const scene::Scene& scene, double step_s, const Resul
     for (const auto& [part, reason] : bar.unknown) reasons.insert(part + " unknown: " + reason);
   }
   for (const auto& reason : reasons) text += "  " + reason + "\n";
+  for (const auto& [name, asked] : scene.accuracy) text += verdict_of(name, asked, block["quantities"]);
   Json summary = report::read_summary(results.file("summary.json"));
   const std::string title =
       fmt::format("error bars from {} companion runs, {:.3f} s (this run: {:.3f} s), kept in {}\n",

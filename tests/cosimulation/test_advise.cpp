@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "tests/support/page.hpp"
@@ -100,7 +102,8 @@ TEST(Advice, NamesABaselineWhereThatIsCheaper) {
   };
   EXPECT_NEAR(impulse(best) / impulse(next), 1.0, 0.06);
   const std::string table = file_text(folder.path() / "advice" / "advice.csv");
-  EXPECT_THAT(table, HasSubstr("protocol,step_s,predicted_s,expected_error,order,refused\nall_implicit,8.64e-07,"));
+  EXPECT_THAT(table, HasSubstr("protocol,step_s,predicted_s,expected_error/contact_impulse_n_s,"
+                               "order/contact_impulse_n_s,refused\nall_implicit,8.64e-07,"));
 }
 
 TEST(Advice, IsOfTheSceneThatSetMakes) {
@@ -132,6 +135,123 @@ TEST(Advice, RefusesByName) {
                              "changes.toml"),
                 folder, "contact_impulse_n_s", "0.1"),
          "advise: found time.changes", "one step for the whole run");
+  const auto bare = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> command{ricochet_binary(), "advise", bars};
+    command.insert(command.end(), options.begin(), options.end());
+    return run_command(command, folder.path().string(), 120.0);
+  };
+  expect(bare({}), "found no table [accuracy]", "or --quantity NAME --error SHARE");
+  expect(bare({"--error", "0.1"}), "--quantity and --error: found one of them", "allowed: both, or none");
+}
+
+/// The bars without what a scene with [accuracy] may leave open, asking for these errors.
+std::string asking(const std::string& text, const std::string& errors) {
+  return replaced(text, "[time]\n", "[accuracy]\nrelative_error = { " + errors + " }\n[time]\n");
+}
+std::string without_step(const std::string& text) {
+  const auto at = text.find("step_s = ");
+  return text.substr(0, at) + text.substr(text.find('\n', at) + 1);
+}
+
+TEST(Accuracy, OfTheRunIsWhatTheSceneAsksForAndTheChosenSceneComputesItAgain) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string() + "/run";
+  const std::string errors = "contact_impulse_n_s = 0.03, rebound_velocity_right_m_s = 0.06";
+  const auto scene = folder.write(asking(without_step(bars_of(4)), errors));
+  const auto run = run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 120.0);
+  ASSERT_EQ(run.code, 0) << run.error;
+  EXPECT_THAT(run.out, HasSubstr("  best\n"));
+  const auto summary = nlohmann::json::parse(file_text(out + "/summary.json"));
+  EXPECT_NEAR(summary.at("contact_impulse_n_s").get<double>(), bars_force_n * bars_contact_s,
+              0.03 * bars_force_n * bars_contact_s);
+  const auto& entry = summary.at("error_bar").at("quantities").at("rebound_velocity_right_m_s");
+  EXPECT_NEAR(entry.at("value").get<double>(), 5.13588, 0.06 * 5.13588);
+  EXPECT_EQ(entry.at("asked"), 0.06);
+  const bool reached = entry.at("total") <= 0.06 * entry.at("value").get<double>();
+  EXPECT_EQ(entry.at("reached"), reached);
+  const std::string verdict = reached ? "reached" : "not reached";
+  EXPECT_THAT(run.out, HasSubstr("asked: rebound_velocity_right_m_s within 6 %: " + verdict + ", its bar is "));
+  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("; asked 6 %: " + verdict));
+  // The pilots of the method that was chosen are companions of its run.
+  std::ptrdiff_t computed = 0;
+  for (const auto& entry_of : std::filesystem::directory_iterator(out + "/accuracy"))
+    computed += std::filesystem::exists(entry_of.path() / "1" / "summary.json") ? 1 : 0;
+  const auto pilots = std::stol(run.out.substr(run.out.find(", from ") + 7));
+  const auto companions = static_cast<long>(summary.at("error_bar").at("companions").size());
+  EXPECT_LE(computed, pilots + companions - 2);
+  const auto again =
+      run_command({ricochet_binary(), "run", out + "/scene/scene.toml", "--out", folder.path().string() + "/again"},
+                  folder.path().string(), 120.0);
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_THAT(again.out, AllOf(testing::Not(HasSubstr("pilot runs")), HasSubstr("within 6 %: " + verdict)));
+  EXPECT_EQ(file_text(folder.path() / "again" / "history.csv"), file_text(out + "/history.csv"));
+}
+
+TEST(Accuracy, LeavesWhatTheSceneFixes) {
+  const TemporaryFolder folder;
+  const auto candidates = [&](const std::string& text) {
+    const auto outcome =
+        run_command({ricochet_binary(), "advise", folder.write(text), "--out", folder.path().string() + "/advice"},
+                    folder.path().string(), 120.0);
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    std::istringstream table(file_text(folder.path() / "advice" / "advice.csv"));
+    std::set<std::string> protocols, steps;
+    std::string line;
+    std::getline(table, line);
+    while (std::getline(table, line)) {
+      protocols.insert(line.substr(0, line.find(',')));
+      steps.insert(line.substr(line.find(',') + 1, line.find(',', line.find(',') + 1) - line.find(',') - 1));
+    }
+    return std::pair(protocols, steps);
+  };
+  const std::string impulse = "contact_impulse_n_s = 0.1";
+  const auto [protocols, one_step] = candidates(asking(bars_of(2), impulse));
+  EXPECT_THAT(protocols, testing::IsSupersetOf({"all_explicit", "all_implicit", "hughes_liu"}));
+  EXPECT_THAT(one_step, testing::ElementsAre("1.113e-06"));
+  const auto [kim, steps] = candidates(asking(with_protocol(without_step(bars_of(2)), "kim"), impulse));
+  EXPECT_THAT(kim, testing::ElementsAre("kim"));
+  EXPECT_EQ(steps.size(), 6U);
+  auto largest = asking(with_protocol(replaced(bars_of(2), "step_s", "largest_step_s"), "kim"), impulse);
+  largest = replaced(largest, "implicit_length_m = { left = 0.0635, right = 0.0635 }", "rule = \"auto\"");
+  for (const auto& step : candidates(largest).second) EXPECT_LE(std::stod(step), 1.114e-6);
+}
+
+TEST(Accuracy, IsRefusedByNameBeforeAnythingRuns) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const char* command, const std::string& text, const std::string& said,
+                          const std::string& too) {
+    const auto scene = folder.write(text);
+    const auto outcome = run_command({ricochet_binary(), command, scene, "--out", folder.path().string() + "/run"},
+                                     folder.path().string(), 120.0);
+    EXPECT_EQ(outcome.code, 2) << command;
+    EXPECT_THAT(outcome.error, AllOf(HasSubstr(said), HasSubstr(too))) << command;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "run" / "history.csv"));
+  };
+  expect("run", asking(bars_of(1), "contact_impuls_n_s = 0.1"), "accuracy.relative_error: found \"contact_impuls_n_s\"",
+         "did you mean \"contact_impulse_n_s\"");
+  expect("run", asking(bars_of(1), "contact_impulse_n_s = 1.5"), "accuracy.relative_error", "1.5");
+  expect("run", asking(bars_of(1), "peak_contact_force_n = 0.1"),
+         "accuracy: found \"peak_contact_force_n\" of a flat impact", "allowed: contact_impulse_n_s");
+  expect("run", asking(without_step(bars_of(1)), "contact_impulse_n_s = 1e-4"), "within 0.01 % on this mesh",
+         "Type relative_error = { \"contact_impulse_n_s\" = 0.0");
+  const auto balls =
+      folder.write(asking(with_absolute_meshes(config_text("two_balls")), "peak_contact_force_n = 0.1"), "balls.toml");
+  const auto checked = run_command({ricochet_binary(), "check", balls}, folder.path().string(), 120.0);
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_THAT(checked.error, HasSubstr("accuracy: found a mesh of a file; allowed: meshes by elements"));
+}
+
+TEST(Accuracy, ThatIsNotReachedIsSaid) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write(asking(with_protocol(bars_of(1), "kim"), "contact_impulse_n_s = 0.001"));
+  const auto checked = run_command({ricochet_binary(), "check", scene}, folder.path().string(), 120.0);
+  EXPECT_THAT(checked.out,
+              HasSubstr("asked: contact_impulse_n_s within 0.1 %; `ricochet run` says whether that was reached"));
+  const auto run = run_command({ricochet_binary(), "run", scene, "--out", folder.path().string() + "/run"},
+                               folder.path().string(), 120.0);
+  EXPECT_EQ(run.code, 0) << run.error;
+  EXPECT_THAT(run.out, HasSubstr("asked: contact_impulse_n_s within 0.1 %: not reached, its bar is "));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "run" / "advice.csv"));
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/processes/given_scene.hpp"
+
+namespace ricochet::coupler {
+
+/// Relative errors that are asked of results, by their names as `error_bar` has them (values_of).
+using AskedErrors = std::map<std::string, double>;
+
+/// What a choice may vary.
+struct Freedom {
+  std::vector<std::string> protocols;  ///< empty: the scene's and the baselines
+  std::vector<double> steps_s;         ///< of all but all_explicit
+  bool explicit_step = false;          ///< all_explicit, too, takes those steps, and not the longest of its own
+};
+/// `ricochet advise --quantity`: any protocol, in steps of 1/2 to 16 times the scene's.
+[[nodiscard]] Freedom any_method(const scene::Problem& problem);
+/// Table [accuracy]: what the scene leaves open. A largest step has halves of it below.
+[[nodiscard]] Freedom open_in_scene(const scene::Problem& problem);
+
+/// One protocol and step.
+struct Proposal {
+  std::string protocol;
+  double step_s = 0.0, predicted_s = 0.0;
+  std::string refused{};  ///< why it cannot be run, or has no bar
+  struct Bar {
+    double relative = 0.0;
+    std::optional<double> order{};
+  };
+  std::map<std::string, Bar> bars{};  ///< by quantity; empty: no pilot was computed
+  [[nodiscard]] bool runs() const { return refused.empty(); }
+  [[nodiscard]] bool reaches(const AskedErrors& asked) const;
+};
+
+struct MethodChoice {
+  std::vector<Proposal> proposals;        ///< in the order of predicted times, refused ones last
+  std::optional<std::size_t> best, next;  ///< next: the cheapest by another protocol that reaches the errors
+  std::size_t pilots = 0;
+  double pilots_s = 0.0;
+};
+
+/// What reaches the errors on the scene's own mesh in the least predicted time. In the order of their predicted time
+/// proposals are computed with elements and step of two, four and eight times the length, in `folder`. The bar of the
+/// first of these pilots (error_bar), halved at an observed order of one, is what the proposal is expected to have on
+/// the scene's mesh. `given`: the scene whose problem this is.
+[[nodiscard]] MethodChoice choose_method(const GivenScene& given, const scene::Problem& problem,
+                                         const AskedErrors& asked, const Freedom& freedom, const std::string& folder);
+
+/// ConfigError where that cannot be asked of the scene: a quantity that it has not, no coarser meshes, programs of
+/// somebody else's, or the peak force of a flat impact, whose front overshoots on every mesh. `asked_by`: the command
+/// or table.
+void require_choice(const scene::Problem& problem, const AskedErrors& asked, const std::string& asked_by);
+
+/// ConfigError that says the least bar of what is farthest from the error asked, and how much finer the elements are to
+/// be. `in_scene`: the table [accuracy] asks, not the command.
+[[noreturn]] void refuse_unreached(const scene::Problem& problem, const MethodChoice& choice, const AskedErrors& asked,
+                                   bool in_scene);
+
+[[nodiscard]] std::string to_table(const MethodChoice& choice, const AskedErrors& asked);
+[[nodiscard]] std::string to_csv(const MethodChoice& choice, const AskedErrors& asked);
+/// "contact_impulse_n_s within 1 %, ..."
+[[nodiscard]] std::string to_text(const AskedErrors& asked);
+
+}  // namespace ricochet::coupler
