@@ -93,6 +93,9 @@ class ExplicitContact {
   void restore(const State& state);
 
  private:
+  [[nodiscard]] static auto before_of(const std::vector<const Eigen::VectorXd*>& u_before) {
+    return [&u_before](int part) -> const Eigen::VectorXd& { return *u_before[static_cast<std::size_t>(part)]; };
+  }
   [[nodiscard]] double dt() const { return clock_.size_s(); }  ///< of the window to come [s]
   [[nodiscard]] std::size_t pairs() const { return surface_.pairs.size(); }
   void make_root(const std::vector<solver::BodyState>& states);

@@ -1,21 +1,13 @@
 #include "implicit_solver/condensed_factor.hpp"
 
-#include <cholmod.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <new>
-#include <string>
 #include <utility>
 
-#include "common/base/computer.hpp"
-#include "common/base/error.hpp"
+#include "implicit_solver/cholmod_objects.hpp"
 #include "implicit_solver/panels.hpp"
-
-/// Of OpenMP, with which CHOLMOD may have been compiled.
-extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
 
 namespace ricochet::implicit_solver {
 namespace {
@@ -29,116 +21,7 @@ constexpr double least_entries_of_part = 1e4;
 /// Where part `part` of `parts` of so many begins.
 int share(int of, int part, int parts) { return static_cast<int>(std::int64_t{of} * part / parts); }
 
-/// CHOLMOD's workspace and the objects that must go back to it.
-struct Cholmod {
-  cholmod_common common{};
-  cholmod_sparse* matrix = nullptr;
-  cholmod_factor* factor = nullptr;
-  Cholmod() {
-    // In supernodes it would start four threads for every short loop, whatever processors there are and `threads` says:
-    // they then wait for each other half of the time.
-    if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(0);
-    use_one_thread_in_blas();
-    cholmod_start(&common);
-    common.print = 0;  // errors are ours to report
-  }
-  ~Cholmod() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_free_sparse(&matrix, &common);
-    cholmod_finish(&common);
-  }
-  Cholmod(const Cholmod&) = delete;
-  Cholmod& operator=(const Cholmod&) = delete;
-};
-
-[[noreturn]] void refuse_indefinite() {
-  throw SolverError(
-      "the implicit operator M + dt^2/4 K is not positive definite: check materials and supports of the "
-      "implicit partition");
-}
-
-/// CHOLMOD's calls return nothing then: the machine's failure, as any other lack of memory, and no fault of the scene.
-[[noreturn]] void refuse_cholmod(const cholmod_common& common, const char* could_not) {
-  if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
-  throw SolverError(std::string("CHOLMOD could not ") + could_not + " the implicit operator");
-}
-
-/// Upper triangle of the active rows and columns of A, in CHOLMOD's column form.
-cholmod_sparse* upper_triangle(const fem::SparseMatrix& a, const std::vector<int>& unknown_of, int unknowns,
-                               cholmod_common& common) {
-  // A is symmetric, so row r of the row-major A is column r; entries with unknown row <= r are the upper triangle.
-  std::size_t entries = 0;
-  const auto visit = [&](auto&& take) {
-    for (int r = 0; r < a.outerSize(); ++r) {
-      const int column = unknown_of[static_cast<std::size_t>(r)];
-      if (column < 0) continue;
-      for (fem::SparseMatrix::InnerIterator it(a, r); it; ++it) {
-        const int row = unknown_of[static_cast<std::size_t>(it.col())];
-        if (row >= 0 && row <= column) take(row, column, it.value());
-      }
-    }
-  };
-  visit([&](int, int, double) { ++entries; });
-  const auto n = static_cast<std::size_t>(unknowns);
-  cholmod_sparse* matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, 1, CHOLMOD_REAL, &common);
-  if (!matrix) refuse_cholmod(common, "hold");
-  auto* column_start = static_cast<int*>(matrix->p);
-  auto* rows = static_cast<int*>(matrix->i);
-  auto* values = static_cast<double*>(matrix->x);
-  std::fill(column_start, column_start + unknowns + 1, 0);
-  visit([&](int, int column, double) { ++column_start[column + 1]; });
-  for (int j = 0; j < unknowns; ++j) column_start[j + 1] += column_start[j];
-  std::vector<int> next(column_start, column_start + unknowns);
-  visit([&](int row, int column, double value) {
-    const int at = next[static_cast<std::size_t>(column)]++;
-    rows[at] = row;
-    values[at] = value;
-  });
-  return matrix;
-}
-
 }  // namespace
-
-/// CHOLMOD's L L^T, read as L D L^T column by column. Its supernodes are columns that were made alike with zeros, so
-/// that dense algebra computes them; these zeros are exact.
-class Supernodes {
- public:
-  explicit Supernodes(const cholmod_factor& factor)
-      : first_(static_cast<const int*>(factor.super)),
-        rows_from_(static_cast<const int*>(factor.pi)),
-        values_from_(static_cast<const int*>(factor.px)),
-        row_(static_cast<const int*>(factor.s)),
-        value_(static_cast<const double*>(factor.x)) {
-    for (int s = 0; s < static_cast<int>(factor.nsuper); ++s)
-      of_column_.resize(static_cast<std::size_t>(first_[s + 1]), s);
-  }
-
-  /// Of L L^T.
-  [[nodiscard]] double diagonal(int column) const { return column_of(column).values[0]; }
-  /// take(row, value) of the column of L, of L D L^T, from the top.
-  template <class Take>
-  void below_diagonal(int column, const Take& take) const {
-    const Column c = column_of(column);
-    for (int k = 1; k < c.height; ++k) take(c.rows[k], c.values[k] / c.values[0]);
-  }
-
- private:
-  struct Column {
-    const int* rows;
-    const double* values;
-    int height;
-  };
-  [[nodiscard]] Column column_of(int column) const {
-    const int s = of_column_[static_cast<std::size_t>(column)], above = column - first_[s];
-    const int height = rows_from_[s + 1] - rows_from_[s];
-    return {row_ + rows_from_[s] + above, value_ + values_from_[s] + std::ptrdiff_t{above} * height + above,
-            height - above};
-  }
-
-  const int *first_, *rows_from_, *values_from_, *row_;
-  const double* value_;
-  std::vector<int> of_column_;
-};
 
 CondensedFactor::CondensedFactor(fem::SparseMatrix a, const std::vector<bool>& active, const std::vector<int>& root,
                                  std::shared_ptr<Parallel> parallel, participant::Heartbeat* heart)

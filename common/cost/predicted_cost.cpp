@@ -1,17 +1,15 @@
 #include "common/cost/predicted_cost.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
-#include "common/base/parallel.hpp"
 #include "common/check/check_switch.hpp"
+#include "common/cost/machine_speed.hpp"
 #include "common/cost/node_graph.hpp"
 #include "common/cost/rewrites.hpp"
-#include "common/fem/stiffness_product.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/problem/local_steps.hpp"
@@ -23,7 +21,6 @@ namespace {
 using fem::at;
 
 /// Of the machine on which docs/speed.md was measured [s]: `./ricochet bench` and runs of the shipped scenes.
-constexpr double reference_product_s = 6.0e-6;  // K u of the patch of measure_speed
 // Of participants, a window or (explicit) a step:
 constexpr double explicit_s = 1.2e-6, implicit_s = 2.0e-6;
 constexpr double explicit_unknown_s = 1.3e-9;  // apart from K u
@@ -50,29 +47,6 @@ constexpr double bytes_of_entry = 17.0;  // of the factor: CHOLMOD's and ours ar
 constexpr double setup_element_s = 4e-6, setup_entry_s = 15e-9, setup_flop_s = 0.08e-9;
 
 constexpr int sample_elements = 8000;
-
-/// Of as many tries as some milliseconds allow, five at least.
-template <class Work>
-double least_time_s(const Work& work) {
-  constexpr double enough_s = 3e-3;
-  double least = std::numeric_limits<double>::infinity(), sum = 0.0;
-  for (int tries = 0; tries < 5 || sum < enough_s; ++tries) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    least = std::min(least, time_s);
-    sum += time_s;
-  }
-  return least;
-}
-
-/// K u of a part [s].
-double time_product(const fem::Part& part) {
-  const fem::StiffnessProduct product(part.stiffness, fem::components(part.mesh.model));
-  const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(part.dofs(), 0.0, 1.0);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(part.dofs());
-  return least_time_s([&] { product.multiply(u, force); });
-}
 
 /// The elements of a body that a participant owns, or all of them.
 struct Share {
@@ -299,18 +273,6 @@ void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std
 }
 
 }  // namespace
-
-MachineSpeed measure_speed() {
-  std::vector<double> lines;
-  for (int i = 0; i <= 40; ++i) lines.push_back(1e-3 * i);
-  const fem::Mesh mesh = fem::quadrilateral_mesh(fem::Model::plane_strain, lines, lines);
-  std::vector<int> elements;
-  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) elements.push_back(e);
-  fem::Section section;
-  section.model = fem::Model::plane_strain;
-  const fem::Part patch = fem::extract_part(mesh, "patch", section, {2e11, 0.3, 7800.0}, elements);
-  return {time_product(patch) / reference_product_s, usable_processors()};
-}
 
 PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
                            const MachineSpeed& speed, const std::vector<double>& contact_s) {

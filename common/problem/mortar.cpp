@@ -8,58 +8,19 @@
 #include <tuple>
 #include <utility>
 
+#include "common/problem/face_plane.hpp"
+
 namespace ricochet::scene {
 namespace {
 
 /// A face of which less lies opposite the other surface touches nothing: its dual basis would be round-off.
 constexpr double least_share = 1e-4;
-/// Faces that are seen from a place so much from the side are not what lies opposite.
-constexpr double least_facing = 0.1;
 /// Smooth surfaces that touch have normals that differ by less [rad].
 constexpr double most_tilt = 0.35;
 /// A face that is tilted by less against another lies on it, and its edge with it [rad].
 constexpr double least_edge_tilt = 1e-3;
 /// Directions that differ by less are one.
 constexpr double same_direction = 1e-9;
-
-/// Coordinates in the plane of a face.
-struct Plane {
-  Eigen::Vector3d origin, first, second;
-
-  explicit Plane(const SurfaceFace& face) : origin(face.x[0]), first(face.x[1] - face.x[0]) {
-    first = (first - first.dot(face.normal) * face.normal).normalized();
-    second = face.node.size() == 2 ? Eigen::Vector3d::Zero().eval() : face.normal.cross(first).eval();
-  }
-  [[nodiscard]] Polygon of(const SurfaceFace& face, const Eigen::Vector3d& moved_m) const {
-    Polygon polygon;
-    for (std::size_t i = 0; i < face.node.size(); ++i) {
-      const Eigen::Vector3d x = face.x[i] + moved_m - origin;
-      polygon.emplace_back(first.dot(x), second.dot(x));
-    }
-    return polygon;
-  }
-};
-
-/// Where the corners of a face lie in the plane of another, whose corners there are `own`: on the lines along that
-/// one's directions, which change between its corners as its shape functions do.
-Polygon seen_along(const std::array<Eigen::Vector3d, 4>& directions, const SurfaceFace& face, const Plane& plane,
-                   const Polygon& own, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
-  Polygon feet = plane.of(other, moved_m);
-  for (std::size_t k = 0; k < feet.size(); ++k) {
-    const Eigen::Vector3d from = other.x[k] + moved_m - plane.origin;
-    for (int i = 0; i < 4; ++i) {  // tilts are small
-      const ShapeValues shape = shape_at(own, feet[k]);
-      Eigen::Vector3d along = Eigen::Vector3d::Zero();
-      for (std::size_t j = 0; j < own.size(); ++j)
-        along += std::clamp(shape[static_cast<Eigen::Index>(j)], -1.0, 2.0) * directions[j];
-      const double facing = along.dot(face.normal);
-      if (!(facing > least_facing * along.norm())) break;
-      const Eigen::Vector3d foot = from - from.dot(face.normal) / facing * along;
-      feet[k] = {plane.first.dot(foot), plane.second.dot(foot)};
-    }
-  }
-  return feet;
-}
 
 double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
   return shape.dot(Eigen::Map<const Eigen::Vector4d>(face.measure.data()));
@@ -83,29 +44,6 @@ bool back_to_back(const SurfaceFace& face, const SurfaceFace& other, const Eigen
 
 /// A hit so far beside a face is none.
 constexpr double beside = 0.05;
-/// Per face of every image of it a box.
-std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<SurfaceFace>& faces, const Eigen::Vector3d& moved_m) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const SurfaceFace& face : faces) {
-    Eigen::AlignedBox3d& box = boxes.emplace_back();
-    for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i] + moved_m);
-  }
-  return boxes;
-}
-
-/// A box that has moved may have a part that lies opposite a face, whose corners are `own` in its plane, along
-/// directions that differ from its normal by no more than `tilt`.
-bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
-             const SurfaceFace& face, const Eigen::AlignedBox2d& own, double tilt) {
-  const Eigen::Vector3d middle = box.center() + moved_m - plane.origin, half = 0.5 * box.sizes();
-  const double far_m = std::abs(face.normal.dot(middle)) + face.normal.cwiseAbs().dot(half);
-  const auto outside = [&](const Eigen::Vector3d& direction, Eigen::Index c) {
-    const double at = direction.dot(middle), size = direction.cwiseAbs().dot(half) + tilt * far_m;
-    return at + size < own.min()[c] || at - size > own.max()[c];
-  };
-  return !outside(plane.first, 0) && (face.node.size() == 2 || !outside(plane.second, 1));
-}
-
 }  // namespace
 
 /// integral phi_j and integral psi_j phi_k so far.

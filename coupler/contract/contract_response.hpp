@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "coupler/contract/contract_run.hpp"
 
@@ -10,6 +11,19 @@ namespace ricochet::coupler {
 struct NotApplicable {
   std::string why;
 };
+
+using Values = std::vector<double>;
+
+/// Answers that differ by less, over the largest, are one.
+constexpr double rounding = 1e-6;
+
+/// Throw NotApplicable.
+void require_capability(const ContractRun& first, Capability capability, const std::string& who_needs_it);
+void require_role(const ContractRun& first, Role role);
+/// "interface node 3, component 1".
+[[nodiscard]] std::string place(const ContractRun& run, std::size_t row);
+/// Displacement of a unit response [m], or force [N], as the contract's link inputs are sized.
+[[nodiscard]] double probe_size(const ContractRun& run, std::size_t row);
 
 /// Clauses about how a participant answers its link, each with processes of its own. `first` is a run that went to its
 /// end. They throw NotApplicable, or ProtocolError saying what is wrong; they return what is worth saying beside

@@ -47,14 +47,12 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   // Nodes that bodies slide to have a force in all directions that those of the start have one in.
   std::set<int> components;
   for (const auto& pair : surface_.pairs) {
-    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal}) {
+    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
       for (const auto& e : row->entries)
         if (row == &pair.normal || pair.friction_coefficient > 0.0) components.insert(e.dof % surface_.components);
-    }
   }
-  for (const auto& [part, node] : surface_.idle) {
+  for (const auto& [part, node] : surface_.idle)
     for (const int c : components) add_root({part, node * surface_.components + c}, states);
-  }
   trial_.start(pairs(), by_impedance());
   state_.mean_forces = state_.remembered = trial_.impulse;
   state_.uneven = trial_.uneven;

@@ -145,6 +145,19 @@ TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
   EXPECT_EQ(text.find("common/fem"), std::string::npos);
 }
 
+TEST(Architecture, NoFileHasMoreThan350Lines) {
+  for (const char* top : {"common", "explicit_solver", "implicit_solver", "coupler"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(RICOCHET_SOURCE) / top)) {
+      const auto extension = entry.path().extension();
+      if (extension != ".hpp" && extension != ".cpp") continue;
+      std::ifstream file(entry.path());
+      int lines = 0;
+      for (std::string line; std::getline(file, line);) ++lines;
+      EXPECT_LE(lines, 350) << entry.path();
+    }
+  }
+}
+
 TEST(Architecture, TheReadmeMapsEveryFloor) {
   std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
   const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\|$");
