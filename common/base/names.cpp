@@ -1,5 +1,7 @@
 #include "common/base/names.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <numeric>
@@ -46,7 +48,12 @@ std::string nearest(std::string_view name, const std::vector<std::string>& allow
       best = candidate;
     }
   }
-  return best;
+  if (!best.empty()) return best;
+  const auto has_it_as_a_word = [word = fmt::format("_{}_", typed)](const std::string& candidate) {
+    return fmt::format("_{}_", lower(candidate)).find(word) != std::string::npos;
+  };
+  const auto found = std::find_if(allowed.begin(), allowed.end(), has_it_as_a_word);
+  return typed.empty() || found == allowed.end() ? "" : *found;
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& allowed) {

@@ -88,11 +88,10 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
-  const auto kept_stresses =
-      state.plastic ? drawn.element.size() * static_cast<std::size_t>(state.plastic->components) : 0;
+  const auto of_plastic =
+      state.plastic ? drawn.element.size() * (1 + static_cast<std::size_t>(state.plastic->components)) : 0;
   const std::size_t of_frame = state.frame ? numbers_of_frame : 0;
-  for (auto& kept : drawn.kept)
-    kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + kept_stresses + of_frame));
+  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + of_plastic + of_frame));
   return drawn;
 }
 
@@ -136,7 +135,8 @@ void ShapeRecorder::keep(std::int64_t window) {
     const int components = states_[p].plastic->components;
     for (const int element : part.element) {
       values.segment(next, components) = states_[p].plastic->stress_of(element);
-      next += components;
+      values[next + components] = states_[p].plastic->equivalent_of(element);
+      next += components + 1;
     }
   }
   windows_.push_back(window);
@@ -175,7 +175,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
   const auto& drawn = parts_[part];
   const auto& mesh_part = states_[part].part;
   const int components = fem::components(model_);
-  std::string displacements, stresses;
+  std::string displacements, stresses, plastic_strains;
   for (std::size_t w = 0; w < windows_.size(); ++w) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
     for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
@@ -187,7 +187,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
                                     frame.tail<3>()};
       states_[part].frame->straining(u, motion, straining);
     }
-    std::vector<float> displacement, stress;
+    std::vector<float> displacement, stress, plastic_strain;
     displacement.reserve(drawn.node.size() * static_cast<std::size_t>(components));
     for (const int node : drawn.node) {
       for (int c = 0; c < components; ++c) displacement.push_back(static_cast<float>(u[node * components + c]));
@@ -199,24 +199,27 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
       auto tensor = fem::element_stress(mesh_part.section, mesh_part.material, geometry,
                                         fem::element_displacement(mesh_part.mesh, e, straining),
                                         fem::traits(geometry.kind).centre);
-      if (states_[part].plastic)
-        tensor -= drawn.kept[w].segment(
-            static_cast<Eigen::Index>(drawn.kept_dof.size()) + tensor.size() * static_cast<Eigen::Index>(i),
-            tensor.size());
+      if (states_[part].plastic) {
+        const Eigen::Index at = std::ssize(drawn.kept_dof) + (tensor.size() + 1) * static_cast<Eigen::Index>(i);
+        tensor -= drawn.kept[w].segment(at, tensor.size());
+        plastic_strain.push_back(static_cast<float>(drawn.kept[w][at + tensor.size()]));
+      }
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
     }
     displacements.append(w == 0 ? "" : ",\n").append(packed(displacement));
     stresses.append(w == 0 ? "" : ",\n").append(packed(stress));
+    plastic_strains.append(w == 0 ? "" : ",\n").append(packed(plastic_strain));
   }
   std::vector<int> cells;
   for (const auto& cell : drawn.cells) cells.insert(cells.end(), cell.begin(), cell.end());
   const auto& v = drawn.velocity_m_s;
   return fmt::format(
       "{{\"name\": \"{}\", \"strip_m\": {:.9g}, \"initial_velocity_m_s\": [{:.9g}, {:.9g}, {:.9g}],\n\"node\": {},\n"
-      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]}}",
+      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}}}",
       drawn.name, drawn.strip_m, v[0], v[1], v[2], packed(drawn.body_node), packed(drawn.position_m), packed(cells),
-      displacements, stresses);
+      displacements, stresses,
+      states_[part].plastic ? fmt::format(",\n\"plastic_strain\": [{}]", plastic_strains) : "");
 }
 
 }  // namespace ricochet::solver

@@ -187,14 +187,29 @@ class Viewer {
     at.disabled = true;
   }
   addLegend() {
-    if (this.bodies.kinds) return this.addKinds();
-    const { hex, signed, high_pa, stress, stress_factor, stress_unit } = this.bodies;
-    const legend = element(this.place, "div", { className: "legend" });
-    element(legend, "span", { textContent: `${stress} [${stress_unit}]` });
-    element(legend, "div").style.background = `linear-gradient(to right, ${hex.join(", ")})`;
-    const numbers = element(legend, "p"), low = signed ? -1 : 0;
+    const { kinds, fields } = this.bodies;
+    if (kinds) return this.addKinds();
+    if (fields.length > 1) {
+      const label = element(element(this.place, "div", { className: "controls" }), "label", { textContent: "Colours " });
+      const field = element(label, "select", { className: "field", onchange: () => this.showField(field.selectedIndex) });
+      for (const { name } of fields) element(field, "option", { textContent: name });
+    }
+    this.legend = element(this.place, "div", { className: "legend" });
+    this.fillLegend();
+  }
+  fillLegend() {
+    const { hex, field: { name, signed, high, factor, unit } } = this.bodies;
+    this.legend.replaceChildren();
+    element(this.legend, "span", { textContent: `${name} [${unit}]` });
+    element(this.legend, "div").style.background = `linear-gradient(to right, ${hex.join(", ")})`;
+    const numbers = element(this.legend, "p"), low = signed ? -1 : 0;
     for (let i = 0; i <= 4; ++i)
-      element(numbers, "span", { textContent: Number(((low + i * (1 - low) / 4) * high_pa * stress_factor).toPrecision(3)) });
+      element(numbers, "span", { textContent: Number(((low + i * (1 - low) / 4) * high * factor).toPrecision(3)) });
+  }
+  showField(index) {
+    this.bodies.showField(index);
+    this.fillLegend();
+    this.showTime(this.time);
   }
   addKinds() {
     const legend = element(this.place, "div", { className: "legend kinds" });

@@ -1,4 +1,4 @@
-// The numbers of <script id="bodies">, which viewer.js draws: those of a run have stresses (see data_of in
+// The numbers of <script id="bodies">, which viewer.js draws: those of a run have fields (see data_of in
 // shape_viewer.cpp), those of a scene that has not run (scene_page.cpp) the kind of each cell, and dots that mark nodes.
 "use strict";
 
@@ -34,23 +34,26 @@ class Box {
 // The numbers of the page: places and stresses of each piece at each of the kept times.
 class Bodies {
   constructor(data) {
-    Object.assign(this, { kinds: null, marks: [] }, data);
+    Object.assign(this, { kinds: null, marks: [], fields: [] }, data);
     this.solid = data.model === "solid";
     this.components = data.model === "bar" ? 1 : this.solid ? 3 : 2;
-    this.signed = data.model === "bar";
     for (const piece of this.pieces) {
       piece.cell = unpacked(piece.cell, Int32Array);
       piece.edge = unpacked(piece.edge, Uint8Array);
       piece.place = piece.place.map((text) => unpacked(text, Float32Array));
       if (this.kinds) piece.kind = unpacked(piece.kind, Uint8Array);
-      else piece.stress = piece.stress.map((text) => unpacked(text, Float32Array));
+      for (const { key } of this.fields) piece[key] = piece[key]?.map((text) => unpacked(text, Float32Array));
     }
     for (const mark of this.marks) mark.place = unpacked(mark.place, Float32Array);
     this.box = new Box();
     this.times.forEach((_, time) => this.eachNode(time, (piece, x) => this.box.include(x)));
     if (this.model === "axisymmetric") this.box.include(this.box.high.map((x, c) => (c === 0 ? -x : x)));
-    const colours = (this.signed ? signedColours : magnitudeColours);
-    this.hex = colours.map((hex) => "#" + hex);
+    this.showField(0);
+  }
+  // Which of the fields gives the colours.
+  showField(index) {
+    this.field = this.fields[index];
+    this.hex = (this.field?.signed ? signedColours : magnitudeColours).map((hex) => "#" + hex);
     this.colours = (this.kinds?.map((kind) => kind.colour) ?? this.hex).map((hex) =>
       [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
   }
@@ -75,17 +78,19 @@ class Bodies {
   }
   colour(piece, time, cell) {
     if (this.kinds) return this.colours[piece.kind[cell]];
-    const stress = piece.stress[time][cell];
-    const share = this.signed ? 0.5 + 0.5 * stress / this.high_pa : stress / this.high_pa;
+    const size = this.value(piece, time, cell) / this.field.high, share = this.field.signed ? 0.5 + 0.5 * size : size;
     const at = Math.min(1, Math.max(0, share)) * (this.colours.length - 1);
     const below = Math.min(Math.floor(at), this.colours.length - 2);
     return this.colours[below].map((value, c) => value + (at - below) * (this.colours[below + 1][c] - value));
   }
+  // Of a body without such a field 0.
+  value(piece, time, cell) { return piece[this.field.key]?.[time][cell] ?? 0; }
   // What is said of a cell.
   says(piece, cell, time) {
     const body = this.bodies[piece.body].name;
     if (this.kinds) return `${body}, ${this.kinds[piece.kind[cell]].name}`;
-    return `${body}: ${this.stress} ${(piece.stress[time][cell] * this.stress_factor).toPrecision(4)} ${this.stress_unit}`;
+    const { name, factor, unit } = this.field;
+    return `${body}: ${name} ${(this.value(piece, time, cell) * factor).toPrecision(4)} ${unit}`;
   }
   // Where two bodies come near each other: {name, centre, size, time}, at the first time they do.
   contacts() {

@@ -13,12 +13,13 @@ using Place = std::array<double, 3>;  ///< [m]; of models with fewer coordinates
 
 /// What one participant drew of one body.
 struct ShapePiece {
-  int body = 0;                                  ///< index into Shapes::bodies
-  std::vector<int> node;                         ///< number in the body
-  std::vector<Place> position;                   ///< per node, undeformed
-  std::vector<std::array<int, 4>> cells;         ///< indices into `node`, -1 beyond the two to four of a cell
-  std::vector<std::vector<Place>> displacement;  ///< per window, per node
-  std::vector<std::vector<double>> stress_pa;    ///< per window, per cell: von Mises, axial of a bar
+  int body = 0;                                       ///< index into Shapes::bodies
+  std::vector<int> node;                              ///< number in the body
+  std::vector<Place> position;                        ///< per node, undeformed
+  std::vector<std::array<int, 4>> cells;              ///< indices into `node`, -1 beyond the two to four of a cell
+  std::vector<std::vector<Place>> displacement;       ///< per window, per node
+  std::vector<std::vector<double>> stress_pa;         ///< per window, per cell: von Mises, axial of a bar
+  std::vector<std::vector<double>> plastic_strain{};  ///< the same, equivalent; empty: of a body that does not yield
 };
 
 /// The elements of a run's bodies, deformed, at the windows that all who drew them kept.

@@ -15,33 +15,36 @@
 namespace ricochet::report {
 namespace {
 
-/// Where the colours end, and the stress that is largest.
-struct StressScale {
-  double high_pa = 1;
-  double largest_pa = 0;
+/// Where the colours end, and the value that is largest.
+struct ColourScale {
+  double high = 1;
+  double largest = 0;
   std::size_t largest_window = 0;  ///< of the kept times
 };
 
-/// Ends at a stress that all but one in two hundred cells stay below, where the largest is much larger: the corner of a
+using CellValues = std::vector<std::vector<double>> ShapePiece::*;
+
+/// Ends at a value that all but one in two hundred cells stay below, where the largest is much larger: the corner of a
 /// contact would leave the rest without colours.
-StressScale stress_scale(const Shapes& shapes) {
-  StressScale scale;
+ColourScale colour_scale(const Shapes& shapes, CellValues values) {
+  ColourScale scale;
   std::vector<double> sizes;
   for (const auto& piece : shapes.pieces) {
-    for (std::size_t w = 0; w < shapes.times_s.size(); ++w) {
-      for (const double stress : piece.stress_pa[w]) {
-        sizes.push_back(std::abs(stress));
-        if (std::abs(stress) <= std::abs(scale.largest_pa)) continue;
-        scale.largest_pa = stress;
+    for (std::size_t w = 0; w < (piece.*values).size(); ++w) {
+      for (const double value : (piece.*values)[w]) {
+        sizes.push_back(std::abs(value));
+        if (std::abs(value) <= std::abs(scale.largest)) continue;
+        scale.largest = value;
         scale.largest_window = w;
       }
     }
   }
-  const double most = std::abs(scale.largest_pa);
+  if (sizes.empty()) return scale;
+  const double most = std::abs(scale.largest);
   const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.995 * static_cast<double>(sizes.size() - 1)));
   std::nth_element(sizes.begin(), at, sizes.end());
   const double end = *at > 0 && most > 1.25 * *at ? *at : most;
-  if (end > 0) scale.high_pa = end;
+  if (end > 0) scale.high = end;
   return scale;
 }
 
@@ -58,31 +61,53 @@ std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, s
   return node_places(shapes, places);
 }
 
-/// cells_data and "place": a window's components of each node as float32, "stress": a window's float32 of each cell.
+/// cells_data and "place": a window's components of each node as float32; "stress" and, of a body that yields,
+/// "plastic_strain": a window's float32 of each cell.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
   Json data = cells_data(piece, looks);
-  Json places = Json::array(), stresses = Json::array();
-  for (std::size_t w = 0; w < shapes.times_s.size(); ++w) {
-    std::vector<float> stress;
-    for (std::size_t c = 0; c < piece.cells.size(); ++c) {
-      if (!looks[c].hidden) stress.push_back(static_cast<float>(piece.stress_pa[w][c]));
+  data["place"] = Json::array();
+  for (std::size_t w = 0; w < shapes.times_s.size(); ++w)
+    data["place"].push_back(packed(drawn_places(shapes, piece, w, magnification)));
+  const auto add = [&](const char* key, CellValues values) {
+    for (const auto& of_window : piece.*values) {
+      std::vector<float> seen;
+      for (std::size_t c = 0; c < piece.cells.size(); ++c) {
+        if (!looks[c].hidden) seen.push_back(static_cast<float>(of_window[c]));
+      }
+      data[key].push_back(packed(seen));
     }
-    places.push_back(packed(drawn_places(shapes, piece, w, magnification)));
-    stresses.push_back(packed(stress));
-  }
-  data["place"] = std::move(places);
-  data["stress"] = std::move(stresses);
+  };
+  add("stress", &ShapePiece::stress_pa);
+  add("plastic_strain", &ShapePiece::plastic_strain);
   return data;
 }
 
-Json data_of(const Shapes& shapes, const Magnification& magnification, const StressScale& scale) {
+std::string stress_name(const Shapes& shapes) { return shapes.model == "bar" ? "axial stress" : "von Mises stress"; }
+
+/// "fields": what cells may be coloured by, the first at the beginning; "key" is that of the pieces, "factor" turns a
+/// value into its unit.
+Json data_of(const Shapes& shapes, const Magnification& magnification, const ColourScale& scale) {
   const auto looks = cell_looks(shapes);
-  const auto unit = display_unit(scale.high_pa, "Pa");
-  Json data = {{"model", shapes.model},    {"first", scale.largest_window}, {"times", Json::array()},
-               {"high_pa", scale.high_pa}, {"stress_factor", unit.factor},  {"stress_unit", unit.name},
-               {"bodies", Json::array()},  {"pieces", Json::array()}};
-  data["stress"] = shapes.model == "bar" ? "axial stress" : "von Mises stress";
+  const auto unit = display_unit(scale.high, "Pa");
+  Json data = {{"model", shapes.model},   {"first", scale.largest_window}, {"times", Json::array()},
+               {"fields", Json::array()}, {"bodies", Json::array()},       {"pieces", Json::array()}};
+  data["fields"].push_back({{"key", "stress"},
+                            {"name", stress_name(shapes)},
+                            {"signed", shapes.model == "bar"},
+                            {"high", scale.high},
+                            {"factor", unit.factor},
+                            {"unit", unit.name}});
+  const bool yields = std::any_of(shapes.pieces.begin(), shapes.pieces.end(),
+                                  [](const ShapePiece& piece) { return !piece.plastic_strain.empty(); });
+  if (yields) {
+    data["fields"].push_back({{"key", "plastic_strain"},
+                              {"name", "equivalent plastic strain"},
+                              {"signed", false},
+                              {"high", colour_scale(shapes, &ShapePiece::plastic_strain).high},
+                              {"factor", 100.0},
+                              {"unit", "%"}});
+  }
   for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
   for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
   for (std::size_t p = 0; p < shapes.pieces.size(); ++p)
@@ -100,7 +125,7 @@ std::string magnification_text(const Shapes& shapes, const Magnification& magnif
   return fmt::format("{} are drawn {:g} times as large as they are.", which, magnification.factor);
 }
 
-std::string note_of(const Shapes& shapes, const Magnification& magnification, const StressScale& scale) {
+std::string note_of(const Shapes& shapes, const Magnification& magnification, const ColourScale& scale) {
   std::string note = shapes.model == "bar" ? "Axial stress of each element. Blue: compression; red: tension."
                                            : "Von Mises stress in the middle of each element.";
   note += " " + magnification_text(shapes, magnification);
@@ -114,8 +139,8 @@ std::string note_of(const Shapes& shapes, const Magnification& magnification, co
   if (repeats) note += " The mesh repeats across; one period of it is drawn.";
   if (shapes.nose) note += " The rounded nose is a gap of the contact, which the mesh does not have.";
   if (shapes.model == "solid") note += " Of solids the surface is kept: a section shows it from inside.";
-  if (std::abs(scale.largest_pa) > scale.high_pa) {
-    note += fmt::format(" The largest stress, {} at {}, lies beyond the colours.", quantity(scale.largest_pa, "Pa", 4),
+  if (std::abs(scale.largest) > scale.high) {
+    note += fmt::format(" The largest stress, {} at {}, lies beyond the colours.", quantity(scale.largest, "Pa", 4),
                         quantity(shapes.times_s[scale.largest_window], "s", 4));
   }
   for (const auto& text : shapes.missing) note += " " + text;
@@ -164,13 +189,13 @@ std::optional<ShapeViewer> shape_viewer(const Shapes& shapes, const HistoryTable
   std::vector<std::size_t> windows(shapes.times_s.size());
   std::iota(windows.begin(), windows.end(), std::size_t{0});
   const auto magnification = magnification_of(shapes, windows, first_contact_s, first_gap_m);
-  const auto scale = stress_scale(shapes);
+  const auto scale = colour_scale(shapes, &ShapePiece::stress_pa);
   ShapeViewer viewer;
   viewer.data = data_of(shapes, magnification, scale);
   viewer.scripts = viewer_scripts(viewer.data);
-  viewer.html = viewer_figure(
-      fmt::format("Deformed bodies: {} at {} times", viewer.data["stress"].get<std::string>(), shapes.times_s.size()),
-      note_of(shapes, magnification, scale));
+  viewer.html =
+      viewer_figure(fmt::format("Deformed bodies: {} at {} times", stress_name(shapes), shapes.times_s.size()),
+                    note_of(shapes, magnification, scale));
   return viewer;
 }
 

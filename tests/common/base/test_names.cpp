@@ -27,6 +27,9 @@ TEST(Nearest, TakesTheFirstOfEquals) { EXPECT_EQ(nearest("abcd", {"abce", "abcf"
 TEST(DidYouMean, MakesASentenceOrNothing) {
   EXPECT_EQ(did_you_mean("steal", {"steel", "carbide"}), "; did you mean \"steel\"?");
   EXPECT_EQ(did_you_mean("water", {"steel", "carbide"}), "");
+  EXPECT_EQ(did_you_mean("steel", {"copper", "stainless_steel_304"}), "; did you mean \"stainless_steel_304\"?")
+      << "as a word of it";
+  EXPECT_EQ(did_you_mean("", {"stainless_steel_304"}), "");
 }
 
 }  // namespace

@@ -119,6 +119,20 @@ TEST(ShapeRecorder, OfSolidsKeepsTheSurfaceWithItsVonMisesStress) {
   EXPECT_THAT(stress, Each(testing::FloatNear(1e6F, 1.0F)));
 }
 
+TEST(ShapeRecorder, OfABodyThatYieldsKeepsItsPlasticStrain) {
+  const std::string material = "density_kg_m3 = 1000.0 }";
+  Recorded run(test::replaced(scene::blocks, material,
+                              "density_kg_m3 = 1000.0, plasticity = { yield_stress_pa = 1e3, hardening_pa = 1e9 } }") +
+               "[coupling]\nprotocol = \"all_explicit\"\n");
+  run.scene.states[0].plastic->equivalent.setConstant(0.125);
+  run.recorder()->finish(1);
+  const Json bodies = run.file()["bodies"];
+  const auto strain = numbers<float>(bodies[0]["plastic_strain"][0]);
+  EXPECT_EQ(strain.size(), numbers<int>(bodies[0]["cell"]).size() / 4);
+  EXPECT_THAT(strain, Each(0.125F));
+  EXPECT_FALSE(bodies[1].contains("plastic_strain")) << "it is elastic";
+}
+
 TEST(ShapeRecorder, WhereAMeshRepeatsDrawsTheImageOfANode) {
   const std::string plates = R"(model = "plane_strain"
 [[body]]

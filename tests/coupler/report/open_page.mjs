@@ -79,6 +79,19 @@ async function expectKindsAndMarks(page) {
     `the legend has ${named.join(", ")}`);
 }
 
+// A body that yields is coloured by its plastic strain, too.
+async function expectFields(page) {
+  const fields = page.locator("select.field");
+  expect(await fields.count() === await page.evaluate(() => (bodyViewer.bodies.fields.length > 1 ? 1 : 0)), "no choice of colours");
+  if (!(await fields.count())) return;
+  const time = page.getByLabel("time", { exact: true });
+  await time.fill(await time.getAttribute("max"));  // at the start there is neither
+  const before = await pictureOf(page);
+  await fields.selectOption("equivalent plastic strain");
+  expect((await pictureOf(page)).hash !== before.hash, "plastic strain has the colours of stress");
+  expect((await page.locator(".legend").innerText()).includes("equivalent plastic strain [%]"), "the legend is that of stress");
+}
+
 // The bodies are seen, and answer to a drag, to buttons, to the pointer and to the time; a telephone shows the page, too.
 async function expectDeformedBodies(page) {
   const canvas = page.locator("#deformed_bodies canvas");
@@ -118,6 +131,7 @@ async function expectDeformedBodies(page) {
     const time = page.getByLabel("time", { exact: true });
     await time.fill((await time.inputValue()) === "0" ? await time.getAttribute("max") : "0");
     expect((await pictureOf(page)).hash !== first.hash, "another time has the same picture");
+    await expectFields(page);
   }
   await page.setViewportSize({ width: 390, height: 800 });
   await page.waitForFunction(() => bodyViewer.width < 390);
@@ -190,6 +204,7 @@ async function check(browser, argument) {
     await expectDeformedBodies(page);
     await expectWordsWithoutWebGl(browser, page.url());
   }
+  if (folder.endsWith("solids")) expect(await page.locator("select.field").count() === 1, "the solids do not yield");
   for (const id of wanted ? wanted.split(",") : []) expect(ids.includes(id), `no chart ${id} among ${ids.join(", ")}`);
   if (count > 0 && await page.evaluate(() => views.some((v) => v.link === "time"))) await dragEnlargesAllChartsOverTime(page);
   expect(complaints.size === 0, [...complaints].join("\n"));

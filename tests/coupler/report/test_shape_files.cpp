@@ -115,6 +115,8 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
   EXPECT_THAT(refused("cell", packed_ints({0, 1, 2})), HasSubstr("3 numbers, not four for each cell"));
   EXPECT_THAT(refused("stress_pa", Json::array()), HasSubstr("fields of another number of windows"));
   EXPECT_THAT(refused("stress_pa", Json({"", ""})), HasSubstr("\"stress_pa\" holds 0 numbers, expected 1"));
+  EXPECT_THAT(refused("plastic_strain", Json::array()), HasSubstr("fields of another number of windows"));
+  EXPECT_THAT(refused("plastic_strain", Json({"", ""})), HasSubstr("\"plastic_strain\" holds 0 numbers, expected 1"));
 }
 
 TEST_F(ShapeFiles, OfAnotherRunAreNamed) {

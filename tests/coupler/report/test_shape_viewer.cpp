@@ -126,8 +126,9 @@ TEST(ShapeViewer, HoldsPlacesStressesCellsAndEdges) {
   EXPECT_THAT(viewer.html, AllOf(HasSubstr("<h2>Deformed bodies: von Mises stress at 2 times</h2>"),
                                  HasSubstr("Displacements are drawn to scale.")));
   EXPECT_EQ(viewer.data["times"], Json({"0 s", "1 µs"}));
-  EXPECT_EQ(viewer.data["stress_unit"], "MPa");
-  EXPECT_EQ(viewer.data["high_pa"], 1e6);
+  ASSERT_EQ(viewer.data["fields"].size(), 1U);
+  EXPECT_EQ(viewer.data["fields"][0]["unit"], "MPa");
+  EXPECT_EQ(viewer.data["fields"][0]["high"], 1e6);
   const auto& piece = viewer.data["pieces"][0];
   EXPECT_THAT(unpacked<int>(piece["cell"]), ElementsAre(0, 1, 4, 5, 1, 2, 3, 4));
   EXPECT_THAT(unpacked<std::uint8_t>(piece["edge"]), ElementsAre(2, 1, 2, 2, 2, 2, 2, 1));
@@ -166,7 +167,7 @@ TEST(ShapeViewer, AFewLargeStressesDoNotTakeTheColours) {
   shapes.pieces[0].stress_pa[1][500] = 9e6;
   const auto viewer = shape_viewer(shapes, history_of({0}), no_contact).value();
   EXPECT_THAT(viewer.html, HasSubstr("The largest stress, 9 MPa at 1 µs, lies beyond the colours."));
-  EXPECT_EQ(viewer.data["high_pa"], 1e6);
+  EXPECT_EQ(viewer.data["fields"][0]["high"], 1e6);
 }
 
 TEST(ShapeViewer, SaysWhatIsNotAsItIs) {
@@ -196,6 +197,17 @@ TEST(ShapeViewer, NothingToDrawOfNothing) {
   auto shapes = two_squares();
   shapes.times_s.clear();
   EXPECT_FALSE(shape_viewer(shapes, history_of({0}), no_contact)) << "no window that all have";
+}
+
+TEST(ShapeViewer, ABodyThatYieldsMayBeColouredByItsPlasticStrain) {
+  auto shapes = two_squares();
+  shapes.pieces[0].plastic_strain = {{0.0, 0.0}, {0.25, 0.125}};
+  const auto data = shape_viewer(shapes, {}, no_contact)->data;
+  ASSERT_EQ(data["fields"].size(), 2U);
+  EXPECT_EQ(data["fields"][1]["key"], "plastic_strain");
+  EXPECT_EQ(data["fields"][1]["high"], 0.25);
+  EXPECT_EQ(data["fields"][1]["factor"], 100.0) << "in %";
+  EXPECT_THAT(unpacked<float>(data["pieces"][0]["plastic_strain"][1]), ElementsAre(0.25F, 0.125F));
 }
 
 }  // namespace
