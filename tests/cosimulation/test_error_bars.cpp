@@ -86,9 +86,8 @@ TEST(ErrorBars, TellPartsApartOnTheConsoleInTheSummaryAndOnThePage) {
 
 TEST(ErrorBars, HaveTheKeysOfTheirPageAndNoOther) {
   const TemporaryFolder folder;
-  const auto run = estimated(with_protocol(bars_of(1), "kim") +
-                                 "[accuracy]\nrelative_error = { contact_impulse_n_s = 0.1 }\n",
-                             folder);
+  const auto run = estimated(
+      with_protocol(bars_of(1), "kim") + "[accuracy]\nrelative_error = { contact_impulse_n_s = 0.1 }\n", folder);
   ASSERT_EQ(run.outcome.code, 0) << run.outcome.error;
   const std::string page = file_text(std::string(RICOCHET_SOURCE) + "/docs/accuracy.md");
   const std::string table = page.substr(page.find("\n## error_bar\n"));
