@@ -267,7 +267,8 @@ void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std
     std::vector<int> elements(body.mesh.elements.size());
     std::iota(elements.begin(), elements.end(), 0);
     const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
-    const auto steps = scene::local_steps(body, part, problem.clock.largest_size_s());
+    const auto steps =
+        scene::local_steps(body, part, problem.clock.largest_size_s(), fem::LocalSteps::Levels::expected);
     whole[b].products += scene::extra_rows(problem, static_cast<int>(b), steps);
   }
 }

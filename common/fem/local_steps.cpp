@@ -48,7 +48,7 @@ std::vector<bool> with_a_layer(const SparseMatrix& stiffness, int components, co
 }  // namespace
 
 LocalSteps::LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components,
-                       double window_s)
+                       double window_s, Levels levels)
     : components_(components),
       longest_window_s_(window_s),
       level_of_node_(static_cast<std::size_t>(inverse_mass.size() / components), 0) {
@@ -68,7 +68,7 @@ LocalSteps::LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inv
   for (double scale = std::min(1.0, largest / of_node.maxCoeff());; scale = std::min(1.0, raise * scale)) {
     set_levels(stiffness, inverse_mass, window_s, scale * of_node);
     longest_window_s_ = 2.0 / std::sqrt(scale * softest);
-    if (bears(product, mass, fixed, window_s)) return;
+    if (levels == Levels::expected || bears(product, mass, fixed, window_s)) return;
     if (scale == 1.0) throw SolverError("local steps: no levels were found that bear the window");
   }
 }

@@ -24,8 +24,10 @@ class LocalSteps {
   /// Levels for windows of `window_s`; `inverse_mass` per degree of freedom, 0 where held [1/kg]. A row's stiffness is
   /// measured by sum_j |K_ij|/m_i, scaled by what omega_max^2 of all of K is of the largest of them; where K~ does not
   /// bear the window with these levels the scale goes up, to 1 at most, which is Gershgorin's bound. Throws SolverError
-  /// where that does not help.
-  LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components, double window_s);
+  /// where that does not help. `expected`: the first levels, untried, for who asks what they would cost.
+  enum class Levels { borne, expected };
+  LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components, double window_s,
+             Levels levels = Levels::borne);
 
   [[nodiscard]] bool any() const { return !levels_.empty(); }
   /// force = S force [N].

@@ -6,7 +6,8 @@
 namespace ricochet::scene {
 
 /// Local steps of a whole body in windows of `window_s`, with its supports. `part`: all its elements.
-[[nodiscard]] fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s);
+[[nodiscard]] fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s,
+                                          fem::LocalSteps::Levels levels = fem::LocalSteps::Levels::borne);
 
 /// Rows of K that a window multiplies beside the whole, over all rows: once for the body's own forces, and once more
 /// for contact forces that act inside the small steps.

@@ -134,6 +134,12 @@ class Run(Scratch):
         self.assertIn("left", ricochet.check(bars))
         self.assertIn("left", ricochet.check(tomllib.loads(bars.read_text())))
 
+    def test_a_scene_is_drawn_before_it_runs(self):
+        for number, scene in enumerate([bars, tomllib.loads(bars.read_text())]):
+            page = ricochet.draw(scene, self.folder / f"drawn_{number}", height=400, coupling__protocol="kim")
+            self.assertRegex(page._repr_html_(), r'(?s)^<iframe srcdoc="[^"]*before it runs[^"]*" width="100%" height="400"')
+            self.assertIn("scene.html", repr(page))
+
 
 class Results(Scratch):
     @classmethod

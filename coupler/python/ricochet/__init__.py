@@ -5,8 +5,8 @@
     result.history["contact_force_n"]
 """
 from .command import (MachineError, ModelError, ParticipantError, ProtocolError, RicochetError, SceneError, UnstableError,
-                      check, run, study)
+                      check, draw, run, study)
 from .result import Result, Study
 
-__all__ = ["run", "check", "study", "Result", "Study", "RicochetError", "SceneError", "UnstableError", "ParticipantError",
+__all__ = ["run", "check", "draw", "study", "Result", "Study", "RicochetError", "SceneError", "UnstableError", "ParticipantError",
            "ProtocolError", "ModelError", "MachineError"]

@@ -2,7 +2,7 @@
 import os, pathlib, shutil, signal, subprocess, sys, tempfile, threading
 
 from . import scene as scenes
-from .result import Result, Study
+from .result import Page, Result, Study
 
 
 class RicochetError(Exception):
@@ -113,6 +113,15 @@ def check(scene, **changes):
     arguments = scenes.set_arguments(changes)
     with tempfile.TemporaryDirectory() as scratch:
         return call(["check", file_of(scene, scratch), *arguments], None)
+
+
+def draw(scene, out=None, height=800, **changes):
+    """The scene, a path or a dict, with keys changed, drawn before it runs: for the last line of a cell of a notebook."""
+    arguments, folder = scenes.set_arguments(changes), folder_of(scene, out)
+    if out is None:
+        folder = folder.with_name(folder.name + "_scene")
+    call(["check", file_of(scene, folder), "--picture", "--out", str(folder), *arguments], None, folder)
+    return Page(folder / "scene.html", height)
 
 
 def study(study, out=None, progress=show, **changes):

@@ -114,6 +114,20 @@ TEST_P(LocalStepsOf, AreNoneWhereEveryElementBearsTheStep) {
   EXPECT_EQ(force, before);
 }
 
+/// Untried they are found with the smallest scale.
+TEST_P(LocalStepsOf, AreExpectedToCostNoMoreThanTheyDo) {
+  const double coarse_s = 0.99 * coarse_step(GetParam());
+  for (const int ratio : {2, 8, 32}) {
+    const Body body(jump_mesh(GetParam(), ratio));
+    const auto cost = [&](LocalSteps::Levels levels) {
+      return LocalSteps(body.part.stiffness, body.inverse_mass, body.components, coarse_s, levels).extra_rows();
+    };
+    const double borne = cost(LocalSteps::Levels::borne), expected = cost(LocalSteps::Levels::expected);
+    EXPECT_LE(expected, borne) << ratio;
+    EXPECT_GE(expected, 0.4 * borne) << ratio;
+  }
+}
+
 TEST(LocalSteps, CostWhatTheFineRowsTimesTheirStepsDo) {
   const Body body(bar_mesh(jump(1e-2, 1000, 64, 64)));
   LocalSteps steps(body.part.stiffness, body.inverse_mass, 1, 0.9 * coarse_step(Model::bar));
