@@ -9,7 +9,7 @@
 
 namespace ricochet::fem {
 
-/// What a picture of a mesh shows: its elements, of a solid the faces that belong to one element alone. A node, and its
+/// A picture of a mesh shows its elements, and of a solid the faces that belong to one element alone. A node, and its
 /// image across the period where a cell reaches it there, are two nodes of the picture.
 struct SeenCells {
   /// More are not drawn.

@@ -7,7 +7,7 @@
 
 namespace ricochet::scene {
 
-/// What a picture of a scene shows of a body before it runs.
+/// A body as a picture of the scene shows it before the run.
 struct DrawnBody {
   fem::SeenCells seen;
   std::vector<int> owner;  ///< per cell: index into Scene::participants of who integrates its element

@@ -136,6 +136,7 @@ class Pilots {
                          with(*coarser(scene_, factor),
                               {{"coupling.protocol", proposal.protocol}, {"time.step_s", factor * proposal.step_s}}));
   }
+
   const scene::Scene& scene_;
   const AskedErrors& asked_;
   Companions runs_;

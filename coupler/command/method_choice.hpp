@@ -45,10 +45,10 @@ struct MethodChoice {
   double pilots_s = 0.0;
 };
 
-/// What reaches the errors on the scene's own mesh in the least predicted time. In the order of their predicted time
-/// proposals are computed with elements and step of two, four and eight times the length, in `folder`. The bar of the
-/// first of these pilots (error_bar), halved at an observed order of one, is what the proposal is expected to have on
-/// the scene's mesh. `given`: the scene whose problem this is.
+/// Finds the protocol and step that reach the errors on the scene's own mesh in the least predicted time. In the order
+/// of their predicted time proposals are computed with elements and step of two, four and eight times the length, in
+/// `folder`. The bar of the first of these pilots (error_bar), halved at an observed order of one, is what the proposal
+/// is expected to have on the scene's mesh. `given`: the scene whose problem this is.
 [[nodiscard]] MethodChoice choose_method(const GivenScene& given, const scene::Problem& problem,
                                          const AskedErrors& asked, const Freedom& freedom, const std::string& folder);
 

@@ -258,6 +258,7 @@ void request_checkpoint(const std::string& folder) {
 void check_scene(const GivenScene& given, const std::optional<std::string>& picture_folder) {
   Announcer announcer;
   const auto [problem, plan] = plan_scene(given, announcer);
+  if (!problem.scene.accuracy.empty()) require_choice(problem, problem.scene.accuracy, "accuracy");
   std::string said;
   const auto say = [&said](const std::string& text) {
     fmt::print("{}", text);
@@ -271,7 +272,6 @@ void check_scene(const GivenScene& given, const std::optional<std::string>& pict
   if (const auto warning = address_warning(problem.scene); !warning.empty())
     say(fmt::format("warning: {}\n", printable(warning)));
   if (!problem.scene.accuracy.empty()) {
-    require_choice(problem, problem.scene.accuracy, "accuracy");
     say(fmt::format("asked: {}; `ricochet run` {}\n", to_text(problem.scene.accuracy),
                     problem.scene.leaves_open() ? "chooses what the scene leaves open of protocol and step, as "
                                                   "`ricochet advise` would, and says what was reached"
