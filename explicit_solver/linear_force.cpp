@@ -30,14 +30,14 @@ void LinearForce::set_shared_columns() {
   shared_moved_.setZero(columns);
 }
 
-void LinearForce::before_link(Eigen::VectorXd& u, Eigen::VectorXd& force) {
-  evaluate(u, force);
+void LinearForce::before_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  evaluate(step_s, u, force);
   for (std::size_t i = 0; i < near_rows_.size(); ++i) near_before_[static_cast<Eigen::Index>(i)] = force[near_rows_[i]];
   for (Eigen::Index i = 0; i < shared_before_.size(); ++i)
     shared_before_[i] = u[state_->shared_dofs[static_cast<std::size_t>(i)]];
 }
 
-void LinearForce::after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+void LinearForce::after_link(double, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   for (Eigen::Index i = 0; i < shared_before_.size(); ++i)
     shared_moved_[i] = u[state_->shared_dofs[static_cast<std::size_t>(i)]] - shared_before_[i];
   for (std::size_t i = 0; i < near_rows_.size(); ++i) {

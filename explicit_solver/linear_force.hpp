@@ -19,9 +19,9 @@ class LinearForce final : public solver::LinearElements {
   /// `state` before the first window; it must outlive this object unmoved. `driven`: see WaveFront.
   LinearForce(const solver::BodyState& state, const std::vector<int>& driven);
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override { front_.multiply(*state_, u, force); }
-  void before_link(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
-  void after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) override { front_.multiply(*state_, u, force); }
+  void before_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void after_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd& force) override { front_.grow(force); }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return front_.rows(); }
   void reach_all() override { front_.reach_all(); }

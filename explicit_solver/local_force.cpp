@@ -17,7 +17,7 @@ LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& d
       steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
       front_(state, with(driven, steps_.reached())) {}
 
-void LocalForce::evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+void LocalForce::evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   front_.multiply(*state_, u, force);
   steps_.spread(force);
 }

@@ -14,7 +14,7 @@ class LocalForce final : public solver::LinearElements {
   /// As LinearForce. Rows that step locally are computed from the start on.
   LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s);
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd& force) override { front_.grow(force); }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return front_.rows(); }
   void reach_all() override { front_.reach_all(); }

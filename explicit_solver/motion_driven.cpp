@@ -75,7 +75,7 @@ void MotionDriven::synchronise(std::int64_t window, const std::vector<double>& l
     auto& trial = trials_[b];
     trial.u = state.u;
     for (const int dof : state.shared_dofs) state.u[dof] = link_input[next++];
-    forces_[b]->evaluate(state.u, trial.forces.internal);
+    forces_[b]->evaluate(0.0, state.u, trial.forces.internal);
     state.external.at(time_s, trial.forces.external);
     account_interface(b);
   }
@@ -116,7 +116,8 @@ void MotionDriven::predict(std::int64_t window) {
     if (!state.external.zero()) state.external.at(time_s, trial.forces.external);
   }
   if (contact_) contact_->settle(states_, trial_external_, trial_u_);
-  for (std::size_t b = 0; b < states_.size(); ++b) forces_[b]->before_link(trials_[b].u, trials_[b].forces.internal);
+  for (std::size_t b = 0; b < states_.size(); ++b)
+    forces_[b]->before_link(dt(), trials_[b].u, trials_[b].forces.internal);
   predicted_ = true;
 }
 
@@ -124,7 +125,7 @@ void MotionDriven::predict(std::int64_t window) {
 void MotionDriven::move_shared(std::size_t b, const std::vector<double>& link_input, std::size_t& next) {
   auto& trial = trials_[b];
   for (const int dof : states_[b].shared_dofs) trial.u[dof] = link_input[next++];
-  forces_[b]->after_link(trial.u, trial.forces.internal);
+  forces_[b]->after_link(dt(), trial.u, trial.forces.internal);
 }
 
 bool MotionDriven::accept(std::int64_t window) {

@@ -89,7 +89,7 @@ SubcycledWindow::SubcycledWindow(const BodyState& state, int substeps, double dt
 void SubcycledWindow::start(BodyState& state, double time_s, const Eigen::VectorXd& force) {
   tried_ = false;
   accepted_.force = force;
-  elements_->evaluate(state.u, accepted_.internal);
+  elements_->evaluate(0.0, state.u, accepted_.internal);
   elements_->follow(accepted_.internal);
   elements_->settle();
   state.external.at(time_s, accepted_.external);
@@ -142,7 +142,7 @@ void SubcycledWindow::run(const BodyState& state, double begin_s, int steps, con
     solver::step_displacement(state, time_s, dt_, u_, v_, a_, u_);
     Eigen::VectorXd& u_old = a_new_;
     external_old_ = trial_external_;
-    elements_->evaluate(u_, trial_internal_);
+    elements_->evaluate(dt_, u_, trial_internal_);
     elements_->follow(trial_internal_);
     if (!state.external.zero()) state.external.at(time_s, trial_external_);
     solver::add_dashpot_forces(

@@ -41,17 +41,18 @@ fem::SparseMatrix CombinedParts::block_diagonal(const std::vector<const fem::Spa
   return all;
 }
 
-void CombinedParts::evaluate_moved(std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const {
+void CombinedParts::evaluate_moved(double dt, std::size_t part, const Eigen::VectorXd& increment,
+                                   Eigen::VectorXd& force) const {
   Eigen::VectorXd moved = states[part].u + segment(increment, part);
   force.setZero(moved.size());
-  forces[part]->evaluate(moved, force);
+  forces[part]->evaluate(dt, moved, force);
 }
 
-void CombinedParts::settle() const {
+void CombinedParts::settle(double dt) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
     if (forces[b]->linear()) continue;
     Eigen::VectorXd force = Eigen::VectorXd::Zero(states[b].part.dofs());
-    forces[b]->evaluate(states[b].u, force);
+    forces[b]->evaluate(dt, states[b].u, force);
     forces[b]->follow(force);
     forces[b]->settle();
   }
@@ -69,7 +70,7 @@ void CombinedParts::external_force(double time_s, Eigen::VectorXd& external) con
 void CombinedParts::constrain_rates(double time_s, double dt, const WindowState& state, WindowTrial& trial) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
     Eigen::VectorXd anew;  // where a few rows of K are not enough
-    if (!forces[b]->linear() && !states[b].constrained.empty()) evaluate_moved(b, trial.increment, anew);
+    if (!forces[b]->linear() && !states[b].constrained.empty()) evaluate_moved(dt, b, trial.increment, anew);
     for (const auto& c : states[b].constrained) {
       const auto dof = static_cast<int>(offsets[b]) + c.dof;
       double internal = state.external[dof] - state.residual[dof] - state.link[dof];

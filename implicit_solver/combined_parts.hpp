@@ -53,9 +53,9 @@ class CombinedParts {
     return combined.segment(offsets[part], states[part].part.dofs());
   }
   /// P(u_n + increment) of a part [N].
-  void evaluate_moved(std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const;
+  void evaluate_moved(double dt, std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const;
   /// Elements with a memory keep that of the accepted window, whose displacement the states have.
-  void settle() const;
+  void settle(double dt) const;
   /// Loads at a time into the segments of the parts that have some [N].
   void external_force(double time_s, Eigen::VectorXd& external) const;
   /// Load on a dashpot's dof: `external_force` leaves out the parts without loads.

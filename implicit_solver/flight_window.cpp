@@ -36,7 +36,7 @@ void FlightWindow::advance(std::int64_t window, const WindowState& last, WindowT
   settle(trial.end.external);
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const auto& state = parts_.states[b];
-    parts_.forces[b]->evaluate(moved_[b], internal_[b]);
+    parts_.forces[b]->evaluate(dt, moved_[b], internal_[b]);
     const auto link = parts_.segment(trial.end.link, b);
     solver::add_dashpot_forces(
         state, dt, [&](int dof) { return state.v[dof] + 0.5 * dt * state.a[dof]; },

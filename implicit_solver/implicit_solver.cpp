@@ -136,7 +136,7 @@ void ImplicitSolver::synchronise(Integration integration, const std::vector<doub
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     auto q = parts_.segment(forces_.residual, b);
-    parts_.forces[b]->evaluate(state.u, internal_[b]);
+    parts_.forces[b]->evaluate(0.0, state.u, internal_[b]);
     parts_.forces[b]->follow(internal_[b]);
     parts_.forces[b]->settle();
     for (const auto& d : state.dashpots) {
@@ -195,7 +195,7 @@ void ImplicitSolver::accept() {
     state.move_hanging();
   }
   std::swap(forces_, trial_.end);
-  parts_.settle();
+  parts_.settle(setup_.clock.size_s());
   if (contact_) contact_->accept();
   const int every = problem_.scene.coupling.resynchronise_every;
   if (every > 0 && window_ % every == 0) resynchronise_residual();
@@ -208,7 +208,7 @@ void ImplicitSolver::accept() {
 void ImplicitSolver::resynchronise_residual() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
-    parts_.forces[b]->evaluate(state.u, internal_[b]);
+    parts_.forces[b]->evaluate(0.0, state.u, internal_[b]);
     for (int i = 0; i < state.part.dofs(); ++i) {
       const auto dof = parts_.offsets[b] + i;
       if (!state.free[static_cast<std::size_t>(i)]) continue;

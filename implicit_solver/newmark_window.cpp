@@ -227,7 +227,7 @@ double NewmarkWindow::find_imbalance(const WindowTrial& trial) {
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
     const auto du = parts_.segment(trial.increment, b);
-    parts_.evaluate_moved(b, trial.increment, internal_);
+    parts_.evaluate_moved(dt_, b, trial.increment, internal_);
     inertia_ = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
     auto left = parts_.segment(imbalance_, b);
     left = parts_.segment(trial.end.external, b);

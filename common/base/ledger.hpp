@@ -28,9 +28,10 @@ struct BodyTotals {
   /// Else 0, which nobody tells of.
   double angular_momentum_x_kg_m2_s = 0.0, angular_momentum_y_kg_m2_s = 0.0, angular_momentum_z_kg_m2_s = 0.0;
   double angular_impulse_x_kg_m2_s = 0.0, angular_impulse_y_kg_m2_s = 0.0, angular_impulse_z_kg_m2_s = 0.0;
-  /// Bodies that yield tell these two; their elements keep them, so that they are in no archive.
+  /// Bodies that yield tell these; their elements keep them, so that they are in no archive.
   double plastic_work_j = 0.0;
   double equivalent_plastic_strain_max = 0.0;  ///< of all elements: the largest, not a sum
+  double temperature_max_k = 0.0;              ///< the same; where plastic work heats the body
 
   void archive(Archive& a);
 };
@@ -93,10 +94,11 @@ inline constexpr std::array<Quantity<BodyTotals>, 17> body_quantities = {{
     {"angular_impulse_z_kg_m2_s", &BodyTotals::angular_impulse_z_kg_m2_s},
 }};
 
-/// Bodies that yield tell these after those.
-inline constexpr std::array<Quantity<BodyTotals>, 2> plastic_quantities = {{
+/// Bodies that yield tell these after those, the last one where plastic work heats them.
+inline constexpr std::array<Quantity<BodyTotals>, 3> plastic_quantities = {{
     {"plastic_work_j", &BodyTotals::plastic_work_j},
     {"equivalent_plastic_strain_max", &BodyTotals::equivalent_plastic_strain_max},
+    {"temperature_max_k", &BodyTotals::temperature_max_k},
 }};
 
 inline constexpr std::array<Quantity<ContactRecord>, 23> contact_quantities = {{

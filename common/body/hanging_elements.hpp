@@ -20,9 +20,9 @@ class HangingElements final : public InternalForce {
         components_(fem::components(state.part.mesh.model)),
         elements_(std::move(elements)) {}
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+  void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override {
     fem::follow(hanging_, components_, u);
-    elements_->evaluate(u, force);
+    elements_->evaluate(step_s, u, force);
     fem::pass_on(hanging_, components_, force);
   }
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }

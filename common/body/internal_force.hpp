@@ -24,11 +24,12 @@ class InternalForce {
  public:
   virtual ~InternalForce() = default;
 
-  /// force = P(u) in `rows`; other rows are left alone. In a share of a part u of other ranks' nodes is written.
-  virtual void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) = 0;
+  /// force = P(u) in `rows`, `step_s` after the step before: of the same instant 0. Other rows are left alone. In a
+  /// share of a part u of other ranks' nodes is written.
+  virtual void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) = 0;
   /// The halves of `evaluate`: u with the shared nodes where they were, then where they are.
-  virtual void before_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
-  virtual void after_link(Eigen::VectorXd& u, Eigen::VectorXd& force);
+  virtual void before_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force);
+  virtual void after_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force);
   /// P of a step, which was evaluated last; the next step begins there. `rows` may grow.
   virtual void follow(const Eigen::VectorXd& force);
   /// The steps followed so far are those of an accepted window: none of them will be repeated.
@@ -73,8 +74,10 @@ inline void put_back(const std::string& kept, InternalForce& force) {
   in.end();
 }
 
-inline void InternalForce::before_link(Eigen::VectorXd&, Eigen::VectorXd&) {}
-inline void InternalForce::after_link(Eigen::VectorXd& u, Eigen::VectorXd& force) { evaluate(u, force); }
+inline void InternalForce::before_link(double, Eigen::VectorXd&, Eigen::VectorXd&) {}
+inline void InternalForce::after_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  evaluate(step_s, u, force);
+}
 inline void InternalForce::follow(const Eigen::VectorXd&) {}
 inline void InternalForce::settle() {}
 inline void InternalForce::go_back() {}

@@ -15,7 +15,7 @@ class LinearElements : public InternalForce {
   /// `state` must outlive this object unmoved.
   explicit LinearElements(const BodyState& state) : state_(&state), all_{{0, state.part.dofs()}} {}
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override { state_->stiffness.multiply(u, force); }
+  void evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) override { state_->stiffness.multiply(u, force); }
   [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }
   [[nodiscard]] bool linear() const final { return true; }
   [[nodiscard]] double stored(const Eigen::VectorXd&, const Eigen::VectorXd&, double half_work_j) const override {

@@ -108,6 +108,10 @@ PlasticElements::Strain PlasticElements::stress(int element, int point, const Ei
   }
 }
 
+double PlasticElements::softening(int point) const {
+  return step_.heats() ? law_.heat->softening(step_.temperature_k[point]) : 1.0;
+}
+
 /// How far its points are from yielding, 0 where one does, and what flows [Pa].
 double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const {
   double smallest = std::numeric_limits<double>::infinity();
@@ -116,10 +120,11 @@ double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vecto
     const int point = element * step_.points + p;
     const Strain s = stress(element, p, u);
     const double q = std::sqrt(factor_squared_) * s.norm();
-    const double excess_pa = q - (law_.yield_stress_pa + law_.hardening_pa * step_.equivalent[point]);
+    const double equivalent = step_.equivalent[point], soft = softening(point);
+    const double excess_pa = q - law_.at_rest(equivalent, soft);
     smallest = std::min(smallest, std::max(0.0, -excess_pa));
     if (!(excess_pa > 0.0)) continue;
-    const double grown = excess_pa / (to_yield + law_.hardening_pa);
+    const double grown = law_.growth(q, to_yield, equivalent, soft, tried_s_);
     flows.push_back({element, point, grown, factor_squared_ * grown / q, s});
   }
   return smallest;
@@ -192,13 +197,20 @@ void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const 
   }
 }
 
-void PlasticElements::evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   state_->stiffness.multiply(u, force);
+  tried_s_ = step_s;
   look(u);
   tried_force_n_ = step_.force_n;
   for (const Block& block : blocks_)
     for (const Flow& flow : block.flows) add_force(flow, tried_force_n_);
   force -= tried_force_n_;
+}
+
+void PlasticElements::heat(int point, double work_j_m3) {
+  double& temperature_k = step_.temperature_k[point];
+  temperature_k += law_.heat->fraction * work_j_m3 / law_.heat->capacity_j_m3_k;
+  step_.hottest_k = std::max(step_.hottest_k, temperature_k);
 }
 
 void PlasticElements::follow(const Eigen::VectorXd&) {
@@ -210,7 +222,9 @@ void PlasticElements::follow(const Eigen::VectorXd&) {
       const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].points[fem::at(p)].volume_m3;
       const Strain change = flow.strain(), before = stress(flow.element, p, u_step_),
                    after = flow.stress - modulus_pa * change;
-      step_.work_j += 0.5 * volume * (before + after).dot(change);
+      const double work_j_m3 = 0.5 * (before + after).dot(change);
+      step_.work_j += volume * work_j_m3;
+      if (step_.heats()) heat(flow.point, work_j_m3);
       step_.energy_j += volume * modulus_pa * (plastic_strain(flow.point) + 0.5 * change).dot(change);
       for (int c = 0; c < step_.components; ++c) step_.at(flow.point)[c] += change[c];
       step_.equivalent[flow.point] += flow.equivalent;
@@ -233,11 +247,13 @@ void take(const std::vector<int>& points, const PlasticState& from, PlasticState
   for (const int point : points) {
     to.at(point) = from.at(point);
     to.equivalent[point] = from.equivalent[point];
+    if (to.heats()) to.temperature_k[point] = from.temperature_k[point];
   }
   to.force_n = from.force_n;
   to.energy_j = from.energy_j;
   to.work_j = from.work_j;
   to.largest = from.largest;
+  to.hottest_k = from.hottest_k;
 }
 
 }  // namespace

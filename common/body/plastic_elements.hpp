@@ -12,16 +12,17 @@ namespace ricochet::solver {
 
 /// P of elements that yield: P = K u - integral of B^T m p dV with p the plastic strain at the quadrature points and m
 /// its modulus (PlasticState). With s = m (deviator of B u - p), of a bar its axial strain in place of the deviator,
-/// and q = c |s| the von Mises stress, c^2 = 3/2, of a bar 1, a point yields where q > y = yield_stress_pa +
-/// hardening_pa * equivalent plastic strain. A step goes straight from the strain of the step before to the new one, so
-/// that the return to the yield stress has a closed form (Simo, Hughes: Computational Inelasticity, 1998, boxes 1.4
-/// and 3.1):
-///   excess = q - y,   equivalent += g,   p += c^2 g s/q,   g = excess/(m c^2 + hardening).
-/// Plastic work in a step is V (s before + s after)/2 : dp. With the elastic energy it makes up (P_n + P_{n+1})/2 . du,
-/// the work that both integrators book, exactly.
+/// and q = c |s| the von Mises stress, c^2 = 3/2, of a bar 1, a point yields where q is above its yield stress y
+/// (fem::Plasticity). A step goes straight from the strain of the step before to the new one, so that the return to
+/// the yield stress is one equation of one unknown, for linear hardening in closed form (Simo, Hughes: Computational
+/// Inelasticity, 1998, boxes 1.4 and 3.1):
+///   q - m c^2 g = y,   equivalent += g,   p += c^2 g s/q.
+/// The temperature in y is that before the step, which keeps P the gradient of a convex potential. Plastic work in a
+/// step is V (s before + s after)/2 : dp. With the elastic energy it makes up (P_n + P_{n+1})/2 . du, the work that
+/// both integrators book, exactly.
 ///
-/// A point whose q was q_0 cannot yield before u has changed by so much that q could have grown by y - q_0. Elements
-/// are looked at when that is due and no earlier; what comes out is the same as if all were.
+/// A point whose q was q_0 cannot yield before u has changed by so much that q could have grown by y - q_0, with y at
+/// rest. Elements are looked at when that is due and no earlier; what comes out is the same as if all were.
 ///
 /// It reads and keeps BodyState::plastic, which is of the accepted window.
 class PlasticElements final : public InternalForce {
@@ -29,7 +30,7 @@ class PlasticElements final : public InternalForce {
   /// `state` must outlive this object unmoved.
   explicit PlasticElements(const BodyState& state);
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd&) override;
   void settle() override;
   void go_back() override;
@@ -73,10 +74,12 @@ class PlasticElements final : public InternalForce {
   [[nodiscard]] Strain stress(int element, int point, const Eigen::VectorXd& u) const;
   template <int dimension>
   [[nodiscard]] Strain stress_of(int element, int point, const Eigen::VectorXd& u) const;
+  [[nodiscard]] double softening(int point) const;
   [[nodiscard]] double margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const;
   [[nodiscard]] double moved(const Block& block, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   void look(Block& block, const Eigen::VectorXd& u);
   void look(const Eigen::VectorXd& u);
+  void heat(int point, double work_j_m3);
   void add_force(const Flow& flow, Eigen::VectorXd& force) const;
 
   const BodyState* state_;
@@ -91,6 +94,7 @@ class PlasticElements final : public InternalForce {
   Eigen::VectorXd u_settled_;              ///< of the accepted window
   Eigen::VectorXd u_step_;                 ///< of the last step
   Eigen::VectorXd u_tried_;                ///< of the last evaluation
+  double tried_s_ = 0.0;                   ///< its step
   Eigen::VectorXd tried_force_n_;          ///< PlasticState::force_n of it
   std::vector<Block> blocks_;
   std::vector<double> due_m_;  ///< per element: the path of its block at which it has to be looked at

@@ -13,6 +13,10 @@ PlasticState::PlasticState(const fem::Part& part) : components(fem::stress_compo
   const Eigen::Index all = static_cast<Eigen::Index>(part.mesh.elements.size()) * points;
   strain.setZero(all * components);
   equivalent.setZero(all);
+  if (const auto& heat = material.plasticity->heat) {
+    temperature_k.setConstant(all, heat->reference_k);
+    hottest_k = heat->reference_k;
+  }
   force_n.setZero(part.dofs());
 }
 
@@ -22,10 +26,6 @@ fem::StressVector PlasticState::strain_of(int element) const {
   sum /= points;
   for (int shear = 3; shear < components; ++shear) sum[shear] /= std::sqrt(2.0);
   return sum;
-}
-
-double PlasticState::equivalent_of(int element) const {
-  return equivalent.segment(Eigen::Index{element} * points, points).mean();
 }
 
 }  // namespace ricochet::solver

@@ -17,24 +17,33 @@ struct PlasticState {
 
   int components = 1, points = 1;  ///< of a strain; of an element
   double modulus_pa = 0.0;
-  Eigen::VectorXd strain;      ///< plastic, `components` per point
-  Eigen::VectorXd equivalent;  ///< per point: equivalent plastic strain, the integral of sqrt(2/3 de : de)
-  Eigen::VectorXd force_n;     ///< per degree of freedom: integral of B^T modulus strain dV, so that P = K u - force
-  double energy_j = 0.0;       ///< integral of modulus/2 strain : strain dV
-  double work_j = 0.0;         ///< plastic work so far, of all elements
-  double largest = 0.0;        ///< of `equivalent`
+  Eigen::VectorXd strain;         ///< plastic, `components` per point
+  Eigen::VectorXd temperature_k;  ///< per point; of a material whose plastic work heats it, else empty
+  Eigen::VectorXd equivalent;     ///< per point: equivalent plastic strain, the integral of sqrt(2/3 de : de)
+  Eigen::VectorXd force_n;        ///< per degree of freedom: integral of B^T modulus strain dV, so that P = K u - force
+  double energy_j = 0.0;          ///< integral of modulus/2 strain : strain dV
+  double work_j = 0.0;            ///< plastic work so far, of all elements
+  double largest = 0.0;           ///< of `equivalent`
+  double hottest_k = 0.0;         ///< largest of `temperature_k`
 
   [[nodiscard]] auto at(Eigen::Index point) { return strain.segment(point * components, components); }
   [[nodiscard]] auto at(Eigen::Index point) const { return strain.segment(point * components, components); }
   /// In the middle of an element, the mean of its points: plastic strain as a tensor in the order of fem::StressVector,
-  /// what it takes off the stress [Pa], and the equivalent plastic strain.
+  /// what it takes off the stress [Pa], equivalent plastic strain and temperature.
   [[nodiscard]] fem::StressVector strain_of(int element) const;
   [[nodiscard]] fem::StressVector stress_of(int element) const { return modulus_pa * strain_of(element); }
-  [[nodiscard]] double equivalent_of(int element) const;
+  [[nodiscard]] double equivalent_of(int element) const { return mean_of(equivalent, element); }
+  [[nodiscard]] double temperature_of(int element) const { return mean_of(temperature_k, element); }
+  [[nodiscard]] bool heats() const { return temperature_k.size() > 0; }
 
   void archive(Archive& a) {
-    a.same_size(strain, equivalent, force_n);
-    a(energy_j, work_j, largest);
+    a.same_size(strain, equivalent, temperature_k, force_n);
+    a(energy_j, work_j, largest, hottest_k);
+  }
+
+ private:
+  [[nodiscard]] double mean_of(const Eigen::VectorXd& of_points, int element) const {
+    return of_points.segment(Eigen::Index{element} * points, points).mean();
   }
 };
 

@@ -10,11 +10,11 @@ TurningElements::TurningElements(const BodyState& state, std::unique_ptr<Interna
   force_in_frame_.setZero(state.part.dofs());
 }
 
-void TurningElements::evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+void TurningElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   Parallel* const threads = state_->parallel.get();
   const auto fit = state_->frame->fit(u, threads);
   state_->frame->straining(u, fit.motion, straining_, threads);
-  elements_->evaluate(straining_, force_in_frame_);
+  elements_->evaluate(step_s, straining_, force_in_frame_);
   state_->frame->force(fit, straining_, force_in_frame_, force, threads);
 }
 

@@ -18,7 +18,7 @@ class TurningElements final : public InternalForce {
   /// `elements`: those in the frame. `state`, whose frame is not null, must outlive this object unmoved.
   TurningElements(const BodyState& state, std::unique_ptr<InternalForce> elements);
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd&) override { elements_->follow(force_in_frame_); }
   void settle() override { elements_->settle(); }
   void go_back() override { elements_->go_back(); }

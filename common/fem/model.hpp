@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "common/fem/plasticity.hpp"
+
 /// Small-strain elasticity and plasticity in three dimensions and in three reduced models. Node-major degrees
 /// of freedom: dof = node * components + c.
 namespace ricochet::fem {
@@ -13,13 +15,6 @@ enum class Model { bar, plane_strain, axisymmetric, solid };
 /// As the key `model` of a scene has them.
 constexpr std::array<const char*, 4> model_names{"bar", "plane_strain", "axisymmetric", "solid"};
 constexpr const char* model_name(Model model) { return model_names[static_cast<std::size_t>(model)]; }
-
-/// Von Mises plasticity with linear isotropic hardening: the yield stress is yield_stress_pa + hardening_pa times the
-/// equivalent plastic strain [Pa].
-struct Plasticity {
-  double yield_stress_pa = 0.0;
-  double hardening_pa = 0.0;
-};
 
 struct Material {
   double youngs_modulus_pa = 0.0;

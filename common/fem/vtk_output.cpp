@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -121,16 +122,23 @@ std::string stresses(const Parts& parts) {
   return all.text();
 }
 
-/// Empty where no part yields.
-std::string equivalent_plastic_strains(const Parts& parts) {
-  std::vector<double> values;
+/// One number per element of the parts that yield, `elsewhere` in all others; empty where no part has it.
+std::string plastic_values(const char* name, const Parts& parts, Eigen::VectorXd PlasticStrain::*values,
+                           double elsewhere) {
+  std::vector<double> all;
   bool any = false;
   for (const PartFields& of : parts) {
-    any = any || of.plastic;
+    const bool own = of.plastic && (of.plastic->*values).size() > 0;
+    any = any || own;
     for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(of.part->mesh.elements.size()); ++e)
-      values.push_back(of.plastic ? of.plastic->equivalent[e] : 0.0);
+      all.push_back(own ? (of.plastic->*values)[e] : elsewhere);
   }
-  return any ? data_array("Float64", "equivalent_plastic_strain", 1, values) : "";
+  return any ? data_array("Float64", name, 1, all) : "";
+}
+
+std::string plastic_arrays(const Parts& parts) {
+  return plastic_values("equivalent_plastic_strain", parts, &PlasticStrain::equivalent, 0.0) +
+         plastic_values("temperature", parts, &PlasticStrain::temperature_k, std::numeric_limits<double>::quiet_NaN());
 }
 
 std::string element_numbers(const Parts& parts) {
@@ -187,7 +195,7 @@ void write_vtu(const std::string& path, const Parts& parts, const std::vector<Co
   text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", parts, &PartFields::displacement) +
           nodal_vectors("velocity", parts, &PartFields::velocity) +
           nodal_vectors("acceleration", parts, &PartFields::acceleration) + contact_arrays(contact) + "</PointData>\n";
-  text += "<CellData>\n" + stresses(parts) + equivalent_plastic_strains(parts) + element_numbers(parts) +
+  text += "<CellData>\n" + stresses(parts) + plastic_arrays(parts) + element_numbers(parts) +
           "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   write_atomically(path, text);
 }

@@ -12,8 +12,9 @@ namespace ricochet::fem {
 
 /// Of a part that yields.
 struct PlasticStrain {
-  Eigen::MatrixXd stress_pa;   ///< a column per element: what its plastic strain takes off the elastic stress
-  Eigen::VectorXd equivalent;  ///< per element
+  Eigen::MatrixXd stress_pa;      ///< a column per element: what its plastic strain takes off the elastic stress
+  Eigen::VectorXd equivalent;     ///< per element
+  Eigen::VectorXd temperature_k;  ///< per element; empty where plastic work does not heat the part
 };
 
 /// One part in a file; vectors node-major, one number per degree of freedom.
@@ -38,8 +39,9 @@ struct ContactFields {
 /// part, also contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
 /// Cell data at the element centre: stress [Pa] and strain (xx, yy, zz, xy, yz, xz, as VTK orders a symmetric tensor;
 /// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (index in `parts`), `element` (number
-/// in the body) and, where a part yields, `equivalent_plastic_strain`. Parts of one model (std::invalid_argument
-/// otherwise, and where lengths do not fit). Throws what write_atomically throws if the file cannot be written.
+/// in the body) and, where a part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K]. Parts of
+/// one model (std::invalid_argument otherwise, and where lengths do not fit). Throws what write_atomically throws if
+/// the file cannot be written.
 void write_vtu(const std::string& path, const std::vector<PartFields>& parts,
                const std::vector<ContactFields>& contact = {});
 

@@ -186,7 +186,8 @@ std::vector<MeasuredPlace> measured_places(const Problem& problem) {
   return places;
 }
 
-std::vector<std::string> columns_of_probe(Model model, const std::string& name, bool yields) {
+std::vector<std::string> columns_of_probe(Model model, const std::string& name,
+                                          const std::optional<fem::Plasticity>& plasticity) {
   std::vector<std::string> columns;
   for (const auto& [quantity, unit] : {std::pair{"displacement", "m"}, {"velocity", "m_s"}, {"acceleration", "m_s2"}}) {
     for (const auto& component : motion_names(model))
@@ -195,7 +196,8 @@ std::vector<std::string> columns_of_probe(Model model, const std::string& name, 
   for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.strain_{}", name, component));
   for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.stress_{}_pa", name, component));
   columns.push_back(name + ".von_mises_pa");
-  if (yields) columns.push_back(name + ".equivalent_plastic_strain");
+  if (plasticity) columns.push_back(name + ".equivalent_plastic_strain");
+  if (plasticity && plasticity->heat) columns.push_back(name + ".temperature_k");
   return columns;
 }
 
@@ -208,7 +210,7 @@ std::vector<std::string> probe_columns(const Scene& scene) {
     columns.insert(columns.end(), more.begin(), more.end());
   };
   for (const Probe& probe : scene.output.probes)
-    add(columns_of_probe(scene.model, probe.name, scene.body(probe.body).material.plasticity.has_value()));
+    add(columns_of_probe(scene.model, probe.name, scene.body(probe.body).material.plasticity));
   for (const Gauge& gauge : scene.output.gauges) add(columns_of_gauge(gauge.name));
   return columns;
 }

@@ -112,6 +112,13 @@ struct Problem {
                      [](const BodyProblem& body) { return body.material.plasticity.has_value(); });
 }
 
+/// Whether plastic work heats a body.
+[[nodiscard]] inline bool heats(const Problem& problem) {
+  return std::any_of(problem.bodies.begin(), problem.bodies.end(), [](const BodyProblem& body) {
+    return body.material.plasticity && body.material.plasticity->heat;
+  });
+}
+
 /// Whether no body yields or turns: P = K u of all elements.
 [[nodiscard]] inline bool linear(const Problem& problem) {
   return !yields(problem) && std::none_of(problem.scene.bodies.begin(), problem.scene.bodies.end(),

@@ -21,7 +21,21 @@ constexpr Range densities{1e-15, 1e20, true, true};
 /// With fewer, an element would meet its own image: nodes lie within half a period of each other.
 constexpr int fewest_periodic_elements = 3;
 
-std::optional<fem::Plasticity> load_plasticity(TableReader& material) {
+std::optional<fem::PlasticHeat> load_heat(TableReader& plasticity, double density_kg_m3) {
+  if (!plasticity.has("heat")) return std::nullopt;
+  TableReader table = plasticity.table("heat", "heat");
+  fem::PlasticHeat heat;
+  heat.capacity_j_m3_k = density_kg_m3 * table.number("specific_heat_j_kg_k", above(0.0));
+  heat.fraction = table.number("work_fraction", {0.0, 1.0, false, true}, heat.fraction);
+  heat.reference_k = table.number("reference_k", above(0.0), heat.reference_k);
+  table.only_if(table.has("melting_k"), "softening_exponent", "melting_k");
+  if (table.has("melting_k")) heat.melting_k = table.number("melting_k", above(heat.reference_k));
+  heat.exponent = table.number("softening_exponent", above(0.0), heat.exponent);
+  table.finish();
+  return heat;
+}
+
+std::optional<fem::Plasticity> load_plasticity(TableReader& material, double density_kg_m3) {
   if (!material.has("plasticity")) return std::nullopt;
   material.only_if(!material.has("yield_stress_pa"), "yield_stress_pa",
                    "an elastic material: one with plasticity keeps to the yield stress that is given there");
@@ -29,6 +43,12 @@ std::optional<fem::Plasticity> load_plasticity(TableReader& material) {
   fem::Plasticity plasticity;
   plasticity.yield_stress_pa = table.number("yield_stress_pa", above(0.0));
   plasticity.hardening_pa = table.number("hardening_pa", at_least(0.0), 0.0);
+  table.only_if(plasticity.hardening_pa > 0.0, "hardening_exponent", "hardening_pa > 0");
+  plasticity.hardening_exponent = table.number("hardening_exponent", {0.0, 1.0, false, true}, 1.0);
+  plasticity.rate_factor = table.number("rate_factor", at_least(0.0), 0.0);
+  table.only_if(plasticity.rate_factor > 0.0, "reference_rate_per_s", "rate_factor > 0");
+  plasticity.reference_rate_per_s = table.number("reference_rate_per_s", above(0.0), 1.0);
+  plasticity.heat = load_heat(table, density_kg_m3);
   table.finish();
   return plasticity;
 }
@@ -43,7 +63,7 @@ Material load_material(TableReader table, Model model) {
   material.density_kg_m3 = table.number("density_kg_m3", densities);
   material.yield_stress_pa = table.number("yield_stress_pa", above(0.0), material.yield_stress_pa);
   material.strength_pa = table.number("strength_pa", above(0.0), material.strength_pa);
-  material.plasticity = load_plasticity(table);
+  material.plasticity = load_plasticity(table, material.density_kg_m3);
   table.finish();
   return material;
 }

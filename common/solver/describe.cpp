@@ -73,7 +73,8 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
       d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
     if (!state.plastic) continue;
     for (const auto& quantity : plastic_quantities)
-      d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
+      if (quantity.second != &BodyTotals::temperature_max_k || state.plastic->heats())
+        d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
   }
   if (contact_owner) {
     for (const auto& quantity : contact_quantities) d.record_columns.emplace_back(quantity.first);
@@ -91,6 +92,7 @@ void record_bodies(const std::vector<BodyState>& states, std::vector<double>& ro
     if (!state.plastic) continue;
     row.push_back(state.plastic->work_j);
     row.push_back(state.plastic->largest);
+    if (state.plastic->heats()) row.push_back(state.plastic->hottest_k);
   }
 }
 
@@ -98,10 +100,12 @@ namespace {
 
 fem::PlasticStrain plastic_strain(const BodyState& state) {
   const auto elements = static_cast<int>(state.part.mesh.elements.size());
-  fem::PlasticStrain plastic{Eigen::MatrixXd(state.plastic->components, elements), Eigen::VectorXd(elements)};
+  fem::PlasticStrain plastic{Eigen::MatrixXd(state.plastic->components, elements), Eigen::VectorXd(elements),
+                             Eigen::VectorXd(state.plastic->heats() ? elements : 0)};
   for (int e = 0; e < elements; ++e) {
     plastic.stress_pa.col(e) = state.plastic->stress_of(e);
     plastic.equivalent[e] = state.plastic->equivalent_of(e);
+    if (state.plastic->heats()) plastic.temperature_k[e] = state.plastic->temperature_of(e);
   }
   return plastic;
 }

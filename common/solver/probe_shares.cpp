@@ -168,9 +168,13 @@ Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState
     values.tail(stresses) = fem::turned(fem::StressVector(values.tail(stresses)), rotation);
   }
   const fem::StressVector stress = values.tail(stresses);
-  values.conservativeResize(values.size() + (strained.plastic.empty() ? 1 : 2));
+  const bool heats = state.plastic && state.plastic->heats();
+  values.conservativeResize(values.size() + (strained.plastic.empty() ? 1 : heats ? 3 : 2));
   values[2 * stresses] = fem::von_mises_stress(state.part.mesh.model, stress);
-  for (const auto& plastic : strained.plastic) values[2 * stresses + 1] = state.plastic->equivalent_of(plastic.first);
+  for (const auto& plastic : strained.plastic) {
+    values[2 * stresses + 1] = state.plastic->equivalent_of(plastic.first);
+    if (heats) values[2 * stresses + 2] = state.plastic->temperature_of(plastic.first);
+  }
   return values;
 }
 

@@ -23,7 +23,7 @@ auto member_of(const Table& table, const std::string& name) -> decltype(table[0]
 
 /// Values of one quantity, made one: their sum, or the largest.
 void join(double BodyTotals::*member, double value, BodyTotals& all) {
-  const bool largest = member == &BodyTotals::equivalent_plastic_strain_max;
+  const bool largest = member == &BodyTotals::equivalent_plastic_strain_max || member == &BodyTotals::temperature_max_k;
   all.*member = largest ? std::max(all.*member, value) : all.*member + value;
 }
 

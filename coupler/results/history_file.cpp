@@ -59,6 +59,9 @@ constexpr Column plastic_columns[] = {
      [](const HistoryRow& row) -> double { return row.sum.equivalent_plastic_strain_max; }},
 };
 
+constexpr Column temperature_column = {"temperature_max_k",
+                                       [](const HistoryRow& row) -> double { return row.sum.temperature_max_k; }};
+
 constexpr Column radius_column = {"contact_radius_m",
                                   [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};
 
@@ -102,6 +105,7 @@ void for_each_further(const HistoryShape& shape, const F& f) {
   if (shape.yields) {
     for (const auto& column : plastic_columns) f(column);
   }
+  if (shape.heats) f(temperature_column);
 }
 
 /// The gap is none without a contact, and where no pair is left of bodies that have slid off each other.
@@ -126,6 +130,7 @@ HistoryShape history_shape(const scene::Problem& problem) {
                      .angular = angular_components(problem),
                      .round = problem.scene.components() == 3 || problem.scene.model == scene::Model::axisymmetric,
                      .yields = scene::yields(problem),
+                     .heats = scene::heats(problem),
                      .contacts = problem.scene.contact_names()};
   shape.bodies = problem.scene.body_names();
   return shape;

@@ -17,6 +17,7 @@ struct HistoryShape {
   int angular = 0;                      ///< components of the angular momentum: of solids 3, in plane strain 1, about z
   bool round = false;                   ///< a contact has a radius: axisymmetric or solid
   bool yields = false;                  ///< a body has a material with plasticity
+  bool heats = false;                   ///< plastic work heats a body
   std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
 };
 /// Components of the angular momentum that a scene has: none about an axis of symmetry, of bars, and where meshes

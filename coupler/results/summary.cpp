@@ -262,6 +262,7 @@ std::string to_json(const Summary& s, const Tally& tally) {
   if (tally.plastic) {
     json["plastic_work_j"] = number(tally.plastic->work_j);
     json["equivalent_plastic_strain_max"] = number(tally.plastic->largest_equivalent_strain);
+    if (tally.plastic->hottest_k > 0) json["temperature_max_k"] = number(tally.plastic->hottest_k);
   }
   json["added_mass_kg"] = number(s.added_mass_kg);
   json["added_mass_share"] = number(s.added_mass_share);
@@ -311,8 +312,11 @@ std::string to_table(const Summary& s, const Tally& tally) {
     text += row("angular momentum error", fmt::format("{:.3e}", *tally.angular_momentum_error_max));
   }
   if (tally.plastic)
-    text += row("plastic work", fmt::format("{:.4g} J, equivalent plastic strain up to {:.3g}", tally.plastic->work_j,
-                                            tally.plastic->largest_equivalent_strain));
+    text +=
+        row("plastic work",
+            fmt::format("{:.4g} J, equivalent plastic strain up to {:.3g}{}", tally.plastic->work_j,
+                        tally.plastic->largest_equivalent_strain,
+                        tally.plastic->hottest_k > 0 ? fmt::format(", up to {:.4g} K", tally.plastic->hottest_k) : ""));
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
   if (s.added_mass_kg > 0)

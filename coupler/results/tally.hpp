@@ -41,8 +41,9 @@ struct ContactTally {
 /// How bodies have yielded so far.
 struct PlasticTally {
   double work_j = 0, largest_equivalent_strain = 0;
+  double hottest_k = 0;  ///< 0: plastic work heats no body
 
-  void archive(Archive& a) { a(work_j, largest_equivalent_strain); }
+  void archive(Archive& a) { a(work_j, largest_equivalent_strain, hottest_k); }
 };
 
 /// What is kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
@@ -76,7 +77,7 @@ class Tally {
     if (row.energy_reference_j > 0)
       interface_energy_max =
           std::max(interface_energy_max, std::abs(row.sum.energy_interface_j) / row.energy_reference_j);
-    if (plastic) plastic = {row.sum.plastic_work_j, row.sum.equivalent_plastic_strain_max};
+    if (plastic) plastic = {row.sum.plastic_work_j, row.sum.equivalent_plastic_strain_max, row.sum.temperature_max_k};
     energy_error_last = row.energy_error;
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);

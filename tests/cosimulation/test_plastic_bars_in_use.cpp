@@ -19,15 +19,24 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+/// Of Johnson and Cook, with a rate and a temperature that matter.
+const std::string hot_law =
+    ", hardening_exponent = 0.5, rate_factor = 0.02, reference_rate_per_s = 10.0, heat = { specific_heat_j_kg_k = "
+    "50.0, "
+    "melting_k = 600.0, softening_exponent = 0.8 }";
+
 TEST(PlasticBar, GoesOnAfterAKillToTheSameBytes) {
   const TemporaryFolder folder;
   const Impact impact{.elements = 400,
                       .end_s = 2e-3,
+                      .hardening = 1e9,
                       .more =
                           "[checkpoint]\nevery_windows = 300\n[output]\n"
-                          "fields_every = 1000\naxial_stress_every = 100\n"};
+                          "fields_every = 1000\naxial_stress_every = 100\n",
+                      .law = hot_law};
   const RunResult whole = run_text(scene_of(impact), folder, "whole");
   EXPECT_GT(whole.last("plastic_work_j"), 0.0);
+  EXPECT_GT(whole.last("temperature_max_k"), 300.0);
   const auto scene = folder.write(scene_of(impact), "whole.toml");
   const auto out = (folder.path() / "out").string();
   Process run({ricochet_binary(), "run", scene, "--out", out}, folder.path() / "o", folder.path() / "e");
@@ -66,25 +75,35 @@ TEST(PlasticBar, IsASoundParticipantOfEitherSide) {
 }
 
 /// tests/swap/plastic_bar.py has the law and central differences of its own.
-TEST(PlasticBar, MovesAsAProgramOfAnotherLanguageSays) {
+class PlasticBarOfTwoLanguages : public testing::TestWithParam<bool> {};
+
+TEST_P(PlasticBarOfTwoLanguages, MovesAlike) {
   const TemporaryFolder folder;
   const auto with = [](const std::string& program) {
-    return Impact{.participants = "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"rod\"]\n" +
-                                  program + "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"};
+    const bool hot = GetParam();
+    return Impact{.hardening = hot ? 1e9 : hardening_pa,
+                  .participants = "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"rod\"]\n" +
+                                  program + "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n",
+                  .law = hot ? hot_law : ""};
   };
   const RunResult ours = run_text(scene_of(with("")), folder, "ours");
   const RunResult theirs =
       run_text(scene_of(with(fmt::format("executable = \"{}/tests/swap/plastic_bar.py\"\n", RICOCHET_SOURCE))), folder,
                "theirs");
   EXPECT_GT(ours.last("equivalent_plastic_strain_max"), 1e-3);
-  for (const char* name : {"contact_pressure_mean_pa", "plastic_work_j", "equivalent_plastic_strain_max",
-                           "energy_kinetic_j", "energy_strain_j", "momentum_n_kg_m_s"}) {
+  std::vector<std::string> names = {"contact_pressure_mean_pa", "plastic_work_j",  "equivalent_plastic_strain_max",
+                                    "energy_kinetic_j",         "energy_strain_j", "momentum_n_kg_m_s"};
+  if (GetParam()) names.emplace_back("temperature_max_k");
+  for (const auto& name : names) {
     const auto &a = ours.column(name), &b = theirs.column(name);
     ASSERT_EQ(a.size(), b.size());
     const double largest = std::max(ours.largest(name), -ours.smallest(name));
     for (std::size_t n = 0; n < a.size(); ++n) ASSERT_NEAR(a[n], b[n], 1e-9 * largest) << name << ", row " << n;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Laws, PlasticBarOfTwoLanguages, testing::Bool(),
+                         [](const auto& info) { return info.param ? "johnson_cook" : "linear"; });
 
 /// A bar flies onto one twice as long; both yield, rebound and, where the protocol may, go on explicitly.
 std::string two_plastic_bars(const std::string& protocol, const std::string& coupling) {

@@ -162,7 +162,7 @@ TEST(FlightWindow, TakesTheForceOfElementsThatAreNotLinear) {
   auto body = run.solver.state().bodies.front();
   EXPECT_GT((body.u - pressed.u).lpNorm<Eigen::Infinity>(), 1e-4) << "it moves on";
   Eigen::VectorXd force = body.u;
-  run.force->evaluate(body.u, force);
+  run.force->evaluate(0.0, body.u, force);
   const auto mass = solver::initial_states(run.given, run.given.scene.participants.front(), true).front().mass;
   EXPECT_LT((mass.cwiseProduct(body.a) + force).lpNorm<Eigen::Infinity>(), 1e-12 * force.lpNorm<Eigen::Infinity>());
 }
@@ -171,7 +171,9 @@ TEST(FlightWindow, TakesTheForceOfElementsThatAreNotLinear) {
 class CountingBars final : public solver::InternalForce {
  public:
   CountingBars(const solver::BodyState& state, int& tangents) : linear_(state), tangents_(tangents) {}
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override { linear_.evaluate(u, force); }
+  void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+    linear_.evaluate(step_s, u, force);
+  }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return linear_.rows(); }
   [[nodiscard]] bool linear() const override { return true; }
   [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
@@ -216,8 +218,8 @@ TEST(WindowSolver, OfLinearElementsIsFactoredOnce) {
 class RandomBars final : public solver::InternalForce {
  public:
   explicit RandomBars(const solver::BodyState& state) : linear_(state) {}
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override {
-    linear_.evaluate(u, force);
+  void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+    linear_.evaluate(step_s, u, force);
     sign_ = -sign_;
     force[2] += sign_;
   }

@@ -15,7 +15,7 @@ class CubicBars final : public solver::InternalForce {
  public:
   explicit CubicBars(const solver::BodyState& state) : state_(state), rows_{{0, state.part.dofs()}} {}
 
-  void evaluate(Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+  void evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) override {
     force.setZero();
     for_each_bar(u, [&](int left, int right, double, double strain) {
       const double normal_force = stiffness() * (strain + stiffening * strain * strain * strain);

@@ -20,6 +20,7 @@ struct Impact {
   int elements = 100;
   double end_s = 0.15e-3, hardening = hardening_pa;
   std::string implicit = "0.1", coupling = "", contact = "", participants = "", more = "";
+  std::string law = "";  ///< further keys of its plasticity
 };
 
 inline std::string scene_of(const Impact& impact) {
@@ -29,7 +30,7 @@ inline std::string scene_of(const Impact& impact) {
   return fmt::format(R"(model = "bar"
 [[body]]
 name = "rod"
-material = {{ youngs_modulus_pa = {}, density_kg_m3 = {}, plasticity = {{ yield_stress_pa = {}, hardening_pa = {} }} }}
+material = {{ youngs_modulus_pa = {}, density_kg_m3 = {}, plasticity = {{ yield_stress_pa = {}, hardening_pa = {}{} }} }}
 mesh = {{ length_m = 1.0, elements = {} }}
 area_m2 = {}
 initial_velocity_m_s = [{}]
@@ -41,9 +42,9 @@ end_s = {}
 [coupling]
 protocol = "{}"
 {}{}{})",
-                     young_pa, density, yield_pa, impact.hardening, impact.elements, area_m2, speed_m_s, impact.contact,
-                     partition, 0.9 / impact.elements / sound_m_s, impact.end_s, impact.protocol, impact.coupling,
-                     impact.participants, impact.more);
+                     young_pa, density, yield_pa, impact.hardening, impact.law, impact.elements, area_m2, speed_m_s,
+                     impact.contact, partition, 0.9 / impact.elements / sound_m_s, impact.end_s, impact.protocol,
+                     impact.coupling, impact.participants, impact.more);
 }
 
 /// Behind the elastic precursor of yield_pa comes a second front of the speed c_p, behind which the bar rests.

@@ -60,7 +60,7 @@ class TurningElementsOf : public testing::TestWithParam<const char*> {
     return values;
   }
   [[nodiscard]] double stored() {
-    elements.evaluate(body().u, force);
+    elements.evaluate(0.0, body().u, force);
     return elements.stored(body().u, force, 0.5 * body().u.dot(force));
   }
 

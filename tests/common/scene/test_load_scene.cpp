@@ -361,7 +361,23 @@ TEST(LoadScene, ABarMayYield) {
                            "density_kg_m3 = 7844.066, plasticity = { yield_stress_pa = 4e8" + more + " }"));
     EXPECT_EQ(yields.body("left").material.plasticity->yield_stress_pa, 4e8);
     EXPECT_EQ(yields.body("left").material.plasticity->hardening_pa, hardening);
+    EXPECT_EQ(yields.body("left").material.plasticity->hardening_exponent, 1.0);
+    EXPECT_FALSE(yields.body("left").material.plasticity->heat.has_value());
   }
+  const Scene heats = load_text(replaced(
+      bars, "density_kg_m3 = 7844.066",
+      "density_kg_m3 = 7844.066, plasticity = { yield_stress_pa = 4e8, hardening_pa = 5e8, hardening_exponent = 0.26, "
+      "rate_factor = 0.014, reference_rate_per_s = 2.0, heat = { specific_heat_j_kg_k = 100.0, work_fraction = 0.8, "
+      "reference_k = 300.0, melting_k = 1800.0, softening_exponent = 1.03 } }"));
+  const fem::Plasticity& law = *heats.body("left").material.plasticity;
+  EXPECT_EQ(law.hardening_exponent, 0.26);
+  EXPECT_EQ(law.rate_factor, 0.014);
+  EXPECT_EQ(law.reference_rate_per_s, 2.0);
+  EXPECT_EQ(law.heat->capacity_j_m3_k, 784406.6);
+  EXPECT_EQ(law.heat->fraction, 0.8);
+  EXPECT_EQ(law.heat->reference_k, 300.0);
+  EXPECT_EQ(law.heat->melting_k, 1800.0);
+  EXPECT_EQ(law.heat->exponent, 1.03);
 }
 
 TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {

@@ -308,7 +308,7 @@ std::set<std::string> set_of(const std::vector<std::string>& names) { return {na
 
 TEST(HistoryFile, ColumnsAreThoseOfTheResultsPage) {
   const auto written =
-      history_columns({.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true, .yields = true});
+      history_columns({.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true, .yields = true, .heats = true});
   EXPECT_EQ(columns_of_page("## history.csv", "## probes.csv"), set_of(written));
 }
 
