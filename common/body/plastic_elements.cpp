@@ -1,6 +1,7 @@
 #include "common/body/plastic_elements.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -11,6 +12,8 @@ namespace ricochet::solver {
 namespace {
 
 constexpr std::size_t elements_of_block = 32;
+/// Points that flow, and as much other work, from which on threads pay: some twenty microseconds of work.
+constexpr std::size_t worth_a_thread = 1000;
 /// Rounding must not let a point pass its yield stress unseen.
 constexpr double caution = 1.001;
 
@@ -20,6 +23,7 @@ PlasticElements::PlasticElements(const BodyState& state)
     : state_(&state),
       law_(*state.part.material.plasticity),
       factor_squared_(state.part.section.model == fem::Model::bar ? 1.0 : 1.5),
+      round_(state.part.section.model == fem::Model::axisymmetric),
       all_{{0, state.part.dofs()}},
       settled_(state.plastic),
       step_(*settled_) {
@@ -32,13 +36,16 @@ void PlasticElements::set_shapes() {
   const auto& part = state_->part;
   fem::ElementCopies<int> copies(part.section.model);
   // In axisymmetry u_r moves a strain by its gradient and by itself.
-  const double times = part.section.model == fem::Model::axisymmetric ? std::sqrt(2.0) : 1.0;
+  const double times = round_ ? std::sqrt(2.0) : 1.0;
   const double scale = caution * times * std::sqrt(factor_squared_) * settled_->modulus_pa;
   const auto make = [&](const fem::ElementGeometry& geometry) {
     Shape& shape = shapes_.emplace_back();
     shape.points = fem::element_points(part.section, geometry);
     for (const auto& point : shape.points)
       shape.pa_per_m = std::max(shape.pa_per_m, scale * point.gradient.rowwise().norm().sum());
+    for (Eigen::Index i = 0; i < shape.points.front().gradient.rows(); ++i)
+      for (int c = 0; c < 3; ++c)
+        for (const auto& point : shape.points) shape.gradients.push_back(point.gradient(i, c));
     return static_cast<int>(shapes_.size()) - 1;
   };
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e)
@@ -60,52 +67,47 @@ void PlasticElements::set_blocks() {
   }
 }
 
-PlasticElements::Strain PlasticElements::plastic_strain(int point) const {
-  Strain strain = Strain::Zero();
-  for (int c = 0; c < step_.components; ++c) strain[c] = step_.strain[Eigen::Index{point} * step_.components + c];
-  return strain;
-}
-
-/// Relative to the first node, so that the distance that a body has flown is not rounded into its strain; u_r counts as
-/// it is.
+/// s at all points of an element if they do not yield any further; a row per component. The displacement of the nodes
+/// counts from the first one's, so that the distance that a body has flown is not rounded into its strain; u_r counts
+/// as it is.
 template <int dimension>
-PlasticElements::Strain PlasticElements::stress_of(int element, int point, const Eigen::VectorXd& u) const {
+auto PlasticElements::stresses(int element, const Eigen::VectorXd& u) const -> Stresses<dimension> {
+  using AtPoints = Eigen::Array<double, points_of<dimension>, 1>;
   const auto& nodes = state_->part.mesh.elements[fem::at(element)];
-  const auto& gradient = shapes_[fem::at(shape_of_[fem::at(element)])].points[fem::at(point)].gradient;
-  const bool round = state_->part.section.model == fem::Model::axisymmetric;
-  Eigen::Matrix<double, dimension, dimension> sum = Eigen::Matrix<double, dimension, dimension>::Zero();
-  double hoop = 0.0;
-  const Eigen::Matrix<double, dimension, 1> first = u.segment<dimension>(dimension * nodes[0]);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const Eigen::Matrix<double, dimension, 1> own = u.segment<dimension>(dimension * nodes[i]);
-    if (i > 0) sum.noalias() += (own - first) * gradient.row(row).template head<dimension>();
-    if (round) hoop += own[0] * gradient(row, 2);
-  }
-  Strain strain = Strain::Zero();
-  if constexpr (dimension == 1) {
-    strain[0] = sum(0, 0);
-  } else {
-    strain[2] = hoop;
-    strain.template head<dimension>() = sum.diagonal();
-    strain.template head<3>().array() -= strain.template head<3>().mean();
-    const double shear = std::sqrt(0.5);
-    strain[3] = shear * (sum(0, 1) + sum(1, 0));
-    if constexpr (dimension == 3) {
-      strain[4] = shear * (sum(1, 2) + sum(2, 1));
-      strain[5] = shear * (sum(2, 0) + sum(0, 2));
+  const double* gradient = shapes_[fem::at(shape_of_[fem::at(element)])].gradients.data();
+  const double* const first = u.data() + std::ptrdiff_t{dimension} * nodes[0];
+  std::array<std::array<AtPoints, dimension>, dimension> sum;
+  for (auto& row : sum)
+    for (AtPoints& value : row) value.setZero();
+  AtPoints hoop = AtPoints::Zero();
+  for (const int node : nodes) {
+    const double* const own = u.data() + std::ptrdiff_t{dimension} * node;
+    for (std::size_t d = 0; d < 3; ++d, gradient += points_of<dimension>) {
+      const AtPoints along = Eigen::Map<const AtPoints>(gradient);
+      if (d < dimension)
+        for (std::size_t c = 0; c < dimension; ++c) sum[c][d] += (own[c] - first[c]) * along;
+      if (dimension == 2 && d == 2 && round_) hoop += own[0] * along;
     }
   }
-  return step_.modulus_pa * (strain - plastic_strain(element * step_.points + point));
-}
-
-/// s at a point if it does not yield any further.
-PlasticElements::Strain PlasticElements::stress(int element, int point, const Eigen::VectorXd& u) const {
-  switch (fem::components(state_->part.section.model)) {
-    case 1: return stress_of<1>(element, point, u);
-    case 2: return stress_of<2>(element, point, u);
-    default: return stress_of<3>(element, point, u);
+  Stresses<dimension> s;
+  if constexpr (dimension == 1) {
+    s.row(0) = sum[0][0];
+  } else {
+    const double shear = std::sqrt(0.5);
+    const AtPoints third = dimension == 3 ? sum[2 % dimension][2 % dimension] : hoop;
+    const AtPoints mean = (sum[0][0] + sum[1][1] + third) / 3.0;
+    s.row(0) = sum[0][0] - mean;
+    s.row(1) = sum[1][1] - mean;
+    s.row(2) = third - mean;
+    s.row(3) = shear * (sum[0][1] + sum[1][0]);
+    if constexpr (dimension == 3) {
+      s.row(4) = shear * (sum[1][2] + sum[2][1]);
+      s.row(5) = shear * (sum[2][0] + sum[0][2]);
+    }
   }
+  const double* const plastic = step_.strain.data() + Stresses<dimension>::SizeAtCompileTime * std::ptrdiff_t{element};
+  using ByPoint = Eigen::Array<double, components_of<dimension>, points_of<dimension>>;
+  return step_.modulus_pa * (s - Eigen::Map<const ByPoint>(plastic));
 }
 
 double PlasticElements::softening(int point) const {
@@ -113,19 +115,21 @@ double PlasticElements::softening(int point) const {
 }
 
 /// How far its points are from yielding, 0 where one does, and what flows [Pa].
+template <int dimension>
 double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const {
   double smallest = std::numeric_limits<double>::infinity();
   const double to_yield = step_.modulus_pa * factor_squared_;
-  for (int p = 0; p < step_.points; ++p) {
-    const int point = element * step_.points + p;
-    const Strain s = stress(element, p, u);
-    const double q = std::sqrt(factor_squared_) * s.norm();
+  const Stresses<dimension> s = stresses<dimension>(element, u);
+  const Eigen::Array<double, 1, points_of<dimension>> q = (factor_squared_ * s.square().colwise().sum()).sqrt();
+  for (int p = 0; p < points_of<dimension>; ++p) {
+    const int point = element * points_of<dimension> + p;
     const double equivalent = step_.equivalent[point], soft = softening(point);
-    const double excess_pa = q - law_.at_rest(equivalent, soft);
+    const double excess_pa = q[p] - law_.at_rest(equivalent, soft);
     smallest = std::min(smallest, std::max(0.0, -excess_pa));
     if (!(excess_pa > 0.0)) continue;
-    const double grown = law_.growth(q, to_yield, equivalent, soft, tried_s_);
-    flows.push_back({element, point, grown, factor_squared_ * grown / q, s});
+    const double grown = law_.growth(q[p], to_yield, equivalent, soft, tried_s_);
+    Flow& flow = flows.emplace_back(Flow{element, point, grown, factor_squared_ * grown / q[p], Strain::Zero()});
+    flow.stress.template head<components_of<dimension>>() = s.col(p).matrix();
   }
   return smallest;
 }
@@ -133,8 +137,7 @@ double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vecto
 /// Half of what lies between the least and the most that nodes have moved is how far one can be from where the
 /// translation of all would have brought it. No translation leaves u_r without a strain.
 double PlasticElements::moved(const Block& block, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
-  const auto model = state_->part.section.model;
-  const int width = fem::components(model);
+  const int width = fem::components(state_->part.section.model);
   double squared = 0.0;
   for (int c = 0; c < width; ++c) {
     double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -144,8 +147,7 @@ double PlasticElements::moved(const Block& block, const Eigen::VectorXd& from, c
       least = std::min(least, own);
       most = std::max(most, own);
     }
-    const bool round = c == 0 && model == fem::Model::axisymmetric;
-    const double far = round ? std::max(std::abs(least), std::abs(most)) : 0.5 * (most - least);
+    const double far = c == 0 && round_ ? std::max(std::abs(least), std::abs(most)) : 0.5 * (most - least);
     squared += far * far;
   }
   return std::sqrt(squared);
@@ -159,7 +161,8 @@ void PlasticElements::look(Block& block, const Eigen::VectorXd& u) {
   for (int e = block.first; e < block.end; ++e) {
     double& due_m = due_m_[fem::at(e)];
     if (block.path_m + block.tried_m >= due_m) {
-      const double margin_m = margin(e, u, block.flows) / shapes_[fem::at(shape_of_[fem::at(e)])].pa_per_m;
+      const double margin_pa = by_dimension([&](auto d) { return margin<d()>(e, u, block.flows); });
+      const double margin_m = margin_pa / shapes_[fem::at(shape_of_[fem::at(e)])].pa_per_m;
       due_m = block.path_m + std::max(0.0, margin_m - block.tried_m);
     }
     block.due_m = std::min(block.due_m, due_m);
@@ -170,7 +173,9 @@ void PlasticElements::look(const Eigen::VectorXd& u) {
   u_tried_ = u;
   const auto blocks = static_cast<int>(blocks_.size());
   const auto look_at = [&](int b, int) noexcept { look(blocks_[fem::at(b)], u_tried_); };
-  if (state_->parallel) {
+  std::size_t work = state_->part.mesh.elements.size() / 16;
+  for (const Block& block : blocks_) work += block.flows.size();  // of the evaluation before
+  if (state_->parallel && work >= worth_a_thread) {
     state_->parallel->for_each(blocks, look_at);
   } else {
     for (int b = 0; b < blocks; ++b) look_at(b, 0);
@@ -178,22 +183,21 @@ void PlasticElements::look(const Eigen::VectorXd& u) {
 }
 
 /// force += integral of B^T m (change of plastic strain) dV at the point.
+template <int dimension>
 void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const {
-  const auto& point = shapes_[fem::at(shape_of_[fem::at(flow.element)])].points[fem::at(flow.point % step_.points)];
-  const auto model = state_->part.section.model;
-  const int width = fem::components(model);
-  const Strain stress = (step_.modulus_pa * point.volume_m3) * flow.strain();
+  const Shape& shape = shapes_[fem::at(shape_of_[fem::at(flow.element)])];
+  const int point = flow.point % step_.points;
   const double shear = std::sqrt(0.5);
-  Eigen::Matrix3d tensor;
-  tensor << stress[0], shear * stress[3], shear * stress[5],  //
-      shear * stress[3], stress[1], shear * stress[4],        //
-      shear * stress[5], shear * stress[4], stress[2];
-  const auto& nodes = state_->part.mesh.elements[fem::at(flow.element)];
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    Eigen::Vector3d gradient = point.gradient.row(static_cast<Eigen::Index>(i));
-    if (model == fem::Model::axisymmetric) force[2 * nodes[i]] += stress[2] * std::exchange(gradient[2], 0.0);
-    const Eigen::Vector3d own = tensor * gradient;
-    for (int c = 0; c < width; ++c) force[nodes[i] * width + c] += own[c];
+  const Strain s = (step_.modulus_pa * shape.points[fem::at(point)].volume_m3) * flow.strain();
+  const double tensor[3][3] = {
+      {s[0], shear * s[3], shear * s[5]}, {shear * s[3], s[1], shear * s[4]}, {shear * s[5], shear * s[4], s[2]}};
+  const double* gradient = shape.gradients.data() + point;
+  for (const int node : state_->part.mesh.elements[fem::at(flow.element)]) {
+    double* const own = force.data() + std::ptrdiff_t{dimension} * node;
+    for (int c = 0; c < dimension; ++c)
+      for (int d = 0; d < dimension; ++d) own[c] += tensor[c][d] * gradient[d * points_of<dimension>];
+    if (dimension == 2 && round_) own[0] += s[2] * gradient[2 * points_of<dimension>];
+    gradient += 3 * points_of<dimension>;
   }
 }
 
@@ -202,8 +206,10 @@ void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorX
   tried_s_ = step_s;
   look(u);
   tried_force_n_ = step_.force_n;
-  for (const Block& block : blocks_)
-    for (const Flow& flow : block.flows) add_force(flow, tried_force_n_);
+  by_dimension([&](auto d) {
+    for (const Block& block : blocks_)
+      for (const Flow& flow : block.flows) add_force<d()>(flow, tried_force_n_);
+  });
   force -= tried_force_n_;
 }
 
@@ -213,24 +219,39 @@ void PlasticElements::heat(int point, double work_j_m3) {
   step_.hottest_k = std::max(step_.hottest_k, temperature_k);
 }
 
-void PlasticElements::follow(const Eigen::VectorXd&) {
+template <int dimension>
+void PlasticElements::keep(const std::vector<Flow>& flows) {
   const double modulus_pa = step_.modulus_pa;
+  Stresses<dimension> before_step = Stresses<dimension>::Zero();
+  int element = -1;
+  for (const Flow& flow : flows) {
+    const int p = flow.point % points_of<dimension>;
+    if (flow.element != element) {
+      element = flow.element;
+      before_step = stresses<dimension>(element, u_step_);
+    }
+    const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].points[fem::at(p)].volume_m3;
+    const Strain change = flow.strain(), after = flow.stress - modulus_pa * change;
+    double* const plastic = step_.strain.data() + std::ptrdiff_t{components_of<dimension>} * flow.point;
+    double work_j_m3 = 0.0, energy_j_m3 = 0.0;
+    for (int c = 0; c < components_of<dimension>; ++c) {
+      work_j_m3 += 0.5 * (before_step(c, p) + after[c]) * change[c];
+      energy_j_m3 += (plastic[c] + 0.5 * change[c]) * change[c];
+      plastic[c] += change[c];
+    }
+    step_.work_j += volume * work_j_m3;
+    if (step_.heats()) heat(flow.point, work_j_m3);
+    step_.energy_j += volume * modulus_pa * energy_j_m3;
+    step_.equivalent[flow.point] += flow.equivalent;
+    step_.largest = std::max(step_.largest, step_.equivalent[flow.point]);
+    changed_.push_back(flow.point);
+  }
+}
+
+void PlasticElements::follow(const Eigen::VectorXd&) {
   bool flowed = false;
   for (Block& block : blocks_) {
-    for (const Flow& flow : block.flows) {
-      const int p = flow.point % step_.points;
-      const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].points[fem::at(p)].volume_m3;
-      const Strain change = flow.strain(), before = stress(flow.element, p, u_step_),
-                   after = flow.stress - modulus_pa * change;
-      const double work_j_m3 = 0.5 * (before + after).dot(change);
-      step_.work_j += volume * work_j_m3;
-      if (step_.heats()) heat(flow.point, work_j_m3);
-      step_.energy_j += volume * modulus_pa * (plastic_strain(flow.point) + 0.5 * change).dot(change);
-      for (int c = 0; c < step_.components; ++c) step_.at(flow.point)[c] += change[c];
-      step_.equivalent[flow.point] += flow.equivalent;
-      step_.largest = std::max(step_.largest, step_.equivalent[flow.point]);
-      changed_.push_back(flow.point);
-    }
+    by_dimension([&](auto d) { keep<d()>(block.flows); });
     flowed = flowed || !block.flows.empty();
     block.flows.clear();
     block.path_m += std::exchange(block.tried_m, 0.0);

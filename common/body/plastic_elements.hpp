@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "common/body/body_state.hpp"
@@ -57,7 +58,8 @@ class PlasticElements final : public InternalForce {
   /// What copies of an element share: its points.
   struct Shape {
     std::vector<fem::ElementPoint> points;
-    double pa_per_m = 0.0;  ///< q of a point changes at most by this times the change of u, up to a translation
+    std::vector<double> gradients;  ///< theirs: per node and number of its row, one of each point
+    double pa_per_m = 0.0;          ///< q of a point changes at most by this times the change of u, up to a translation
   };
   /// Elements that are near each other, if the mesh numbers them so.
   struct Block {
@@ -70,21 +72,40 @@ class PlasticElements final : public InternalForce {
   };
   void set_shapes();
   void set_blocks();
-  [[nodiscard]] Strain plastic_strain(int point) const;
-  [[nodiscard]] Strain stress(int element, int point, const Eigen::VectorXd& u) const;
+  /// Elements that may yield are bars, quadrilaterals and hexahedra: as many points, and components of a stress.
   template <int dimension>
-  [[nodiscard]] Strain stress_of(int element, int point, const Eigen::VectorXd& u) const;
+  static constexpr int points_of = 1 << (dimension == 1 ? 0 : dimension);
+  template <int dimension>
+  static constexpr int components_of = dimension == 1 ? 1 : 2 * dimension;
+  template <int dimension>
+  using Stresses = Eigen::Array<double, components_of<dimension>, points_of<dimension>>;
+  /// visit(dimension of the elements, as a constant).
+  template <class Visit>
+  decltype(auto) by_dimension(const Visit& visit) const {
+    switch (fem::components(state_->part.section.model)) {
+      case 1: return visit(std::integral_constant<int, 1>());
+      case 2: return visit(std::integral_constant<int, 2>());
+      default: return visit(std::integral_constant<int, 3>());
+    }
+  }
+  template <int dimension>
+  [[nodiscard]] Stresses<dimension> stresses(int element, const Eigen::VectorXd& u) const;
   [[nodiscard]] double softening(int point) const;
+  template <int dimension>
   [[nodiscard]] double margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const;
   [[nodiscard]] double moved(const Block& block, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   void look(Block& block, const Eigen::VectorXd& u);
   void look(const Eigen::VectorXd& u);
   void heat(int point, double work_j_m3);
+  template <int dimension>
+  void keep(const std::vector<Flow>& flows);
+  template <int dimension>
   void add_force(const Flow& flow, Eigen::VectorXd& force) const;
 
   const BodyState* state_;
   fem::Plasticity law_;
   double factor_squared_;  ///< c^2
+  bool round_;             ///< the model is axisymmetric
   std::vector<Rows> all_;
   std::vector<Shape> shapes_;
   std::vector<int> shape_of_;              ///< per element

@@ -12,20 +12,13 @@ double PlasticHeat::softening(double temperature_k) const {
   return 1.0 - std::pow(std::clamp(homologous, 0.0, 1.0), exponent);
 }
 
-double Plasticity::at_rest(double equivalent, double softening) const {
-  const double hardened = hardening_exponent == 1.0 ? equivalent : std::pow(equivalent, hardening_exponent);
-  return softening * (yield_stress_pa + hardening_pa * hardened);
-}
-
 /// Newton's method within the bracket that holds the root, which is halved where a step would leave it: at p = 0 the
 /// slope of hardening may be infinite, and y has a kink where the rate begins to matter.
-double Plasticity::growth(double stress_pa, double drop_pa, double equivalent, double softening, double step_s) const {
-  const double still_pa = at_rest(equivalent, softening);
-  if (hardening_exponent == 1.0 && rate_factor == 0.0)
-    return (stress_pa - still_pa) / (drop_pa + softening * hardening_pa);
+double Plasticity::growth_of_power(double stress_pa, double drop_pa, double equivalent, double softening,
+                                   double step_s) const {
   if (rate_factor > 0.0 && step_s == 0.0) return 0.0;
   constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
-  double low = 0.0, high = (stress_pa - still_pa) / drop_pa, grown = high;
+  double low = 0.0, high = (stress_pa - at_rest(equivalent, softening)) / drop_pa, grown = high;
   for (int i = 0; i < 100; ++i) {
     const double hardened = std::pow(equivalent + grown, hardening_exponent);
     const double slope_pa = softening * hardening_pa * hardening_exponent * hardened / (equivalent + grown);

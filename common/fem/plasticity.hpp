@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 namespace ricochet::fem {
@@ -33,14 +34,25 @@ struct Plasticity {
   std::optional<PlasticHeat> heat = std::nullopt;
 
   /// y at rest [Pa], below which nothing flows; `softening` of its temperature.
-  [[nodiscard]] double at_rest(double equivalent, double softening) const;
+  [[nodiscard]] double at_rest(double equivalent, double softening) const {
+    const double hardened = hardening_exponent == 1.0 ? equivalent : std::pow(equivalent, hardening_exponent);
+    return softening * (yield_stress_pa + hardening_pa * hardened);
+  }
   /// By how much p grows in a step of which a von Mises stress of `stress_pa` would be the end if nothing flowed; it is
   /// above y at rest, and falls by `drop_pa` per unit of growth. The solution g of
   ///   stress_pa - drop_pa g = y(p + g, g/step_s),
   /// with the temperature before the step, to round-off: y grows with g, so that there is one. In a step without
   /// duration nothing flows if the rate matters.
   [[nodiscard]] double growth(double stress_pa, double drop_pa, double equivalent, double softening,
-                              double step_s) const;
+                              double step_s) const {
+    if (hardening_exponent == 1.0 && rate_factor == 0.0)
+      return (stress_pa - at_rest(equivalent, softening)) / (drop_pa + softening * hardening_pa);
+    return growth_of_power(stress_pa, drop_pa, equivalent, softening, step_s);
+  }
+
+ private:
+  [[nodiscard]] double growth_of_power(double stress_pa, double drop_pa, double equivalent, double softening,
+                                       double step_s) const;
 };
 
 }  // namespace ricochet::fem

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
 #include "common/fem/inp_file.hpp"
@@ -75,6 +77,19 @@ void refine(const Scene& scene, const Body& body, fem::Mesh& mesh) {
   }
 }
 
+/// Exactly where it was if it is neither turned nor moved.
+void put_in_place(const MeshPlace& place, fem::Mesh& mesh) {
+  const auto vector = [](const std::array<double, 3>& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  const Eigen::Vector3d turned = vector(place.turned_rad), about = vector(place.about_m), moved = vector(place.moved_m);
+  const double angle = turned.norm();
+  const Eigen::Matrix3d rotation =
+      angle > 0.0 ? Eigen::AngleAxisd(angle, turned / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+  for (Eigen::Vector3d& x : mesh.position) {
+    if (angle > 0.0) x = about + rotation * (x - about);
+    x += moved;
+  }
+}
+
 /// A set of nodes has no faces, without which there is neither an area nor a normal.
 std::string node_set_text(const Scene& scene, const std::string& surface) {
   for (const Body& body : scene.bodies) {
@@ -100,6 +115,7 @@ fem::Mesh build_mesh(const Scene& scene, const Body& body) {
     throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
   }
   refine(scene, body, mesh);
+  put_in_place(body.place, mesh);
   return mesh;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <numbers>
 
 #include "common/fem/inp_file.hpp"
 #include "common/fem/mesh.hpp"
@@ -162,6 +163,27 @@ std::vector<RefinedBox> load_refined_boxes(TableReader& mesh, Model model) {
   return boxes;
 }
 
+/// In a plane one angle, about the axis across it.
+MeshPlace load_place(TableReader& mesh, Model model) {
+  MeshPlace place;
+  const bool plane = model == Model::plane_strain;
+  mesh.only_if(plane || model == Model::solid, "place", R"(model = "plane_strain" or "solid")");
+  if (!mesh.has("place")) return place;
+  TableReader table = mesh.table("place", "place");
+  constexpr double degree = std::numbers::pi / 180.0;
+  if (plane && table.has("turned_deg")) {
+    place.turned_rad[2] = degree * table.number("turned_deg", any_number());
+  } else if (table.has("turned_deg")) {
+    std::ranges::transform(table.numbers("turned_deg", any_number(), 3), place.turned_rad.begin(),
+                           [](double degrees) { return degree * degrees; });
+  }
+  table.only_if(table.has("turned_deg"), "about_m", "turned_deg");
+  for (const auto& [key, to] : {std::pair{"about_m", &place.about_m}, {"moved_m", &place.moved_m}})
+    if (table.has(key)) std::ranges::copy(table.numbers(key, any_number(), plane ? 2 : 3), to->begin());
+  table.finish();
+  return place;
+}
+
 std::variant<StructuredMesh, GmshMesh> load_mesh(TableReader& table, Model model, const std::string& folder) {
   if (table.has("gmsh") || table.has("inp")) return load_mesh_file(table, folder);
   table.only_if(false, "length_unit", "gmsh or inp; lengths of a structured mesh are metres");
@@ -310,6 +332,10 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   TableReader mesh = table.table("mesh", "mesh");
   body.mesh = load_mesh(mesh, model, folder);
   body.refine = load_refined_boxes(mesh, model);
+  const auto* structured = std::get_if<StructuredMesh>(&body.mesh);
+  mesh.only_if(structured == nullptr || !structured->periodic_across, "place", "a mesh that does not repeat");
+  body.place = load_place(mesh, model);
+  table.only_if(!body.place.turned(), "initial_displacement_m", "a mesh that place does not turn");
   mesh.finish();
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
   table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");

@@ -56,6 +56,14 @@ struct RefinedBox {
   int ratio = 2;                     ///< elements along an edge of one that is divided
 };
 
+/// Where a mesh stands: turned about a point, then moved. A direction of its own coordinates becomes that of space.
+struct MeshPlace {
+  std::array<double, 3> turned_rad{};  ///< about the vector, by its length
+  std::array<double, 3> about_m{}, moved_m{};
+
+  [[nodiscard]] bool turned() const { return turned_rad != std::array<double, 3>{}; }
+};
+
 /// Piecewise linear factor over time, constant outside the given times. Empty: factor 1.
 struct Amplitude {
   std::vector<double> time_s;
@@ -101,6 +109,7 @@ struct Body {
   double thickness_m = 1.0;  ///< `plane_strain`: thickness
   std::variant<StructuredMesh, GmshMesh> mesh;
   std::vector<RefinedBox> refine;            ///< one after the other
+  MeshPlace place;                           ///< of the divided mesh
   std::vector<double> initial_velocity_m_s;  ///< one entry per component
   bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
   /// About its centre of mass, along the axes of space; zero unless large_rotation.
