@@ -124,10 +124,10 @@ double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vecto
   for (int p = 0; p < points_of<dimension>; ++p) {
     const int point = element * points_of<dimension> + p;
     const double equivalent = step_.equivalent[point], soft = softening(point);
-    const double excess_pa = q[p] - law_.at_rest(equivalent, soft);
-    smallest = std::min(smallest, std::max(0.0, -excess_pa));
-    if (!(excess_pa > 0.0)) continue;
-    const double grown = law_.growth(q[p], to_yield, equivalent, soft, tried_s_);
+    const double rest_pa = law_.at_rest(equivalent, soft);
+    smallest = std::min(smallest, std::max(0.0, rest_pa - q[p]));
+    if (!(q[p] > rest_pa)) continue;
+    const double grown = law_.growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_);
     Flow& flow = flows.emplace_back(Flow{element, point, grown, factor_squared_ * grown / q[p], Strain::Zero()});
     flow.stress.template head<components_of<dimension>>() = s.col(p).matrix();
   }
@@ -173,13 +173,14 @@ void PlasticElements::look(const Eigen::VectorXd& u) {
   u_tried_ = u;
   const auto blocks = static_cast<int>(blocks_.size());
   const auto look_at = [&](int b, int) noexcept { look(blocks_[fem::at(b)], u_tried_); };
-  std::size_t work = state_->part.mesh.elements.size() / 16;
-  for (const Block& block : blocks_) work += block.flows.size();  // of the evaluation before
+  const std::size_t work = flowing_ + state_->part.mesh.elements.size() / 16;
   if (state_->parallel && work >= worth_a_thread) {
     state_->parallel->for_each(blocks, look_at);
   } else {
     for (int b = 0; b < blocks; ++b) look_at(b, 0);
   }
+  flowing_ = 0;
+  for (const Block& block : blocks_) flowing_ += block.flows.size();
 }
 
 /// force += integral of B^T m (change of plastic strain) dV at the point.

@@ -118,6 +118,7 @@ class PlasticElements final : public InternalForce {
   double tried_s_ = 0.0;                   ///< its step
   Eigen::VectorXd tried_force_n_;          ///< PlasticState::force_n of it
   std::vector<Block> blocks_;
+  std::size_t flowing_ = 0;    ///< points in the last evaluation
   std::vector<double> due_m_;  ///< per element: the path of its block at which it has to be looked at
 };
 

@@ -38,21 +38,21 @@ struct Plasticity {
     const double hardened = hardening_exponent == 1.0 ? equivalent : std::pow(equivalent, hardening_exponent);
     return softening * (yield_stress_pa + hardening_pa * hardened);
   }
-  /// By how much p grows in a step of which a von Mises stress of `stress_pa` would be the end if nothing flowed; it is
-  /// above y at rest, and falls by `drop_pa` per unit of growth. The solution g of
+  /// By how much p grows in a step of which a von Mises stress of `stress_pa` would be the end if nothing flowed, above
+  /// `rest_pa`, y at rest; it falls by `drop_pa` per unit of growth. The solution g of
   ///   stress_pa - drop_pa g = y(p + g, g/step_s),
-  /// with the temperature before the step, to round-off: y grows with g, so that there is one. In a step without
+  /// with the temperature before the step, to rounding: y grows with g, so that there is one. In a step without
   /// duration nothing flows if the rate matters.
-  [[nodiscard]] double growth(double stress_pa, double drop_pa, double equivalent, double softening,
+  [[nodiscard]] double growth(double stress_pa, double rest_pa, double drop_pa, double equivalent, double softening,
                               double step_s) const {
     if (hardening_exponent == 1.0 && rate_factor == 0.0)
-      return (stress_pa - at_rest(equivalent, softening)) / (drop_pa + softening * hardening_pa);
-    return growth_of_power(stress_pa, drop_pa, equivalent, softening, step_s);
+      return (stress_pa - rest_pa) / (drop_pa + softening * hardening_pa);
+    return growth_by_power_and_rate(stress_pa, rest_pa, drop_pa, equivalent, softening, step_s);
   }
 
  private:
-  [[nodiscard]] double growth_of_power(double stress_pa, double drop_pa, double equivalent, double softening,
-                                       double step_s) const;
+  [[nodiscard]] double growth_by_power_and_rate(double stress_pa, double rest_pa, double drop_pa, double equivalent,
+                                                double softening, double step_s) const;
 };
 
 }  // namespace ricochet::fem

@@ -27,7 +27,7 @@ std::string block(const std::string& model, const std::string& law) {
   const std::string mesh = model == "bar"            ? "elements = 70"
                            : model == "plane_strain" ? "height_m = 0.3, elements = [3, 40]"
                            : model == "axisymmetric" ? "radius_m = 0.3, elements = [3, 40]"
-                                                     : "height_m = 0.3, width_m = 0.2, elements = [3, 2, 12]";
+                                                     : "height_m = 0.3, width_m = 0.2, elements = [4, 4, 12]";
   return fmt::format(R"(model = "{0}"
 [[body]]
 name = "block"
@@ -220,6 +220,25 @@ TEST_P(StretchedBlock, FollowsTheLawOfJohnsonAndCook) {
 
 INSTANTIATE_TEST_SUITE_P(Models, StretchedBlock, testing::ValuesIn(models),
                          [](const auto& info) { return std::string(info.param); });
+
+/// So many points flow that threads share them.
+TEST(StretchedBlock, HasTheSameBitsFromAnyNumberOfThreads) {
+  Moved one("solid", johnson_cook), three("solid", johnson_cook);
+  three.body().parallel = std::make_shared<Parallel>(3);
+  for (int n = 1; n <= 20; ++n) {
+    for (Moved* path : {&one, &three}) {
+      path->move();
+      const auto& position = path->body().part.mesh.position;
+      for (std::size_t i = 0; i < position.size(); ++i)
+        path->body().u[static_cast<Eigen::Index>(i) * 3 + 2] += 1e-3 * position[i][2];
+      path->step();
+      path->elements->settle();
+    }
+    ASSERT_EQ(one.force, three.force) << "step " << n;
+  }
+  const auto& yielded = one.body().plastic->equivalent.array();
+  EXPECT_GT((yielded > 0.0).count(), 1400);
+}
 
 /// An instant has no rate: nothing flows in it, though the point is beyond the stress at which it would yield slowly.
 TEST(StretchedBlock, StaysAsItIsWhileNoTimePasses) {
