@@ -46,7 +46,7 @@ double PlasticHeat::softening(double temperature_k) const {
 double Plasticity::growth_by_power_and_rate(double stress_pa, double rest_pa, double drop_pa, double equivalent,
                                             double softening, double step_s) const {
   if (rate_factor > 0.0 && step_s == 0.0) return 0.0;
-  /// y at rest after a growth, and its slope.
+  // y at rest after a growth, and its slope.
   const auto hardened = [&](double grown) -> Value {
     const double p = equivalent + grown;
     const double by_strain = hardening_pa * (hardening_exponent == 1.0 ? p : std::pow(p, hardening_exponent));

@@ -15,6 +15,8 @@ namespace ricochet::scene {
 /// Surfaces of a structured mesh; empty for a Gmsh mesh, whose surfaces are known only once it is read.
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
 
+/// The table `mesh` of a body.
+void load_mesh(TableReader& table, Model model, const std::string& folder, Body& body);
 /// The scene's tables [material.NAME].
 [[nodiscard]] std::map<std::string, Material> load_materials(TableReader& root, Model model);
 [[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder,
