@@ -40,12 +40,13 @@ void PlasticElements::set_shapes() {
   const double scale = caution * times * std::sqrt(factor_squared_) * settled_->modulus_pa;
   const auto make = [&](const fem::ElementGeometry& geometry) {
     Shape& shape = shapes_.emplace_back();
-    shape.points = fem::element_points(part.section, geometry);
-    for (const auto& point : shape.points)
+    const auto points = fem::element_points(part.section, geometry);
+    for (const auto& point : points) shape.volume_m3.push_back(point.volume_m3);
+    for (const auto& point : points)
       shape.pa_per_m = std::max(shape.pa_per_m, scale * point.gradient.rowwise().norm().sum());
-    for (Eigen::Index i = 0; i < shape.points.front().gradient.rows(); ++i)
+    for (Eigen::Index i = 0; i < points.front().gradient.rows(); ++i)
       for (int c = 0; c < 3; ++c)
-        for (const auto& point : shape.points) shape.gradients.push_back(point.gradient(i, c));
+        for (const auto& point : points) shape.gradients.push_back(point.gradient(i, c));
     return static_cast<int>(shapes_.size()) - 1;
   };
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e)
@@ -187,9 +188,9 @@ void PlasticElements::look(const Eigen::VectorXd& u) {
 template <int dimension>
 void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const {
   const Shape& shape = shapes_[fem::at(shape_of_[fem::at(flow.element)])];
-  const int point = flow.point % step_.points;
+  const int point = flow.point % points_of<dimension>;
   const double shear = std::sqrt(0.5);
-  const Strain s = (step_.modulus_pa * shape.points[fem::at(point)].volume_m3) * flow.strain();
+  const Strain s = (step_.modulus_pa * shape.volume_m3[fem::at(point)]) * flow.strain();
   const double tensor[3][3] = {
       {s[0], shear * s[3], shear * s[5]}, {shear * s[3], s[1], shear * s[4]}, {shear * s[5], shear * s[4], s[2]}};
   const double* gradient = shape.gradients.data() + point;
@@ -231,7 +232,7 @@ void PlasticElements::keep(const std::vector<Flow>& flows) {
       element = flow.element;
       before_step = stresses<dimension>(element, u_step_);
     }
-    const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].points[fem::at(p)].volume_m3;
+    const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].volume_m3[fem::at(p)];
     const Strain change = flow.strain(), after = flow.stress - modulus_pa * change;
     double* const plastic = step_.strain.data() + std::ptrdiff_t{components_of<dimension>} * flow.point;
     double work_j_m3 = 0.0, energy_j_m3 = 0.0;

@@ -55,10 +55,10 @@ class PlasticElements final : public InternalForce {
 
     [[nodiscard]] Strain strain() const { return strain_per_stress * stress; }
   };
-  /// What copies of an element share: its points.
+  /// What copies of an element share.
   struct Shape {
-    std::vector<fem::ElementPoint> points;
-    std::vector<double> gradients;  ///< theirs: per node and number of its row, one of each point
+    std::vector<double> volume_m3;  ///< per point
+    std::vector<double> gradients;  ///< fem::ElementPoint's, per node and number of its row: one of each point
     double pa_per_m = 0.0;          ///< q of a point changes at most by this times the change of u, up to a translation
   };
   /// Elements that are near each other, if the mesh numbers them so.

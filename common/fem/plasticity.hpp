@@ -5,9 +5,9 @@
 
 namespace ricochet::fem {
 
-/// What plastic work heats, without time to conduct: its share `fraction` (Taylor, Quinney 1934) over the volumetric
-/// heat capacity. Yield stress falls with the temperature T by 1 - ((T - reference)/(melting - reference))^exponent,
-/// between both; without a melting temperature it does not.
+/// Plastic work heats the place where it is done, without time to conduct: by its share `fraction` (Taylor, Quinney
+/// 1934) over the volumetric heat capacity. Yield stress falls with the temperature T by 1 - ((T - reference)/(melting
+/// - reference))^exponent, between both; without a melting temperature it does not.
 struct PlasticHeat {
   double capacity_j_m3_k = 0.0;  ///< density times specific heat
   double fraction = 0.9;

@@ -59,8 +59,11 @@ constexpr Column plastic_columns[] = {
      [](const HistoryRow& row) -> double { return row.sum.equivalent_plastic_strain_max; }},
 };
 
-constexpr Column temperature_column = {"temperature_max_k",
-                                       [](const HistoryRow& row) -> double { return row.sum.temperature_max_k; }};
+/// nan where nobody tells it.
+constexpr Column temperature_column = {
+    "temperature_max_k", [](const HistoryRow& row) -> double {
+      return row.sum.temperature_max_k > 0.0 ? row.sum.temperature_max_k : std::numeric_limits<double>::quiet_NaN();
+    }};
 
 constexpr Column radius_column = {"contact_radius_m",
                                   [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};

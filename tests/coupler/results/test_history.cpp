@@ -342,6 +342,19 @@ TEST(HistoryFile, OfSolidsEndsWithWhatLiesAlongTheBinormal) {
   EXPECT_THAT(text, testing::EndsWith(",1.5,4.5,2.5,5.5,3.5\n"));
 }
 
+TEST(HistoryFile, HasNoTemperatureThatNobodyTells) {
+  for (const auto& [told_k, written] : {std::pair{0.0, ",nan\n"}, {312.5, ",312.5\n"}}) {
+    const auto path = ::testing::TempDir() + "/history_of_heat.csv";
+    HistoryRow row;
+    row.sum.temperature_max_k = told_k;
+    {
+      HistoryFile file(path, {.yields = true, .heats = true});
+      file.add(row);
+    }
+    EXPECT_THAT(read(path), AllOf(HasSubstr(",temperature_max_k\n"), testing::EndsWith(written)));
+  }
+}
+
 TEST(HistoryFile, OfSeveralContactsEndsWithWhatIsToldOfEach) {
   const auto path = ::testing::TempDir() + "/history_of_contacts.csv";
   HistoryRow row;
