@@ -232,8 +232,8 @@ MotionDriven::State MotionDriven::state() const {
 
 void MotionDriven::restore(const State& state) {
   state_ = state;
+  state_.elements.clear();  // `state` asks the forces, also after a restore that was refused halfway
   if (contact_) contact_->restore(*state.contact);
-  state_.elements.clear();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     put_back(state.elements[b], *forces_[b]);
     trials_[b].forces =
