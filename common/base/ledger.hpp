@@ -32,6 +32,8 @@ struct BodyTotals {
   double plastic_work_j = 0.0;
   double equivalent_plastic_strain_max = 0.0;  ///< of all elements: the largest, not a sum
   double temperature_max_k = 0.0;              ///< the same; where plastic work heats the body
+  double energy_highest_modes_j =
+      0.0;  ///< of a body reduced to modes: what the highest tenth of them hold of its energy
 
   void archive(Archive& a);
 };
@@ -99,6 +101,11 @@ inline constexpr std::array<Quantity<BodyTotals>, 3> plastic_quantities = {{
     {"plastic_work_j", &BodyTotals::plastic_work_j},
     {"equivalent_plastic_strain_max", &BodyTotals::equivalent_plastic_strain_max},
     {"temperature_max_k", &BodyTotals::temperature_max_k},
+}};
+
+/// Bodies that are reduced to modes tell this after those.
+inline constexpr std::array<Quantity<BodyTotals>, 1> reduced_quantities = {{
+    {"energy_highest_modes_j", &BodyTotals::energy_highest_modes_j},
 }};
 
 inline constexpr std::array<Quantity<ContactRecord>, 23> contact_quantities = {{

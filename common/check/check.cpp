@@ -68,6 +68,10 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
   for (const Joint& joint : problem.joints)
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
+  if (participant.reduced) {
+    plan.unknowns = 0;
+    for (const std::string& body : participant.bodies) plan.unknowns += problem.scene.partition.reduced_modes.at(body);
+  }
   if (!implicit && !problem.scene.coupling.protocol.local_steps)
     plan.critical_time_step_s =
         critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / participant.substeps);

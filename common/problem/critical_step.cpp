@@ -145,6 +145,7 @@ double largest_critical_time_step(const BodyProblem& body, const fem::Part& part
 std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& body) {
   if (problem.scene.coupling.protocol.layout == Layout::all_implicit)
     return std::vector<bool>(body.mesh.elements.size(), true);
+  if (problem.scene.is_reduced(body.name)) return std::vector<bool>(body.mesh.elements.size(), false);
   std::vector<bool> is_explicit = body.implicit_element;
   is_explicit.flip();
   return is_explicit;
@@ -152,6 +153,7 @@ std::vector<bool> explicit_elements(const Problem& problem, const BodyProblem& b
 
 std::vector<bool> limiting_elements(const Problem& problem, const BodyProblem& body,
                                     const ParticipantSpec& participant) {
+  if (participant.reduced) return std::vector<bool>(body.mesh.elements.size(), false);
   if (problem.scene.coupling.protocol.dual) return owned_elements(problem.scene, body, participant);
   std::vector<bool> limiting = body.implicit_element;
   if (participant.role == Role::explicit_solver) limiting.flip();

@@ -86,7 +86,9 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const std::vector<int> contact = contact_nodes(problem.contacts, index);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
-    case PartitionRule::automatic: return automatic(body, contact, automatic_step_s(scene, body.name));
+    case PartitionRule::automatic:
+      if (scene.is_reduced(body.name)) return elements_at(body.mesh, contact);  // modes bear any step
+      return automatic(body, contact, automatic_step_s(scene, body.name));
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);
@@ -239,14 +241,16 @@ std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>
 namespace {
 
 /// Explicit elements at a contact node are in the way of a massless contact node, which follows its neighbours' forces
-/// at once, and of a dual protocol, whose shared nodes' velocities the contact must leave alone.
+/// at once, of a dual protocol, whose shared nodes' velocities the contact must leave alone, and of modes, which have
+/// no mass there.
 void require_implicit_contact(const Problem& problem) {
   const Scene& scene = problem.scene;
   const bool massless = scene.massless_contact();
   const bool dual = scene.coupling.protocol.dual;
-  if (!massless && !dual) return;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     const BodyProblem& body = problem.bodies[at(index)];
+    const bool reduced = scene.is_reduced(body.name);
+    if (!massless && !dual && !reduced) continue;
     std::vector<bool> is_explicit = body.implicit_element;
     is_explicit.flip();
     const std::vector<bool> touched = touched_nodes(body, is_explicit);
@@ -254,8 +258,12 @@ void require_implicit_contact(const Problem& problem) {
       if (!touched[at(node)] && !body.joined_node[at(node)]) continue;
       throw ConfigError(fmt::format(
           "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes{}",
-          scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
-          massless ? "massless" : scene.coupling.protocol.name,
+          scene.where(massless  ? "contact.multiplier_update"
+                      : reduced ? "partition.reduced_modes." + body.name
+                                : "coupling.protocol"),
+          massless  ? "massless"
+          : reduced ? fmt::format("{} modes", scene.partition.reduced_modes.at(body.name))
+                    : scene.coupling.protocol.name,
           touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node),
           touched[at(node)] ? "" : ", where no foreign body is joined"));
     }

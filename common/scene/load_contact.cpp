@@ -151,41 +151,6 @@ void load_friction(TableReader& table, Model model, Contact& contact) {
       table.number("friction_regularisation_s_m", {0.0, 1.0, false, true}, contact.friction_regularisation_s_m);
 }
 
-std::vector<std::string> contact_bodies(const Scene& scene) {
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& body) {
-    if (std::find(names.begin(), names.end(), body) == names.end()) names.push_back(body);
-  };
-  for (const Contact& contact : scene.contacts) {
-    add(contact.first.body);
-    if (contact.second) add(contact.second->body);
-  }
-  return names;
-}
-
-void load_implicit_length(TableReader& table, const Scene& scene, Partition& partition) {
-  table.only_if(!scene.contacts.empty(), "implicit_length_m",
-                "a [contact] table: the length is measured from the contact surface; use implicit_groups");
-  const std::vector<std::string> bodies = contact_bodies(scene);
-  partition.rule = PartitionRule::implicit_length;
-  partition.implicit_length_m = table.numbers_by_name("implicit_length_m", at_least(0.0), bodies);
-  for (const std::string& body : bodies)
-    if (partition.implicit_length_m.count(body) == 0)
-      table.refuse("implicit_length_m", "no length for body \"" + body + "\"",
-                   "a length for each body in contact; 0 keeps only its contact nodes implicit");
-}
-
-void load_implicit_groups(TableReader& table, const Scene& scene, Partition& partition) {
-  std::vector<std::string> bodies;
-  for (const Body& body : scene.bodies) bodies.push_back(body.name);
-  partition.rule = PartitionRule::implicit_groups;
-  partition.implicit_groups = table.texts_by_name("implicit_groups", bodies);
-  for (const auto& [body, groups] : partition.implicit_groups)
-    if (std::holds_alternative<StructuredMesh>(scene.body(body).mesh))
-      table.refuse("implicit_groups", "groups of body \"" + body + "\", whose structured mesh has none",
-                   "bodies read from a mesh file; use implicit_length_m");
-}
-
 }  // namespace
 
 Contact load_contact(TableReader& table, const Scene& scene, bool named) {
@@ -205,19 +170,6 @@ Contact load_contact(TableReader& table, const Scene& scene, bool named) {
   if (!scene.contacts.empty()) require_same_law(table, scene.contact_law(), contact);
   table.finish();
   return contact;
-}
-
-Partition load_partition(TableReader& table, const Scene& scene) {
-  Partition partition;
-  const int rules = static_cast<int>(table.has("implicit_length_m")) + static_cast<int>(table.has("implicit_groups")) +
-                    static_cast<int>(table.has("rule"));
-  if (rules != 1)
-    table.refuse("", fmt::format("{} of its keys", rules), "exactly one of implicit_length_m, implicit_groups, rule");
-  if (table.has("implicit_length_m")) load_implicit_length(table, scene, partition);
-  if (table.has("implicit_groups")) load_implicit_groups(table, scene, partition);
-  partition.rule = table.choice<PartitionRule>("rule", {{"auto", PartitionRule::automatic}}, partition.rule);
-  table.finish();
-  return partition;
 }
 
 }  // namespace ricochet::scene

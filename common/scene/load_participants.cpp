@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <variant>
@@ -42,6 +43,20 @@ std::vector<std::string> load_launch(TableReader& table) {
   return words;
 }
 
+/// All of its bodies or none: elements step by step and modes are different programs.
+bool is_reduced(TableReader& table, const ParticipantSpec& participant, const Scene& scene) {
+  const auto& bodies = participant.bodies;
+  const auto reduced = std::find_if(bodies.begin(), bodies.end(), [&](const auto& b) { return scene.is_reduced(b); });
+  if (reduced == bodies.end()) return false;
+  const auto other = std::find_if(bodies.begin(), bodies.end(), [&](const auto& b) { return !scene.is_reduced(b); });
+  if (other != bodies.end())
+    table.refuse("bodies", fmt::format("\"{}\" with partition.reduced_modes and \"{}\" without", *reduced, *other),
+                 "bodies with them in one participant, those without in another");
+  const std::string needed = "bodies without partition.reduced_modes";
+  for (const char* key : {"executable", "groups", "ranks", "substeps"}) table.only_if(false, key, needed);
+  return true;
+}
+
 constexpr int most_threads = 1024;
 
 ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
@@ -52,6 +67,7 @@ ParticipantSpec load_participant(TableReader& table, const Scene& scene) {
   const bool is_explicit = participant.role == Role::explicit_solver;
   table.only_if(is_explicit, "bodies", "role = \"explicit\": the implicit participant owns all implicit elements");
   if (is_explicit) participant.bodies = table.words("bodies", scene.body_names());
+  participant.reduced = is_reduced(table, participant, scene);
   table.only_if(is_explicit, "groups", "role = \"explicit\": the implicit participant owns all implicit elements");
   if (table.has("groups")) participant.groups = load_groups(table, participant.bodies, scene);
   if (table.has("executable")) participant.executable = resolve_executable(table.text("executable"), scene);
@@ -148,7 +164,23 @@ std::vector<ParticipantSpec> participants_of(const Scene& scene, const std::vect
   const ParticipantSpec implicit = first_of(given, Role::implicit_solver);
   if (layout == Layout::all_explicit) return {all_explicit};
   if (layout == Layout::all_implicit) return {implicit};
-  return {all_explicit, implicit};
+  ParticipantSpec reduced = all_explicit;
+  reduced.name = "reduced";
+  reduced.reduced = true;
+  const auto of = [&](bool are_reduced) {
+    auto bodies = meshed_names(scene);
+    bodies.erase(
+        std::remove_if(bodies.begin(), bodies.end(), [&](const auto& b) { return scene.is_reduced(b) != are_reduced; }),
+        bodies.end());
+    return bodies;
+  };
+  std::vector<ParticipantSpec> participants;
+  for (ParticipantSpec& participant : std::array{all_explicit, reduced}) {
+    participant.bodies = of(participant.reduced);
+    if (!participant.bodies.empty()) participants.push_back(participant);
+  }
+  participants.push_back(implicit);
+  return participants;
 }
 
 }  // namespace ricochet::scene

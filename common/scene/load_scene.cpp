@@ -160,6 +160,7 @@ void load_tables(TableReader& root, Scene& scene) {
   check_foreign_bodies(root, time, scene);
   check_automatic_partition(root, time, scene);
   check_fewest_substeps(scene);
+  check_reduced_bodies(scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
   require_one_process(scene);

@@ -22,6 +22,7 @@ const std::vector<ProtocolTraits>& protocols() {
                   "watch will "
                   "stop the run; use \"kim\" or \"hughes_liu\""},
       {.name = "belytschko_mullen",
+       .massless_boundary = true,
        .explicit_capabilities = {Capability::repeat_window},
        .implicit_capabilities = {Capability::interface_stiffness}},
       {.name = "prakash_hjelmstad",
@@ -39,6 +40,7 @@ const std::vector<ProtocolTraits>& protocols() {
            "periods): it is there to be studied; use \"prakash_hjelmstad\""},
       {.name = "fixed_point",
        .iterated = true,
+       .massless_boundary = true,
        .explicit_capabilities = {Capability::repeat_window},
        .implicit_capabilities = {Capability::repeat_window}},
       {.name = "all_implicit", .layout = Layout::all_implicit},

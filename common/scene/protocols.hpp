@@ -24,7 +24,8 @@ struct ProtocolTraits {
   bool own_substeps = false;  ///< explicit participants may take different numbers of substeps
   bool iterated = false;      ///< repeats a window until the interface agrees
   bool local_steps = false;   ///< elements that the window is too long for take several steps in it (fem::LocalSteps)
-  bool may_switch = false;    ///< goes on with an implicit participant that integrates explicitly after separation
+  bool massless_boundary = false;  ///< shared nodes may have no mass of the explicit side: bodies reduced to modes
+  bool may_switch = false;         ///< goes on with an implicit participant that integrates explicitly after separation
   /// Momentum is exact with that many substeps or fewer; of an iterated one to its tolerance.
   int exact_up_to_substeps = std::numeric_limits<int>::max();
   std::vector<Capability> explicit_capabilities = {};  ///< every explicit participant must have them

@@ -83,6 +83,14 @@ bool Scene::is_foreign(const std::string& body) const {
                      [&](const ForeignBody& foreign) { return foreign.name == body; });
 }
 
+bool Scene::is_reduced(const std::string& body) const {
+  return coupling.protocol.layout == Layout::hybrid && partition.reduced_modes.count(body) > 0;
+}
+
+bool Scene::any_reduced() const {
+  return std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) { return is_reduced(body.name); });
+}
+
 const Body& Scene::body(const std::string& name) const { return find_by_name(bodies, name, "body", path); }
 
 const ParticipantSpec& Scene::participant(const std::string& name) const {

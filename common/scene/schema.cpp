@@ -31,7 +31,7 @@ const Schema& scene_schema() {
        {"name", "surfaces", "normal", "rigid_radius_m", "rigid_axis", "rigid_place_m", "initial_gap_m", "nose_radius_m",
         "enforcement", "multiplier_update", "penalty_pa_m", "impact_update", "friction_coefficient", "friction_law",
         "friction_regularisation_s_m"}},
-      {"partition", {"implicit_length_m", "implicit_groups", "rule"}},
+      {"partition", {"implicit_length_m", "implicit_groups", "rule", "reduced_modes"}},
       {"time", {"step_s", "largest_step_s", "safety_factor", "changes", "end_s", "until_separated_plus_s"}},
       {"changes", {"from_s", "step_s"}},
       {"coupling",

@@ -55,8 +55,9 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();
   d.contact_owner = contact_owner;
-  const bool local_steps = problem.scene.coupling.protocol.local_steps;  // they bear the window by construction
-  d.critical_time_step_s = local_steps ? 0.0
+  // Local steps and modes bear the window by construction.
+  const bool none = problem.scene.coupling.protocol.local_steps || participant.reduced;
+  d.critical_time_step_s = none ? 0.0
                            : told_critical_step_s
                                ? checked_critical_step(problem, participant, states, *told_critical_step_s)
                                : found_critical_step(problem, participant, states);
@@ -71,6 +72,9 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
     }
     for (const auto& quantity : body_quantities)
       d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
+    if (participant.reduced)
+      for (const auto& quantity : reduced_quantities)
+        d.record_columns.push_back(fmt::format("{}/{}", quantity.first, state.name));
     if (!state.plastic) continue;
     for (const auto& quantity : plastic_quantities)
       if (quantity.second != &BodyTotals::temperature_max_k || state.plastic->heats())

@@ -50,6 +50,7 @@ std::vector<std::string> mpirun(int ranks) {
 
 std::string shipped_program(const scene::ParticipantSpec& participant) {
   if (participant.role == scene::Role::implicit_solver) return "implicit_solver";
+  if (participant.reduced) return "reduced_solver";
   return participant.ranks ? "explicit_solver_mpi" : "explicit_solver";
 }
 

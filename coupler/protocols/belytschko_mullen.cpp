@@ -24,6 +24,9 @@ constexpr double linear_tolerance = 1e-3;
 /// Share of the terms of K u, which cancel where a body moves as a whole: far above what rounding leaves.
 constexpr double rounding = 1e-9;
 
+/// Of the largest answer: rounding in a moving body is below it, what another window changes far above.
+constexpr double same_answer = 1e-6;
+
 /// Weights of which no two are alike and none is small.
 Eigen::VectorXd different_weights(Eigen::Index count) {
   return Eigen::VectorXd::LinSpaced(count, 1.0, 2.0)
@@ -34,25 +37,59 @@ Eigen::VectorXd different_weights(Eigen::Index count) {
 
 void BelytschkoMullen::start(Coupling& coupling, const wire::Initialize& request) {
   coupling.initialize_explicit(request, Masses::summed);
-  const auto size = static_cast<Eigen::Index>(coupling.displacement().size());
   const double extent_m = coupling.map().extent_m();
-  const double probe_m = probe_share * (extent_m > 0.0 ? extent_m : 1.0);  // one node in the origin has no extent
+  probe_m_ = probe_share * (extent_m > 0.0 ? extent_m : 1.0);  // one node in the origin has no extent
+  for (auto& link : coupling.links()) {
+    if (link.implicit()) continue;
+    // Only the implicit participant knows the displacement at t = 0; K does not depend on it.
+    link.post_synchronise(Integration::explicit_central, std::vector<double>(link.input().size(), 0.0));
+    link.wait_synchronised();
+  }
+  coupling.initialize_implicit(request, Masses::summed, measure(coupling, Step{}));
+  coupling.synchronise(Integration::implicit_newmark);
+}
+
+/// K of all explicit participants, by unit responses.
+Eigen::MatrixXd BelytschkoMullen::measure(Coupling& coupling, const Step& step) {
+  const auto size = static_cast<Eigen::Index>(coupling.displacement().size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
-  sums_.assign(coupling.links().size(), {});
+  sums_.resize(coupling.links().size());
   for (std::size_t l = 0; l < sums_.size(); ++l) {
     auto& link = coupling.links()[l];
     if (link.implicit()) continue;
-    // Only the implicit participant knows the displacement at t = 0; K does not depend on it.
-    const std::vector<double> zero(link.input().size(), 0.0), probes(link.input().size(), probe_m);
-    link.post_synchronise(Integration::explicit_central, zero);
-    link.wait_synchronised();
-    const Eigen::MatrixXd own = unit_response(link, Response::output, Step{}, probes);
+    const std::vector<double> probes(link.input().size(), probe_m_);
+    const Eigen::MatrixXd own = unit_response(link, Response::output, step, probes);
     link.rows().add_matrix(own, stiffness);
     sums_[l].weights = different_weights(own.rows());
     sums_[l].row = own * sums_[l].weights;
   }
-  coupling.initialize_implicit(request, Masses::summed, stiffness);
-  coupling.synchronise(Integration::implicit_newmark);
+  return stiffness;
+}
+
+/// By one motion of all shared nodes.
+bool BelytschkoMullen::answer_as_before(Coupling& coupling, const Step& step) {
+  for (std::size_t l = 0; l < sums_.size(); ++l) {
+    auto& link = coupling.links()[l];
+    const auto& sum = sums_[l];
+    if (sum.row.size() == 0) continue;
+    const auto answer_to = [&](const std::vector<double>& input) -> Eigen::VectorXd {
+      link.post_advance(step, input, Acceptance::trial);
+      link.wait_advanced();
+      return view(link.output());
+    };
+    const std::vector<double> still = link.input();
+    const Eigen::VectorXd moved = answer_to(to_vector(view(still) + probe_m_ * sum.weights)) - answer_to(still);
+    const Eigen::VectorXd expected = probe_m_ * sum.row;
+    if ((moved - expected).cwiseAbs().maxCoeff() > same_answer * expected.cwiseAbs().maxCoeff()) return false;
+  }
+  return true;
+}
+
+void BelytschkoMullen::reconfigure(Coupling& coupling) {
+  coupling.reconfigure_explicit();
+  const Step step{.accepted_window = coupling.window()};
+  coupling.reconfigure_implicit(answer_as_before(coupling, step) ? coupling.interface_stiffness()
+                                                                 : measure(coupling, step));
 }
 
 void BelytschkoMullen::step(Coupling& coupling, const Step& step) {
@@ -67,7 +104,10 @@ void BelytschkoMullen::step(Coupling& coupling, const Step& step) {
 }
 
 void BelytschkoMullen::archive(Archive& a) {
-  for (auto& sum : sums_) a(sum.largest);
+  for (auto& sum : sums_) {
+    a.same_size(sum.row);
+    a(sum.largest);
+  }
 }
 
 void BelytschkoMullen::note_first_answers(const Coupling& coupling) {

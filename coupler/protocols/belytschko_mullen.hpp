@@ -22,6 +22,8 @@ namespace ricochet::coupler {
 class BelytschkoMullen final : public Protocol {
  public:
   void start(Coupling& coupling, const wire::Initialize& request) override;
+  /// K is asked for again where the answer to a motion depends on the size of the window, as that of modes does.
+  void reconfigure(Coupling& coupling) override;
   void step(Coupling& coupling, const Step& step) override;
   void archive(Archive& a) override;
 
@@ -32,9 +34,12 @@ class BelytschkoMullen final : public Protocol {
     double of_input = 0.0, of_output = 0.0;  ///< of the first answer: (K w).u, w.P
     double largest = 0.0;                    ///< |w|.|P| so far
   };
+  [[nodiscard]] Eigen::MatrixXd measure(Coupling& coupling, const Step& step);
+  [[nodiscard]] bool answer_as_before(Coupling& coupling, const Step& step);
   void note_first_answers(const Coupling& coupling);
   void require_linear(const Coupling& coupling, const Step& step);
 
+  double probe_m_ = 0.0;
   std::vector<double> force_;      ///< P_Gamma - K u_Gamma [N]
   std::vector<double> motion_;     ///< scratch: u_Gamma in rows of a link [m]
   std::vector<WeightedSum> sums_;  ///< per link; empty vectors: it is implicit

@@ -30,6 +30,7 @@ void join(double BodyTotals::*member, double value, BodyTotals& all) {
 void add_to(BodyTotals& sum, const BodyTotals& row) {
   for (const auto& [name, member] : body_quantities) sum.*member += row.*member;
   for (const auto& [name, member] : plastic_quantities) join(member, row.*member, sum);
+  for (const auto& [name, member] : reduced_quantities) sum.*member += row.*member;
 }
 
 /// Everyone says the angular momentum of each body that it says the momentum of: of solids (which have momentum along
@@ -153,6 +154,7 @@ std::optional<History::Column> History::parse_named(const std::string& quantity,
   const auto body = std::find(bodies_.begin(), bodies_.end(), name);
   parsed.of_body = member_of(body_quantities, quantity);
   if (!parsed.of_body) parsed.of_body = member_of(plastic_quantities, quantity);
+  if (!parsed.of_body) parsed.of_body = member_of(reduced_quantities, quantity);
   if (body != bodies_.end() && parsed.of_body) {
     parsed.body = static_cast<int>(body - bodies_.begin());
     return parsed;

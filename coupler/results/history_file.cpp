@@ -65,6 +65,9 @@ constexpr Column temperature_column = {
       return row.sum.temperature_max_k > 0.0 ? row.sum.temperature_max_k : std::numeric_limits<double>::quiet_NaN();
     }};
 
+constexpr Column reduced_column = {"energy_highest_modes_j",
+                                   [](const HistoryRow& row) -> double { return row.sum.energy_highest_modes_j; }};
+
 constexpr Column radius_column = {"contact_radius_m",
                                   [](const HistoryRow& row) -> double { return row.contact.contact_radius_m; }};
 
@@ -109,6 +112,7 @@ void for_each_further(const HistoryShape& shape, const F& f) {
     for (const auto& column : plastic_columns) f(column);
   }
   if (shape.heats) f(temperature_column);
+  if (shape.reduced) f(reduced_column);
 }
 
 /// The gap is none without a contact, and where no pair is left of bodies that have slid off each other.
@@ -134,6 +138,7 @@ HistoryShape history_shape(const scene::Problem& problem) {
                      .round = problem.scene.components() == 3 || problem.scene.model == scene::Model::axisymmetric,
                      .yields = scene::yields(problem),
                      .heats = scene::heats(problem),
+                     .reduced = problem.scene.any_reduced(),
                      .contacts = problem.scene.contact_names()};
   shape.bodies = problem.scene.body_names();
   return shape;

@@ -18,6 +18,7 @@ struct HistoryShape {
   bool round = false;                   ///< a contact has a radius: axisymmetric or solid
   bool yields = false;                  ///< a body has a material with plasticity
   bool heats = false;                   ///< plastic work heats a body
+  bool reduced = false;                 ///< a body is reduced to modes
   std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
 };
 /// Components of the angular momentum that a scene has: none about an axis of symmetry, of bars, and where meshes

@@ -264,6 +264,7 @@ std::string to_json(const Summary& s, const Tally& tally) {
     json["equivalent_plastic_strain_max"] = number(tally.plastic->largest_equivalent_strain);
     if (tally.plastic->hottest_k > 0) json["temperature_max_k"] = number(tally.plastic->hottest_k);
   }
+  if (tally.highest_modes_energy_max) json["highest_modes_energy_max"] = number(*tally.highest_modes_energy_max);
   json["added_mass_kg"] = number(s.added_mass_kg);
   json["added_mass_share"] = number(s.added_mass_share);
   json["largest_drift"] = number(s.largest_drift);
@@ -317,6 +318,9 @@ std::string to_table(const Summary& s, const Tally& tally) {
             fmt::format("{:.4g} J, equivalent plastic strain up to {:.3g}{}", tally.plastic->work_j,
                         tally.plastic->largest_equivalent_strain,
                         tally.plastic->hottest_k > 0 ? fmt::format(", up to {:.4g} K", tally.plastic->hottest_k) : ""));
+  if (tally.highest_modes_energy_max)
+    text += row("highest modes", fmt::format("at most {:.2g} of the energy in the highest tenth of those that are kept",
+                                             *tally.highest_modes_energy_max));
   if (s.interface_drift_m > 0)
     text += row("interface drift", fmt::format("{:.3e} m between the two sides of a shared node", s.interface_drift_m));
   if (s.added_mass_kg > 0)

@@ -18,6 +18,7 @@ Tally tally_of(const scene::Problem& problem) {
   Tally tally(yields ? std::nullopt : impact_theory(problem), problem.scene.components() == 3, std::move(all),
               std::move(each));
   if (yields) tally.plastic.emplace();
+  if (problem.scene.any_reduced()) tally.highest_modes_energy_max = 0.0;
   return tally;
 }
 

@@ -78,6 +78,9 @@ class Tally {
       interface_energy_max =
           std::max(interface_energy_max, std::abs(row.sum.energy_interface_j) / row.energy_reference_j);
     if (plastic) plastic = {row.sum.plastic_work_j, row.sum.equivalent_plastic_strain_max, row.sum.temperature_max_k};
+    if (highest_modes_energy_max && row.energy_reference_j > 0)
+      highest_modes_energy_max =
+          std::max(*highest_modes_energy_max, row.sum.energy_highest_modes_j / row.energy_reference_j);
     energy_error_last = row.energy_error;
     energy_error_lowest = std::min(energy_error_lowest, row.energy_error);
     energy_error_highest = std::max(energy_error_highest, row.energy_error);
@@ -113,6 +116,7 @@ class Tally {
       interface_energy_max, contact_impulse_n_s, friction_impulse_n_s, friction_impulse_b_n_s, contact,
       angular_momentum_error_max, plateau_sum_pa_, plateau_rows_, peak_contact_pressure_pa, largest_contact_radius_m);
     if (plastic) a(*plastic);
+    if (highest_modes_energy_max) a(*highest_modes_energy_max);
     if (forces) a(*forces);
     for (auto& result : each_contact) a(result);
   }
@@ -128,7 +132,10 @@ class Tally {
   ContactTally contact;
   std::optional<ForceTally> forces;  ///< of all contacts together
   std::vector<ContactResult> each_contact;
-  std::optional<PlasticTally> plastic;               ///< empty: no body yields
+  std::optional<PlasticTally> plastic;  ///< empty: no body yields
+  /// Largest share of the energy, over the reference of energy_error, in the highest tenth of the modes of bodies that
+  /// are reduced to them: small, and fewer do. Empty: no body is.
+  std::optional<double> highest_modes_energy_max;
   std::optional<double> angular_momentum_error_max;  ///< empty: it is not computed
 
  private:

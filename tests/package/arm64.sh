@@ -54,7 +54,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 END
 export PKG_CONFIG_SYSROOT_DIR=$sysroot
 export PKG_CONFIG_LIBDIR=$sysroot/usr/lib/aarch64-linux-gnu/pkgconfig:$sysroot/usr/share/pkgconfig
-programs=(ricochet explicit_solver implicit_solver)
+programs=(ricochet explicit_solver implicit_solver reduced_solver)
 cmake -S "$here" -B "$build/cmake" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$build/toolchain.cmake" -DBUILD_TESTING=OFF -DRICOCHET_UNITY=ON \
   -DRICOCHET_NATIVE=OFF > "$build/log" 2>&1 || { cat "$build/log"; exit 1; }
 ninja -C "$build/cmake" --quiet "${programs[@]}"

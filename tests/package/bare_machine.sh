@@ -13,7 +13,7 @@ for tool in debootstrap dpkg-shlibdeps; do
   command -v "$tool" > /dev/null || { apt-get update -qq && apt-get install -y -qq --no-install-recommends debootstrap dpkg-dev; } > /dev/null
 done
 cmake -S "$here" -B "$build" -G Ninja -DBUILD_TESTING=OFF -DRICOCHET_UNITY=ON -DRICOCHET_NATIVE=OFF > /dev/null
-ninja -C "$build" --quiet ricochet explicit_solver implicit_solver
+ninja -C "$build" --quiet ricochet explicit_solver implicit_solver reduced_solver
 rm -f "$build"/*.deb
 (cd "$build" && cpack > cpack.log) || { cat "$build/cpack.log"; exit 1; }
 package=$(echo "$build"/*.deb)

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/fem/model.hpp"
+
+/// The tables [[body]] of a scene: meshes, supports and loads.
+namespace ricochet::scene {
+
+using fem::Material;
+using fem::Model;
+
+/// Structured mesh. The *axis* is the last coordinate: x of a bar, y in plane strain, z in axisymmetry and of a solid.
+/// Surfaces: "start" and "end" (low and high end of the axis); in two dimensions also "inner" and "outer" (of the first
+/// coordinate), of a block those and "front" and "back" (of the second), of a solid cylinder "outer" alone.
+struct StructuredMesh {
+  double start_m = 0.0;   ///< axis coordinate of the low end
+  double length_m = 0.0;  ///< extent along the axis
+  double across_m = 0.0;  ///< `radius_m` (from r = 0, of a cylinder from x = y = 0) or `height_m` (from x = 0)
+  double width_m = 0.0;   ///< block: extent along y, from y = 0
+  bool cylinder = false;  ///< solid with `radius_m`; elements and grading across are those along a radius
+  int elements_along = 0;
+  int elements_across = 1;
+  int elements_wide = 1;
+  double grading_along = 1.0;  ///< size of the last element over size of the first, geometric in between
+  double grading_across = 1.0;
+  double grading_wide = 1.0;
+  /// Plane strain: "outer" is "inner" moved by across_m; both surfaces vanish. Solid: "back" is "front" moved by
+  /// width_m, too.
+  bool periodic_across = false;
+
+  [[nodiscard]] double elements_in_layer() const;  ///< between two cross sections
+  [[nodiscard]] double nodes_in_layer() const;
+};
+
+/// Gmsh MSH 4.1 file; the physical surface (1D: curve, 3D: volume) named like the body holds its elements, other
+/// physical groups name surfaces and element groups.
+struct GmshMesh {
+  std::string path;     ///< absolute, resolved against the scene file's folder
+  double unit_m = 1.0;  ///< length of its unit
+};
+
+/// A part of a mesh whose elements are divided (fem::refine): those with their middle in a box of the mesh's own
+/// coordinates.
+struct RefinedBox {
+  std::vector<double> from_m, to_m;  ///< one entry per component
+  int ratio = 2;                     ///< elements along an edge of one that is divided
+};
+
+/// Where a mesh stands: turned about a point, then moved. A direction of its own coordinates becomes that of space.
+struct MeshPlace {
+  std::array<double, 3> turned_rad{};  ///< about the vector, by its length
+  std::array<double, 3> about_m{}, moved_m{};
+
+  [[nodiscard]] bool turned() const { return turned_rad != std::array<double, 3>{}; }
+};
+
+/// Piecewise linear factor over time, constant outside the given times. Empty: factor 1.
+struct Amplitude {
+  std::vector<double> time_s;
+  std::vector<double> factor;
+  [[nodiscard]] double at(double time_s) const;
+};
+
+struct Support {
+  std::string surface;
+  std::vector<int> components;  ///< fixed components, 0-based (scene: "x", "y", "r", "z")
+};
+
+struct Traction {
+  std::string surface;
+  std::vector<double> traction_pa;  ///< one entry per component, force per area of the reference surface
+  Amplitude amplitude;
+  double pressure_pa = 0.0;  ///< in place of them: against the outward normal of the reference surface
+};
+
+struct PrescribedDisplacement {
+  std::string surface;
+  int component = 0;
+  double displacement_m = 0.0;
+  Amplitude amplitude;
+};
+
+/// The long wave that an absorbing surface takes up, which fixes its speed along the surface's normal.
+enum class Wave {
+  bar,  ///< free sides: sqrt(E/rho) of bars and slender cylinders, sqrt(E/(rho (1 - nu^2))) of a plate in plane strain
+  dilatational,  ///< no strain across: c_L (Eq. 26)
+};
+
+/// Dashpots in place of a continuation of the body.
+struct AbsorbingSurface {
+  std::string surface;
+  Wave wave = Wave::bar;
+};
+
+struct Body {
+  std::string name;
+  Material material;
+  double area_m2 = 1.0;      ///< `bar`: cross section
+  double thickness_m = 1.0;  ///< `plane_strain`: thickness
+  std::variant<StructuredMesh, GmshMesh> mesh;
+  std::vector<RefinedBox> refine;            ///< one after the other
+  MeshPlace place;                           ///< of the divided mesh
+  std::vector<double> initial_velocity_m_s;  ///< one entry per component
+  bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
+  /// About its centre of mass, along the axes of space; zero unless large_rotation.
+  std::array<double, 3> initial_angular_velocity_rad_s{};
+  std::vector<double> initial_displacement_start_m;  ///< at the low end of the axis, linear along it
+  std::vector<double> initial_displacement_end_m;    ///< at the high end of the axis
+  std::vector<double> gravity_m_s2;                  ///< body force per unit mass, one entry per component
+  std::vector<Support> supports;
+  std::vector<Traction> tractions;
+  std::vector<PrescribedDisplacement> prescribed;
+  std::vector<AbsorbingSurface> absorbing;
+};
+
+/// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not
+/// mesh, material, supports and loads. The nodes that it shares with that body are nodes of that body's mesh.
+struct ForeignBody {
+  std::string name;
+  std::string joined_to;                     ///< one of Scene::bodies
+  std::string surface;                       ///< of that one: all its nodes are shared; empty: those of the file
+  std::string interface_nodes;               ///< absolute path of the file; empty: the nodes of the surface
+  std::vector<double> interface_position_m;  ///< of the file: per node one number per component
+  std::optional<double> mass_kg;             ///< of the whole body, to be compared; empty: nothing is
+};
+
+}  // namespace ricochet::scene
