@@ -240,33 +240,46 @@ std::vector<bool> touched_nodes(const BodyProblem& body, const std::vector<bool>
 
 namespace {
 
+std::vector<bool> touched_by_explicit(const BodyProblem& body) {
+  std::vector<bool> is_explicit = body.implicit_element;
+  is_explicit.flip();
+  return touched_nodes(body, is_explicit);
+}
+
 /// Explicit elements at a contact node are in the way of a massless contact node, which follows its neighbours' forces
-/// at once, of a dual protocol, whose shared nodes' velocities the contact must leave alone, and of modes, which have
-/// no mass there.
+/// at once, and of a dual protocol, whose shared nodes' velocities the contact must leave alone.
 void require_implicit_contact(const Problem& problem) {
   const Scene& scene = problem.scene;
   const bool massless = scene.massless_contact();
   const bool dual = scene.coupling.protocol.dual;
+  if (!massless && !dual) return;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     const BodyProblem& body = problem.bodies[at(index)];
-    const bool reduced = scene.is_reduced(body.name);
-    if (!massless && !dual && !reduced) continue;
-    std::vector<bool> is_explicit = body.implicit_element;
-    is_explicit.flip();
-    const std::vector<bool> touched = touched_nodes(body, is_explicit);
+    const std::vector<bool> touched = touched_by_explicit(body);
     for (const int node : contact_nodes(problem.contacts, index)) {
       if (!touched[at(node)] && !body.joined_node[at(node)]) continue;
       throw ConfigError(fmt::format(
           "{}: found \"{}\" and {} at the contact node at {}; allowed: implicit elements all around contact nodes{}",
-          scene.where(massless  ? "contact.multiplier_update"
-                      : reduced ? "partition.reduced_modes." + body.name
-                                : "coupling.protocol"),
-          massless  ? "massless"
-          : reduced ? fmt::format("{} modes", scene.partition.reduced_modes.at(body.name))
-                    : scene.coupling.protocol.name,
+          scene.where(massless ? "contact.multiplier_update" : "coupling.protocol"),
+          massless ? "massless" : scene.coupling.protocol.name,
           touched[at(node)] ? "an explicit element" : "a foreign body", place(body, node),
           touched[at(node)] ? "" : ", where no foreign body is joined"));
     }
+  }
+}
+
+/// Modes leave shared nodes no mass of theirs.
+void require_mass_at_modes(const Problem& problem) {
+  for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
+    const BodyProblem& body = problem.bodies[at(index)];
+    if (!problem.scene.is_reduced(body.name)) continue;
+    const std::vector<bool> by_modes = touched_by_explicit(body), mass = touched_nodes(body, body.implicit_element);
+    for (const int node : contact_nodes(problem.contacts, index))
+      if (by_modes[at(node)] && !mass[at(node)])
+        throw ConfigError(
+            fmt::format("{}: found no implicit element at the contact node at {}; allowed: one at each, by a longer "
+                        "partition.implicit_length_m or more implicit_groups",
+                        problem.scene.where("partition.reduced_modes." + body.name), place(body, node)));
   }
 }
 
@@ -296,6 +309,7 @@ void set_partition(Problem& problem) {
   require_both_kinds(problem);
   require_owners(problem);
   require_implicit_contact(problem);
+  require_mass_at_modes(problem);
 }
 
 }  // namespace ricochet::scene

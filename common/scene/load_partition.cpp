@@ -69,9 +69,9 @@ std::string beyond_modes(const Body& body) {
   if (body.large_rotation) return "large_rotation";
   if (any(body.gravity_m_s2)) return "gravity_m_s2";
   if (!body.tractions.empty()) return "traction";
-  if (!body.prescribed.empty()) return "prescribed_displacement";
+  if (!body.prescribed.empty()) return "prescribed";
   if (!body.absorbing.empty()) return "absorbing";
-  return any(body.initial_displacement_start_m) || any(body.initial_displacement_end_m) ? "initial_displacement" : "";
+  return any(body.initial_displacement_start_m) || any(body.initial_displacement_end_m) ? "initial_displacement_m" : "";
 }
 
 }  // namespace
@@ -92,7 +92,8 @@ Partition load_partition(TableReader& table, const Scene& scene) {
 
 void check_reduced_bodies(const Scene& scene) {
   if (scene.coupling.protocol.layout != Layout::hybrid) return;
-  for (const auto& [body, modes] : scene.partition.reduced_modes) {
+  for (const auto& reduced : scene.partition.reduced_modes) {
+    const std::string& body = reduced.first;
     const auto refuse = [&](const std::string& found, const std::string& allowed) {
       throw ConfigError(
           fmt::format("{}: found {}; allowed: {}", scene.where("partition.reduced_modes." + body), found, allowed));

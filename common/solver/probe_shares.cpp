@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace ricochet::solver {
@@ -144,6 +145,19 @@ void ProbeShares::add(const scene::Problem& problem, const scene::MeasuredPlace&
     if (tells) columns_.push_back(fmt::format("{}/{:.9g}", names[i], i < motions ? motion_share : strain_share));
   }
   if (!told.motion.empty() || !told.strains.empty()) told_.push_back(std::move(told));
+}
+
+std::vector<int> ProbeShares::dofs_of(std::size_t part, int components) const {
+  std::set<int> dofs;
+  for (const auto& told : told_) {
+    for (const auto& motion : told.motion) {
+      for (const auto& [node, share] : motion.nodes)
+        for (int c = 0; motion.part == part && c < components; ++c) dofs.insert(node * components + c);
+    }
+    for (const auto& strained : told.strains)
+      if (strained.part == part) dofs.insert(strained.dofs.begin(), strained.dofs.end());
+  }
+  return {dofs.begin(), dofs.end()};
 }
 
 Eigen::VectorXd ProbeShares::values_of(const Strained& strained, const BodyState& state) {

@@ -24,6 +24,8 @@ class ProbeShares {
 
   /// See participant::Description::probe_columns.
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  /// The degrees of freedom of a part that it reads, ascending.
+  [[nodiscard]] std::vector<int> dofs_of(std::size_t part, int components) const;
   /// Throws as `require_finite` does. `window`: for the error text.
   void append(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) const;
 

@@ -30,7 +30,9 @@ class Reporting {
              const std::string& participant, const ContactSurface* surface, bool windows_are_cheap);
 
   /// Whether `note` needs the states of `window`.
-  [[nodiscard]] bool due(std::int64_t window) const { return model_watch_.due(window) || shapes_->due(window); }
+  [[nodiscard]] bool due(std::int64_t window) const { return model_watch_.due(window) || picture_due(window); }
+  /// For who can do without a look at the model, where the states would cost more than windows do.
+  [[nodiscard]] bool picture_due(std::int64_t window) const { return shapes_->due(window); }
   /// The motion at the start.
   void note_start() { shapes_->note(0); }
   /// After a window is accepted. `of_surface`: see ModelWatch::look.
@@ -46,6 +48,10 @@ class Reporting {
   }
   void append_probes(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) const {
     probes_.append(states, window, row);
+  }
+  /// Of a part: what `append_probes` reads of its motion.
+  [[nodiscard]] std::vector<int> probed_dofs(std::size_t part, int components) const {
+    return probes_.dofs_of(part, components);
   }
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return model_watch_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline(const std::vector<BodyState>& states) const {

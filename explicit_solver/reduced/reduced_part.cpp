@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -48,6 +49,29 @@ fem::SparseMatrix rows_of(const fem::SparseMatrix& stiffness, const std::vector<
   return rows;
 }
 
+/// Forces at the interface hardly reach supports: a P = a (D V)(V^T D^-1 P) of both matrices, V with few columns, D
+/// those forces that have one energy each.
+struct Seen {
+  Eigen::MatrixXd columns, forces;  ///< D V and D^-1 V
+
+  Seen(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::VectorXd& flexibility) {
+    constexpr double least = 1e-14;  // share of the largest square
+    const Eigen::VectorXd root = flexibility.cwiseSqrt();
+    const auto square = [&](const Eigen::MatrixXd& m) -> Eigen::MatrixXd {
+      const Eigen::MatrixXd scaled = m * root.cwiseInverse().asDiagonal();
+      const Eigen::MatrixXd all = scaled.transpose() * scaled;
+      return all.trace() > 0.0 ? Eigen::MatrixXd(all / all.trace()) : all;
+    };
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(square(a) + square(b));
+    const auto& values = squares.eigenvalues();
+    Eigen::Index kept = 0;
+    while (kept < values.size() && values[values.size() - 1 - kept] > least * values.tail(1).value()) ++kept;
+    const Eigen::MatrixXd vectors = squares.eigenvectors().rightCols(kept);
+    columns = root.cwiseInverse().asDiagonal() * vectors;
+    forces = root.asDiagonal() * vectors;
+  }
+};
+
 /// (axis, first, second) in cyclic order: (a x b) along the axis is a_first b_second - a_second b_first.
 struct Axis {
   explicit Axis(int axis) : first((axis + 1) % 3), second((axis + 2) % 3) {}
@@ -56,8 +80,10 @@ struct Axis {
 
 }  // namespace
 
-ReducedPart::ReducedPart(const solver::BodyState& state, int modes)
-    : state_(state), lowest_(state.part.stiffness, mass_of(state), modes, scale_of(state.part)) {
+ReducedPart::ReducedPart(const solver::BodyState& state, int modes, std::vector<int> probed)
+    : state_(state),
+      lowest_(state.part.stiffness, mass_of(state), modes, scale_of(state.part)),
+      probed_(std::move(probed)) {
   const auto size = static_cast<Eigen::Index>(state.shared_dofs.size());
   const int components = fem::components(state.part.mesh.model);
   at_boundary_ = at_shared(lowest_.shapes());
@@ -72,6 +98,8 @@ ReducedPart::ReducedPart(const solver::BodyState& state, int modes)
     }
   };
   take_supports(lowest_.shapes(), 0);
+  probed_of_z_.resize(static_cast<Eigen::Index>(probed_.size()), modes + size);
+  probed_of_z_.leftCols(modes) = lowest_.shapes()(probed_, Eigen::all);
   for (Eigen::Index first = 0; first < size; first += at_once) {
     const Eigen::Index count = std::min(at_once, size - first);
     Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(state.part.dofs(), count);
@@ -79,6 +107,7 @@ ReducedPart::ReducedPart(const solver::BodyState& state, int modes)
     const Eigen::MatrixXd u = lowest_.others(forces, solved);
     flexibility_.middleCols(first, count) = at_shared(u);
     take_supports(u, modes + first);
+    probed_of_z_.middleCols(modes + first, count) = u(probed_, Eigen::all);
   }
   flexibility_ = (0.5 * (flexibility_ + flexibility_.transpose())).eval();
   rest_.compute(flexibility_);
@@ -135,6 +164,15 @@ void ReducedPart::set_supports(const Eigen::MatrixXd& force, const Eigen::Matrix
     const Eigen::Vector3d x = state_.place_of(dof, [](int) { return 0.0; });
     supports_.moment += force.row(i).transpose() * x.cross(along).transpose();
   }
+  if (products_.empty()) return;
+  const auto size = flexibility_.rows();
+  const Seen seen(force.rightCols(size), moved.rightCols(size), flexibility_.diagonal());
+  supports_.seen = seen.forces;
+  const auto of_few = [&](const Eigen::MatrixXd& all) {
+    Eigen::MatrixXd few(all.rows(), modes() + seen.columns.cols());
+    few << all.leftCols(modes()), all.rightCols(size) * seen.columns;
+    return few;
+  };
   for (std::size_t p = 0; p < products_.size(); ++p) {
     const auto [first, second] = Axis(static_cast<int>(3 - products_.size() + p));
     Eigen::MatrixXd arm = Eigen::MatrixXd::Zero(force.rows(), force.cols());  // of the force of each support
@@ -143,7 +181,7 @@ void ReducedPart::set_supports(const Eigen::MatrixXd& force, const Eigen::Matrix
       if (component == second) arm.row(i) = moved.row(components * i + first);
       if (component == first) arm.row(i) = -moved.row(components * i + second);
     }
-    supports_.moved.emplace_back(force.transpose() * arm);
+    supports_.moved.emplace_back(of_few(force).transpose() * of_few(arm));
   }
 }
 
@@ -191,8 +229,12 @@ void ReducedPart::book_supports(BodyTotals& totals) const {
   totals.impulse_t_kg_m_s += state_.tangent.dot(impulse);
   totals.impulse_b_kg_m_s += state_.binormal.dot(impulse);
   Eigen::Vector3d angular = supports_.moment.transpose() * mean;
-  for (std::size_t i = 0; i < products_.size(); ++i)
-    angular[static_cast<Eigen::Index>(3 - products_.size() + i)] += mean.dot(supports_.moved[i] * mean);
+  if (!products_.empty()) {
+    Eigen::VectorXd few(modes() + supports_.seen.cols());
+    few << mean.head(modes()), supports_.seen.transpose() * mean.tail(motion_.force.size());
+    for (std::size_t i = 0; i < products_.size(); ++i)
+      angular[static_cast<Eigen::Index>(3 - products_.size() + i)] += few.dot(supports_.moved[i] * few);
+  }
   totals.angular_impulse_x_kg_m2_s += dt_ * angular[0];
   totals.angular_impulse_y_kg_m2_s += dt_ * angular[1];
   totals.angular_impulse_z_kg_m2_s += dt_ * angular[2];
@@ -228,6 +270,14 @@ void ReducedPart::write_motion(solver::BodyState& state) const {
   state.v = lowest_.shapes() * motion_.rate;
   state.a = lowest_.shapes() * acceleration(motion_);
   state.move_hanging();
+}
+
+void ReducedPart::write_probed(solver::BodyState& state) const {
+  if (probed_.empty()) return;
+  const auto of_modes = probed_of_z_.leftCols(modes());
+  state.u(probed_) = of_modes * motion_.q + probed_of_z_.rightCols(motion_.force.size()) * motion_.force;
+  state.v(probed_) = of_modes * motion_.rate;
+  state.a(probed_) = of_modes * acceleration(motion_);
 }
 
 void ReducedPart::load(const Eigen::VectorXd& q, const Eigen::VectorXd& rate) {

@@ -23,8 +23,9 @@ namespace ricochet::explicit_solver {
 class ReducedPart {
  public:
   /// `state` must outlive it unmoved. Supports at shared nodes are the implicit participant's: here they are free.
+  /// `probed`: the degrees of freedom that `write_probed` writes.
   /// ConfigError if there are not enough degrees of freedom for so many modes.
-  ReducedPart(const solver::BodyState& state, int modes);
+  ReducedPart(const solver::BodyState& state, int modes, std::vector<int> probed);
 
   [[nodiscard]] Eigen::Index modes() const { return lowest_.count(); }
   [[nodiscard]] const Eigen::VectorXd& omega_squared() const { return lowest_.omega_squared(); }  ///< [1/s^2]
@@ -42,6 +43,8 @@ class ReducedPart {
   void set_totals(BodyTotals& totals) const;
   /// Motion of every node; the velocity and acceleration are those of the modes.
   void write_motion(solver::BodyState& state) const;
+  /// The same of probed degrees of freedom alone, for which it takes no solve.
+  void write_probed(solver::BodyState& state) const;
 
   struct Motion {
     Eigen::VectorXd q, rate;   ///< of the modes [m kg^1/2, m kg^1/2/s]
@@ -64,9 +67,12 @@ class ReducedPart {
 
   /// What supports do, of q and P one after the other.
   struct Supports {
-    Eigen::MatrixXd force;               ///< x 3: the sum of their forces along x, y, z
-    Eigen::MatrixXd moment;              ///< x 3: of their moments, where they act in the reference
-    std::vector<Eigen::MatrixXd> moved;  ///< per axis of ReducedPart::products_: what their displacement adds
+    Eigen::MatrixXd force;   ///< x 3: the sum of their forces along x, y, z
+    Eigen::MatrixXd moment;  ///< x 3: of their moments, where they act in the reference
+    /// y = seen^T P: what of P moves or loads a support at all. Per axis of ReducedPart::products_ the moment that the
+    /// displacement of supports adds, of q and y one after the other.
+    Eigen::MatrixXd seen;
+    std::vector<Eigen::MatrixXd> moved;
   };
 
   const solver::BodyState& state_;
@@ -82,6 +88,8 @@ class ReducedPart {
   Eigen::MatrixXd moment_;                 ///< modes x 3: the moment of it where the nodes are in the reference
   std::vector<Eigen::MatrixXd> products_;  ///< modes x modes, per axis of a moment: of q and rate; none without one
   Supports supports_;
+  std::vector<int> probed_;      ///< degrees of freedom
+  Eigen::MatrixXd probed_of_z_;  ///< their displacement, of q and P one after the other
   Motion motion_, trial_;
 };
 

@@ -7,6 +7,13 @@
 
 namespace ricochet::explicit_solver {
 
+namespace {
+
+/// Windows between looks at what leaves the model: displacements of all nodes take a solve.
+constexpr std::int64_t looks_apart = 8 * solver::ModelWatch::every;
+
+}  // namespace
+
 using participant::Capability;
 using participant::LinkOutput;
 
@@ -29,7 +36,9 @@ void ReducedSolver::initialize(const participant::Setup& setup, LinkOutput& outp
   setup_ = setup;
   participant::Heartbeat heart(setup_.progress);
   heart.begin("finding modes");
-  for (const auto& state : states_) parts_.emplace_back(state, problem_.scene.partition.reduced_modes.at(state.name));
+  for (std::size_t b = 0; b < states_.size(); ++b)
+    parts_.emplace_back(states_[b], problem_.scene.partition.reduced_modes.at(states_[b].name),
+                        reporting_.probed_dofs(b, problem_.scene.components()));
   set_step();
   reporting_.begin(problem_, states_, setup_, spec_->name, nullptr, true);
   answer(false, output);
@@ -82,7 +91,8 @@ void ReducedSolver::advance(std::int64_t, const std::vector<double>& link_input,
 void ReducedSolver::accept() {
   ++window_;
   for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].accept(states_[b].totals);
-  if (reporting_.due(window_)) reported();
+  if (!reporting_.picture_due(window_) && window_ % looks_apart != 0) return;
+  reported();
   reporting_.note(window_, states_, states_);
 }
 
@@ -100,6 +110,12 @@ void ReducedSolver::record(std::vector<double>& row) {
     append_quantities(totals, row);
     for (const auto& [name, member] : reduced_quantities) row.push_back(totals.*member);
   }
+}
+
+void ReducedSolver::probes(std::vector<double>& row) {
+  if (reported_ != window_)
+    for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].write_probed(states_[b]);
+  reporting_.append_probes(states_, window_, row);
 }
 
 void ReducedSolver::write_fields(std::int64_t window) {

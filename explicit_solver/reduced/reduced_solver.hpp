@@ -29,7 +29,7 @@ class ReducedSolver : public participant::Participant {
   [[nodiscard]] participant::ContactStatus contact_status() const override { return reporting_.contact_status(); }
   void record(std::vector<double>& row) override;
   void axial_stress(std::vector<double>& row) override { reporting_.append_axial_stress(reported(), window_, row); }
-  void probes(std::vector<double>& row) override { reporting_.append_probes(reported(), window_, row); }
+  void probes(std::vector<double>& row) override;
   void write_fields(std::int64_t window) override;
   [[nodiscard]] std::vector<participant::Departure> departures() override { return reporting_.departures(); }
   [[nodiscard]] std::vector<participant::OutlineNode> outline() override { return reporting_.outline(reported()); }

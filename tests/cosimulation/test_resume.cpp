@@ -65,6 +65,11 @@ std::vector<Case> by_law() {
     return with_key(with_absolute_meshes(config_text(config)), "contact", key, value);
   };
   std::vector<Case> cases;
+  const std::string bars = with_key(with_protocol(config_text("two_bars"), "belytschko_mullen"), "partition",
+                                    "reduced_modes", "{ left = 10, right = 9 }");
+  cases.push_back({"modes", bars, 50});
+  cases.push_back(
+      {"modes_after_another_window", with_key(bars, "time", "changes", "[{ from_s = 4e-5, step_s = 1.2e-6 }]"), 100});
   cases.push_back({"local_steps_in_contact",
                    with_protocol(with_absolute_meshes(config_text("rounded_striker")), "local_explicit"), 400});
   for (const std::string protocol : {"hughes_liu", "prakash_hjelmstad", "all_implicit", "all_explicit"}) {

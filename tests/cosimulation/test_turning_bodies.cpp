@@ -467,7 +467,7 @@ TEST(BrickOnACorner, FeelsItBetweenItsNodes) {
 
 /// A block of 40 x 20 mm and 1 kg that a table's edge, at the origin, turns while it slides off without friction: x, y
 /// of its centre and its angle, with the reaction along the normal of its lower side for as long as that presses.
-struct SlidingBlock {
+struct RigidSlidingBlock {
   Vector q{-0.005, 0.01, 0.0}, v{1.0, 0.0, 0.0};
 
   [[nodiscard]] static Vector acceleration(const Vector& at, const Vector& rate) {
@@ -529,7 +529,7 @@ body = "block"
 at_m = [0.01, 0.01]
 )",
                                  folder);
-  SlidingBlock rigid;
+  RigidSlidingBlock rigid;
   for (int n = 0; n < 60000; ++n) rigid.step(1e-6);
   const History probes = read_history(run.folder + "/probes.csv");
   const auto last = [&](const char* name) { return probes.at(name).back(); };

@@ -6,6 +6,7 @@
 
 #include "common/problem/problem.hpp"
 #include "explicit_solver/explicit_solver.hpp"
+#include "explicit_solver/reduced/reduced_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -71,6 +72,8 @@ class SmallSolvers {
     add(plates("2", "multiplier_update = \"massless\"", hybrid_plates));
     add(plates("3", "", alone));
     add(plates("2", "multiplier_update = \"massless\"", alone));
+    add(small_bars + hybrid +
+        "reduced_modes = { left = 2, right = 1 }\n[coupling]\nprotocol = \"belytschko_mullen\"\n");
   }
 
   struct Solver {
@@ -110,6 +113,8 @@ class SmallSolvers {
     Solver solver;
     if (spec.role == participant::Role::implicit_solver) {
       solver.participant = std::make_unique<implicit_solver::ImplicitSolver>(problem, spec.name);
+    } else if (spec.reduced) {
+      solver.participant = std::make_unique<explicit_solver::ReducedSolver>(problem, spec.name);
     } else {
       solver.participant = std::make_unique<explicit_solver::ExplicitSolver>(problem, spec.name);
     }
