@@ -46,6 +46,26 @@ int count_unknowns(const Problem& problem, const ParticipantPart& part, bool imp
   return free;
 }
 
+/// Refuses more than leave the shared unknowns a flexibility of their own.
+int count_modes(const Problem& problem, const std::vector<ParticipantPart>& parts) {
+  int all = 0;
+  for (const ParticipantPart& part : parts) {
+    const std::string& body = problem.bodies[at(part.body)].name;
+    const int modes = problem.scene.partition.reduced_modes.at(body), free = count_unknowns(problem, part, true);
+    const int shared = static_cast<int>(part.shared.size()) * problem.scene.components();
+    if (shared == 0)
+      throw ConfigError(
+          fmt::format("{}: found a body without implicit elements; allowed: bodies with some, which move its modes",
+                      problem.scene.where("partition.reduced_modes." + body)));
+    if (modes + shared > free)
+      throw ConfigError(
+          fmt::format("{}: found {}; allowed: at most {}, of {} degrees of freedom less the {} that are shared",
+                      problem.scene.where("partition.reduced_modes." + body), modes, free - shared, free, shared));
+    all += modes;
+  }
+  return all;
+}
+
 /// `local_steps`: of its parts under `local_explicit`, where somebody asks.
 ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant,
                                  std::vector<LocalStepsPlan>* local_steps) {
@@ -68,10 +88,7 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
   for (const Joint& joint : problem.joints)
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
-  if (participant.reduced) {
-    plan.unknowns = 0;
-    for (const std::string& body : participant.bodies) plan.unknowns += problem.scene.partition.reduced_modes.at(body);
-  }
+  if (participant.reduced) plan.unknowns = count_modes(problem, parts);
   if (!implicit && !problem.scene.coupling.protocol.local_steps)
     plan.critical_time_step_s =
         critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / participant.substeps);

@@ -9,6 +9,7 @@
 #include "common/check/check_switch.hpp"
 #include "common/cost/machine_speed.hpp"
 #include "common/cost/node_graph.hpp"
+#include "common/cost/reduced_cost.hpp"
 #include "common/cost/rewrites.hpp"
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
@@ -47,7 +48,6 @@ constexpr double bytes_of_entry = 17.0;  // of the factor: CHOLMOD's and ours ar
 constexpr double setup_element_s = 4e-6, setup_entry_s = 15e-9, setup_flop_s = 0.08e-9;
 
 constexpr int sample_elements = 8000;
-
 /// The elements of a body that a participant owns, or all of them.
 struct Share {
   const scene::BodyProblem* body;
@@ -296,6 +296,16 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       cost.factor_bytes += bytes_of_entry * factor.entries;
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, factor));
       window_s = predictor.implicit_window_s(shares, factor.entries, interface, cost.windows);
+    } else if (spec.reduced) {
+      double modes_s = 0.0;
+      for (const Share& share : shares) {
+        const FactorSize factor = factor_of({share});
+        const auto of_body =
+            reduced_cost(problem, *share.body, share.owned, factor, solve_of_entries_s(factor.entries), cost.windows);
+        modes_s += of_body.setup_s;
+        window_s += slowness * of_body.window_s;
+      }
+      cost.setup_s = std::max(cost.setup_s, slowness * (setup_s(shares, {}) + modes_s));
     } else {
       if (scene.coupling.protocol.local_steps) add_local_steps(problem, plan, shares);
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));

@@ -22,6 +22,15 @@ Eigen::VectorXd mass_of(const solver::BodyState& state) {
   return mass;
 }
 
+/// Modes of a part: no more than leave its shared degrees of freedom a flexibility of their own. `check` says so, too.
+int enough_of(const solver::BodyState& state, int modes) {
+  const auto free = static_cast<int>((mass_of(state).array() > 0.0).count());
+  if (modes + std::ssize(state.shared_dofs) <= free) return modes;
+  throw ConfigError(fmt::format(
+      "partition.reduced_modes.{}: found {}; allowed: at most {}, of {} degrees of freedom less the {} that are shared",
+      state.name, modes, free - std::ssize(state.shared_dofs), free, state.shared_dofs.size()));
+}
+
 /// Columns of a solve: enough for a fast one, few enough for any memory.
 constexpr Eigen::Index at_once = 64;
 
@@ -82,7 +91,7 @@ struct Axis {
 
 ReducedPart::ReducedPart(const solver::BodyState& state, int modes, std::vector<int> probed)
     : state_(state),
-      lowest_(state.part.stiffness, mass_of(state), modes, scale_of(state.part)),
+      lowest_(state.part.stiffness, mass_of(state), enough_of(state, modes), scale_of(state.part)),
       probed_(std::move(probed)) {
   const auto size = static_cast<Eigen::Index>(state.shared_dofs.size());
   const int components = fem::components(state.part.mesh.model);
@@ -112,11 +121,9 @@ ReducedPart::ReducedPart(const solver::BodyState& state, int modes, std::vector<
   flexibility_ = (0.5 * (flexibility_ + flexibility_.transpose())).eval();
   rest_.compute(flexibility_);
   if (rest_.info() != Eigen::Success)
-    throw ConfigError(
-        fmt::format("partition.reduced_modes.{}: found {}, which leave the {} shared degrees of freedom no flexibility "
-                    "of their own; "
-                    "allowed: fewer, or explicit elements (no reduced_modes)",
-                    state.name, modes, size));
+    throw SolverError(
+        fmt::format("body '{}': its {} modes leave its shared nodes no flexibility of their own; ask for fewer",
+                    state.name, modes));
   set_momenta();
   set_supports(force, moved);
   motion_.force.setZero(size);
@@ -143,11 +150,11 @@ void ReducedPart::set_momenta() {
   if (state_.place.size() == 0) return;  // a bar and a body of revolution have no angular momentum
   for (int axis = components == 3 ? 0 : 2; axis < 3; ++axis) {
     const auto [first, second] = Axis(axis);
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(modes(), modes());
-    for (int node = 0; node < state_.part.nodes(); ++node) {
-      product += lowest_.shapes().row(node * components + first).transpose() * momenta.row(node * components + second);
-      product -= lowest_.shapes().row(node * components + second).transpose() * momenta.row(node * components + first);
-    }
+    const auto along = [&](const Eigen::MatrixXd& all, int component) -> Eigen::MatrixXd {
+      return all(Eigen::seq(component, Eigen::last, components), Eigen::all);
+    };
+    Eigen::MatrixXd product = along(lowest_.shapes(), first).transpose() * along(momenta, second);
+    product -= along(lowest_.shapes(), second).transpose() * along(momenta, first);
     products_.push_back(std::move(product));
   }
 }

@@ -95,6 +95,8 @@ TEST(ReducedBodies, AreAllImplicitOnesInTheEnd) {
   const auto furthest = [&](int modes) {
     const RunResult run = run_text(two_bars(modes), folder);
     EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-10) << modes;
+    EXPECT_NEAR(run.mean("contact_force_n", 8e-6, 32e-6) / whole.mean("contact_force_n", 8e-6, 32e-6), 1.0, 0.01);
+    EXPECT_NEAR(run.last("contact_impulse_n_s") / whole.last("contact_impulse_n_s"), 1.0, 2e-3);
     double furthest_n = 0.0;
     const auto &expected = whole.column("contact_force_n"), &found = run.column("contact_force_n");
     for (std::size_t i = 0; i < expected.size(); ++i)
@@ -102,9 +104,9 @@ TEST(ReducedBodies, AreAllImplicitOnesInTheEnd) {
     return furthest_n / whole.largest("contact_force_n");
   };
   const double few = furthest(10), some = furthest(20), many = furthest(42);
-  EXPECT_LT(some, 0.6 * few);
-  EXPECT_LT(many, 0.03) << "45 are all";
-  EXPECT_GT(few, 0.1) << "a front has no room in ten modes";
+  EXPECT_GT(few, 0.3) << "a front has no room in ten modes";
+  EXPECT_LT(some, 0.5 * few);
+  EXPECT_LT(many, 0.006) << "45 are all";
 }
 
 struct StruckBeam {
@@ -130,7 +132,7 @@ TEST_P(ReducedBeam, IsStruckAsTheWholeOne) {
   EXPECT_NEAR(run.last("velocity_mean_striker_m_s"), whole.last("velocity_mean_striker_m_s"), 0.01);
   EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-9);
   EXPECT_LT(run.summary["angular_momentum_error_max"].get<double>(),
-            2.0 * implicit.summary["angular_momentum_error_max"].get<double>() + 1e-9);
+            2.5 * implicit.summary["angular_momentum_error_max"].get<double>() + 1e-9);
   EXPECT_NEAR(run.last("energy_error"), implicit.last("energy_error"), 3e-4);
   EXPECT_GT(run.largest("energy_highest_modes_j"), 0.0);
   EXPECT_LT(run.summary["highest_modes_energy_max"].get<double>(), 0.01);

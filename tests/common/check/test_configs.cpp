@@ -46,10 +46,10 @@ TEST_P(Config, PlansWithoutAWarningUnderEveryStableProtocol) {
     if (!protocol.warning.empty()) continue;
     scene.coupling.protocol = protocol;
     scene.participants = participants_of(scene, {});
-    // The automatic rule makes implicit what the step is too long for: nothing that all-explicit could do with that
-    // step.
+    // The automatic rule makes implicit what the step is too long for, and modes bear any: nothing that all-explicit
+    // could do with that step.
     if (protocol.layout == Layout::all_explicit && !protocol.local_steps &&
-        scene.partition.rule == PartitionRule::automatic) {
+        (scene.partition.rule == PartitionRule::automatic || !scene.partition.reduced_modes.empty())) {
       EXPECT_THROW(static_cast<void>(plan(build_problem(scene))), ConfigError);
       continue;
     }

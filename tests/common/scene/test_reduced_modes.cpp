@@ -100,7 +100,7 @@ class WrongModes : public testing::TestWithParam<WrongOne> {};
 
 TEST_P(WrongModes, AreRefusedByName) {
   try {
-    (void)build_problem(load_text(GetParam().scene));
+    (void)plan(build_problem(load_text(GetParam().scene)));
     FAIL() << "accepted";
   } catch (const ConfigError& error) {
     for (const std::string& part : GetParam().says) EXPECT_THAT(error.what(), HasSubstr(part));
@@ -108,6 +108,11 @@ TEST_P(WrongModes, AreRefusedByName) {
   }
 }
 
+const std::string away = R"([[body]]
+name = "away"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { start_m = 1.0, length_m = 0.05, height_m = 0.02, elements = [2, 5] }
+)";
 const std::string place = ":15: partition.reduced_modes.upper: found ";
 
 INSTANTIATE_TEST_SUITE_P(
@@ -117,6 +122,12 @@ INSTANTIATE_TEST_SUITE_P(
         WrongOne{
             "not_whole", with("upper = 12 }", "upper = 1.5 }"), {"found 1.5 for body \"upper\"", "a whole number"}},
         WrongOne{"none", with("upper = 12 }", "upper = 0 }"), {"found 0", ">= 1"}},
+        WrongOne{"too_many",
+                 with("upper = 12 }", "upper = 25 }"),
+                 {place + "25; allowed: at most 24, of 30 degrees of freedom less the 6 that are shared"}},
+        WrongOne{"of_a_body_that_nothing_touches",
+                 replaced(with("[contact]", away + "[contact]"), "{ upper = 12 }", "{ away = 12 }"),
+                 {"partition.reduced_modes.away: found a body without implicit elements"}},
         WrongOne{"alone", with("implicit_length_m = { lower = 0.01, upper = 0.01 }\n", ""), {"found 0 of its keys"}},
         WrongOne{"other_protocol",
                  with("\"belytschko_mullen\"", "\"hughes_liu\""),

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "common/cost/node_graph.hpp"
+#include "common/problem/problem.hpp"
+
+namespace ricochet::cost {
+
+/// Of a body that is reduced to modes, on the machine of predicted_cost.cpp [s].
+struct ReducedCost {
+  double window_s = 0.0;  ///< a trial and the window itself: dense products
+  double setup_s = 0.0;   ///< two factors, solves for the modes and for the shared unknowns
+};
+/// `owned`: its elements that are modes; `factor` of their stiffness, `solve_s` of one solve with it [s]; `windows` of
+/// the run.
+[[nodiscard]] ReducedCost reduced_cost(const scene::Problem& problem, const scene::BodyProblem& body,
+                                       const std::vector<bool>& owned, const FactorSize& factor, double solve_s,
+                                       double windows);
+
+}  // namespace ricochet::cost
