@@ -60,14 +60,14 @@ TEST_P(ReducedBodiesAreStable, AtAnyStep) {
   EXPECT_GE(count("stable"), 8) << rows;
 }
 
-// In two_bars.toml the explicit elements bear 2.5e-6 s.
+// Explicit elements of the bars bear 2.5e-6 s, those of the plates 3e-7 s.
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ReducedBodiesAreStable,
     testing::Values(ReducedScene{"bars",
                                  with_key(with_protocol(config_text("two_bars"), "belytschko_mullen"), "partition",
                                           "reduced_modes", "{ left = 10, right = 9 }"),
                                  "2e-7:2e-4:5:log"},
-                    ReducedScene{"plates", plates_of_modes, "1e-7:1e-4:5:log"}),
+                    ReducedScene{"plates", plates_of_modes, "1e-7:3e-6:4:log"}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

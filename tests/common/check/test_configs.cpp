@@ -48,8 +48,8 @@ TEST_P(Config, PlansWithoutAWarningUnderEveryStableProtocol) {
     scene.participants = participants_of(scene, {});
     // The automatic rule makes implicit what the step is too long for, and modes bear any: nothing that all-explicit
     // could do with that step.
-    if (protocol.layout == Layout::all_explicit && !protocol.local_steps &&
-        (scene.partition.rule == PartitionRule::automatic || !scene.partition.reduced_modes.empty())) {
+    const bool automatic = scene.partition.rule == PartitionRule::automatic && !protocol.local_steps;
+    if (protocol.layout == Layout::all_explicit && (automatic || !scene.partition.reduced_modes.empty())) {
       EXPECT_THROW(static_cast<void>(plan(build_problem(scene))), ConfigError);
       continue;
     }
