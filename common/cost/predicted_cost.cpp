@@ -53,7 +53,6 @@ struct Share {
   const scene::BodyProblem* body;
   std::vector<bool> owned;  ///< per element
   NodeGraph graph;
-
   /// Products with K in a step, of which those with the rows that step locally are shares.
   double products = 1.0;
 
@@ -303,6 +302,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
         const auto of_body =
             reduced_cost(problem, *share.body, share.owned, factor, solve_of_entries_s(factor.entries), cost.windows);
         modes_s += of_body.setup_s;
+        cost.factor_bytes += of_body.bytes;
         window_s += slowness * of_body.window_s;
       }
       cost.setup_s = std::max(cost.setup_s, slowness * (setup_s(shares, {}) + modes_s));

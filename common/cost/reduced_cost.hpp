@@ -11,6 +11,7 @@ namespace ricochet::cost {
 struct ReducedCost {
   double window_s = 0.0;  ///< a trial and the window itself: dense products
   double setup_s = 0.0;   ///< two factors, solves for the modes and for the shared unknowns
+  double bytes = 0.0;     ///< of factor, shapes and Krylov vectors, while the modes are found
 };
 /// `owned`: its elements that are modes; `factor` of their stiffness, `solve_s` of one solve with it [s]; `windows` of
 /// the run.
