@@ -7,16 +7,10 @@
 #include "common/base/computer.hpp"
 #include "common/base/error.hpp"
 
-/// Of OpenMP, with which CHOLMOD may have been compiled.
-extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
-
 namespace ricochet::implicit_solver {
 
 Cholmod::Cholmod() {
-  // In supernodes it would start four threads for every short loop, whatever processors there are and `threads` says:
-  // they then wait for each other half of the time.
-  if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(0);
-  use_one_thread_in_blas();
+  use_one_thread_in_cholmod();
   cholmod_start(&common);
   common.print = 0;  // errors are ours to report
 }

@@ -39,8 +39,9 @@ std::string blas() {
 
 Computer this_computer() { return {processor(), blas()}; }
 
-void use_one_thread_in_blas() {
+void use_one_thread_in_cholmod() {
   if (auto* set = found<void(int)>("openblas_set_num_threads")) set(1);
+  if (auto* set = found<void(int)>("omp_set_max_active_levels")) set(0);
 }
 
 }  // namespace ricochet

@@ -15,6 +15,8 @@ struct Computer {
 [[nodiscard]] Computer this_computer();
 
 /// A BLAS with threads sums in another order for each number of them, and slows the short products of this program.
-void use_one_thread_in_blas();
+/// CHOLMOD, where it has been compiled with OpenMP, would start four threads for every short loop in its supernodes,
+/// whatever processors there are: they then wait for each other half of the time.
+void use_one_thread_in_cholmod();
 
 }  // namespace ricochet

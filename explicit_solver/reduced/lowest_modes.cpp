@@ -37,7 +37,7 @@ Eigen::VectorXd start_of(Eigen::Index size) {
 
 LowestModes::LowestModes(const fem::SparseMatrix& stiffness, const Eigen::VectorXd& mass, int count, double scale)
     : mass_(mass) {
-  use_one_thread_in_blas();
+  use_one_thread_in_cholmod();
   std::vector<int> free_of(static_cast<std::size_t>(mass.size()), -1);
   for (int dof = 0; dof < mass.size(); ++dof) {
     if (!(mass[dof] > 0.0)) continue;

@@ -1,5 +1,6 @@
 #include "explicit_solver/reduced/reduced_solver.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "common/participant/heartbeat.hpp"
@@ -107,6 +108,10 @@ void ReducedSolver::record(std::vector<double>& row) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     BodyTotals& totals = states_[b].totals;
     parts_[b].set_totals(totals);
+    if (!std::isfinite(totals.energy_kinetic_j + totals.energy_strain_j)) {
+      reported_ = -1;
+      solver::require_finite(reported()[b], states_[b].u, window_);
+    }
     append_quantities(totals, row);
     for (const auto& [name, member] : reduced_quantities) row.push_back(totals.*member);
   }
