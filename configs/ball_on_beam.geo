@@ -3,7 +3,7 @@
 //   gmsh -3 -format msh41 ball_on_beam.geo -o ball_on_beam.msh
 // Tetrahedra with edges of 1 mm out to `touching`, farther away growing by `growth` per length up to 7 mm; `-setnumber refinement 2` halves every
 // edge.
-// What lies within `near` of the origin are the groups "ball_near" and "beam_near"; within `tip` the surfaces "cap" and "top" may touch.
+// The groups "ball_near" and "beam_near" hold the elements within `near` of the origin; the surfaces "cap" and "top", within `tip`, may touch.
 SetFactory("OpenCASCADE");
 DefineConstant[ refinement = 1 ];
 radius = 0.070; width = 0.030; length = 0.390; depth = 0.0278; tip = 0.008; near = 0.012;

@@ -63,7 +63,8 @@ bool any(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double value) { return value != 0.0; });
 }
 
-/// What is not in the modes of a linear body that nothing acts on but supports and the implicit side; "": nothing.
+/// A key of what is not in the modes of a linear body that nothing acts on but supports and the implicit side; "":
+/// none.
 std::string beyond_modes(const Body& body) {
   if (body.material.plasticity) return "plasticity";
   if (body.large_rotation) return "large_rotation";

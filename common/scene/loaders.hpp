@@ -29,7 +29,7 @@ void load_mesh(TableReader& table, Model model, const std::string& folder, Body&
 void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& scene);
 [[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene, bool named);
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);
-/// What does not go with bodies that are reduced to modes. `scene` has its coupling and its time already.
+/// Refuses what does not go with bodies that are reduced to modes. `scene` has its coupling and its time already.
 void check_reduced_bodies(const Scene& scene);
 [[nodiscard]] Time load_time(TableReader& table, bool has_contact);
 [[nodiscard]] CouplingSettings load_coupling(TableReader& table, bool has_contact);

@@ -65,7 +65,7 @@ class ReducedPart {
   void book_supports(BodyTotals& totals) const;
   [[nodiscard]] Eigen::VectorXd acceleration(const Motion& motion) const;
 
-  /// What supports do, of q and P one after the other.
+  /// Sums over supports, of q and P one after the other.
   struct Supports {
     Eigen::MatrixXd force;   ///< x 3: the sum of their forces along x, y, z
     Eigen::MatrixXd moment;  ///< x 3: of their moments, where they act in the reference

@@ -307,8 +307,8 @@ std::set<std::string> columns_of_page(const std::string& begin, const std::strin
 std::set<std::string> set_of(const std::vector<std::string>& names) { return {names.begin(), names.end()}; }
 
 TEST(HistoryFile, ColumnsAreThoseOfTheResultsPage) {
-  const auto written =
-      history_columns({.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true, .yields = true, .heats = true});
+  const auto written = history_columns(
+      {.bodies = {"BODY"}, .solid = true, .angular = 3, .round = true, .yields = true, .heats = true, .reduced = true});
   EXPECT_EQ(columns_of_page("## history.csv", "## probes.csv"), set_of(written));
 }
 

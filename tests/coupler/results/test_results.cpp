@@ -258,6 +258,7 @@ TEST(Summary, HasTheKeysOfTheResultsPageAndNoOther) {
   const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}});
   Tally one_solid(std::nullopt, true, forces);
   one_solid.plastic.emplace().hottest_k = 300.0;
+  one_solid.highest_modes_energy_max = 0.0;
   std::set<std::string> keys;
   for (const auto& tally : {several, one_solid, tally_on_plateau()})
     add_keys(nlohmann::json::parse(to_json(summary, tally)), "", keys);
