@@ -121,6 +121,7 @@ std::string place_text(Model model, const Eigen::Vector3d& x) {
 }
 
 std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface) {
+  if (const auto point = mesh.points.find(surface); point != mesh.points.end()) return {point->second};
   const auto found = mesh.surfaces.find(surface);
   if (found == mesh.surfaces.end()) {
     std::vector<std::string> known;

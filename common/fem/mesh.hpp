@@ -39,6 +39,7 @@ struct Mesh {
   std::vector<Element> elements;
   std::map<std::string, std::vector<int>> element_groups;
   std::map<std::string, std::vector<Face>> surfaces;
+  std::map<std::string, int> points;          ///< nodes with a name, for who asks for nodes as of a surface
   std::vector<HangingNode> hanging;           ///< ascending by node
   std::vector<std::string> refined_surfaces;  ///< with faces of elements that were divided
   double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
@@ -80,8 +81,8 @@ inline double axis_coordinate(Model model, const Eigen::Vector3d& x) { return x[
 [[nodiscard]] Mesh cylinder_mesh(const std::vector<double>& across, const std::vector<double>& along);
 [[nodiscard]] int core_of_cylinder(int across);
 
-/// Nodes of a surface, each once, sorted by position (first coordinate, then second, then third). ConfigError if
-/// unknown.
+/// Nodes of a surface, each once, sorted by position (first coordinate, then second, then third), or the point of that
+/// name. ConfigError if unknown.
 [[nodiscard]] std::vector<int> surface_nodes(const Mesh& mesh, const std::string& surface);
 
 /// Reads a Gmsh MSH 4.1 ASCII file [m]. Physical groups of dimension `d` (1 for bars, 3 for solids, else 2) become

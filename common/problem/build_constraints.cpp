@@ -31,11 +31,37 @@ void fix_axis(BodyProblem& body, Holders& holders) {
   }
 }
 
+/// The node at a place, which the support names.
+void name_point(const Scene& scene, const std::string& key, const Support& support, BodyProblem& body) {
+  constexpr double near = 1e-6;  // of the body's diagonal: the place of a node as somebody wrote it down
+  Eigen::Vector3d place = Eigen::Vector3d::Zero(), low = body.mesh.position.front(), high = low;
+  for (std::size_t c = 0; c < support.at_m.size(); ++c) place[static_cast<Eigen::Index>(c)] = support.at_m[c];
+  int nearest = -1;
+  for (int node = 0; node < static_cast<int>(body.mesh.position.size()); ++node) {
+    const Eigen::Vector3d& x = body.mesh.position[at(node)];
+    const bool hangs = std::any_of(body.mesh.hanging.begin(), body.mesh.hanging.end(),
+                                   [node](const fem::HangingNode& hanging) { return hanging.node == node; });
+    const double away =
+        nearest < 0 ? std::numeric_limits<double>::infinity() : (body.mesh.position[at(nearest)] - place).norm();
+    if (!hangs && (x - place).norm() < away) nearest = node;  // one that hangs is held by its carriers alone
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  if ((body.mesh.position[at(nearest)] - place).norm() > near * (high - low).norm())
+    throw ConfigError(fmt::format("{}: found no node at {}; allowed: the place of a node, the nearest is {}",
+                                  scene.where(key + ".at_m"), fem::place_text(body.mesh.model, place),
+                                  node_text(body, nearest)));
+  body.mesh.points[support.surface] = nearest;
+}
+
 void fix_supports(const Scene& scene, const Body& spec, BodyProblem& body, Holders& holders) {
   const int components = scene.components();
   for (std::size_t i = 0; i < spec.supports.size(); ++i) {
     const std::string key = fmt::format("body.{}.support[{}]", spec.name, i);
-    require_surface(scene, key + ".surface", body.mesh, spec.supports[i].surface);
+    if (spec.supports[i].at_m.empty())
+      require_surface(scene, key + ".surface", body.mesh, spec.supports[i].surface);
+    else
+      name_point(scene, key, spec.supports[i], body);
     for (const int node : fem::surface_nodes(body.mesh, spec.supports[i].surface)) {
       for (const int c : spec.supports[i].components) {
         body.fixed_dof[at(node * components + c)] = true;

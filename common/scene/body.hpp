@@ -67,8 +67,9 @@ struct Amplitude {
 };
 
 struct Support {
-  std::string surface;
+  std::string surface;          ///< or a name for the node at `at_m`
   std::vector<int> components;  ///< fixed components, 0-based (scene: "x", "y", "r", "z")
+  std::vector<double> at_m{};   ///< of one node: its place, an entry per component; empty: of a surface
 };
 
 struct Traction {

@@ -92,8 +92,16 @@ Amplitude load_amplitude(TableReader& owner) {
 }
 
 Support load_support(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
-  Support support{load_surface(table, surfaces), {}};
+  Support support;
   const std::vector<std::string> names = component_names(model);
+  table.only_if(!table.has("at_m"), "surface",
+                "no at_m beside it: a support is of a surface or of the node at a place");
+  if (table.has("at_m")) {
+    support.at_m = table.numbers("at_m", any_number(), names.size());
+    support.surface = fmt::format("the node at ({})", fmt::join(support.at_m, ", "));
+  } else {
+    support.surface = load_surface(table, surfaces);
+  }
   for (const std::string& fixed : table.words("fixed", names))
     support.components.push_back(static_cast<int>(std::find(names.begin(), names.end(), fixed) - names.begin()));
   table.finish();

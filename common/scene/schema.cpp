@@ -22,7 +22,7 @@ const Schema& scene_schema() {
       {"place", {"turned_deg", "about_m", "moved_m"}},
       {"refine", {"from_m", "to_m", "ratio"}},
       {"initial_displacement_m", {"start", "end"}},
-      {"support", {"surface", "fixed"}},
+      {"support", {"surface", "at_m", "fixed"}},
       {"traction", {"surface", "traction_pa", "pressure_pa", "amplitude"}},
       {"prescribed", {"surface", "component", "displacement_m", "amplitude"}},
       {"amplitude", {"time_s", "factor"}},
