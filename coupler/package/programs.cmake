@@ -5,7 +5,7 @@ if(RICOCHET_NATIVE)
   install(CODE "message(FATAL_ERROR \"these programs run on processors like this machine's only (RICOCHET_NATIVE); \
 what is to be installed is configured with -DRICOCHET_NATIVE=OFF\")" COMPONENT programs)
 endif()
-install(TARGETS ricochet explicit_solver implicit_solver COMPONENT programs)
+install(TARGETS ricochet explicit_solver implicit_solver reduced_solver COMPONENT programs)
 install(DIRECTORY coupler/python/ricochet DESTINATION lib/python3/dist-packages COMPONENT programs FILES_MATCHING PATTERN "*.py"
   PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY configs DESTINATION ${CMAKE_INSTALL_DATADIR}/ricochet COMPONENT programs)
