@@ -55,7 +55,7 @@ class PlasticElements final : public InternalForce {
 
     [[nodiscard]] Strain strain() const { return strain_per_stress * stress; }
   };
-  /// What copies of an element share.
+  /// Copies of an element share it.
   struct Shape {
     std::vector<double> volume_m3;  ///< per point
     std::vector<double> gradients;  ///< fem::ElementPoint's, per node and number of its row: one of each point

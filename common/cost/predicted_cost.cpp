@@ -299,8 +299,8 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       double modes_s = 0.0;
       for (const Share& share : shares) {
         const FactorSize factor = factor_of({share});
-        const auto of_body =
-            reduced_cost(problem, *share.body, share.owned, factor, solve_of_entries_s(factor.entries), cost.windows);
+        const auto of_body = reduced_cost(problem, *share.body, share.owned, factor, setup_s({}, factor),
+                                          solve_of_entries_s(factor.entries), cost.windows);
         modes_s += of_body.setup_s;
         cost.factor_bytes += of_body.bytes;
         window_s += slowness * of_body.window_s;

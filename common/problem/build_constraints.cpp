@@ -36,14 +36,14 @@ void name_point(const Scene& scene, const std::string& key, const Support& suppo
   constexpr double near = 1e-6;  // of the body's diagonal: the place of a node as somebody wrote it down
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), low = body.mesh.position.front(), high = low;
   for (std::size_t c = 0; c < support.at_m.size(); ++c) place[static_cast<Eigen::Index>(c)] = support.at_m[c];
+  std::vector<bool> hangs(body.mesh.position.size(), false);  // is held by its carriers alone
+  for (const fem::HangingNode& hanging : body.mesh.hanging) hangs[at(hanging.node)] = true;
   int nearest = -1;
   for (int node = 0; node < static_cast<int>(body.mesh.position.size()); ++node) {
     const Eigen::Vector3d& x = body.mesh.position[at(node)];
-    const bool hangs = std::any_of(body.mesh.hanging.begin(), body.mesh.hanging.end(),
-                                   [node](const fem::HangingNode& hanging) { return hanging.node == node; });
     const double away =
         nearest < 0 ? std::numeric_limits<double>::infinity() : (body.mesh.position[at(nearest)] - place).norm();
-    if (!hangs && (x - place).norm() < away) nearest = node;  // one that hangs is held by its carriers alone
+    if (!hangs[at(node)] && (x - place).norm() < away) nearest = node;
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }

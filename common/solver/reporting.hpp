@@ -49,7 +49,7 @@ class Reporting {
   void append_probes(const std::vector<BodyState>& states, std::int64_t window, std::vector<double>& row) const {
     probes_.append(states, window, row);
   }
-  /// Of a part: what `append_probes` reads of its motion.
+  /// The degrees of freedom of a part that `append_probes` reads.
   [[nodiscard]] std::vector<int> probed_dofs(std::size_t part, int components) const {
     return probes_.dofs_of(part, components);
   }

@@ -24,7 +24,7 @@ constexpr double linear_tolerance = 1e-3;
 /// Share of the terms of K u, which cancel where a body moves as a whole: far above what rounding leaves.
 constexpr double rounding = 1e-9;
 
-/// Of the largest answer: rounding in a moving body is below it, what another window changes far above.
+/// Share of the largest answer: rounding in a moving body is below it, the effect of another window far above.
 constexpr double same_answer = 1e-6;
 
 /// Weights of which no two are alike and none is small.
@@ -72,13 +72,9 @@ bool BelytschkoMullen::answer_as_before(Coupling& coupling, const Step& step) {
     auto& link = coupling.links()[l];
     const auto& sum = sums_[l];
     if (sum.row.size() == 0) continue;
-    const auto answer_to = [&](const std::vector<double>& input) -> Eigen::VectorXd {
-      link.post_advance(step, input, Acceptance::trial);
-      link.wait_advanced();
-      return view(link.output());
-    };
-    const std::vector<double> still = link.input();
-    const Eigen::VectorXd moved = answer_to(to_vector(view(still) + probe_m_ * sum.weights)) - answer_to(still);
+    const std::vector<double> still = link.input(), pushed = to_vector(view(still) + probe_m_ * sum.weights);
+    Eigen::VectorXd moved = trial_answer(link, Response::output, step, pushed);
+    moved -= trial_answer(link, Response::output, step, still);
     const Eigen::VectorXd expected = probe_m_ * sum.row;
     if ((moved - expected).cwiseAbs().maxCoeff() > same_answer * expected.cwiseAbs().maxCoeff()) return false;
   }

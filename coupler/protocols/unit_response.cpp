@@ -57,12 +57,14 @@ std::string linear_bodies_are_needed(bool implicit) {
                    : "under prakash_hjelmstad and gravouil_combescure with coupling.substeps = 1");
 }
 
+Eigen::VectorXd trial_answer(Link& link, Response response, const Step& step, const std::vector<double>& input) {
+  link.post_advance(step, input, Acceptance::trial);
+  link.wait_advanced();
+  return view(response == Response::velocity ? link.velocity_m_s() : link.output());
+}
+
 Eigen::MatrixXd unit_response(Link& link, Response response, const Step& step, const std::vector<double>& probes) {
-  const auto answer_to = [&](const std::vector<double>& input) -> Eigen::VectorXd {
-    link.post_advance(step, input, Acceptance::trial);
-    link.wait_advanced();
-    return view(response == Response::velocity ? link.velocity_m_s() : link.output());
-  };
+  const auto answer_to = [&](const std::vector<double>& input) { return trial_answer(link, response, step, input); };
   const std::vector<double> base_input = link.input();
   const Eigen::VectorXd base = answer_to(base_input);
   const auto change_of_answer = [&](const Eigen::VectorXd& change) -> Eigen::VectorXd {

@@ -14,6 +14,10 @@ enum class Response { output, velocity };
 /// Text of what is allowed in place of a participant that does not answer linearly, for error texts.
 [[nodiscard]] std::string linear_bodies_are_needed(bool implicit);
 
+/// A participant's answer to a trial window with that link input [N, m/s]. Needs the capability "repeat_window".
+[[nodiscard]] Eigen::VectorXd trial_answer(Link& link, Response response, const Step& step,
+                                           const std::vector<double>& input);
+
 /// How the answer of a participant at the end of a window depends on its link input: column j is the change of the
 /// answer per unit of link input j, by one trial window each, or for
 /// many at once (probe_groups.hpp); as wide as the link. `probes`: the change that

@@ -83,13 +83,13 @@ Eigen::MatrixXd LowestModes::solve(const Eigen::MatrixXd& forces) const {
 /// The largest eigenvalues 1/(omega^2 + shift) of M^1/2 (K + shift M)^-1 M^1/2, whose vectors are M^1/2 phi.
 void LowestModes::find(int count) {
   const int size = static_cast<int>(free_.size());
-  int wanted = std::min(count + spare_modes, size - 1);
+  const int wanted = std::min(count + spare_modes, size - 1);
   const int basis = std::min(size, std::max(2 * wanted, wanted + 20)), work_size = basis * (basis + 8);
   int request = 0, info = 1;  // 1: begin with `start`
   int settings[11] = {1, 0, most_restarts, 1, 0, 0, 1, 0, 0, 0, 0}, places[14] = {};
   Eigen::VectorXd start = start_of(size), work(work_size), ends(3 * Eigen::Index{size});
   Eigen::MatrixXd vectors(size, basis);
-  Eigen::VectorXd root(size), x = Eigen::VectorXd::Zero(mass_.size());
+  Eigen::VectorXd root(size);
   for (int i = 0; i < size; ++i) root[i] = std::sqrt(mass_[free_[static_cast<std::size_t>(i)]]);
   while (true) {
     dsaupd_c(&request, "I", size, "LM", wanted, tolerance, start.data(), basis, vectors.data(), size, settings, places,

@@ -14,10 +14,9 @@ namespace ricochet::explicit_solver {
 /// by which they follow a force at once. Modes by ARPACK (shift and invert), products with R by a Cholesky factor.
 class LowestModes {
  public:
-  /// `mass`: per degree of freedom, 0 where it is held [kg]. `scale`: a frequency of the part as a whole, squared, such
-  /// as (c/L)^2 [1/s^2]. `count` is less than the number of
-  /// degrees of freedom. SolverError if ARPACK does not converge
-  /// or K is not positive semidefinite. The same input gives the same bits.
+  /// `mass`: per degree of freedom, 0 where it is held [kg]; `count`: fewer than are free; `scale`: a frequency of the
+  /// part as a whole, squared, such as (c/L)^2 [1/s^2]. SolverError if ARPACK does not converge or K is not positive
+  /// semidefinite. The same input gives the same bits.
   LowestModes(const fem::SparseMatrix& stiffness, const Eigen::VectorXd& mass, int count, double scale);
 
   [[nodiscard]] Eigen::Index count() const { return omega_squared_.size(); }
