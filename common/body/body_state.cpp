@@ -211,7 +211,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
     state.integrated[dof] = state.own[dof / static_cast<std::size_t>(components)];
   for (const auto& hanging : state.part.mesh.hanging) {
     for (int c = 0; c < components; ++c)
-      state.integrated[static_cast<std::size_t>(hanging.node * components + c)] = false;
+      if (hanging.hangs(c)) state.integrated[static_cast<std::size_t>(hanging.node * components + c)] = false;
   }
   for (const int node : state.shared_nodes) {
     for (int c = 0; c < components; ++c) {

@@ -64,7 +64,7 @@ void check_units(const Problem& problem, Plan& plan) {
           "is it in another unit than youngs_modulus_pa [Pa] and density_kg_m3 [kg/m^3]?",
           of.name, density, speed));
     const double largest_m = of.extent_m.maxCoeff(), crossed_m = speed * problem.scene.time.end_s;
-    const bool gmsh = std::holds_alternative<GmshMesh>(problem.scene.bodies[b].mesh);
+    const bool gmsh = !problem.scene.bodies[b].files().empty();
     const bool uncrossed = largest_m > large_m && crossed_m < least_crossing * largest_m;
     if (uncrossed || (gmsh && largest_m > huge_m && of.mass_kg > huge_kg))
       plan.warnings.push_back(fmt::format(
@@ -78,13 +78,14 @@ void check_units(const Problem& problem, Plan& plan) {
 void note_ignored_cards(const Scene& scene, Plan& plan) {
   std::set<std::string> seen;
   for (const Body& body : scene.bodies) {
-    const auto* file = std::get_if<GmshMesh>(&body.mesh);
-    if (file == nullptr || !fem::is_inp_file(file->path) || !seen.insert(file->path).second) continue;
-    const std::vector<std::string> cards = fem::ignored_inp_cards(file->path);
-    if (!cards.empty())
-      plan.notes.push_back(fmt::format(
-          "{} is read for its mesh alone; {} left out: materials, supports, loads and steps are those of the scene",
-          file->path, fmt::join(cards, ", ")));
+    for (const GmshMesh* file : body.files()) {
+      if (!fem::is_inp_file(file->path) || !seen.insert(file->path).second) continue;
+      const std::vector<std::string> cards = fem::ignored_inp_cards(file->path);
+      if (!cards.empty())
+        plan.notes.push_back(fmt::format(
+            "{} is read for its mesh alone; {} left out: materials, supports, loads and steps are those of the scene",
+            file->path, fmt::join(cards, ", ")));
+    }
   }
 }
 

@@ -83,7 +83,7 @@ void check_ranks(const Nonlinear& nonlinear) {
 void check_surroundings(const Nonlinear& turns, const Body& spec) {
   if (!spec.absorbing.empty())
     turns.refuse("of a body with an absorbing surface, whose dashpots keep their directions", "no absorbing surface");
-  if (const auto* mesh = std::get_if<StructuredMesh>(&spec.mesh); mesh != nullptr && mesh->periodic_across)
+  if (const auto* mesh = spec.structured(); mesh != nullptr && mesh->periodic_across)
     turns.refuse("of a periodic mesh, whose images do not turn", "periodic_across = false");
   for (const ContactGeometry& contact : turns.problem.contacts) {
     const int index = static_cast<int>(&turns.body - turns.problem.bodies.data());

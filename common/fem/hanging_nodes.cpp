@@ -40,19 +40,28 @@ std::vector<int> carriers_of(const Mesh& mesh, const std::vector<int>& nodes) {
   return carriers;
 }
 
-void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values) {
+void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& forces) {
   for (const HangingNode& of : hanging) {
     for (int c = 0; c < components; ++c) {
-      double& own = values[of.node * components + c];
-      for (const auto& carrier : of.carriers) values[carrier.node * components + c] += carrier.weight * own;
+      if (!of.hangs(c)) continue;
+      double& own = forces[of.node * components + c];
+      for (const auto& carrier : of.carriers) forces[carrier.node * components + c] += carrier.weight * own;
       own = 0.0;
     }
+  }
+}
+
+void pass_on_masses(const std::vector<HangingNode>& hanging, Eigen::VectorXd& masses) {
+  for (const HangingNode& of : hanging) {
+    for (const auto& carrier : of.carriers) masses[carrier.node] += carrier.weight * masses[of.node];
+    masses[of.node] = 0.0;
   }
 }
 
 void follow(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values) {
   for (const HangingNode& of : hanging) {
     for (int c = 0; c < components; ++c) {
+      if (!of.hangs(c)) continue;
       double sum = 0.0;
       for (const auto& carrier : of.carriers) sum += carrier.weight * values[carrier.node * components + c];
       values[of.node * components + c] = sum;
@@ -65,7 +74,10 @@ void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMa
   const auto nodes = static_cast<std::size_t>(stiffness.rows() / components);
   std::vector<const HangingNode*> at_node(nodes, nullptr);
   for (const HangingNode& of : hanging) at_node[at(of.node)] = &of;
-  const auto hangs = [&](Eigen::Index dof) { return at_node[static_cast<std::size_t>(dof / components)]; };
+  const auto hangs = [&](Eigen::Index dof) -> const HangingNode* {
+    const HangingNode* of = at_node[static_cast<std::size_t>(dof / components)];
+    return of != nullptr && of->hangs(static_cast<int>(dof % components)) ? of : nullptr;
+  };
   const auto each = [&](Eigen::Index dof, const auto& visit) {
     if (const HangingNode* of = hangs(dof)) {
       for (const auto& carrier : of->carriers)
@@ -97,28 +109,19 @@ void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMa
 FacesBetweenSizes::FacesBetweenSizes(const Mesh& mesh) : mesh_(mesh) {
   const std::size_t nodes_of_face = mesh.model == Model::solid ? 4 : 2;
   for (const HangingNode& of : mesh.hanging)
-    if (of.carriers.size() == nodes_of_face) large_.insert(carriers(of.node));
-}
-
-/// Sorted; of a node that does not hang itself.
-Face FacesBetweenSizes::carriers(int node) const {
-  Face of{};
-  if (const HangingNode* hanging = hanging_at(mesh_, node)) {
-    for (const auto& carrier : hanging->carriers) of.push_back(carrier.node);
-  } else {
-    of.push_back(node);
-  }
-  return sorted(of);
+    if (of.carriers.size() == nodes_of_face) large_.insert(carriers_of(mesh, {of.node}));
 }
 
 /// The face of a small element has a node in the middle of the large one's, or of its edge in two dimensions.
 bool FacesBetweenSizes::has(const Face& face) const {
   if (large_.empty()) return false;
-  if (large_.contains(sorted(face))) return true;
+  const Face in_order = sorted(face);
+  if (large_.contains({in_order.begin(), in_order.end()})) return true;
   return std::any_of(face.begin(), face.end(), [&](int middle) {
-    const Face large = carriers(middle);
+    if (hanging_at(mesh_, middle) == nullptr) return false;
+    const std::vector<int> large = carriers_of(mesh_, {middle});
     const auto on_it = [&](int node) {
-      const Face of = carriers(node);
+      const std::vector<int> of = carriers_of(mesh_, {node});
       return std::includes(large.begin(), large.end(), of.begin(), of.end());
     };
     return large_.contains(large) && std::all_of(face.begin(), face.end(), on_it);

@@ -8,9 +8,9 @@
 #include "common/fem/part.hpp"
 
 /// Hanging nodes are eliminated: with T that gives all nodes the motion of those that do not hang, u = T u', the forces
-/// on these are T^T f, their stiffness T^T K T, and their lumped mass that of T^T M T summed by rows. For any motion u'
-/// the latter has at least the kinetic energy of T u' (weights are >= 0 and sum to 1), so the largest frequency is no
-/// higher than that of the elements alone. Sums of forces, masses and first moments stay what they were.
+/// on these are T^T f, their stiffness T^T K T, and their lumped mass that of T^T M T summed by rows. Where weights are
+/// >= 0, the latter has for any motion u' at least the kinetic energy of T u', so the largest frequency is no higher
+/// than that of the elements alone. Sums of forces, masses and first moments stay what they were.
 namespace ricochet::fem {
 
 /// Null if the node does not hang.
@@ -35,8 +35,10 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
 /// Nodes in ascending order, in place of those that hang their carriers.
 [[nodiscard]] std::vector<int> carriers_of(const Mesh& mesh, const std::vector<int>& nodes);
 
-/// Gives what lies on hanging nodes, forces or masses of `components` numbers a node, to their carriers.
-void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values);
+/// Gives the forces on hanging nodes to their carriers.
+void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& forces);
+/// The same of masses, one a node.
+void pass_on_masses(const std::vector<HangingNode>& hanging, Eigen::VectorXd& masses);
 
 /// Hanging nodes take the displacement, velocity or acceleration of their carriers.
 void follow(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& values);
@@ -45,16 +47,15 @@ void follow(const std::vector<HangingNode>& hanging, int components, Eigen::Vect
 void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMatrix& stiffness);
 
 /// The faces between large elements and the small ones on them: each belongs to one element alone, and yet none is of
-/// the body's boundary.
+/// the body's boundary. Of a tie those whose nodes hang on one face alone: the others are seen where pieces meet.
 class FacesBetweenSizes {
  public:
   explicit FacesBetweenSizes(const Mesh& mesh);
   [[nodiscard]] bool has(const Face& face) const;
 
  private:
-  [[nodiscard]] Face carriers(int node) const;
   const Mesh& mesh_;
-  std::set<Face> large_;  ///< of the large elements, sorted: a node hangs in the middle of each
+  std::set<std::vector<int>> large_;  ///< of the large elements, ascending: a node hangs in the middle of each
 };
 
 }  // namespace ricochet::fem

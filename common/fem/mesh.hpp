@@ -23,12 +23,19 @@ struct WeightedNode {
   double weight = 0.0;
 };
 
-/// A node of small elements on the edge or the face of a larger one: it has no motion of its own,
+/// A node of small elements on the edge or the face of a larger one, or of one side of a tie: it has no motion of its
+/// own,
 ///   u = sum of weight u of its carriers,
-/// and what acts on it acts on them by the same shares. None of them hangs. Weights are >= 0 and sum to 1.
+/// and what acts on it acts on them by the same shares. None of them hangs. Weights sum to 1, those on one larger
+/// element are >= 0.
 struct HangingNode {
   int node = -1;
   std::vector<WeightedNode> carriers;
+  /// Bits of the components that do not hang: a support or a prescribed motion has the node there, and not all of those
+  /// that carry it.
+  unsigned held = 0;
+
+  [[nodiscard]] bool hangs(int component) const { return (held >> component & 1U) == 0; }
 };
 
 /// Nodes, elements and named groups of one body.

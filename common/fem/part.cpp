@@ -156,7 +156,7 @@ Part extract_part(const Mesh& whole, const std::string& body, const Section& sec
   take_elements(whole, extra_nodes, part);
   take_groups_and_surfaces(whole, part);
   assemble(part);
-  pass_on(part.mesh.hanging, 1, part.lumped_mass);
+  pass_on_masses(part.mesh.hanging, part.lumped_mass);
   eliminate(part.mesh.hanging, components(whole.model), part.stiffness);
   return part;
 }

@@ -11,6 +11,12 @@ namespace ricochet::scene {
 /// Mesh of a body, structured or read, checked.
 [[nodiscard]] fem::Mesh build_mesh(const Scene& scene, const Body& body);
 
+/// Ties of a body: on each pair of surfaces the nodes of that with the shorter edges hang on the nodes of the other, by
+/// the weights of the dual mortar (mortar.hpp), so that tractions of one side are in balance with those of the other.
+/// Throws ConfigError for an unknown surface, surfaces that lie nowhere opposite or not on each other, a node that
+/// would hang twice, and a piece that no tie joins to the others.
+void tie_pieces(const Scene& scene, const Body& body, fem::Mesh& mesh);
+
 /// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.
 /// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support.
 void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);

@@ -92,10 +92,27 @@ void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders&
   }
 }
 
-/// Nobody integrates a hanging node. A surface that has one has its carriers, too: held there, it is held by them.
-void hold_hanging(BodyProblem& body, int components) {
-  for (const fem::HangingNode& hanging : body.mesh.hanging) {
-    for (int dof = hanging.node * components; dof < (hanging.node + 1) * components; ++dof) {
+/// Nobody integrates a hanging node. A surface of larger elements that has one has its carriers, too: held there, it is
+/// held by them. Where a tie ends at a support, nodes beside it may carry the node as well; it is held itself then, so
+/// that no reaction comes to lie on those.
+void hold_hanging(const Scene& scene, const Body& spec, BodyProblem& body, const Holders& holders) {
+  const int components = scene.components();
+  const std::vector<bool> held = body.fixed_dof;
+  for (fem::HangingNode& hanging : body.mesh.hanging) {
+    for (int c = 0; c < components; ++c) {
+      const int dof = hanging.node * components + c;
+      const bool by_carriers = std::all_of(hanging.carriers.begin(), hanging.carriers.end(), [&](const auto& carrier) {
+        return held[at(carrier.node * components + c)];
+      });
+      if (held[at(dof)] && !by_carriers) {
+        if (spec.large_rotation)
+          throw ConfigError(fmt::format(
+              "{}: found {}, which hangs by a tie on nodes that are not held, of a body that turns; allowed: a "
+              "support away from ties, or no large_rotation",
+              scene.where(holders[at(dof)]), node_text(body, hanging.node)));
+        hanging.held |= 1U << c;
+        continue;
+      }
       body.fixed_dof[at(dof)] = true;
       body.prescribed_displacement_m[dof] = 0.0;
       body.prescribed_index[at(dof)] = -1;
@@ -114,7 +131,7 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
   fix_axis(body, holders);
   fix_supports(scene, spec, body, holders);
   prescribe(scene, spec, body, holders);
-  hold_hanging(body, scene.components());
+  hold_hanging(scene, spec, body, holders);
 }
 
 namespace {
@@ -155,7 +172,8 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     const double initial = start + part * (end - start);
     const int prescribed = body.prescribed_index[at(dof)];
     const double round_off = 1e-12 * std::max(std::abs(start), std::abs(end));
-    const bool hangs = fem::hanging_at(body.mesh, node) != nullptr;
+    const fem::HangingNode* hanging = fem::hanging_at(body.mesh, node);
+    const bool hangs = hanging != nullptr && hanging->hangs(dof % components);
     if (body.fixed_dof[at(dof)] && !hangs && prescribed < 0 && std::abs(initial) > round_off)
       throw ConfigError(fmt::format("{}: found {} m at {}, which is held; allowed: 0 on supports and on the axis r = 0",
                                     scene.where("body." + spec.name + ".initial_displacement_m"), initial,

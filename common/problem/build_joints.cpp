@@ -100,7 +100,7 @@ std::vector<Joint> build_joints(const Scene& scene, std::vector<BodyProblem>& bo
       if (fem::hanging_at(body->mesh, node) != nullptr)
         throw ConfigError(fmt::format(
             "{}: found a joined node at {}, which hangs on larger elements; allowed: nodes "
-            "inside or outside of the boxes of mesh.refine",
+            "inside or outside of the boxes of mesh.refine, and of the coarser side of a tie",
             scene.where("body." + foreign.name), fem::place_text(scene.model, body->mesh.position[at(node)])));
       body->joined_node[at(node)] = true;
     }

@@ -54,25 +54,25 @@ fem::Mesh structured_mesh(Model model, const StructuredMesh& spec) {
   return mesh;
 }
 
-fem::Mesh mesh_of_file(const Scene& scene, const GmshMesh& spec, const std::string& body) {
-  fem::Mesh mesh = fem::is_inp_file(spec.path) ? fem::read_inp(spec.path, scene.model, body, scene.bodies.size() == 1)
-                                               : fem::read_gmsh(spec.path, scene.model, body);
+/// `only`: no other body or piece is there whose elements the file could hold.
+fem::Mesh mesh_of_file(const Scene& scene, const GmshMesh& spec, const std::string& name, bool only) {
+  fem::Mesh mesh = fem::is_inp_file(spec.path) ? fem::read_inp(spec.path, scene.model, name, only)
+                                               : fem::read_gmsh(spec.path, scene.model, name);
   for (Eigen::Vector3d& position : mesh.position) position *= spec.unit_m;
   return mesh;
 }
 
-void refine(const Scene& scene, const Body& body, fem::Mesh& mesh) {
-  for (std::size_t i = 0; i < body.refine.size(); ++i) {
-    fem::RefinedBox box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), body.refine[i].ratio};
+void refine(const Scene& scene, const std::string& key, const MeshPiece& piece, fem::Mesh& mesh) {
+  for (std::size_t i = 0; i < piece.refine.size(); ++i) {
+    fem::RefinedBox box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), piece.refine[i].ratio};
     for (std::size_t c = 0; c < at(scene.components()); ++c) {
-      box.from_m[static_cast<Eigen::Index>(c)] = body.refine[i].from_m[c];
-      box.to_m[static_cast<Eigen::Index>(c)] = body.refine[i].to_m[c];
+      box.from_m[static_cast<Eigen::Index>(c)] = piece.refine[i].from_m[c];
+      box.to_m[static_cast<Eigen::Index>(c)] = piece.refine[i].to_m[c];
     }
     try {
       fem::refine(mesh, box);
     } catch (const ConfigError& error) {
-      throw ConfigError(
-          fmt::format("{}: {}", scene.where(fmt::format("body.{}.mesh.refine[{}]", body.name, i)), error.what()));
+      throw ConfigError(fmt::format("{}: {}", scene.where(fmt::format("{}.refine[{}]", key, i)), error.what()));
     }
   }
 }
@@ -93,29 +93,69 @@ void put_in_place(const MeshPlace& place, fem::Mesh& mesh) {
 /// A set of nodes has no faces, without which there is neither an area nor a normal.
 std::string node_set_text(const Scene& scene, const std::string& surface) {
   for (const Body& body : scene.bodies) {
-    const auto* file = std::get_if<GmshMesh>(&body.mesh);
-    if (file != nullptr && fem::is_inp_file(file->path) && fem::inp_has_node_set(file->path, surface))
-      return fmt::format("; {} has a *NSET of that name, whose nodes have no faces: write *SURFACE, NAME={} there",
-                         file->path, surface);
+    for (const GmshMesh* file : body.files())
+      if (fem::is_inp_file(file->path) && fem::inp_has_node_set(file->path, surface))
+        return fmt::format("; {} has a *NSET of that name, whose nodes have no faces: write *SURFACE, NAME={} there",
+                           file->path, surface);
   }
   return "";
+}
+
+fem::Mesh piece_mesh(const Scene& scene, const Body& body, const MeshPiece& piece) {
+  const std::string key =
+      fmt::format("body.{}.mesh{}", body.name, body.of_pieces() ? ".piece." + piece.name : std::string());
+  fem::Mesh mesh;
+  try {
+    const auto* file = std::get_if<GmshMesh>(&piece.elements);
+    mesh = file == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(piece.elements))
+                           : mesh_of_file(scene, *file, body.of_pieces() ? piece.name : body.name,
+                                          scene.bodies.size() == 1 && !body.of_pieces());
+    fem::check_mesh(mesh, body.name);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
+  }
+  refine(scene, key, piece, mesh);
+  put_in_place(piece.place, mesh);
+  return mesh;
+}
+
+/// Groups and surfaces are "PIECE.NAME"; the group "PIECE" has all elements of a piece.
+void append(const fem::Mesh& piece, const std::string& name, fem::Mesh& mesh) {
+  const auto nodes = static_cast<int>(mesh.position.size()), elements = static_cast<int>(mesh.elements.size());
+  mesh.model = piece.model;
+  mesh.position.insert(mesh.position.end(), piece.position.begin(), piece.position.end());
+  for (fem::Element element : piece.elements) {
+    for (int& node : element) node += nodes;
+    mesh.element_groups[name].push_back(static_cast<int>(mesh.elements.size()));
+    mesh.elements.push_back(element);
+  }
+  for (const auto& [group, members] : piece.element_groups)
+    for (const int element : members) mesh.element_groups[name + "." + group].push_back(elements + element);
+  for (const auto& [surface, faces] : piece.surfaces) {
+    for (fem::Face face : faces) {
+      for (int& node : face) node += nodes;
+      mesh.surfaces[name + "." + surface].push_back(face);
+    }
+  }
+  for (fem::HangingNode hanging : piece.hanging) {
+    hanging.node += nodes;
+    for (auto& carrier : hanging.carriers) carrier.node += nodes;
+    mesh.hanging.push_back(std::move(hanging));
+  }
+  for (const std::string& surface : piece.refined_surfaces) mesh.refined_surfaces.push_back(name + "." + surface);
 }
 
 }  // namespace
 
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
-  const std::string key = "body." + body.name + ".mesh";
+  if (!body.of_pieces()) return piece_mesh(scene, body, body.pieces.front());
   fem::Mesh mesh;
-  try {
-    const auto* file = std::get_if<GmshMesh>(&body.mesh);
-    mesh = file == nullptr ? structured_mesh(scene.model, std::get<StructuredMesh>(body.mesh))
-                           : mesh_of_file(scene, *file, body.name);
-    fem::check_mesh(mesh, body.name);
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
-  }
-  refine(scene, body, mesh);
-  put_in_place(body.place, mesh);
+  for (const MeshPiece& piece : body.pieces) append(piece_mesh(scene, body, piece), piece.name, mesh);
+  if (mesh.elements.size() > fem::most_elements)
+    throw ConfigError(fmt::format("{}: found {} elements in all pieces; allowed: at most {} in a body",
+                                  scene.where("body." + body.name + ".mesh"), mesh.elements.size(),
+                                  fem::most_elements));
+  tie_pieces(scene, body, mesh);
   return mesh;
 }
 

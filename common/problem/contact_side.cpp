@@ -115,7 +115,7 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
         "boxes away from it: the new nodes lie on the straight edges of the larger elements, not on a curve");
   const auto hangs = [&](int node) { return fem::hanging_at(mesh, node) != nullptr; };
   if (needs_pairs(context.scene) && std::any_of(side.nodes.begin(), side.nodes.end(), hangs))
-    context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine", side.name),
+    context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine or a tie", side.name),
                    "a surface of one size of elements with massless contact or impact_update = \"impedance\"");
   if (model == Model::bar || (is_flat(side) && !with_placed_plane(context.contact))) return side;
   side.flat = false;

@@ -104,7 +104,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }
   add_scaled_mass(body, mass);
-  fem::pass_on(body.mesh.hanging, 1, mass);
+  fem::pass_on_masses(body.mesh.hanging, mass);
   return mass;
 }
 

@@ -40,7 +40,7 @@ fem::Part body_part(const BodyProblem& body, const std::vector<int>& elements, c
     for (Eigen::Index i = 0; i < added.size(); ++i)
       part.lumped_mass[part.mesh.elements[e][static_cast<std::size_t>(i)]] += added[i];
   }
-  fem::pass_on(part.mesh.hanging, 1, part.lumped_mass);
+  fem::pass_on_masses(part.mesh.hanging, part.lumped_mass);
   return part;
 }
 

@@ -98,15 +98,22 @@ struct AbsorbingSurface {
   Wave wave = Wave::bar;
 };
 
+/// A mesh of its own, for itself the body's or one of several that ties join.
+struct MeshPiece {
+  std::string name;  ///< empty: the body's only mesh
+  std::variant<StructuredMesh, GmshMesh> elements;
+  std::vector<RefinedBox> refine;  ///< one after the other
+  MeshPlace place;                 ///< of the divided mesh
+};
+
 struct Body {
   std::string name;
   Material material;
-  double area_m2 = 1.0;      ///< `bar`: cross section
-  double thickness_m = 1.0;  ///< `plane_strain`: thickness
-  std::variant<StructuredMesh, GmshMesh> mesh;
-  std::vector<RefinedBox> refine;            ///< one after the other
-  MeshPlace place;                           ///< of the divided mesh
-  std::vector<double> initial_velocity_m_s;  ///< one entry per component
+  double area_m2 = 1.0;                          ///< `bar`: cross section
+  double thickness_m = 1.0;                      ///< `plane_strain`: thickness
+  std::vector<MeshPiece> pieces;                 ///< one without a name, or all with one
+  std::vector<std::array<std::string, 2>> ties;  ///< surfaces of pieces that move together, "PIECE.SURFACE"
+  std::vector<double> initial_velocity_m_s;      ///< one entry per component
   bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
   /// About its centre of mass, along the axes of space; zero unless large_rotation.
   std::array<double, 3> initial_angular_velocity_rad_s{};
@@ -117,6 +124,11 @@ struct Body {
   std::vector<Traction> tractions;
   std::vector<PrescribedDisplacement> prescribed;
   std::vector<AbsorbingSurface> absorbing;
+
+  /// Its mesh if that is a structured one; null of pieces and of a file.
+  [[nodiscard]] const StructuredMesh* structured() const;
+  [[nodiscard]] std::vector<const GmshMesh*> files() const;
+  [[nodiscard]] bool of_pieces() const { return !pieces.front().name.empty(); }
 };
 
 /// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not

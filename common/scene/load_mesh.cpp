@@ -138,26 +138,73 @@ std::variant<StructuredMesh, GmshMesh> load_elements(TableReader& table, Model m
   return mesh;
 }
 
+MeshPiece load_piece(TableReader& table, Model model, const std::string& folder) {
+  MeshPiece piece;
+  piece.elements = load_elements(table, model, folder);
+  piece.refine = load_refined_boxes(table, model);
+  const auto* structured = std::get_if<StructuredMesh>(&piece.elements);
+  table.only_if(structured == nullptr || !structured->periodic_across, "place", "a mesh that does not repeat");
+  piece.place = load_place(table, model);
+  return piece;
+}
+
+/// Every one with a name of its own.
+void load_pieces(TableReader& mesh, Model model, const std::string& folder, Body& body) {
+  for (TableReader& table : mesh.tables("piece", "piece")) {
+    const std::string name = table.name("name");
+    table.rename(fmt::format("body.{}.mesh.piece.{}", body.name, name));
+    if (std::ranges::any_of(body.pieces, [&](const MeshPiece& other) { return other.name == name; }))
+      table.refuse("name", "\"" + name + "\" a second time", "a name for each piece of a body");
+    table.only_if(false, "periodic_across", "a mesh without pieces");
+    body.pieces.push_back(load_piece(table, model, folder));
+    body.pieces.back().name = name;
+    table.finish();
+  }
+  const std::vector<std::string> known = surface_names(model, body);
+  for (TableReader& table : mesh.tables("tie", "tie")) {
+    const std::vector<std::string> surfaces = known.empty() ? table.texts("surfaces") : table.words("surfaces", known);
+    if (surfaces.size() != 2)
+      table.refuse("surfaces", fmt::format("{} surfaces", surfaces.size()), "two, each \"PIECE.SURFACE\"");
+    body.ties.push_back({surfaces[0], surfaces[1]});
+    table.finish();
+  }
+}
+
+/// Surfaces of a structured mesh.
+std::vector<std::string> surfaces_of(Model model, const StructuredMesh& mesh) {
+  if (model == Model::bar || mesh.periodic_across) return {"start", "end"};
+  if (mesh.cylinder) return {"start", "end", "outer"};
+  if (model == Model::solid) return {"start", "end", "inner", "outer", "front", "back"};
+  return {"start", "end", "inner", "outer"};
+}
+
 }  // namespace
 
 void load_mesh(TableReader& table, Model model, const std::string& folder, Body& body) {
   TableReader mesh = table.table("mesh", "mesh");
-  body.mesh = load_elements(mesh, model, folder);
-  body.refine = load_refined_boxes(mesh, model);
-  const auto* structured = std::get_if<StructuredMesh>(&body.mesh);
-  mesh.only_if(structured == nullptr || !structured->periodic_across, "place", "a mesh that does not repeat");
-  body.place = load_place(mesh, model);
-  table.only_if(!body.place.turned(), "initial_displacement_m", "a mesh that place does not turn");
+  if (mesh.has("piece")) {
+    for (const char* key : {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading",
+                            "periodic_across", "gmsh", "inp", "length_unit", "refine", "place"})
+      mesh.only_if(false, key, "a mesh without pieces; each [[body.mesh.piece]] has keys of its own");
+    load_pieces(mesh, model, folder, body);
+  } else {
+    mesh.only_if(false, "tie", "a mesh of pieces: [[body.mesh.piece]]");
+    body.pieces.push_back(load_piece(mesh, model, folder));
+  }
+  const auto turned = [](const MeshPiece& piece) { return piece.place.turned(); };
+  table.only_if(std::ranges::none_of(body.pieces, turned), "initial_displacement_m", "a mesh that place does not turn");
   mesh.finish();
 }
 
 std::vector<std::string> surface_names(Model model, const Body& body) {
-  const auto* mesh = std::get_if<StructuredMesh>(&body.mesh);
-  if (mesh == nullptr) return {};
-  if (model == Model::bar || mesh->periodic_across) return {"start", "end"};
-  if (mesh->cylinder) return {"start", "end", "outer"};
-  if (model == Model::solid) return {"start", "end", "inner", "outer", "front", "back"};
-  return {"start", "end", "inner", "outer"};
+  std::vector<std::string> names;
+  for (const MeshPiece& piece : body.pieces) {
+    const auto* mesh = std::get_if<StructuredMesh>(&piece.elements);
+    if (mesh == nullptr) return {};
+    for (const std::string& surface : surfaces_of(model, *mesh))
+      names.push_back(piece.name.empty() ? surface : piece.name + "." + surface);
+  }
+  return names;
 }
 
 }  // namespace ricochet::scene

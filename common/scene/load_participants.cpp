@@ -25,11 +25,11 @@ std::string resolve_executable(const std::string& given, const Scene& scene) {
   return (std::filesystem::path(scene.path).parent_path() / given).lexically_normal().string();
 }
 
-/// Element groups of a participant's one body, which must come from a mesh file: a structured mesh has none.
+/// Element groups of a participant's one body, of pieces or from a mesh file: a structured mesh has none.
 std::vector<std::string> load_groups(TableReader& table, const std::vector<std::string>& bodies, const Scene& scene) {
-  const bool from_gmsh = bodies.size() == 1 && !scene.is_foreign(bodies.front()) &&
-                         std::holds_alternative<GmshMesh>(scene.body(bodies.front()).mesh);
-  table.only_if(from_gmsh, "groups", "bodies = [one body], read from a mesh file");
+  const bool has_groups =
+      bodies.size() == 1 && !scene.is_foreign(bodies.front()) && scene.body(bodies.front()).structured() == nullptr;
+  table.only_if(has_groups, "groups", "bodies = [one body], of pieces or read from a mesh file");
   return table.texts("groups");
 }
 

@@ -42,9 +42,9 @@ void load_implicit_groups(TableReader& table, const Scene& scene, Partition& par
   partition.rule = PartitionRule::implicit_groups;
   partition.implicit_groups = table.texts_by_name("implicit_groups", bodies);
   for (const auto& [body, groups] : partition.implicit_groups)
-    if (std::holds_alternative<StructuredMesh>(scene.body(body).mesh))
+    if (scene.body(body).structured() != nullptr)
       table.refuse("implicit_groups", "groups of body \"" + body + "\", whose structured mesh has none",
-                   "bodies read from a mesh file; use implicit_length_m");
+                   "bodies of pieces or read from a mesh file; use implicit_length_m");
 }
 
 constexpr double most_modes = 10000;

@@ -185,7 +185,7 @@ void load_tables(TableReader& root, Scene& scene) {
 std::string digest(const std::string& text, const Scene& scene) {
   std::string all = text;
   for (const Body& body : scene.bodies)
-    if (const auto* mesh = std::get_if<GmshMesh>(&body.mesh)) all += read_text(mesh->path);
+    for (const GmshMesh* file : body.files()) all += read_text(file->path);
   for (const ForeignBody& body : scene.foreign_bodies)
     if (!body.interface_nodes.empty()) all += read_text(body.interface_nodes);
   return sha256_hex(all);

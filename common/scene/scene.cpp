@@ -30,6 +30,17 @@ double StructuredMesh::elements_in_layer() const {
   return cylinder ? 4.0 * core * (2.0 * elements_across - core) : 1.0 * elements_across * elements_wide;
 }
 
+const StructuredMesh* Body::structured() const {
+  return of_pieces() ? nullptr : std::get_if<StructuredMesh>(&pieces.front().elements);
+}
+
+std::vector<const GmshMesh*> Body::files() const {
+  std::vector<const GmshMesh*> files;
+  for (const MeshPiece& piece : pieces)
+    if (const auto* file = std::get_if<GmshMesh>(&piece.elements)) files.push_back(file);
+  return files;
+}
+
 double StructuredMesh::nodes_in_layer() const {
   if (cylinder) return elements_in_layer() + 4.0 * fem::core_of_cylinder(elements_across) + 1.0;
   return (elements_across + 1.0) * (width_m > 0.0 ? elements_wide + 1.0 : 1.0);

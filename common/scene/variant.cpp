@@ -96,14 +96,19 @@ void make_absolute(Toml& table, const char* key, const fs::path& folder) {
   if (!program_on_path) table.as_table()[key] = fs::absolute(folder / path).lexically_normal().string();
 }
 
+void keep_mesh_paths(Toml& mesh, const fs::path& folder) {
+  for (const char* key : {"gmsh", "inp"}) make_absolute(mesh, key, folder);
+  if (!mesh.is_table() || !mesh.contains("piece") || !mesh.at("piece").is_array()) return;
+  for (Toml& piece : mesh.at("piece").as_array()) keep_mesh_paths(piece, folder);
+}
+
 void keep_paths(Toml& root, const fs::path& folder) {
   const auto each = [&root](const char* name, const auto& act) {
     if (!root.contains(name) || !root.at(name).is_array()) return;
     for (auto& table : root.at(name).as_array()) act(table);
   };
   each("body", [&](Toml& body) {
-    for (const char* key : {"gmsh", "inp"})
-      if (body.is_table() && body.contains("mesh")) make_absolute(body.at("mesh"), key, folder);
+    if (body.is_table() && body.contains("mesh")) keep_mesh_paths(body.at("mesh"), folder);
     make_absolute(body, "interface_nodes", folder);
   });
   each("participant", [&](Toml& participant) { make_absolute(participant, "executable", folder); });

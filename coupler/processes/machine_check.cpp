@@ -30,12 +30,17 @@ constexpr PerNode in_one_dimension{135, 155, 325}, in_two_dimensions{335, 465, 6
 constexpr double bytes_per_node_of_gmsh_file = 40;  // of the file, which is text or binary
 
 double nodes_of(const scene::Body& body) {
-  if (const auto* gmsh = std::get_if<scene::GmshMesh>(&body.mesh)) {
+  double nodes = 0.0;
+  for (const auto& piece : body.pieces) {
     std::error_code ignored;
-    return static_cast<double>(std::filesystem::file_size(gmsh->path, ignored)) / bytes_per_node_of_gmsh_file;
+    if (const auto* mesh = std::get_if<scene::StructuredMesh>(&piece.elements))
+      nodes += mesh->nodes_in_layer() * (mesh->elements_along + 1.0);
+    else
+      nodes +=
+          static_cast<double>(std::filesystem::file_size(std::get<scene::GmshMesh>(piece.elements).path, ignored)) /
+          bytes_per_node_of_gmsh_file;
   }
-  const auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
-  return mesh.nodes_in_layer() * (mesh.elements_along + 1.0);
+  return nodes;
 }
 
 std::string size_text(double bytes) {

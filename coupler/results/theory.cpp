@@ -8,7 +8,7 @@ namespace ricochet::coupler {
 namespace {
 
 bool periodic(const scene::Body& body) {
-  const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
+  const auto* mesh = body.structured();
   return mesh && mesh->periodic_across;
 }
 

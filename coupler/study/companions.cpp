@@ -68,18 +68,21 @@ Companion Companions::compute(const std::string& what, const std::vector<Overrid
 
 std::optional<std::vector<Override>> coarser(const scene::Scene& scene, int factor) {
   std::vector<Override> changes;
+  const auto count = [factor](int elements) { return static_cast<double>(std::max(1, elements / factor)); };
   for (const auto& body : scene.bodies) {
-    const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
-    if (mesh == nullptr) return {};
-    const auto count = [factor](int elements) { return static_cast<double>(std::max(1, elements / factor)); };
-    const std::string key = fmt::format("body.{}.mesh.elements", body.name);
-    if (scene.model == scene::Model::bar) {
-      changes.push_back({key, count(mesh->elements_along)});
-    } else if (scene.model == scene::Model::solid && !mesh->cylinder) {
-      changes.push_back(
-          {key, std::vector{count(mesh->elements_across), count(mesh->elements_wide), count(mesh->elements_along)}});
-    } else {
-      changes.push_back({key, std::vector{count(mesh->elements_across), count(mesh->elements_along)}});
+    for (const auto& piece : body.pieces) {
+      const auto* mesh = std::get_if<scene::StructuredMesh>(&piece.elements);
+      if (mesh == nullptr) return {};
+      const std::string key =
+          fmt::format("body.{}.mesh.{}elements", body.name, body.of_pieces() ? "piece." + piece.name + "." : "");
+      if (scene.model == scene::Model::bar) {
+        changes.push_back({key, count(mesh->elements_along)});
+      } else if (scene.model == scene::Model::solid && !mesh->cylinder) {
+        changes.push_back(
+            {key, std::vector{count(mesh->elements_across), count(mesh->elements_wide), count(mesh->elements_along)}});
+      } else {
+        changes.push_back({key, std::vector{count(mesh->elements_across), count(mesh->elements_along)}});
+      }
     }
   }
   return changes;

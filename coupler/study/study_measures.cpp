@@ -174,8 +174,8 @@ double free_mass_kg(const scene::Scene& scene, const scene::Body& body) {
   require(free && still(body.gravity_m_s2), scene, fmt::format("supports or loads of '{}'", body.name));
   require(still(body.initial_displacement_start_m) && still(body.initial_displacement_end_m), scene,
           fmt::format("an initial displacement of '{}'", body.name));
-  const auto* mesh = std::get_if<scene::StructuredMesh>(&body.mesh);
-  require(mesh != nullptr, scene, fmt::format("a Gmsh mesh of '{}'", body.name));
+  const auto* mesh = body.structured();
+  require(mesh != nullptr, scene, fmt::format("a mesh of pieces or of a file for '{}'", body.name));
   return body.material.density_kg_m3 * body.area_m2 * mesh->length_m;
 }
 

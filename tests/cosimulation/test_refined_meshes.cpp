@@ -291,9 +291,10 @@ TEST(RefinedMeshes, AreRefusedWhereTheyCannotBe) {
               HasSubstr("a whole layer of elements between two changes of size"));
   EXPECT_THAT(
       refusal(square + "[[participant]]\nname = \"all\"\nrole = \"explicit\"\nbodies = [\"square\"]\nranks = 2\n"),
-      HasSubstr("with body \"square\", which mesh.refine divides in part; allowed: no ranks (and threads)"));
+      HasSubstr(
+          "with body \"square\", which has nodes that hang, by mesh.refine or a tie; allowed: no ranks (and threads)"));
   EXPECT_THAT(refusal(replaced(sliding_blocks(""), "friction_coefficient = 0.2", "multiplier_update = \"massless\"")),
-              HasSubstr("with nodes that hang, by mesh.refine; allowed: a surface of one size of elements"));
+              HasSubstr("with nodes that hang, by mesh.refine or a tie; allowed: a surface of one size of elements"));
 }
 
 /// New nodes would lie on the chords of the larger elements.

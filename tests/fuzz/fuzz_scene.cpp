@@ -13,10 +13,12 @@ namespace {
 bool is_small(const ricochet::scene::Scene& scene) {
   constexpr double most_elements = 200;
   return std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
-    const auto* mesh = std::get_if<ricochet::scene::StructuredMesh>(&body.mesh);
-    return mesh != nullptr &&
-           1.0 * mesh->elements_along * std::max(1, mesh->elements_across) * std::max(1, mesh->elements_wide) <=
-               most_elements;
+    return std::all_of(body.pieces.begin(), body.pieces.end(), [](const auto& piece) {
+      const auto* mesh = std::get_if<ricochet::scene::StructuredMesh>(&piece.elements);
+      return mesh != nullptr &&
+             1.0 * mesh->elements_along * std::max(1, mesh->elements_across) * std::max(1, mesh->elements_wide) <=
+                 most_elements;
+    });
   });
 }
 

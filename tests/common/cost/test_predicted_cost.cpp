@@ -19,7 +19,7 @@ TEST(PredictedCost, GrowsWithTheMesh) {
   auto scene = scene_of("kim_impact");
   const PredictedCost coarse = cost_of(scene);
   for (auto& body : scene.bodies) {
-    auto& mesh = std::get<scene::StructuredMesh>(body.mesh);
+    auto& mesh = std::get<scene::StructuredMesh>(body.pieces.front().elements);
     mesh.elements_along *= 4;
     mesh.elements_across *= 4;
   }

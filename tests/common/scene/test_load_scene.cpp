@@ -111,7 +111,7 @@ TEST(LoadScene, BodyFieldByField) {
   EXPECT_EQ(steel.material.density_kg_m3, 7860.0);
   EXPECT_TRUE(std::isinf(steel.material.yield_stress_pa));
   EXPECT_TRUE(std::isinf(steel.material.strength_pa));
-  const auto& mesh = std::get<StructuredMesh>(steel.mesh);
+  const auto& mesh = *steel.structured();
   EXPECT_EQ(mesh.start_m, -0.02);
   EXPECT_EQ(mesh.length_m, 0.02);
   EXPECT_EQ(mesh.across_m, 0.004);
@@ -129,7 +129,7 @@ TEST(LoadScene, BodyFieldByField) {
 TEST(LoadScene, ASolidWithARadiusIsACylinder) {
   const Scene scene = load_text(replaced(blocks, "height_m = 0.2, width_m = 0.3, elements = [2, 3, 6] }\n[[body]]",
                                          "radius_m = 0.1, elements = [5, 6], grading = [2.0, 3.0] }\n[[body]]"));
-  const auto& mesh = std::get<StructuredMesh>(scene.bodies[0].mesh);
+  const auto& mesh = *scene.bodies[0].structured();
   EXPECT_TRUE(mesh.cylinder);
   EXPECT_EQ(mesh.across_m, 0.1);
   EXPECT_EQ(mesh.elements_across, 5);
@@ -138,7 +138,7 @@ TEST(LoadScene, ASolidWithARadiusIsACylinder) {
   EXPECT_EQ(mesh.grading_along, 3.0);
   EXPECT_EQ(mesh.elements_in_layer(), 84.0) << "a core of 6 x 6 and 2 rings of 24";
   EXPECT_EQ(mesh.nodes_in_layer(), 97.0);
-  const auto& block = std::get<StructuredMesh>(scene.bodies[1].mesh);
+  const auto& block = *scene.bodies[1].structured();
   EXPECT_FALSE(block.cylinder);
   EXPECT_EQ(block.elements_in_layer(), 6.0);
   EXPECT_EQ(block.nodes_in_layer(), 12.0);
@@ -385,7 +385,7 @@ TEST(LoadScene, BarsNeedNoPoissonRatioAndOneNumberPerVector) {
   EXPECT_EQ(scene.components(), 1);
   EXPECT_EQ(scene.body("left").material.poisson_ratio, 0.0);
   EXPECT_EQ(scene.body("left").area_m2, 6.4516e-4);
-  EXPECT_EQ(std::get<StructuredMesh>(scene.body("left").mesh).grading_along, 3.0);
+  EXPECT_EQ(scene.body("left").structured()->grading_along, 3.0);
   EXPECT_THAT(scene.body("left").initial_velocity_m_s, ElementsAre(5.13588));
 }
 

@@ -113,7 +113,7 @@ TEST_F(Variant, ChangesOneOfSeveralContactsByItsName) {
 TEST_F(Variant, ChangesLists) {
   const Scene after = load(config("kim_impact"), {{"body.steel.mesh.elements", std::vector<double>{4, 64}},
                                                   {"body.carbide.initial_velocity_m_s", std::vector<double>{0, -1.5}}});
-  const auto& mesh = std::get<StructuredMesh>(after.bodies[0].mesh);
+  const auto& mesh = *after.bodies[0].structured();
   EXPECT_EQ(mesh.elements_across, 4);
   EXPECT_EQ(mesh.elements_along, 64);
   EXPECT_EQ(after.bodies[1].initial_velocity_m_s[1], -1.5);

@@ -509,8 +509,7 @@ TEST(ExactImpact, OfASoftStrikerKeepsMomentumAndReboundsByImpedances) {
   double before = 0.0, after = 0.0;
   for (std::size_t b = 0; b < 2; ++b) {
     const auto& body = problem.scene.bodies[b];
-    const double mass =
-        body.material.density_kg_m3 * body.area_m2 * std::get<scene::StructuredMesh>(body.mesh).length_m;
+    const double mass = body.material.density_kg_m3 * body.area_m2 * body.structured()->length_m;
     before += body.initial_velocity_m_s.empty() ? 0.0 : mass * body.initial_velocity_m_s[0];
     after += mass * exact.rebound_velocity_m_s[b];
   }
