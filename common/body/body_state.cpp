@@ -226,7 +226,7 @@ BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& 
   state.set_mass(state.part.lumped_mass);
   if (problem.scene.bodies[index].large_rotation && !state.part.mesh.elements.empty())
     state.frame = std::make_shared<PartFrame>(state.part);
-  if (state.part.material.plasticity) state.plastic = std::make_shared<PlasticState>(state.part);
+  if (problem.scene.bodies[index].yields()) state.plastic = std::make_shared<PlasticState>(state.part);
   return state;
 }
 

@@ -17,16 +17,21 @@ constexpr std::size_t worth_a_thread = 1000;
 /// Rounding must not let a point pass its yield stress unseen.
 constexpr double caution = 1.001;
 
+fem::Plasticity law_of(const fem::Material& material) {
+  return material.plasticity.value_or(fem::Plasticity{.yield_stress_pa = std::numeric_limits<double>::infinity()});
+}
+
 }  // namespace
 
 PlasticElements::PlasticElements(const BodyState& state)
     : state_(&state),
-      law_(*state.part.material.plasticity),
+      laws_{law_of(state.part.material)},
       factor_squared_(state.part.section.model == fem::Model::bar ? 1.0 : 1.5),
       round_(state.part.section.model == fem::Model::axisymmetric),
       all_{{0, state.part.dofs()}},
       settled_(state.plastic),
       step_(*settled_) {
+  for (const fem::Material& material : state.part.mesh.materials) laws_.push_back(law_of(material));
   set_shapes();
   set_blocks();
   u_settled_ = u_step_ = state.u;
@@ -37,20 +42,25 @@ void PlasticElements::set_shapes() {
   fem::ElementCopies<int> copies(part.section.model);
   // In axisymmetry u_r moves a strain by its gradient and by itself.
   const double times = round_ ? std::sqrt(2.0) : 1.0;
-  const double scale = caution * times * std::sqrt(factor_squared_) * settled_->modulus_pa;
+  double scale = 0.0;
   const auto make = [&](const fem::ElementGeometry& geometry) {
     Shape& shape = shapes_.emplace_back();
     const auto points = fem::element_points(part.section, geometry);
     for (const auto& point : points) shape.volume_m3.push_back(point.volume_m3);
-    for (const auto& point : points)
-      shape.pa_per_m = std::max(shape.pa_per_m, scale * point.gradient.rowwise().norm().sum());
+    for (const auto& point : points) {
+      double norms = 0.0;
+      for (Eigen::Index i = 0; i < point.gradient.rows(); ++i) norms += point.gradient.row(i).norm();
+      shape.pa_per_m = std::max(shape.pa_per_m, scale * norms);
+    }
     for (Eigen::Index i = 0; i < points.front().gradient.rows(); ++i)
       for (int c = 0; c < 3; ++c)
         for (const auto& point : points) shape.gradients.push_back(point.gradient(i, c));
     return static_cast<int>(shapes_.size()) - 1;
   };
-  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e)
-    shape_of_.push_back(copies.of(fem::element_geometry(part.mesh, e), make));
+  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+    scale = caution * times * std::sqrt(factor_squared_) * settled_->modulus_pa(e);
+    shape_of_.push_back(copies.of(fem::element_geometry(part.mesh, e), make, fem::material_index(part.mesh, e)));
+  }
 }
 
 void PlasticElements::set_blocks() {
@@ -108,27 +118,28 @@ auto PlasticElements::stresses(int element, const Eigen::VectorXd& u) const -> S
   }
   const double* const plastic = step_.strain.data() + Stresses<dimension>::SizeAtCompileTime * std::ptrdiff_t{element};
   using ByPoint = Eigen::Array<double, components_of<dimension>, points_of<dimension>>;
-  return step_.modulus_pa * (s - Eigen::Map<const ByPoint>(plastic));
+  return step_.modulus_pa(element) * (s - Eigen::Map<const ByPoint>(plastic));
 }
 
-double PlasticElements::softening(int point) const {
-  return step_.heats() ? law_.heat->softening(step_.temperature_k[point]) : 1.0;
+double PlasticElements::softening(const fem::Plasticity& law, int point) const {
+  return law.heat ? law.heat->softening(step_.temperature_k[point]) : 1.0;
 }
 
 /// How far its points are from yielding, 0 where one does, and what flows [Pa].
 template <int dimension>
 double PlasticElements::margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const {
   double smallest = std::numeric_limits<double>::infinity();
-  const double to_yield = step_.modulus_pa * factor_squared_;
+  const fem::Plasticity& own = law(element);
+  const double to_yield = step_.modulus_pa(element) * factor_squared_;
   const Stresses<dimension> s = stresses<dimension>(element, u);
   const Eigen::Array<double, 1, points_of<dimension>> q = (factor_squared_ * s.square().colwise().sum()).sqrt();
   for (int p = 0; p < points_of<dimension>; ++p) {
     const int point = element * points_of<dimension> + p;
-    const double equivalent = step_.equivalent[point], soft = softening(point);
-    const double rest_pa = law_.at_rest(equivalent, soft);
+    const double equivalent = step_.equivalent[point], soft = softening(own, point);
+    const double rest_pa = own.at_rest(equivalent, soft);
     smallest = std::min(smallest, std::max(0.0, rest_pa - q[p]));
     if (!(q[p] > rest_pa)) continue;
-    const double grown = law_.growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_);
+    const double grown = own.growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_);
     Flow& flow = flows.emplace_back(Flow{element, point, grown, factor_squared_ * grown / q[p], Strain::Zero()});
     flow.stress.template head<components_of<dimension>>() = s.col(p).matrix();
   }
@@ -190,7 +201,7 @@ void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const 
   const Shape& shape = shapes_[fem::at(shape_of_[fem::at(flow.element)])];
   const int point = flow.point % points_of<dimension>;
   const double shear = std::sqrt(0.5);
-  const Strain s = (step_.modulus_pa * shape.volume_m3[fem::at(point)]) * flow.strain();
+  const Strain s = (step_.modulus_pa(flow.element) * shape.volume_m3[fem::at(point)]) * flow.strain();
   const double tensor[3][3] = {
       {s[0], shear * s[3], shear * s[5]}, {shear * s[3], s[1], shear * s[4]}, {shear * s[5], shear * s[4], s[2]}};
   const double* gradient = shape.gradients.data() + point;
@@ -215,15 +226,14 @@ void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorX
   force -= tried_force_n_;
 }
 
-void PlasticElements::heat(int point, double work_j_m3) {
+void PlasticElements::heat(const fem::Plasticity& law, int point, double work_j_m3) {
   double& temperature_k = step_.temperature_k[point];
-  temperature_k += law_.heat->fraction * work_j_m3 / law_.heat->capacity_j_m3_k;
+  temperature_k += law.heat->fraction * work_j_m3 / law.heat->capacity_j_m3_k;
   step_.hottest_k = std::max(step_.hottest_k, temperature_k);
 }
 
 template <int dimension>
 void PlasticElements::keep(const std::vector<Flow>& flows) {
-  const double modulus_pa = step_.modulus_pa;
   Stresses<dimension> before_step = Stresses<dimension>::Zero();
   int element = -1;
   for (const Flow& flow : flows) {
@@ -232,6 +242,7 @@ void PlasticElements::keep(const std::vector<Flow>& flows) {
       element = flow.element;
       before_step = stresses<dimension>(element, u_step_);
     }
+    const double modulus_pa = step_.modulus_pa(flow.element);
     const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].volume_m3[fem::at(p)];
     const Strain change = flow.strain(), after = flow.stress - modulus_pa * change;
     double* const plastic = step_.strain.data() + std::ptrdiff_t{components_of<dimension>} * flow.point;
@@ -242,7 +253,7 @@ void PlasticElements::keep(const std::vector<Flow>& flows) {
       plastic[c] += change[c];
     }
     step_.work_j += volume * work_j_m3;
-    if (step_.heats()) heat(flow.point, work_j_m3);
+    if (const fem::Plasticity& own = law(flow.element); own.heat) heat(own, flow.point, work_j_m3);
     step_.energy_j += volume * modulus_pa * energy_j_m3;
     step_.equivalent[flow.point] += flow.equivalent;
     step_.largest = std::max(step_.largest, step_.equivalent[flow.point]);

@@ -90,22 +90,25 @@ class PlasticElements final : public InternalForce {
   }
   template <int dimension>
   [[nodiscard]] Stresses<dimension> stresses(int element, const Eigen::VectorXd& u) const;
-  [[nodiscard]] double softening(int point) const;
+  [[nodiscard]] const fem::Plasticity& law(int element) const {
+    return laws_[fem::at(1 + fem::material_index(state_->part.mesh, element))];
+  }
+  [[nodiscard]] double softening(const fem::Plasticity& law, int point) const;
   template <int dimension>
   [[nodiscard]] double margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const;
   [[nodiscard]] double moved(const Block& block, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   void look(Block& block, const Eigen::VectorXd& u);
   void look(const Eigen::VectorXd& u);
-  void heat(int point, double work_j_m3);
+  void heat(const fem::Plasticity& law, int point, double work_j_m3);
   template <int dimension>
   void keep(const std::vector<Flow>& flows);
   template <int dimension>
   void add_force(const Flow& flow, Eigen::VectorXd& force) const;
 
   const BodyState* state_;
-  fem::Plasticity law_;
-  double factor_squared_;  ///< c^2
-  bool round_;             ///< the model is axisymmetric
+  std::vector<fem::Plasticity> laws_;  ///< by 1 + fem::material_index; of an elastic one the yield stress is infinite
+  double factor_squared_;              ///< c^2
+  bool round_;                         ///< the model is axisymmetric
   std::vector<Rows> all_;
   std::vector<Shape> shapes_;
   std::vector<int> shape_of_;              ///< per element

@@ -1,23 +1,36 @@
 #include "common/body/plastic_state.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ricochet::solver {
 
 PlasticState::PlasticState(const fem::Part& part) : components(fem::stress_components(part.section.model)) {
-  const auto& material = part.material;
-  modulus_pa = material.youngs_modulus_pa;
-  if (part.section.model != fem::Model::bar) modulus_pa /= 1.0 + material.poisson_ratio;
+  std::vector<fem::Material> materials{part.material};
+  materials.insert(materials.end(), part.mesh.materials.begin(), part.mesh.materials.end());
+  for (const fem::Material& material : materials) {
+    moduli_pa.push_back(material.youngs_modulus_pa);
+    if (part.section.model != fem::Model::bar) moduli_pa.back() /= 1.0 + material.poisson_ratio;
+    if (material.plasticity && material.plasticity->heat)
+      hottest_k = std::max(hottest_k, material.plasticity->heat->reference_k);
+  }
+  for (const int index : part.mesh.material) modulus.push_back(1 + index);
   if (!part.mesh.elements.empty())
     points = static_cast<int>(fem::element_points(part.section, fem::element_geometry(part.mesh, 0)).size());
   const Eigen::Index all = static_cast<Eigen::Index>(part.mesh.elements.size()) * points;
   strain.setZero(all * components);
   equivalent.setZero(all);
-  if (const auto& heat = material.plasticity->heat) {
-    temperature_k.setConstant(all, heat->reference_k);
-    hottest_k = heat->reference_k;
-  }
+  if (hottest_k > 0.0) set_temperature(part, hottest_k);
   force_n.setZero(part.dofs());
+}
+
+void PlasticState::set_temperature(const fem::Part& part, double elsewhere_k) {
+  temperature_k.setConstant(equivalent.size(), elsewhere_k);
+  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+    const auto& plasticity = fem::material_of(part, e).plasticity;
+    if (plasticity && plasticity->heat)
+      temperature_k.segment(Eigen::Index{e} * points, points).setConstant(plasticity->heat->reference_k);
+  }
 }
 
 fem::StressVector PlasticState::strain_of(int element) const {

@@ -10,28 +10,33 @@ namespace ricochet::solver {
 /// What the elements of a part that yields remember, of an accepted window. Plastic strain is kept at the quadrature
 /// points (fem::ElementPoint), element by element, as the components of fem::StressVector with each shear times
 /// sqrt(2), so that e : e is a sum of squares. It takes `modulus_pa` times itself off the elastic stress: the modulus
-/// is E of bars, whose lateral stress is zero, else 2 G, since plastic strain has no trace.
+/// is E of bars, whose lateral stress is zero, else 2 G, since plastic strain has no trace. Where materials differ each
+/// element has that of its own.
 struct PlasticState {
   PlasticState() = default;
   explicit PlasticState(const fem::Part& part);
 
   int components = 1, points = 1;  ///< of a strain; of an element
-  double modulus_pa = 0.0;
-  Eigen::VectorXd strain;         ///< plastic, `components` per point
-  Eigen::VectorXd temperature_k;  ///< per point; of a material whose plastic work heats it, else empty
-  Eigen::VectorXd equivalent;     ///< per point: equivalent plastic strain, the integral of sqrt(2/3 de : de)
-  Eigen::VectorXd force_n;        ///< per degree of freedom: integral of B^T modulus strain dV, so that P = K u - force
-  double energy_j = 0.0;          ///< integral of modulus/2 strain : strain dV
-  double work_j = 0.0;            ///< plastic work so far, of all elements
-  double largest = 0.0;           ///< of `equivalent`
-  double hottest_k = 0.0;         ///< largest of `temperature_k`
+  std::vector<double> moduli_pa;   ///< by 1 + fem::material_index
+  std::vector<int> modulus;        ///< per element: which of them; empty: the first
+  Eigen::VectorXd strain;          ///< plastic, `components` per point
+  Eigen::VectorXd temperature_k;   ///< per point; of a material whose plastic work heats it, else empty
+  Eigen::VectorXd equivalent;      ///< per point: equivalent plastic strain, the integral of sqrt(2/3 de : de)
+  Eigen::VectorXd force_n;  ///< per degree of freedom: integral of B^T modulus strain dV, so that P = K u - force
+  double energy_j = 0.0;    ///< integral of modulus/2 strain : strain dV
+  double work_j = 0.0;      ///< plastic work so far, of all elements
+  double largest = 0.0;     ///< of `equivalent`
+  double hottest_k = 0.0;   ///< largest of `temperature_k`
 
   [[nodiscard]] auto at(Eigen::Index point) { return strain.segment(point * components, components); }
   [[nodiscard]] auto at(Eigen::Index point) const { return strain.segment(point * components, components); }
   /// In the middle of an element, the mean of its points: plastic strain as a tensor in the order of fem::StressVector,
   /// what it takes off the stress [Pa], equivalent plastic strain and temperature.
   [[nodiscard]] fem::StressVector strain_of(int element) const;
-  [[nodiscard]] fem::StressVector stress_of(int element) const { return modulus_pa * strain_of(element); }
+  [[nodiscard]] fem::StressVector stress_of(int element) const { return modulus_pa(element) * strain_of(element); }
+  [[nodiscard]] double modulus_pa(int element) const {
+    return moduli_pa[modulus.empty() ? 0 : fem::at(modulus[fem::at(element)])];
+  }
   [[nodiscard]] double equivalent_of(int element) const { return mean_of(equivalent, element); }
   [[nodiscard]] double temperature_of(int element) const { return mean_of(temperature_k, element); }
   [[nodiscard]] bool heats() const { return temperature_k.size() > 0; }
@@ -42,6 +47,7 @@ struct PlasticState {
   }
 
  private:
+  void set_temperature(const fem::Part& part, double elsewhere_k);
   [[nodiscard]] double mean_of(const Eigen::VectorXd& of_points, int element) const {
     return of_points.segment(Eigen::Index{element} * points, points).mean();
   }

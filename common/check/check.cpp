@@ -138,11 +138,12 @@ long long count_windows(const Problem& problem) {
 void check_materials(const Problem& problem, std::vector<std::string>& warnings) {
   if (problem.scene.model == Model::bar) return;
   for (const BodyProblem& body : problem.bodies)
-    if (body.material.poisson_ratio > poisson_locking)
-      warnings.push_back(fmt::format(
-          "body \"{}\": poisson_ratio = {} is nearly incompressible: elements lock and the wave speed, {:.4g} m/s, "
-          "asks for small steps",
-          body.name, body.material.poisson_ratio, fem::longitudinal_wave_speed(problem.scene.model, body.material)));
+    for (const fem::Material* material : fem::materials_of(body))
+      if (material->poisson_ratio > poisson_locking)
+        warnings.push_back(fmt::format(
+            "body \"{}\": poisson_ratio = {} is nearly incompressible: elements lock and the wave speed, {:.4g} m/s, "
+            "asks for small steps",
+            body.name, material->poisson_ratio, fem::longitudinal_wave_speed(problem.scene.model, *material)));
 }
 
 /// Whoever steps a hanging node would have to know where other ranks' carriers are.

@@ -33,6 +33,17 @@ Eigen::Vector3d extent_of(const fem::Mesh& mesh) {
   return high - low;
 }
 
+double volume_of(const BodyProblem& body, double mass_kg) {
+  if (body.mesh.material.empty()) return mass_kg / body.material.density_kg_m3;
+  double volume_m3 = 0.0;
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    const fem::Material& material = fem::material_of(body, e);
+    volume_m3 += fem::element_lumped_mass(body.section, material, fem::element_geometry(body.mesh, e)).sum() /
+                 material.density_kg_m3;
+  }
+  return volume_m3;
+}
+
 }  // namespace
 
 std::vector<BodyPlan> plan_bodies(const Problem& problem) {
@@ -43,7 +54,7 @@ std::vector<BodyPlan> plan_bodies(const Problem& problem) {
     plan.name = body.name;
     plan.extent_m = extent_of(body.mesh);
     plan.mass_kg = body_lumped_mass(body).sum();
-    plan.volume_m3 = (plan.mass_kg - added_mass(problem, static_cast<int>(b)).kg) / body.material.density_kg_m3;
+    plan.volume_m3 = volume_of(body, plan.mass_kg - added_mass(problem, static_cast<int>(b)).kg);
     for (const double v : problem.scene.bodies[b].initial_velocity_m_s) plan.speed_m_s = std::hypot(plan.speed_m_s, v);
     plan.energy_j = 0.5 * plan.mass_kg * plan.speed_m_s * plan.speed_m_s;
     plans.push_back(std::move(plan));
@@ -55,14 +66,17 @@ void check_units(const Problem& problem, Plan& plan) {
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
     const BodyProblem& body = problem.bodies[b];
     const BodyPlan& of = plan.bodies[b];
-    const double density = body.material.density_kg_m3;
-    const double speed = fem::longitudinal_wave_speed(body.section.model, body.material);
-    const bool too_soft = density > solid_density && speed < least_speed;
-    if (density < least_density || density > largest_density || too_soft || speed > largest_speed)
-      plan.warnings.push_back(fmt::format(
-          "body \"{}\": a density of {:.4g} kg/m^3 and a wave speed of {:.4g} m/s are those of no material; "
-          "is it in another unit than youngs_modulus_pa [Pa] and density_kg_m3 [kg/m^3]?",
-          of.name, density, speed));
+    for (const fem::Material* material : fem::materials_of(body)) {
+      const double density = material->density_kg_m3;
+      const double speed = fem::longitudinal_wave_speed(body.section.model, *material);
+      const bool too_soft = density > solid_density && speed < least_speed;
+      if (density < least_density || density > largest_density || too_soft || speed > largest_speed)
+        plan.warnings.push_back(fmt::format(
+            "body \"{}\": a density of {:.4g} kg/m^3 and a wave speed of {:.4g} m/s are those of no material; "
+            "is it in another unit than youngs_modulus_pa [Pa] and density_kg_m3 [kg/m^3]?",
+            of.name, density, speed));
+    }
+    const double speed = fastest_wave_m_s(body);
     const double largest_m = of.extent_m.maxCoeff(), crossed_m = speed * problem.scene.time.end_s;
     const bool gmsh = !problem.scene.bodies[b].files().empty();
     const bool uncrossed = largest_m > large_m && crossed_m < least_crossing * largest_m;

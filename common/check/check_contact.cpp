@@ -34,10 +34,14 @@ constexpr double small_strain = 0.02;
 /// A body on one side of the contact, and its node of a pair.
 struct Sides {
   std::vector<const BodyProblem*> body;
+  std::vector<const fem::Material*> material;  ///< at the contact
 
   Sides(const Problem& problem, const ContactGeometry& contact) {
-    for (const int index : {contact.body_a, contact.body_b})
-      if (index >= 0) body.push_back(&problem.bodies[at(index)]);
+    for (const int index : {contact.body_a, contact.body_b}) {
+      if (index < 0) continue;
+      body.push_back(&problem.bodies[at(index)]);
+      material.push_back(&contact_material(problem, contact, index));
+    }
   }
   /// Its node, or the one of largest weight of several.
   [[nodiscard]] static int node(const ContactPair& pair, std::size_t side) {
@@ -47,14 +51,14 @@ struct Sides {
   }
 };
 
-double modulus(const BodyProblem& body) {
-  const double speed = fem::longitudinal_wave_speed(body.section.model, body.material);
-  return body.material.density_kg_m3 * speed * speed;
+double modulus(Model model, const fem::Material& material) {
+  const double speed = fem::longitudinal_wave_speed(model, material);
+  return material.density_kg_m3 * speed * speed;
 }
 
 /// Impedance per area rho c [kg/(m^2 s)].
-double impedance(const BodyProblem& body) {
-  return body.material.density_kg_m3 * fem::longitudinal_wave_speed(body.section.model, body.material);
+double impedance(Model model, const fem::Material& material) {
+  return material.density_kg_m3 * fem::longitudinal_wave_speed(model, material);
 }
 
 /// The smaller mass of each pair's nodes [kg].
@@ -98,7 +102,8 @@ double stiffness_ratio(const Problem& problem, const ContactGeometry& contact) {
     const ContactPair& pair = contact.pairs.front();
     const int node = Sides::node(pair, side);
     const double share = problem.scene.model == Model::bar ? body.section.measure / pair.area_m2 : 1.0;
-    stiffness = std::max(stiffness, share * modulus(body) / element_depth(body, node, contact.normal));
+    stiffness = std::max(stiffness, share * modulus(problem.scene.model, *sides.material[side]) /
+                                        element_depth(body, node, contact.normal));
   }
   return problem.scene.contact_law().penalty_pa_m / stiffness;
 }
@@ -106,8 +111,9 @@ double stiffness_ratio(const Problem& problem, const ContactGeometry& contact) {
 /// 1.678347 tau, tau = 1 / (alpha_n (1/Z_a + 1/Z_b)); a rigid plane has no 1/Z_b.
 double release_delay(const Problem& problem, const ContactGeometry& contact) {
   double compliance = 0.0;
-  for (const BodyProblem* body : Sides(problem, contact).body)
-    compliance += 1.0 / (impedance(*body) * body->section.measure);
+  const Sides sides(problem, contact);
+  for (std::size_t side = 0; side < sides.body.size(); ++side)
+    compliance += 1.0 / (impedance(problem.scene.model, *sides.material[side]) * sides.body[side]->section.measure);
   const double stiffness = problem.scene.contact_law().penalty_pa_m * contact.pairs.front().area_m2;
   return delay_per_tau / (stiffness * compliance);
 }
@@ -219,7 +225,8 @@ void check_friction(const Problem& problem, Plan& plan) {
   for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
     const ContactGeometry& contact = problem.contacts[c];
     double compliance = 0.0;
-    for (const BodyProblem* body : Sides(problem, contact).body) compliance += 1.0 / impedance(*body);
+    for (const fem::Material* material : Sides(problem, contact).material)
+      compliance += 1.0 / impedance(problem.scene.model, *material);
     const double pressure = approach_speed(problem, contact) / compliance;
     const std::vector<double> mass = pair_masses(problem, contact);
     for (std::size_t i = 0; i < mass.size(); ++i)
@@ -243,10 +250,10 @@ void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& 
   const double speed = approach_speed(problem, contact), moved_m = speed * problem.clock.largest_size_s();
   const Sides sides(problem, contact);
   double compliance = 0.0;
-  for (const BodyProblem* body : sides.body) compliance += 1.0 / impedance(*body);
+  for (const fem::Material* material : sides.material) compliance += 1.0 / impedance(problem.scene.model, *material);
   for (std::size_t side = 0; side < sides.body.size(); ++side) {
     const BodyProblem& body = *sides.body[side];
-    const double strain = speed / compliance / modulus(body);
+    const double strain = speed / compliance / modulus(problem.scene.model, *sides.material[side]);
     if (strain > small_strain)
       plan.warnings.push_back(
           fmt::format("an impact at {:.4g} m/s strains body \"{}\" by about {:.2g} %: strain is "
@@ -280,13 +287,14 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
   for (std::size_t side = 0; side < 2; ++side) {
     const BodyProblem& body = *sides.body[side];
     const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
-    windows[side] =
-        problem.clock.largest_size_s() * fem::longitudinal_wave_speed(body.section.model, body.material) / depth_m;
+    windows[side] = problem.clock.largest_size_s() *
+                    fem::longitudinal_wave_speed(body.section.model, *sides.material[side]) / depth_m;
   }
   const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
   const double most = windows[stiff], ratio = most / windows[1 - stiff];
   if (most <= longest_reset_window || ratio <= most_unequal_windows) return;
-  const auto [low, high] = std::minmax({impedance(*sides.body[0]), impedance(*sides.body[1])});
+  const auto [low, high] = std::minmax(
+      {impedance(problem.scene.model, *sides.material[0]), impedance(problem.scene.model, *sides.material[1])});
   if (high <= most_unequal_impedances * low) return;
   throw ConfigError(fmt::format(
       "{}: found a step of {:.3g} s, {:.3g} times as long as a wave takes through the contact elements of body \"{}\", "

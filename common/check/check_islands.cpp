@@ -37,7 +37,7 @@ std::vector<int> joined_by_implicit(const BodyProblem& body) {
 
 void find_shortest(const BodyProblem& body, const std::vector<int>& elements, Islands& islands) {
   std::vector<std::pair<double, int>> steps;
-  for (const int e : elements) steps.emplace_back(element_critical_step(body, fem::element_geometry(body.mesh, e)), e);
+  for (const int e : elements) steps.emplace_back(element_critical_step(body, e), e);
   const auto count = std::min(elements_named, steps.size());
   std::partial_sort(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(count), steps.end());
   for (std::size_t i = 0; i < count; ++i) {

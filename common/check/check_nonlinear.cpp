@@ -106,7 +106,7 @@ void check_nonlinear(const Problem& problem) {
   };
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
     const BodyProblem& body = problem.bodies[i];
-    if (body.material.plasticity) {
+    if (problem.scene.bodies[i].yields()) {
       const Nonlinear yields{problem, body, "material.plasticity", "plasticity", "that yield"};
       check_elements(yields);
       check(yields);

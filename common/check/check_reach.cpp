@@ -52,8 +52,7 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
 
 Interval reached(const Problem& problem, int index) {
   const BodyProblem& body = problem.bodies[at(index)];
-  const double speed = fem::longitudinal_wave_speed(body.section.model, body.material),
-               end_s = problem.scene.time.end_s;
+  const double speed = fastest_wave_m_s(body), end_s = problem.scene.time.end_s;
   Interval interval = disturbed(problem.scene.bodies[at(index)], body);
   if (!interval.empty()) interval = {interval.low - speed * end_s, interval.high + speed * end_s};
   const std::vector<int> contact = contact_nodes(problem.contacts, index);

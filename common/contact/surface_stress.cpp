@@ -78,8 +78,8 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
         own.stress_of_displacement.resize(fem::stress_components(model_), size);
         for (int i = 0; i < size; ++i) {
           own.dofs.push_back(nodes[fem::at(i / components)] * components + i % components);
-          own.stress_of_displacement.col(i) =
-              fem::element_stress(part.section, part.material, geometry, fem::ElementVector::Unit(size, i), *middle);
+          own.stress_of_displacement.col(i) = fem::element_stress(part.section, fem::material_of(part, element),
+                                                                  geometry, fem::ElementVector::Unit(size, i), *middle);
         }
         area_m2_ += own.area_m2;
         elements_.push_back(std::move(own));

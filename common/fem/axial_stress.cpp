@@ -75,14 +75,14 @@ AxialLayers axial_layers(const Mesh& whole, const Section& section, int most) {
 SparseMatrix axial_stress_shares(const Part& part, const AxialLayers& layers) {
   const Mesh& mesh = part.mesh;
   const int width = components(mesh.model);
-  const auto make = [&part](const ElementGeometry& geometry) {
-    return element_stiffness(part.section, part.material, geometry);
-  };
   ElementCopies<ElementMatrix> copies(part.section.model);
   std::vector<Eigen::Triplet<double>> entries;
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
     const ElementGeometry element = element_geometry(mesh, e);
-    const Eigen::VectorXd integral = copies.of(element, make) * axial_field(mesh, element.x);
+    const auto make = [&](const ElementGeometry& geometry) {
+      return element_stiffness(part.section, material_of(part, e), geometry);
+    };
+    const Eigen::VectorXd integral = copies.of(element, make, material_index(mesh, e)) * axial_field(mesh, element.x);
     const auto& nodes = mesh.elements[static_cast<std::size_t>(e)];
     for_each_layer(layers.border, extent(mesh, e), [&](int layer, double share) {
       const double scale = share / layers.volume_m3[static_cast<std::size_t>(layer)];

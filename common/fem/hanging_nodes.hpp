@@ -10,7 +10,8 @@
 /// Hanging nodes are eliminated: with T that gives all nodes the motion of those that do not hang, u = T u', the forces
 /// on these are T^T f, their stiffness T^T K T, and their lumped mass that of T^T M T summed by rows. Where weights are
 /// >= 0, the latter has for any motion u' at least the kinetic energy of T u', so the largest frequency is no higher
-/// than that of the elements alone. Sums of forces, masses and first moments stay what they were.
+/// than that of the elements alone. In a tie weights < 0 could leave a part a negative mass, so masses go to the nodes
+/// that a hanging one lies between. Sums of forces, masses and first moments stay what they were.
 namespace ricochet::fem {
 
 /// Null if the node does not hang.
@@ -23,6 +24,7 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
   for (const int node : element) {
     if (const HangingNode* hanging = hanging_at(mesh, node)) {
       for (const auto& carrier : hanging->carriers) visit(carrier.node);
+      for (const auto& carrier : hanging->between) visit(carrier.node);
     } else {
       visit(node);
     }
@@ -37,7 +39,7 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
 
 /// Gives the forces on hanging nodes to their carriers.
 void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& forces);
-/// The same of masses, one a node.
+/// Gives masses, one a node, to HangingNode::bearers.
 void pass_on_masses(const std::vector<HangingNode>& hanging, Eigen::VectorXd& masses);
 
 /// Hanging nodes take the displacement, velocity or acceleration of their carriers.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -26,15 +27,19 @@ struct WeightedNode {
 /// A node of small elements on the edge or the face of a larger one, or of one side of a tie: it has no motion of its
 /// own,
 ///   u = sum of weight u of its carriers,
-/// and what acts on it acts on them by the same shares. None of them hangs. Weights sum to 1, those on one larger
-/// element are >= 0.
+/// and what acts on it acts on them by the same shares. None of them hangs, and weights sum to 1. On a larger element
+/// they are >= 0, those of a tie need not be.
 struct HangingNode {
   int node = -1;
   std::vector<WeightedNode> carriers;
+  /// Of a tie, where the node lies between the nodes of the other side: weights >= 0.
+  std::vector<WeightedNode> between{};
   /// Bits of the components that do not hang: a support or a prescribed motion has the node there, and not all of those
   /// that carry it.
   unsigned held = 0;
 
+  /// For what must not be negative: masses, dashpots, areas of contact.
+  [[nodiscard]] const std::vector<WeightedNode>& bearers() const { return between.empty() ? carriers : between; }
   [[nodiscard]] bool hangs(int component) const { return (held >> component & 1U) == 0; }
 };
 
@@ -46,12 +51,40 @@ struct Mesh {
   std::vector<Element> elements;
   std::map<std::string, std::vector<int>> element_groups;
   std::map<std::string, std::vector<Face>> surfaces;
-  std::map<std::string, int> points;          ///< nodes with a name, for who asks for nodes as of a surface
+  std::map<std::string, int> points;  ///< nodes with a name, for who asks for nodes as of a surface
+  /// By the name of a foreign body with a mesh of its own at the interface: its nodes there, of no element here.
+  std::map<std::string, std::vector<int>> foreign_nodes;
   std::vector<HangingNode> hanging;           ///< ascending by node
   std::vector<std::string> refined_surfaces;  ///< with faces of elements that were divided
+  std::vector<Material> materials;            ///< of elements that have another one than the body
+  std::vector<int> material;                  ///< per element: which of them, -1 the body's; empty: all have that
   double period_m = 0.0;  ///< > 0: the first coordinate repeats with this period, elements may reach across its end
   double period_wide_m = 0.0;  ///< of solids: the same of the second coordinate
 };
+
+/// Which of Mesh::materials an element has, -1: that of the body.
+[[nodiscard]] inline int material_index(const Mesh& mesh, int element) {
+  return mesh.material.empty() ? -1 : mesh.material[at(element)];
+}
+
+/// The material of an element of a part or of a whole body.
+template <class Owner>
+[[nodiscard]] const Material& material_of(const Owner& owner, int element) {
+  const int index = material_index(owner.mesh, element);
+  return index < 0 ? owner.material : owner.mesh.materials[at(index)];
+}
+
+/// All that its elements have, each once.
+template <class Owner>
+[[nodiscard]] std::vector<const Material*> materials_of(const Owner& owner) {
+  std::vector<const Material*> all;
+  for (std::size_t e = 0; e < owner.mesh.material.size(); ++e) {
+    const Material* const own = &material_of(owner, static_cast<int>(e));
+    if (std::find(all.begin(), all.end(), own) == all.end()) all.push_back(own);
+  }
+  if (all.empty()) all.push_back(&owner.material);
+  return all;
+}
 
 /// `x`, or its periodic image, that lies within half a period of `reference` [m].
 inline Eigen::Vector3d nearest_image(const Mesh& mesh, Eigen::Vector3d x, const Eigen::Vector3d& reference) {

@@ -23,6 +23,9 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
     for (const int node : whole.elements[at(e)]) local[at(node)] = 0;
     for_each_carrier(whole, whole.elements[at(e)], [&](int node) { local[at(node)] = 0; });
   }
+  part.mesh.materials = whole.materials;
+  for (const int e : whole.material.empty() ? std::vector<int>{} : part.body_element)
+    part.mesh.material.push_back(whole.material[at(e)]);
   for (std::size_t node = 0; node < local.size(); ++node) {
     if (local[node] < 0) continue;
     local[node] = part.nodes();
@@ -38,7 +41,8 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
     if (local[at(hanging.node)] < 0) continue;
     HangingNode& own = part.mesh.hanging.emplace_back(hanging);
     own.node = local[at(hanging.node)];
-    for (auto& carrier : own.carriers) carrier.node = local[at(carrier.node)];
+    for (auto* of : {&own.carriers, &own.between})
+      for (auto& carrier : *of) carrier.node = local[at(carrier.node)];
   }
 }
 
@@ -112,9 +116,6 @@ SparseMatrix zeros(const Neighbours& neighbours, int nodes, int dofs_per_node) {
 /// the sums depend on nothing but the elements.
 void assemble(Part& part) {
   const int dofs_per_node = components(part.mesh.model);
-  const auto make = [&part](const ElementGeometry& geometry) {
-    return element_stiffness(part.section, part.material, geometry);
-  };
   const Neighbours neighbours = neighbours_of(part.mesh.elements, part.nodes());
   part.lumped_mass = Eigen::VectorXd::Zero(part.nodes());
   part.stiffness = zeros(neighbours, part.nodes(), dofs_per_node);
@@ -122,8 +123,11 @@ void assemble(Part& part) {
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
     const Element& element = part.mesh.elements[at(e)];
     const ElementGeometry geometry = element_geometry(part.mesh, e);
-    const ElementMatrix& stiffness = copies.of(geometry, make);
-    const Eigen::VectorXd mass = element_lumped_mass(part.section, part.material, geometry);
+    const Material& material = material_of(part, e);
+    const ElementMatrix& stiffness = copies.of(
+        geometry, [&](const ElementGeometry& first) { return element_stiffness(part.section, material, first); },
+        material_index(part.mesh, e));
+    const Eigen::VectorXd mass = element_lumped_mass(part.section, material, geometry);
     for (int i = 0; i < mass.size(); ++i) {
       const int row = element[at(i)], *const first = &neighbours.node[at(neighbours.start[at(row)])],
                 *const end = first + (neighbours.start[at(row) + 1] - neighbours.start[at(row)]);
@@ -255,9 +259,10 @@ double element_critical_time_step(const Part& part) {
   double largest = 0.0;
   ElementCopies<double> frequencies(part.section.model);
   for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-    const double squared = frequencies.of(element_geometry(part.mesh, e), [&part](const ElementGeometry& geometry) {
-      return element_max_frequency_squared(part.section, part.material, geometry);
-    });
+    const auto make = [&](const ElementGeometry& geometry) {
+      return element_max_frequency_squared(part.section, material_of(part, e), geometry);
+    };
+    const double squared = frequencies.of(element_geometry(part.mesh, e), make, material_index(part.mesh, e));
     largest = std::max(largest, squared);
   }
   return largest > 0.0 ? 2.0 / std::sqrt(largest) : std::numeric_limits<double>::infinity();

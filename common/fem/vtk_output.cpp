@@ -88,7 +88,7 @@ struct Stresses {
     const ElementGeometry element = element_geometry(part.mesh, e);
     const Model model = part.section.model;
     const Eigen::VectorXd& straining = of.straining ? *of.straining : *of.displacement;
-    StressVector at_centre = element_stress(part.section, part.material, element,
+    StressVector at_centre = element_stress(part.section, material_of(part, e), element,
                                             element_displacement(part.mesh, e, straining), traits(element.kind).centre);
     StressVector strain_at_centre = compliance * at_centre;
     if (strain_at_centre.size() > 3) strain_at_centre.tail(strain_at_centre.size() - 3) *= 0.5;  // from 2 e_xy
@@ -116,8 +116,13 @@ struct Stresses {
 std::string stresses(const Parts& parts) {
   Stresses all;
   for (const PartFields& of : parts) {
-    const Eigen::MatrixXd compliance = elasticity(of.part->section.model, of.part->material).inverse();
-    for (int e = 0; e < static_cast<int>(of.part->mesh.elements.size()); ++e) all.append(of, e, compliance);
+    const auto compliance_of = [&](const Material& material) -> Eigen::MatrixXd {
+      return elasticity(of.part->section.model, material).inverse();
+    };
+    std::vector<Eigen::MatrixXd> compliance{compliance_of(of.part->material)};
+    for (const Material& material : of.part->mesh.materials) compliance.push_back(compliance_of(material));
+    for (int e = 0; e < static_cast<int>(of.part->mesh.elements.size()); ++e)
+      all.append(of, e, compliance[at(1 + material_index(of.part->mesh, e))]);
   }
   return all.text();
 }

@@ -16,10 +16,10 @@ namespace {
 constexpr double perpendicular_tolerance = 1e-6;
 
 /// Speed of the wave that meets the surface head on [m/s].
-double normal_speed(const BodyProblem& body, Wave wave) {
-  if (wave == Wave::dilatational) return fem::longitudinal_wave_speed(body.section.model, body.material);
-  const double bar = fem::longitudinal_wave_speed(Model::bar, body.material), nu = body.material.poisson_ratio;
-  return body.section.model == Model::plane_strain ? bar / std::sqrt(1.0 - nu * nu) : bar;
+double normal_speed(Model model, const fem::Material& material, Wave wave) {
+  if (wave == Wave::dilatational) return fem::longitudinal_wave_speed(model, material);
+  const double bar = fem::longitudinal_wave_speed(Model::bar, material), nu = material.poisson_ratio;
+  return model == Model::plane_strain ? bar / std::sqrt(1.0 - nu * nu) : bar;
 }
 
 class Absorber {
@@ -30,16 +30,16 @@ class Absorber {
   /// Adds the impedance rho c times the tributary area of every node of the surface [kg/s].
   void add(const AbsorbingSurface& absorbing) {
     require_surface(*scene_, key_, body_->mesh, absorbing.surface);
-    const double density = body_->material.density_kg_m3;
     double whole_area = 0.0;
     for (const fem::Face& face : body_->mesh.surfaces.at(absorbing.surface)) {
       const fem::FaceArea area = fem::face_area(body_->section, body_->mesh, face);
       const int normal = normal_component(face);
+      const fem::Material& material = material_at(*body_, face);
       whole_area += std::accumulate(area.begin(), area.end(), 0.0);
       for (int c = 0; c < scene_->components(); ++c) {
         const double speed =
-            c == normal ? normal_speed(*body_, absorbing.wave) : fem::shear_wave_speed(body_->material);
-        for (std::size_t i = 0; i < face.size(); ++i) add(face[i], c, density * speed * area[i]);
+            c == normal ? normal_speed(scene_->model, material, absorbing.wave) : fem::shear_wave_speed(material);
+        for (std::size_t i = 0; i < face.size(); ++i) add(face[i], c, material.density_kg_m3 * speed * area[i]);
       }
       for (const int node : face) refuse_held(node, normal);
     }
@@ -49,7 +49,8 @@ class Absorber {
  private:
   /// A force on a dof that is held would do nothing.
   void add(int node, int c, double coefficient) {
-    for (const auto& [carrier, share] : fem::carried(body_->mesh, {{node, 1.0}})) {
+    const fem::HangingNode* hanging = fem::hanging_at(body_->mesh, node);
+    for (const auto& [carrier, share] : hanging ? hanging->bearers() : std::vector<WeightedNode>{{node, 1.0}}) {
       const int dof = carrier * scene_->components() + c;
       if (!body_->fixed_dof[at(dof)]) body_->damping_kg_s[dof] += share * coefficient;
     }

@@ -89,7 +89,9 @@ std::vector<Joint> build_joints(const Scene& scene, std::vector<BodyProblem>& bo
     const auto body = std::find_if(bodies.begin(), bodies.end(),
                                    [&](const BodyProblem& other) { return other.name == foreign.joined_to; });
     Joint joint{foreign.name, static_cast<int>(body - bodies.begin()), {}};
-    if (foreign.interface_nodes.empty()) {
+    if (!foreign.faces.empty()) {
+      joint.nodes = body->mesh.foreign_nodes.at(foreign.name);
+    } else if (foreign.interface_nodes.empty()) {
       require_surface(scene, "body." + foreign.name + ".surface", body->mesh, foreign.surface);
       joint.nodes = fem::surface_nodes(body->mesh, foreign.surface);
       std::sort(joint.nodes.begin(), joint.nodes.end());

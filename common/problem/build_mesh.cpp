@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
@@ -139,22 +140,39 @@ void append(const fem::Mesh& piece, const std::string& name, fem::Mesh& mesh) {
   }
   for (fem::HangingNode hanging : piece.hanging) {
     hanging.node += nodes;
-    for (auto& carrier : hanging.carriers) carrier.node += nodes;
+    for (auto& carrier : hanging.carriers) carrier.node += nodes;  // it lies between these
     mesh.hanging.push_back(std::move(hanging));
   }
   for (const std::string& surface : piece.refined_surfaces) mesh.refined_surfaces.push_back(name + "." + surface);
 }
 
+void append_materials(const Body& body, fem::Mesh& mesh) {
+  const auto has_own = [](const MeshPiece& piece) { return piece.material.has_value(); };
+  if (std::none_of(body.pieces.begin(), body.pieces.end(), has_own)) return;
+  mesh.material.assign(mesh.elements.size(), -1);
+  for (const MeshPiece& piece : body.pieces) {
+    if (!piece.material) continue;
+    for (const int element : mesh.element_groups.at(piece.name))
+      mesh.material[at(element)] = static_cast<int>(mesh.materials.size());
+    mesh.materials.push_back(*piece.material);
+  }
+}
+
 }  // namespace
 
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
-  if (!body.of_pieces()) return piece_mesh(scene, body, body.pieces.front());
+  if (!body.of_pieces()) {
+    fem::Mesh mesh = piece_mesh(scene, body, body.pieces.front());
+    tie_pieces(scene, body, mesh);
+    return mesh;
+  }
   fem::Mesh mesh;
   for (const MeshPiece& piece : body.pieces) append(piece_mesh(scene, body, piece), piece.name, mesh);
   if (mesh.elements.size() > fem::most_elements)
     throw ConfigError(fmt::format("{}: found {} elements in all pieces; allowed: at most {} in a body",
                                   scene.where("body." + body.name + ".mesh"), mesh.elements.size(),
                                   fem::most_elements));
+  append_materials(body, mesh);
   tie_pieces(scene, body, mesh);
   return mesh;
 }

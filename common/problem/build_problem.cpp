@@ -111,6 +111,29 @@ void count_windows_of_output(Problem& problem) {
 
 }  // namespace
 
+const fem::Material& material_at(const BodyProblem& body, const fem::Face& nodes) {
+  if (body.mesh.material.empty()) return body.material;
+  for (std::size_t e = 0; e < body.mesh.elements.size(); ++e) {
+    const fem::Element& element = body.mesh.elements[e];
+    if (std::all_of(nodes.begin(), nodes.end(),
+                    [&](int node) { return std::find(element.begin(), element.end(), node) != element.end(); }))
+      return fem::material_of(body, static_cast<int>(e));
+  }
+  return body.material;
+}
+
+const fem::Material& contact_material(const Problem& problem, const ContactGeometry& contact, int body) {
+  const BodyProblem& of = problem.bodies[at(body)];
+  return of.mesh.material.empty() ? of.material : material_at(of, {contact_nodes(contact, body).front()});
+}
+
+double fastest_wave_m_s(const BodyProblem& body) {
+  double fastest = 0.0;
+  for (const fem::Material* material : fem::materials_of(body))
+    fastest = std::max(fastest, fem::longitudinal_wave_speed(body.section.model, *material));
+  return fastest;
+}
+
 Problem build_bodies(const Scene& scene) {
   Problem problem;
   problem.scene = scene;

@@ -83,7 +83,7 @@ std::vector<ContactPair> matching_pairs(const ContactContext& context, const Con
 
 ContactMesh mesh_of(const ContactSide& a, const ContactSide& b, bool edges_touch) {
   const auto compliance = [](const ContactSide& side) {
-    const fem::Material& material = side.body->material;
+    const fem::Material& material = material_at(*side.body, side.faces().front());
     return (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
   };
   return {faces_of(a), OppositeFaces(faces_of(b), {a.body->mesh.period_m, a.body->mesh.period_wide_m}),
@@ -230,7 +230,7 @@ void carry(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, std::vector<Contact
   for (std::size_t i = 0; i < pairs.size(); ++i) row_of[{pairs[i].node_a, pairs[i].patch}] = i;
   std::map<std::size_t, RowSum> sums;
   for (const ContactPair& pair : hanging) {
-    for (const auto& [node, weight] : fem::hanging_at(mesh_a, pair.node_a)->carriers) {
+    for (const auto& [node, weight] : fem::hanging_at(mesh_a, pair.node_a)->bearers()) {
       const auto [row, is_new] = row_of.insert({{node, pair.patch}, pairs.size()});
       RowSum& sum = sums[row->second];
       if (is_new) {

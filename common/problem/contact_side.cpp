@@ -117,6 +117,9 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
   if (needs_pairs(context.scene) && std::any_of(side.nodes.begin(), side.nodes.end(), hangs))
     context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine or a tie", side.name),
                    "a surface of one size of elements with massless contact or impact_update = \"impedance\"");
+  if (context.scene.contact_law().impact_update == ImpactUpdate::impedance && fem::materials_of(*side.body).size() > 1)
+    context.refuse(fmt::format("surface \"{}\" of a body of several materials", side.name),
+                   "bodies of one material with impact_update = \"impedance\"");
   if (model == Model::bar || (is_flat(side) && !with_placed_plane(context.contact))) return side;
   side.flat = false;
   side.normal = mean_normal(context, side, normal, of_all_ways);

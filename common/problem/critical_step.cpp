@@ -99,7 +99,7 @@ Eigen::VectorXd body_lumped_mass(const BodyProblem& body) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.mesh.position.size()));
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
     const Eigen::VectorXd own =
-        fem::element_lumped_mass(body.section, body.material, fem::element_geometry(body.mesh, e));
+        fem::element_lumped_mass(body.section, fem::material_of(body, e), fem::element_geometry(body.mesh, e));
     for (Eigen::Index i = 0; i < own.size(); ++i)
       mass[body.mesh.elements[at(e)][static_cast<std::size_t>(i)]] += own[i];
   }
@@ -183,15 +183,16 @@ double element_bound_time_step(const BodyProblem& body, const std::vector<bool>&
   double smallest = std::numeric_limits<double>::infinity();
   for (int e = 0; e < static_cast<int>(of_element.size()); ++e) {
     if (!of_element[at(e)]) continue;
-    const double frequency_squared =
-        fem::element_max_frequency_squared(body.section, body.material, fem::element_geometry(body.mesh, e));
+    const double frequency_squared = fem::element_max_frequency_squared(body.section, fem::material_of(body, e),
+                                                                        fem::element_geometry(body.mesh, e));
     smallest = std::min(smallest, step_of(frequency_squared / body.density_factor[at(e)]));
   }
   return smallest;
 }
 
-double element_critical_step(const BodyProblem& body, const fem::ElementGeometry& geometry) {
-  return step_of(fem::element_max_frequency_squared(body.section, body.material, geometry));
+double element_critical_step(const BodyProblem& body, int element) {
+  return step_of(fem::element_max_frequency_squared(body.section, fem::material_of(body, element),
+                                                    fem::element_geometry(body.mesh, element)));
 }
 
 std::vector<double> element_critical_steps(const Problem& problem) {
@@ -202,9 +203,8 @@ std::vector<double> element_critical_steps(const Problem& problem) {
     fem::ElementCopies<double> copies(body.section.model);
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
       if (at_contact[at(e)]) continue;
-      steps.push_back(copies.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
-        return element_critical_step(body, geometry);
-      }));
+      const auto make = [&](const fem::ElementGeometry&) { return element_critical_step(body, e); };
+      steps.push_back(copies.of(fem::element_geometry(body.mesh, e), make, fem::material_index(body.mesh, e)));
     }
   }
   return steps;

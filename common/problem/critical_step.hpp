@@ -50,7 +50,7 @@ struct AssembledPart {
 [[nodiscard]] double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element);
 
 /// The same of one element, by itself [s].
-[[nodiscard]] double element_critical_step(const BodyProblem& body, const fem::ElementGeometry& geometry);
+[[nodiscard]] double element_critical_step(const BodyProblem& body, int element);
 /// The element bound of each element that does not touch the contact, by itself [s]: where the automatic partition,
 /// which makes the others implicit with any step, changes. The order means nothing.
 [[nodiscard]] std::vector<double> element_critical_steps(const Problem& problem);

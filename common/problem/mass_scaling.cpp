@@ -12,8 +12,9 @@ namespace {
 
 /// Per node of an element [kg].
 Eigen::VectorXd added_to(const BodyProblem& body, int element) {
-  return (body.density_factor[at(element)] - 1.0) *
-         fem::element_lumped_mass(body.section, body.material, fem::element_geometry(body.mesh, element));
+  return (body.density_factor[at(element)] - 1.0) * fem::element_lumped_mass(body.section,
+                                                                             fem::material_of(body, element),
+                                                                             fem::element_geometry(body.mesh, element));
 }
 
 }  // namespace
@@ -23,10 +24,11 @@ void scale_mass(const Scene& scene, BodyProblem& body) {
   const double needed_s = *scene.mass_scaling_step_s / scene.time.safety_factor;
   fem::ElementCopies<double> copies(body.section.model);
   for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    const auto make = [&](const fem::ElementGeometry& geometry) {
+      return fem::element_max_frequency_squared(body.section, fem::material_of(body, e), geometry);
+    };
     const double frequency_squared =
-        copies.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
-          return fem::element_max_frequency_squared(body.section, body.material, geometry);
-        });
+        copies.of(fem::element_geometry(body.mesh, e), make, fem::material_index(body.mesh, e));
     body.density_factor.push_back(std::max(1.0, 0.25 * frequency_squared * needed_s * needed_s));
   }
 }

@@ -71,9 +71,10 @@ std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& con
   fem::ElementCopies<bool> above(body.section.model);
   for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
     if (inside[at(e)]) continue;
-    inside[at(e)] = above.of(fem::element_geometry(body.mesh, e), [&](const fem::ElementGeometry& geometry) {
-      return fem::element_frequency_squared_above(body.section, body.material, geometry, frequency_squared);
-    });
+    const auto make = [&](const fem::ElementGeometry& geometry) {
+      return fem::element_frequency_squared_above(body.section, fem::material_of(body, e), geometry, frequency_squared);
+    };
+    inside[at(e)] = above.of(fem::element_geometry(body.mesh, e), make, fem::material_index(body.mesh, e));
   }
   return inside;
 }

@@ -186,8 +186,7 @@ std::vector<MeasuredPlace> measured_places(const Problem& problem) {
   return places;
 }
 
-std::vector<std::string> columns_of_probe(Model model, const std::string& name,
-                                          const std::optional<fem::Plasticity>& plasticity) {
+std::vector<std::string> columns_of_probe(Model model, const std::string& name, bool yields, bool heats) {
   std::vector<std::string> columns;
   for (const auto& [quantity, unit] : {std::pair{"displacement", "m"}, {"velocity", "m_s"}, {"acceleration", "m_s2"}}) {
     for (const auto& component : motion_names(model))
@@ -196,8 +195,8 @@ std::vector<std::string> columns_of_probe(Model model, const std::string& name,
   for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.strain_{}", name, component));
   for (const auto& component : strain_names(model)) columns.push_back(fmt::format("{}.stress_{}_pa", name, component));
   columns.push_back(name + ".von_mises_pa");
-  if (plasticity) columns.push_back(name + ".equivalent_plastic_strain");
-  if (plasticity && plasticity->heat) columns.push_back(name + ".temperature_k");
+  if (yields) columns.push_back(name + ".equivalent_plastic_strain");
+  if (heats) columns.push_back(name + ".temperature_k");
   return columns;
 }
 
@@ -209,8 +208,10 @@ std::vector<std::string> probe_columns(const Scene& scene) {
   const auto add = [&columns](const std::vector<std::string>& more) {
     columns.insert(columns.end(), more.begin(), more.end());
   };
-  for (const Probe& probe : scene.output.probes)
-    add(columns_of_probe(scene.model, probe.name, scene.body(probe.body).material.plasticity));
+  for (const Probe& probe : scene.output.probes) {
+    const Body& body = scene.body(probe.body);
+    add(columns_of_probe(scene.model, probe.name, body.yields(), body.heats()));
+  }
   for (const Gauge& gauge : scene.output.gauges) add(columns_of_gauge(gauge.name));
   return columns;
 }

@@ -32,10 +32,9 @@ struct MeasuredPlace {
 [[nodiscard]] std::vector<std::string> strain_names(Model model);
 
 /// Names of the columns of a probe and of a gauge. A probe has displacement, velocity, acceleration, strain (shear as
-/// the tensor's), stress, von Mises stress and, where it `yields`, equivalent plastic strain and, where that heats it,
-/// temperature; a gauge has strain and stress along the axis.
-[[nodiscard]] std::vector<std::string> columns_of_probe(Model model, const std::string& name,
-                                                        const std::optional<fem::Plasticity>& plasticity);
+/// the tensor's), stress, von Mises stress and, of a body that `yields`, equivalent plastic strain and, if that `heats`
+/// it, temperature; a gauge has strain and stress along the axis.
+[[nodiscard]] std::vector<std::string> columns_of_probe(Model model, const std::string& name, bool yields, bool heats);
 [[nodiscard]] std::vector<std::string> columns_of_gauge(const std::string& name);
 
 /// Names of the columns of probes.csv behind the time, in its order.

@@ -73,7 +73,7 @@ struct ContactGeometry {
 struct BodyProblem {
   std::string name;
   fem::Section section;
-  fem::Material material;
+  fem::Material material;              ///< of elements to which the mesh gives no other: fem::material_of
   fem::Mesh mesh;                      ///< the whole body
   std::vector<double> density_factor;  ///< per element, by mass scaling (mass_scaling.hpp); empty: all 1
   std::vector<bool> implicit_element;  ///< per element; those at joined nodes are
@@ -108,16 +108,22 @@ struct Problem {
 
 /// Whether a body has a material with plasticity.
 [[nodiscard]] inline bool yields(const Problem& problem) {
-  return std::any_of(problem.bodies.begin(), problem.bodies.end(),
-                     [](const BodyProblem& body) { return body.material.plasticity.has_value(); });
+  return std::any_of(problem.scene.bodies.begin(), problem.scene.bodies.end(),
+                     [](const Body& body) { return body.yields(); });
 }
 
 /// Whether plastic work heats a body.
 [[nodiscard]] inline bool heats(const Problem& problem) {
-  return std::any_of(problem.bodies.begin(), problem.bodies.end(), [](const BodyProblem& body) {
-    return body.material.plasticity && body.material.plasticity->heat;
-  });
+  return std::any_of(problem.scene.bodies.begin(), problem.scene.bodies.end(),
+                     [](const Body& body) { return body.heats(); });
 }
+
+/// The material of an element that has all these nodes: what is behind a face, or at a node.
+[[nodiscard]] const fem::Material& material_at(const BodyProblem& body, const fem::Face& nodes);
+/// That of a body where a contact is.
+[[nodiscard]] const fem::Material& contact_material(const Problem& problem, const ContactGeometry& contact, int body);
+/// The fastest wave in any element of a body [m/s].
+[[nodiscard]] double fastest_wave_m_s(const BodyProblem& body);
 
 /// Whether no body yields or turns: P = K u of all elements.
 [[nodiscard]] inline bool linear(const Problem& problem) {

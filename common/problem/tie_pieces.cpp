@@ -7,9 +7,12 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "common/base/error.hpp"
+#include "common/problem/box_tree.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/face_plane.hpp"
 #include "common/problem/mortar.hpp"
 
 namespace ricochet::scene {
@@ -22,6 +25,10 @@ constexpr double least_weight = 1e-12;
 
 using Carriers = std::vector<fem::WeightedNode>;
 
+struct Hanging {
+  Carriers carriers, between;
+};
+
 struct TiedSide {
   std::string name;
   std::vector<SurfaceFace> faces;  ///< none of a bar, whose surface is a node
@@ -32,7 +39,7 @@ struct TiedSide {
 class Ties {
  public:
   Ties(const Scene& scene, const Body& body, fem::Mesh& mesh) : scene_(scene), body_(body), mesh_(mesh) {
-    for (const fem::HangingNode& of : mesh.hanging) hanging_[of.node] = of.carriers;
+    for (const fem::HangingNode& of : mesh.hanging) hanging_[of.node] = {of.carriers, of.carriers};
   }
 
   void tie(std::size_t index) {
@@ -40,36 +47,47 @@ class Ties {
     const auto& surfaces = body_.ties[index];
     TiedSide fine = side_of(surfaces[0]), coarse = side_of(surfaces[1]);
     if (coarse.edge_m < fine.edge_m) std::swap(fine, coarse);
-    std::map<int, Carriers> tied;
-    if (mesh_.model == Model::bar) {
-      tied[fine.nodes.front()] = {{coarse.nodes.front(), 1.0}};
-    } else {
-      const OppositeFaces opposite(coarse.faces, Eigen::Vector2d::Zero());
-      for (const MortarRow& row : opposite.rows(fine.faces, Eigen::Vector3d::Zero())) tied[row.node] = row.opposite;
+    hang(fine, coarse, "surfaces of two pieces that lie on each other, flat or with the same faces");
+  }
+
+  /// The nodes of the surface that it is joined to hang on a foreign body's.
+  void tie(const ForeignBody& foreign) {
+    key_ = fmt::format("body.{}.interface_faces", foreign.name);
+    const TiedSide fine = side_of(foreign.surface);
+    TiedSide coarse{"the faces of " + foreign.interface_faces, {}, {}};
+    const auto components = at(scene_.components());
+    for (std::size_t first = 0; first < foreign.interface_position_m.size(); first += components) {
+      Eigen::Vector3d& x = mesh_.position.emplace_back(Eigen::Vector3d::Zero());
+      for (std::size_t c = 0; c < components; ++c)
+        x[static_cast<Eigen::Index>(c)] = foreign.interface_position_m[first + c];
+      coarse.nodes.push_back(static_cast<int>(mesh_.position.size()) - 1);
     }
-    if (tied.empty())
-      refuse(fmt::format("\"{}\" and \"{}\", which lie nowhere opposite each other", fine.name, coarse.name),
-             "surfaces of two pieces that lie on each other");
-    for (auto& [node, carriers] : tied) {
-      std::erase_if(carriers, [](const auto& of) { return std::abs(of.weight) < least_weight; });
-      require_one_place(node, carriers, fine, coarse);
-      if (!hanging_.emplace(node, carriers).second)
-        refuse(fmt::format("node at {} of \"{}\", which hangs already, by mesh.refine or by another tie",
-                           place_text(node), fine.name),
-               "ties whose finer surfaces share no node, and boxes away from them");
+    mesh_.foreign_nodes[foreign.name] = coarse.nodes;
+    std::vector<bool> used(coarse.nodes.size(), false);
+    for (const std::vector<int>& rows : foreign.faces) {
+      fem::Face face{};
+      for (const int row : rows) {
+        face.push_back(coarse.nodes[at(row)]);
+        used[at(row)] = true;
+      }
+      if (fem::face_normal(mesh_, face).dot(fine.faces.front().normal) > 0.0) std::reverse(face.begin(), face.end());
+      add(face, foreign.faces.size(), coarse);
     }
+    for (std::size_t row = 0; row < used.size(); ++row)
+      if (!used[row])
+        refuse(fmt::format("no face with the node of row {}", row),
+               "faces that have every node of " + foreign.interface_nodes);
+    hang(fine, coarse, fmt::format("faces that lie on \"{}\", flat or with the same faces", foreign.surface));
   }
 
   /// Carriers that hang give way to theirs.
   void finish() {
     mesh_.hanging.clear();
-    for (const auto& [node, carriers] : hanging_) {
-      std::map<int, double> sums;
-      std::set<int> on_the_way;
-      add(node, 1.0, on_the_way, sums);
+    for (const auto& [node, own] : hanging_) {
       fem::HangingNode& of = mesh_.hanging.emplace_back();
       of.node = node;
-      for (const auto& [carrier, weight] : sums) of.carriers.push_back({carrier, weight});
+      of.carriers = resolved(node, &Hanging::carriers);
+      of.between = resolved(node, &Hanging::between);
     }
   }
 
@@ -81,8 +99,8 @@ class Ties {
         for (const int node : mesh_.elements[at(element)]) piece_of_node[node] = p;
     std::vector<std::size_t> root(body_.pieces.size());
     for (std::size_t p = 0; p < root.size(); ++p) root[p] = p;
-    for (const auto& [node, carriers] : hanging_) {
-      const std::size_t one = root[piece_of_node.at(node)], other = root[piece_of_node.at(carriers.front().node)];
+    for (const auto& [node, of] : hanging_) {
+      const std::size_t one = root[piece_of_node.at(node)], other = root[piece_of_node.at(of.carriers.front().node)];
       std::ranges::replace(root, std::max(one, other), std::min(one, other));
     }
     for (std::size_t p = 0; p < root.size(); ++p)
@@ -103,30 +121,45 @@ class Ties {
 
   [[nodiscard]] TiedSide side_of(const std::string& surface) const {
     require_surface(scene_, key_, mesh_, surface);
-    TiedSide side{surface, {}, fem::surface_nodes(mesh_, surface)};
+    TiedSide side{"\"" + surface + "\"", {}, fem::surface_nodes(mesh_, surface)};
     if (mesh_.model == Model::bar) return side;
-    for (const fem::Face& nodes : mesh_.surfaces.at(surface)) {
-      SurfaceFace& face = side.faces.emplace_back(SurfaceFace{nodes, {}, {}, fem::face_normal(mesh_, nodes)});
-      for (std::size_t i = 0; i < nodes.size(); ++i) {
-        face.x[i] = mesh_.position[at(nodes[i])];
-        face.measure[i] = mesh_.model == Model::axisymmetric ? 2.0 * std::numbers::pi * face.x[i][0] : 1.0;
-        face.node_normal[i] = face.normal;
-        side.edge_m += (mesh_.position[at(nodes[(i + 1) % nodes.size()])] - face.x[i]).norm() /
-                       static_cast<double>(nodes.size() * mesh_.surfaces.at(surface).size());
-      }
-    }
+    for (const fem::Face& face : mesh_.surfaces.at(surface)) add(face, mesh_.surfaces.at(surface).size(), side);
     return side;
+  }
+  /// A face of `count`.
+  void add(const fem::Face& nodes, std::size_t count, TiedSide& side) const {
+    SurfaceFace& face = side.faces.emplace_back(SurfaceFace{nodes, {}, {}, fem::face_normal(mesh_, nodes)});
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      face.x[i] = mesh_.position[at(nodes[i])];
+      face.measure[i] = mesh_.model == Model::axisymmetric ? 2.0 * std::numbers::pi * face.x[i][0] : 1.0;
+      face.node_normal[i] = face.normal;
+      side.edge_m += (mesh_.position[at(nodes[(i + 1) % nodes.size()])] - face.x[i]).norm() /
+                     static_cast<double>(nodes.size() * count);
+    }
+  }
+
+  void hang(const TiedSide& fine, const TiedSide& coarse, const std::string& allowed) {
+    const std::map<int, Hanging> tied = hanging_of(fine, coarse);
+    if (tied.empty())
+      refuse(fmt::format("{} and {}, which lie nowhere opposite each other", fine.name, coarse.name), allowed);
+    for (const auto& [node, of] : tied) {
+      require_one_place(node, of.carriers, fine, coarse, allowed);
+      if (!hanging_.emplace(node, of).second)
+        refuse(fmt::format("node at {} of {}, which hangs already, by mesh.refine or by another tie", place_text(node),
+                           fine.name),
+               "ties whose finer surfaces share no node, and boxes away from them");
+    }
   }
 
   /// Weights that give a node the place where it is give it every motion of a rigid body and every even strain.
-  void require_one_place(int node, const Carriers& carriers, const TiedSide& fine, const TiedSide& coarse) const {
+  void require_one_place(int node, const Carriers& carriers, const TiedSide& fine, const TiedSide& coarse,
+                         const std::string& allowed) const {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (const auto& carrier : carriers) place += carrier.weight * mesh_.position[at(carrier.node)];
     const double apart_m = (place - mesh_.position[at(node)]).norm();
     const double edge_m = mesh_.model == Model::bar ? extent_m() : fine.edge_m;
     if (apart_m <= one_place * edge_m) return;
-    refuse(fmt::format("\"{}\" {:.3g} m away from \"{}\" at {}", fine.name, apart_m, coarse.name, place_text(node)),
-           "surfaces of two pieces that lie on each other, flat or with the same faces");
+    refuse(fmt::format("{} {:.3g} m away from {} at {}", fine.name, apart_m, coarse.name, place_text(node)), allowed);
   }
   [[nodiscard]] double extent_m() const {
     Eigen::AlignedBox3d box;
@@ -134,7 +167,56 @@ class Ties {
     return box.diagonal().norm();
   }
 
-  void add(int node, double weight, std::set<int>& on_the_way, std::map<int, double>& sums) const {
+  /// A node that lies beside the coarse side is left free.
+  [[nodiscard]] std::map<int, Hanging> hanging_of(const TiedSide& fine, const TiedSide& coarse) const {
+    if (mesh_.model == Model::bar) {
+      const Carriers other{{coarse.nodes.front(), 1.0}};
+      return {{fine.nodes.front(), {other, other}}};
+    }
+    std::map<int, Hanging> tied;
+    const OppositeFaces opposite(coarse.faces, Eigen::Vector2d::Zero());
+    const BoxTree tree(boxes_of(coarse.faces, Eigen::Vector3d::Zero()));
+    for (const MortarRow& row : opposite.rows(fine.faces, Eigen::Vector3d::Zero())) {
+      Hanging of{row.opposite, between(row, tree, fine, coarse)};
+      std::erase_if(of.carriers, [](const auto& carrier) { return std::abs(carrier.weight) < least_weight; });
+      if (!of.between.empty()) tied[row.node] = std::move(of);
+    }
+    return tied;
+  }
+
+  /// Shape functions of the face that the line along the normal of a node hits.
+  [[nodiscard]] Carriers between(const MortarRow& row, const BoxTree& tree, const TiedSide& fine,
+                                 const TiedSide& coarse) const {
+    const Eigen::Vector3d& place = mesh_.position[at(row.node)];
+    const double reach_m = fine.edge_m;
+    Hit best{-one_place, 0.0};
+    const SurfaceFace* face = nullptr;
+    tree.visit([&](const Eigen::AlignedBox3d& box) { return box.squaredExteriorDistance(place) < reach_m * reach_m; },
+               [&](std::size_t i) {
+                 const Hit hit = hit_of(place, row.normal, coarse.faces[i]);
+                 if (hit.inside > best.inside || (face == nullptr && hit.inside == best.inside))
+                   std::tie(best, face) = std::pair(hit, &coarse.faces[i]);
+               });
+    Carriers nodes;
+    for (std::size_t k = 0; face != nullptr && k < face->node.size(); ++k)
+      if (const double weight = best.shape[static_cast<Eigen::Index>(k)]; weight > least_weight)
+        nodes.push_back({face->node[k], weight});
+    double sum = 0.0;
+    for (const auto& of : nodes) sum += of.weight;
+    for (auto& of : nodes) of.weight /= sum;
+    return nodes;
+  }
+
+  [[nodiscard]] Carriers resolved(int node, Carriers Hanging::*kind) const {
+    std::map<int, double> sums;
+    std::set<int> on_the_way;
+    add(node, 1.0, kind, on_the_way, sums);
+    Carriers all;
+    for (const auto& [carrier, weight] : sums) all.push_back({carrier, weight});
+    return all;
+  }
+  void add(int node, double weight, Carriers Hanging::*kind, std::set<int>& on_the_way,
+           std::map<int, double>& sums) const {
     const auto found = hanging_.find(node);
     if (found == hanging_.end()) {
       sums[node] += weight;
@@ -145,7 +227,7 @@ class Ties {
           fmt::format("{}: found ties by which the node at {} hangs on itself; allowed: surfaces of two pieces in each "
                       "tie, and none tied in a ring by its edges",
                       scene_.where("body." + body_.name + ".mesh"), place_text(node)));
-    for (const auto& carrier : found->second) add(carrier.node, weight * carrier.weight, on_the_way, sums);
+    for (const auto& carrier : found->second.*kind) add(carrier.node, weight * carrier.weight, kind, on_the_way, sums);
     on_the_way.erase(node);
   }
 
@@ -153,15 +235,21 @@ class Ties {
   const Body& body_;
   fem::Mesh& mesh_;
   std::string key_;
-  std::map<int, Carriers> hanging_;
+  std::map<int, Hanging> hanging_;
 };
 
 }  // namespace
 
 void tie_pieces(const Scene& scene, const Body& body, fem::Mesh& mesh) {
+  const auto own_mesh = [&](const ForeignBody& foreign) {
+    return foreign.joined_to == body.name && !foreign.faces.empty();
+  };
+  if (!body.of_pieces() && std::ranges::none_of(scene.foreign_bodies, own_mesh)) return;
   Ties ties(scene, body, mesh);
   for (std::size_t i = 0; i < body.ties.size(); ++i) ties.tie(i);
-  ties.require_all();
+  if (body.of_pieces()) ties.require_all();
+  for (const ForeignBody& foreign : scene.foreign_bodies)
+    if (own_mesh(foreign)) ties.tie(foreign);
   ties.finish();
 }
 

@@ -102,13 +102,14 @@ struct AbsorbingSurface {
 struct MeshPiece {
   std::string name;  ///< empty: the body's only mesh
   std::variant<StructuredMesh, GmshMesh> elements;
-  std::vector<RefinedBox> refine;  ///< one after the other
-  MeshPlace place;                 ///< of the divided mesh
+  std::vector<RefinedBox> refine;                   ///< one after the other
+  MeshPlace place;                                  ///< of the divided mesh
+  std::optional<Material> material = std::nullopt;  ///< none: that of the body
 };
 
 struct Body {
   std::string name;
-  Material material;
+  Material material;                             ///< of pieces without one of their own
   double area_m2 = 1.0;                          ///< `bar`: cross section
   double thickness_m = 1.0;                      ///< `plane_strain`: thickness
   std::vector<MeshPiece> pieces;                 ///< one without a name, or all with one
@@ -129,6 +130,9 @@ struct Body {
   [[nodiscard]] const StructuredMesh* structured() const;
   [[nodiscard]] std::vector<const GmshMesh*> files() const;
   [[nodiscard]] bool of_pieces() const { return !pieces.front().name.empty(); }
+  /// Whether a material of it has plasticity; whether plastic work heats one.
+  [[nodiscard]] bool yields() const;
+  [[nodiscard]] bool heats() const;
 };
 
 /// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not
@@ -136,9 +140,13 @@ struct Body {
 struct ForeignBody {
   std::string name;
   std::string joined_to;                     ///< one of Scene::bodies
-  std::string surface;                       ///< of that one: all its nodes are shared; empty: those of the file
+  /// Of that one: all its nodes are shared; with a file of nodes: where the faces lie, else empty.
+  std::string surface;
   std::string interface_nodes;               ///< absolute path of the file; empty: the nodes of the surface
   std::vector<double> interface_position_m;  ///< of the file: per node one number per component
+  /// Absolute path of the file of faces, by which the nodes need not be those of the other body; empty: they are.
+  std::string interface_faces;
+  std::vector<std::vector<int>> faces;  ///< of the file: indices of nodes
   std::optional<double> mass_kg;             ///< of the whole body, to be compared; empty: nothing is
 };
 

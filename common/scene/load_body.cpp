@@ -61,18 +61,6 @@ Material load_material(TableReader table, Model model) {
   return material;
 }
 
-/// A table of its own, the name of one of the scene's, or that of one of the library.
-Material load_material_of(TableReader& body, Model model, const std::map<std::string, Material>& materials) {
-  if (!body.is_text("material")) return load_material(body.table("material", "material"), model);
-  std::vector<std::string> known;
-  for (const auto& entry : materials) known.push_back(entry.first);
-  for (const LibraryMaterial& entry : material_library()) known.push_back(entry.name);
-  const std::string name = body.word("material", known);
-  if (const auto own = materials.find(name); own != materials.end()) return own->second;
-  const auto named = [&name](const LibraryMaterial& entry) { return entry.name == name; };
-  return std::find_if(material_library().begin(), material_library().end(), named)->material;
-}
-
 /// A surface named by the key "surface" of a table.
 std::string load_surface(TableReader& table, const std::vector<std::string>& known) {
   return known.empty() ? table.text("surface") : table.word("surface", known);
@@ -190,15 +178,25 @@ std::map<std::string, Material> load_materials(TableReader& root, Model model) {
   return materials;
 }
 
+Material load_material_of(TableReader& table, Model model, const std::map<std::string, Material>& materials) {
+  if (!table.is_text("material")) return load_material(table.table("material", "material"), model);
+  std::vector<std::string> known;
+  for (const auto& entry : materials) known.push_back(entry.first);
+  for (const LibraryMaterial& entry : material_library()) known.push_back(entry.name);
+  const std::string name = table.word("material", known);
+  if (const auto own = materials.find(name); own != materials.end()) return own->second;
+  const auto named = [&name](const LibraryMaterial& entry) { return entry.name == name; };
+  return std::find_if(material_library().begin(), material_library().end(), named)->material;
+}
+
 Body load_body(TableReader& table, Model model, const std::string& folder,
                const std::map<std::string, Material>& materials) {
   Body body;
   body.name = table.name("name");
   table.rename("body." + body.name);
-  for (const char* key : {"joined_to", "surface", "interface_nodes", "mass_kg"})
+  for (const char* key : {"joined_to", "surface", "interface_nodes", "interface_faces", "mass_kg"})
     table.only_if(false, key, "foreign = true");
-  body.material = load_material_of(table, model, materials);
-  load_mesh(table, model, folder, body);
+  load_mesh(table, model, folder, materials, body);
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
   table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");
   if (model == Model::bar) body.area_m2 = table.number("area_m2", above(0.0), 1.0);

@@ -149,7 +149,8 @@ MeshPiece load_piece(TableReader& table, Model model, const std::string& folder)
 }
 
 /// Every one with a name of its own.
-void load_pieces(TableReader& mesh, Model model, const std::string& folder, Body& body) {
+void load_pieces(TableReader& mesh, Model model, const std::string& folder,
+                 const std::map<std::string, Material>& materials, Body& body) {
   for (TableReader& table : mesh.tables("piece", "piece")) {
     const std::string name = table.name("name");
     table.rename(fmt::format("body.{}.mesh.piece.{}", body.name, name));
@@ -158,6 +159,7 @@ void load_pieces(TableReader& mesh, Model model, const std::string& folder, Body
     table.only_if(false, "periodic_across", "a mesh without pieces");
     body.pieces.push_back(load_piece(table, model, folder));
     body.pieces.back().name = name;
+    if (table.has("material")) body.pieces.back().material = load_material_of(table, model, materials);
     table.finish();
   }
   const std::vector<std::string> known = surface_names(model, body);
@@ -180,13 +182,14 @@ std::vector<std::string> surfaces_of(Model model, const StructuredMesh& mesh) {
 
 }  // namespace
 
-void load_mesh(TableReader& table, Model model, const std::string& folder, Body& body) {
+void load_mesh(TableReader& table, Model model, const std::string& folder,
+               const std::map<std::string, Material>& materials, Body& body) {
   TableReader mesh = table.table("mesh", "mesh");
   if (mesh.has("piece")) {
     for (const char* key : {"length_m", "radius_m", "height_m", "width_m", "elements", "start_m", "grading",
                             "periodic_across", "gmsh", "inp", "length_unit", "refine", "place"})
       mesh.only_if(false, key, "a mesh without pieces; each [[body.mesh.piece]] has keys of its own");
-    load_pieces(mesh, model, folder, body);
+    load_pieces(mesh, model, folder, materials, body);
   } else {
     mesh.only_if(false, "tie", "a mesh of pieces: [[body.mesh.piece]]");
     body.pieces.push_back(load_piece(mesh, model, folder));
@@ -194,6 +197,10 @@ void load_mesh(TableReader& table, Model model, const std::string& folder, Body&
   const auto turned = [](const MeshPiece& piece) { return piece.place.turned(); };
   table.only_if(std::ranges::none_of(body.pieces, turned), "initial_displacement_m", "a mesh that place does not turn");
   mesh.finish();
+  const auto has_own = [](const MeshPiece& piece) { return piece.material.has_value(); };
+  const bool all_have = std::ranges::all_of(body.pieces, has_own);
+  body.material =
+      all_have && !table.has("material") ? *body.pieces.front().material : load_material_of(table, model, materials);
 }
 
 std::vector<std::string> surface_names(Model model, const Body& body) {

@@ -66,7 +66,7 @@ bool any(const std::vector<double>& values) {
 /// A key of what is not in the modes of a linear body that nothing acts on but supports and the implicit side; "":
 /// none.
 std::string beyond_modes(const Body& body) {
-  if (body.material.plasticity) return "plasticity";
+  if (body.yields()) return "plasticity";
   if (body.large_rotation) return "large_rotation";
   if (any(body.gravity_m_s2)) return "gravity_m_s2";
   if (!body.tractions.empty()) return "traction";

@@ -187,7 +187,8 @@ std::string digest(const std::string& text, const Scene& scene) {
   for (const Body& body : scene.bodies)
     for (const GmshMesh* file : body.files()) all += read_text(file->path);
   for (const ForeignBody& body : scene.foreign_bodies)
-    if (!body.interface_nodes.empty()) all += read_text(body.interface_nodes);
+    for (const std::string& path : {body.interface_nodes, body.interface_faces})
+      if (!path.empty()) all += read_text(path);
   return sha256_hex(all);
 }
 

@@ -15,10 +15,15 @@ namespace ricochet::scene {
 /// Surfaces of a structured mesh; empty for a Gmsh mesh, whose surfaces are known only once it is read.
 [[nodiscard]] std::vector<std::string> surface_names(Model model, const Body& body);
 
-/// The table `mesh` of a body.
-void load_mesh(TableReader& table, Model model, const std::string& folder, Body& body);
 /// The scene's tables [material.NAME].
 [[nodiscard]] std::map<std::string, Material> load_materials(TableReader& root, Model model);
+/// The key `material` of a body or a piece: a table of its own, the name of one of the scene's, or of one of the
+/// library.
+[[nodiscard]] Material load_material_of(TableReader& table, Model model,
+                                        const std::map<std::string, Material>& materials);
+/// Mesh and materials of a body.
+void load_mesh(TableReader& table, Model model, const std::string& folder,
+               const std::map<std::string, Material>& materials, Body& body);
 [[nodiscard]] Body load_body(TableReader& table, Model model, const std::string& folder,
                              const std::map<std::string, Material>& materials);
 /// The entry says foreign = true.

@@ -41,6 +41,18 @@ std::vector<const GmshMesh*> Body::files() const {
   return files;
 }
 
+bool Body::yields() const {
+  return std::any_of(pieces.begin(), pieces.end(),
+                     [&](const MeshPiece& piece) { return piece.material.value_or(material).plasticity.has_value(); });
+}
+
+bool Body::heats() const {
+  return std::any_of(pieces.begin(), pieces.end(), [&](const MeshPiece& piece) {
+    const auto& plasticity = piece.material.value_or(material).plasticity;
+    return plasticity && plasticity->heat;
+  });
+}
+
 double StructuredMesh::nodes_in_layer() const {
   if (cylinder) return elements_in_layer() + 4.0 * fem::core_of_cylinder(elements_across) + 1.0;
   return (elements_across + 1.0) * (width_m > 0.0 ? elements_wide + 1.0 : 1.0);

@@ -109,7 +109,7 @@ void keep_paths(Toml& root, const fs::path& folder) {
   };
   each("body", [&](Toml& body) {
     if (body.is_table() && body.contains("mesh")) keep_mesh_paths(body.at("mesh"), folder);
-    make_absolute(body, "interface_nodes", folder);
+    for (const char* key : {"interface_nodes", "interface_faces"}) make_absolute(body, key, folder);
   });
   each("participant", [&](Toml& participant) { make_absolute(participant, "executable", folder); });
 }

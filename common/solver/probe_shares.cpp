@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "common/fem/hanging_nodes.hpp"
+
 namespace ricochet::solver {
 namespace {
 
@@ -29,7 +31,8 @@ Eigen::MatrixXd stress_operator(const scene::BodyProblem& body, const scene::Str
   Eigen::MatrixXd stress;
   for (Eigen::Index dof = 0; dof < dofs; ++dof) {
     const fem::ElementVector unit = Eigen::VectorXd::Unit(dofs, dof);
-    const Eigen::VectorXd column = fem::element_stress(body.section, body.material, element, unit, point.at);
+    const Eigen::VectorXd column =
+        fem::element_stress(body.section, fem::material_of(body, point.element), element, unit, point.at);
     if (dof == 0) stress.resize(column.size(), dofs);
     stress.col(dof) = column;
   }
@@ -39,7 +42,8 @@ Eigen::MatrixXd stress_operator(const scene::BodyProblem& body, const scene::Str
 /// Strains of the tensor, then stresses.
 Eigen::MatrixXd strain_and_stress(const scene::BodyProblem& body, const scene::StrainPoint& point) {
   const Eigen::MatrixXd stress = stress_operator(body, point);
-  Eigen::MatrixXd strain = fem::elasticity(body.section.model, body.material).partialPivLu().solve(stress);
+  Eigen::MatrixXd strain =
+      fem::elasticity(body.section.model, fem::material_of(body, point.element)).partialPivLu().solve(stress);
   for (Eigen::Index shear = 3; shear < strain.rows(); ++shear) strain.row(shear) *= 0.5;  // from 2 e_xy
   Eigen::MatrixXd both(2 * stress.rows(), stress.cols());
   both << strain, stress;
@@ -65,11 +69,13 @@ void ProbeShares::add_motion(const scene::BodyProblem& body, const scene::Strain
   const auto values = fem::shape_values(element.kind, point.at);
   const int components = fem::components(body.mesh.model);
   Motion motion{part, {}};
-  for (std::size_t i = 0; i < element.size(); ++i) {
-    const int node = local_node(state.part, element[i]);
+  std::vector<fem::WeightedNode> nodes;
+  for (std::size_t i = 0; i < element.size(); ++i) nodes.push_back({element[i], values[static_cast<Eigen::Index>(i)]});
+  for (const auto& [body_node, weight] : body.mesh.hanging.empty() ? nodes : fem::carried(body.mesh, nodes)) {
+    const int node = local_node(state.part, body_node);
     if (node < 0 || !state.integrated[fem::at(node * components)]) continue;
-    motion.nodes.emplace_back(node, values[static_cast<Eigen::Index>(i)]);
-    share += motion.nodes.back().second;
+    motion.nodes.emplace_back(node, weight);
+    share += weight;
   }
   if (!motion.nodes.empty()) told.motion.push_back(std::move(motion));
 }

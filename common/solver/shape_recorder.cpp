@@ -196,7 +196,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
     for (std::size_t i = 0; i < drawn.element.size(); ++i) {
       const int e = drawn.element[i];
       const auto geometry = fem::element_geometry(mesh_part.mesh, e);
-      auto tensor = fem::element_stress(mesh_part.section, mesh_part.material, geometry,
+      auto tensor = fem::element_stress(mesh_part.section, fem::material_of(mesh_part, e), geometry,
                                         fem::element_displacement(mesh_part.mesh, e, straining),
                                         fem::traits(geometry.kind).centre);
       if (states_[part].plastic) {

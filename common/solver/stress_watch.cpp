@@ -44,8 +44,8 @@ double largest_principal_stress(const BodyState& state, const Eigen::VectorXd& u
   const auto& part = state.part;
   const auto geometry = fem::element_geometry(part.mesh, element);
   fem::StressVector stress =
-      fem::element_stress(part.section, part.material, geometry, fem::element_displacement(part.mesh, element, u),
-                          fem::traits(geometry.kind).centre);
+      fem::element_stress(part.section, fem::material_of(part, element), geometry,
+                          fem::element_displacement(part.mesh, element, u), fem::traits(geometry.kind).centre);
   if (state.plastic) stress -= state.plastic->stress_of(element);
   return fem::principal_stresses(part.mesh.model, stress)[0];
 }
@@ -103,7 +103,8 @@ struct Limits {
 StressWatch::StressWatch(const std::vector<BodyState>& states) {
   for (const auto& state : states) {
     auto& inverse = inverse_.emplace_back();
-    if (!has_limit(state.part.material)) continue;
+    const auto materials = fem::materials_of(state.part);
+    if (std::none_of(materials.begin(), materials.end(), [](const auto* own) { return has_limit(*own); })) continue;
     watches_ = true;
     const auto& mesh = state.part.mesh;
     inverse.reserve(mesh.elements.size());
@@ -126,7 +127,8 @@ StressWatch::Passed StressWatch::look(std::size_t part, const BodyState& state) 
 template <int dimension>
 void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed) const {
   const auto& mesh = state.part.mesh;
-  const Limits limits(state.part.material);
+  std::vector<Limits> limits_of{Limits(state.part.material)};
+  for (const auto& material : mesh.materials) limits_of.emplace_back(material);
   Eigen::VectorXd in_frame;
   const Eigen::VectorXd& straining = state.straining(in_frame);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
@@ -138,12 +140,15 @@ void StressWatch::look(std::size_t part, const BodyState& state, Passed& passed)
         middle_differences<dimension>(nodes.kind, u) * inverse_[part][e].template topLeftCorner<dimension, dimension>();
     double hoop = mesh.model == fem::Model::axisymmetric ? hoop_strain(mesh, nodes, u) : 0.0;
     if (state.plastic) take_off(state.plastic->strain_of(static_cast<int>(e)), gradient, hoop);
+    const Limits& limits = limits_of[fem::at(1 + fem::material_index(mesh, static_cast<int>(e)))];
     const Size size = limits.size(gradient, hoop);
     if (size.von_mises_squared > limits.yield_squared)
-      passed.yield.take(std::sqrt(size.von_mises_squared), middle(mesh, static_cast<int>(e)));
+      passed.yield.take(std::sqrt(size.von_mises_squared / limits.yield_squared), std::sqrt(size.von_mises_squared),
+                        middle(mesh, static_cast<int>(e)));
     if (size.tension_at_most <= limits.strength) continue;
     const double tension = largest_principal_stress(state, straining, static_cast<int>(e));
-    if (tension > limits.strength) passed.tension.take(tension, middle(mesh, static_cast<int>(e)));
+    if (tension > limits.strength)
+      passed.tension.take(tension / limits.strength, tension, middle(mesh, static_cast<int>(e)));
   }
 }
 

@@ -11,10 +11,12 @@ namespace ricochet::solver {
 
 /// What is the worst of one kind in one look.
 struct Worst {
+  double share = 0.0;  ///< of the limit: where materials differ the largest stress need not be the worst
   double size = 0.0;
   Eigen::Vector3d place{0.0, 0.0, 0.0};
-  void take(double other, const Eigen::Vector3d& at) {
-    if (other > size) *this = {other, at};
+  void take(double other, const Eigen::Vector3d& at) { take(other, other, at); }
+  void take(double other_share, double other, const Eigen::Vector3d& at) {
+    if (other_share > share) *this = {other_share, other, at};
   }
 };
 
@@ -27,8 +29,8 @@ class StressWatch {
   explicit StressWatch(const std::vector<BodyState>& states);
 
   [[nodiscard]] bool watches() const { return watches_; }
-  /// The largest von Mises stress and the largest tension that are above their limits, in the middles of their elements
-  /// [Pa]; size 0 where none is.
+  /// The von Mises stress and the tension that are farthest above their limits, in the middles of their elements [Pa];
+  /// size 0 where none is.
   struct Passed {
     Worst yield, tension;
   };

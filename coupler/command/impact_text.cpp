@@ -96,7 +96,7 @@ bool is_slow(const scene::Problem& problem, const scene::Plan& plan, const scene
   constexpr double times = 2.0;
   for (const int body : {contact.body_a, contact.body_b}) {
     if (body < 0 || !problem.scene.bodies[static_cast<std::size_t>(body)].absorbing.empty()) continue;
-    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    const auto& material = scene::contact_material(problem, contact, body);
     const double length_m = plan.bodies[static_cast<std::size_t>(body)].extent_m.dot(contact.normal.cwiseAbs());
     const double transit_s = 2.0 * length_m / std::sqrt(material.youngs_modulus_pa / material.density_kg_m3);
     if (duration_s < times * transit_s) return false;
@@ -112,7 +112,7 @@ std::optional<Impact> hertz(const scene::Problem& problem, const scene::Plan& pl
   double compliance = 0.0, inverse_mass = 0.0;
   for (const int body : {contact.body_a, contact.body_b}) {
     if (body < 0) continue;
-    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    const auto& material = scene::contact_material(problem, contact, body);
     compliance += (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
     if (!held(problem.scene.bodies[static_cast<std::size_t>(body)], contact.normal))
       inverse_mass += 1.0 / plan.bodies[static_cast<std::size_t>(body)].mass_kg;
@@ -153,13 +153,14 @@ void warn_of_flat(const scene::Problem& problem, const scene::ContactGeometry& c
   for (const int index : {contact.body_a, contact.body_b}) {
     if (index < 0) continue;
     const auto& body = problem.bodies[static_cast<std::size_t>(index)];
+    const auto& material = scene::contact_material(problem, contact, index);
     const double stress_pa = speed_m_s / compliance / (bar ? body.section.measure : 1.0);
     warn({"makes, by impedance theory, a von Mises stress", "yield stress",
-          von_mises_share(problem, static_cast<std::size_t>(index)) * stress_pa, body.material.yield_stress_pa,
-          speed_m_s, 1.0},
+          von_mises_share(problem, static_cast<std::size_t>(index)) * stress_pa, material.yield_stress_pa, speed_m_s,
+          1.0},
          body.name, warnings);
     warn({"sends, by impedance theory, a wave that a free end turns into a tension", "strength", stress_pa,
-          body.material.strength_pa, speed_m_s, 1.0},
+          material.strength_pa, speed_m_s, 1.0},
          body.name, warnings);
   }
 }
@@ -172,7 +173,7 @@ void warn_of_round(const scene::Problem& problem, const scene::ContactGeometry& 
   for (const int index : {contact.body_a, contact.body_b}) {
     if (index < 0) continue;
     const auto& body = problem.bodies[static_cast<std::size_t>(index)];
-    const auto& m = body.material;
+    const auto& m = scene::contact_material(problem, contact, index);
     warn({"makes, by Hertz' theory, a von Mises stress", "yield stress", impact.pressure_pa / first_yield,
           m.yield_stress_pa, speed_m_s, power},
          body.name, warnings);
@@ -189,7 +190,7 @@ double approach_by_waves(const scene::Problem& problem, const scene::Plan& plan,
   double longest_s = 0.0;
   for (const int body : {contact.body_a, contact.body_b}) {
     if (body < 0) continue;
-    const auto& material = problem.bodies[static_cast<std::size_t>(body)].material;
+    const auto& material = scene::contact_material(problem, contact, body);
     const double length_m = plan.bodies[static_cast<std::size_t>(body)].extent_m.dot(contact.normal.cwiseAbs());
     longest_s = std::max(longest_s, 2.0 * length_m / std::sqrt(material.youngs_modulus_pa / material.density_kg_m3));
   }

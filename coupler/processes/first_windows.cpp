@@ -86,7 +86,7 @@ FirstWindows::FirstWindows(const scene::Problem& problem, const Coupling& coupli
     const auto& bodies = link.description().bodies;
     if (std::find(bodies.begin(), bodies.end(), body.name) == bodies.end()) continue;
     length_m = std::max(length_m, diagonal_m(body.mesh));
-    wave_speed_m_s_ = std::max(wave_speed_m_s_, fem::longitudinal_wave_speed(problem.scene.model, body.material));
+    wave_speed_m_s_ = std::max(wave_speed_m_s_, scene::fastest_wave_m_s(body));
   }
   const double dt = coupling.window_size_s();
   look_windows_ = most_windows;

@@ -12,8 +12,16 @@ bool periodic(const scene::Body& body) {
   return mesh && mesh->periodic_across;
 }
 
+/// That of a body of several where its first contact is.
+const fem::Material& material_of_contact(const scene::Problem& problem, std::size_t body) {
+  const auto index = static_cast<int>(body);
+  for (const auto& contact : problem.contacts)
+    if (contact.body_a == index || contact.body_b == index) return scene::contact_material(problem, contact, index);
+  return problem.bodies[body].material;
+}
+
 double wave_speed(const scene::Problem& problem, std::size_t body) {
-  const auto& m = problem.bodies[body].material;
+  const auto& m = material_of_contact(problem, body);
   const double nu = m.poisson_ratio;
   const double bar = m.youngs_modulus_pa / m.density_kg_m3;
   const bool confined = periodic(problem.scene.bodies[body]);
@@ -70,12 +78,12 @@ bool touches_all_at_once(const scene::ContactGeometry& contact, double length_m)
 
 double axial_impedance(const scene::Problem& problem, std::size_t body) {
   const bool bar = problem.scene.model == scene::Model::bar;
-  return problem.bodies[body].material.density_kg_m3 * wave_speed(problem, body) *
+  return material_of_contact(problem, body).density_kg_m3 * wave_speed(problem, body) *
          (bar ? problem.scene.bodies[body].area_m2 : 1.0);
 }
 
 double von_mises_share(const scene::Problem& problem, std::size_t body) {
-  const double nu = problem.bodies[body].material.poisson_ratio;
+  const double nu = material_of_contact(problem, body).poisson_ratio;
   if (periodic(problem.scene.bodies[body])) return (1.0 - 2.0 * nu) / (1.0 - nu);
   return problem.scene.model == scene::Model::plane_strain ? std::sqrt(1.0 - nu + nu * nu) : 1.0;
 }
@@ -88,6 +96,8 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
   const auto b = static_cast<std::size_t>(contact.body_b);
   for (const auto body : {a, b}) {
     if (!flies_freely(problem.scene.bodies[body], contact.normal)) return std::nullopt;
+    if (fem::materials_of(problem.bodies[body]).size() > 1)
+      return std::nullopt;  // waves come back from where they meet
   }
   if (problem.scene.contact_law().nose_radius_m > 0) return std::nullopt;
   if (!touches_all_at_once(contact, length_along(problem.bodies[a], contact.normal))) return std::nullopt;

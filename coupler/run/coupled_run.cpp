@@ -30,10 +30,13 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   summary.added_mass_share = plan.added_mass_share;
   if (scene.coupling.protocol.dual) summary.substeps = scene.substeps().most;
   summary.clock = problem.clock;
-  for (const auto& body : problem.bodies) {
-    const auto& m = body.material;
-    if (std::isfinite(m.yield_stress_pa) || std::isfinite(m.strength_pa))
-      summary.limits.push_back({body.name, m.yield_stress_pa, m.strength_pa});
+  for (const auto& body : problem.scene.bodies) {
+    for (const auto& piece : body.pieces) {
+      const auto m = piece.material.value_or(body.material);
+      if (std::isfinite(m.yield_stress_pa) || std::isfinite(m.strength_pa))
+        summary.limits.push_back(
+            {body.of_pieces() ? body.name + "." + piece.name : body.name, m.yield_stress_pa, m.strength_pa});
+    }
   }
   return summary;
 }

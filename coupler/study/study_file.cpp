@@ -159,8 +159,6 @@ fem::Model model_of(const std::string& name) {
 
 /// Whether its body yields or is heated is not known: what it does not tell has no error.
 void add_probes(const scene::Toml& output, fem::Model model, MeasuredScene& scene) {
-  fem::Plasticity heated;
-  heated.heat.emplace();
   const auto add = [&](const char* key, const auto& columns_of) {
     if (!output.is_table() || !output.contains(key) || !output.at(key).is_array()) return;
     for (const auto& place : output.at(key).as_array()) {
@@ -168,7 +166,7 @@ void add_probes(const scene::Toml& output, fem::Model model, MeasuredScene& scen
       scene.probes.insert(scene.probes.end(), columns.begin(), columns.end());
     }
   };
-  add("probe", [model, &heated](const std::string& name) { return scene::columns_of_probe(model, name, heated); });
+  add("probe", [model](const std::string& name) { return scene::columns_of_probe(model, name, true, true); });
   add("gauge", [](const std::string& name) { return scene::columns_of_gauge(name); });
 }
 

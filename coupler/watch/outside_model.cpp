@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "common/base/error.hpp"
 
@@ -30,6 +32,22 @@ constexpr const char* go_on = "coupling.outside_model = \"go_on\"";
 
 std::array<double, 3> numbers(const Eigen::Vector3d& place) { return {place[0], place[1], place[2]}; }
 
+/// Of the element whose middle is nearest to a place.
+const fem::Material& material_in(const scene::BodyProblem& body, const std::array<double, 3>& place_m) {
+  if (body.mesh.material.empty()) return body.material;
+  const Eigen::Vector3d place(place_m.data());
+  double nearest = std::numeric_limits<double>::infinity();
+  int element = 0;
+  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    const fem::Element& nodes = body.mesh.elements[fem::at(e)];
+    for (const int node : nodes) middle += body.mesh.position[fem::at(node)] / static_cast<double>(nodes.size());
+    if (const double away = (middle - place).squaredNorm(); away < nearest)
+      std::tie(nearest, element) = std::pair(away, e);
+  }
+  return fem::material_of(body, element);
+}
+
 }  // namespace
 
 std::string OutsideModel::place(const Departed& d) const {
@@ -44,7 +62,8 @@ std::string OutsideModel::stress_text(const Departed& d) const {
                                  [&](const scene::BodyProblem& b) { return b.name == d.body; });
   std::string against = yields ? "above its yield stress" : "above its strength";
   if (body != problem_.bodies.end()) {
-    const double limit = yields ? body->material.yield_stress_pa : body->material.strength_pa;
+    const fem::Material& material = material_in(*body, d.place_m);
+    const double limit = yields ? material.yield_stress_pa : material.strength_pa;
     against = fmt::format("{:.4g} times its {} of {:.4g} MPa", d.size / limit, yields ? "yield stress" : "strength",
                           1e-6 * limit);
   }

@@ -80,8 +80,7 @@ Untold untold(const scene::Problem& problem, const std::vector<PeerDescription>&
       need(energy, "energy_kinetic_j/" + body);
       need(energy, "energy_strain_j/" + body);
       if (actions.works) need(energy, "energy_external_j/" + body);
-      if (!problem.scene.is_foreign(body) && problem.scene.body(body).material.plasticity)
-        need(energy, "plastic_work_j/" + body);
+      if (!problem.scene.is_foreign(body) && problem.scene.body(body).yields()) need(energy, "plastic_work_j/" + body);
       if (!whole) need(interface, "energy_interface_j/" + body);
       for (const auto& direction : directions) {
         need(momentum, fmt::format("momentum_{}_kg_m_s/{}", direction, body));

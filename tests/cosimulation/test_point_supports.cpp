@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double length_m = 0.2, width_m = 0.02, gravity_m_s2 = 1000.0, probe_m = 0.19;
+constexpr double rod_length_m = 0.2, width_m = 0.02, gravity_m_s2 = 1000.0, probe_m = 0.19;
 const double first_rad = std::numbers::pi / 3.0;  // from the vertical
 
 /// A rod that is let go at 60 degrees, held at the middle of its upper end.
@@ -32,7 +32,7 @@ name = "tip"
 body = "rod"
 at_m = [{:.12g}, {:.12g}]
 )",
-                     length_m, length_m, width_m, gravity_m_s2, support, run, 0.01 + probe_m * std::sin(first_rad),
+                     rod_length_m, rod_length_m, width_m, gravity_m_s2, support, run, 0.01 + probe_m * std::sin(first_rad),
                      -probe_m * std::cos(first_rad));
 }
 
@@ -43,8 +43,8 @@ class Pendulum : public testing::TestWithParam<const char*> {};
 // A quarter of the period is K(sin(first/2)) sqrt(I/(m g d)), K the complete elliptic integral, I about the support.
 TEST_P(Pendulum, SwingsInTheTimeOfAnEllipticIntegral) {
   const TemporaryFolder folder;
-  const double inertia_m2 = (length_m * length_m + width_m * width_m) / 12.0 + 0.25 * length_m * length_m;
-  const double rate_rad_s = std::sqrt(gravity_m_s2 * 0.5 * length_m / inertia_m2);
+  const double inertia_m2 = (rod_length_m * rod_length_m + width_m * width_m) / 12.0 + 0.25 * rod_length_m * rod_length_m;
+  const double rate_rad_s = std::sqrt(gravity_m_s2 * 0.5 * rod_length_m / inertia_m2);
   const double quarter_s = std::comp_ellint_1(std::sin(0.5 * first_rad)) / rate_rad_s;
   const bool implicit = std::string(GetParam()) == "all_implicit";
   const RunResult run = run_text(

@@ -201,6 +201,65 @@ TEST(ForeignBody, MayBeJoinedAtSomeNodesOfASide) {
                 "interface_nodes of [[body]] \"tail\", a file with those that it has"));
 }
 
+/// Its nodes at the interface are none of the scene's: the run is that of a scene that knows both meshes, tied there.
+class ForeignMeshes : public testing::TestWithParam<ForeignCase> {};
+
+TEST_P(ForeignMeshes, MayDifferAtTheInterface) {
+  const auto& [model, protocol, substeps] = GetParam();
+  TemporaryFolder folder;
+  write_foreign_file(folder, *model);
+  const bool solid = model->components == 3;
+  const auto path = folder.path() / "theirs.toml";
+  (void)folder.write(replaced(file_text(path.string()), std::string("elements = [") + model->counts,
+                              solid ? "elements = [3, 1, " : "elements = [3, "),
+                     "theirs.toml");
+  std::string nodes = "# x, y [m]\n", faces;
+  for (int i = 0; i <= 3; ++i) {
+    const double x = 0.02 * i / 3;
+    nodes += solid ? fmt::format("{0:.17g}, 0, -0.04\n{0:.17g}, 0.03, -0.04\n", x) : fmt::format("{:.17g}, -0.04\n", x);
+    if (i < 3)
+      faces += solid ? fmt::format("{}, {}, {}, {}\n", 2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1)
+                     : fmt::format("{}, {}\n", i, i + 1);
+  }
+  (void)folder.write(nodes, "nodes.csv");
+  (void)folder.write(faces, "faces.csv");
+  const std::string near = solid ? "[5, 2, " : "[5, ";
+  auto joined_text =
+      joined_scene(*model, protocol, substeps,
+                   "surface = \"start\"\ninterface_nodes = \"nodes.csv\"\ninterface_faces = \"faces.csv\"");
+  joined_text =
+      replaced(joined_text, std::string("elements = [") + model->elements + "4]", "elements = " + near + "4]");
+  auto whole_text = whole_scene(*model, protocol, substeps);
+  const auto mesh = whole_text.find("mesh = { start_m = -0.1");
+  const auto after = whole_text.find('\n', mesh);
+  const auto piece = [&](const std::string& name, double start_m, const std::string& elements, int along_axis) {
+    return fmt::format("[[body.mesh.piece]]\nname = \"{}\"\nstart_m = {}\nlength_m = {}\n{}elements = {}{}]\n", name,
+                       start_m, 0.01 * along_axis,
+                       solid ? "height_m = 0.02\nwidth_m = 0.03\n"
+                             : (std::string(model->name) == "axisymmetric" ? "radius_m = 0.02\n" : "height_m = 0.02\n"),
+                       elements, along_axis);
+  };
+  const auto support = whole_text.substr(after + 1, whole_text.find('\n', after + 1) - after);
+  whole_text = whole_text.substr(0, mesh) + replaced(support, "\"start\"", "\"far.start\"") +
+               piece("far", -0.1, solid ? "[3, 1, " : "[3, ", 6) + piece("near", -0.04, near, 4) +
+               "[[body.mesh.tie]]\nsurfaces = [\"far.end\", \"near.start\"]\n" +
+               whole_text.substr(whole_text.find("[[body]]\nname = \"upper\""));
+  whole_text = replaced(whole_text, "\"lower.end\"", "\"lower.near.end\"");
+  auto joined = run_text(joined_text, folder, "joined");
+  auto whole = run_text(whole_text, folder, "whole");
+  whole.history.erase("velocity_mean_lower_m_s");  // of another part of it
+  expect_same_history(joined, whole, std::string(protocol) == "fixed_point" ? 1e-9 : 1e-11);
+  EXPECT_GT(whole.largest("contact_force_n"), 1e3);
+  EXPECT_LT(joined.summary.at("momentum_error_max").get<double>(), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, ForeignMeshes,
+    testing::Values(ForeignCase{&plane_model, "hughes_liu", 1}, ForeignCase{&plane_model, "belytschko_mullen", 1},
+                    ForeignCase{&plane_model, "prakash_hjelmstad", 2}, ForeignCase{&plane_model, "fixed_point", 1},
+                    ForeignCase{&round_model, "hughes_liu", 1}, ForeignCase{&solid_model, "hughes_liu", 1}),
+    name_of_foreign);
+
 /// The whole run's mass, of the full circle; a mass per radian is known by its factor.
 TEST(ForeignBody, IsComparedByItsMassIfTheSceneGivesIt) {
   const double mass_kg = 7800.0 * M_PI * 0.02 * 0.02 * 0.06;

@@ -1218,7 +1218,7 @@ const std::vector<Wrong> foreign_bodies{
      "executable = \"./far\"",
      "executable = \"./far\"\ngroups = [\"a\"]",
      36,
-     {"only with bodies = [one body], read from a mesh file"}},
+     {"only with bodies = [one body], of pieces or read from a mesh file"}},
     {"foreign_that_differs",
      f,
      "executable = \"./far\"",
