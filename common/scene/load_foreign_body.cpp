@@ -33,33 +33,32 @@ std::vector<double> numbers_of(const std::string& row) {
   return numbers;
 }
 
-/// visit(numbers, place, row) of the rows of a file of numbers, separated by commas; lines that are empty or begin with
-/// '#' mean nothing. The line of the last row is returned, 0 without one.
+/// visit(numbers, found) of the rows of a file of numbers, separated by commas, `found` being the beginning of an error
+/// text; lines that are empty or begin with '#' mean nothing. Returns the number of lines.
 template <class Visit>
 int for_each_row(const std::string& path, const Visit& visit) {
   std::istringstream lines(read_text(path));
-  int line = 0, last = 0;
+  int line = 0;
   for (std::string text; std::getline(lines, text);) {
     ++line;
     const std::string row = stripped(text);
     if (row.empty() || row.front() == '#') continue;
-    last = line;
     visit(numbers_of(row), fmt::format("{}:{}: found \"{}\"", path, line, row.substr(0, 80)));
   }
-  return last;
+  return line;
 }
 
 /// A file of positions [m]: a row per node.
 std::vector<double> read_nodes(const std::string& path, const std::vector<std::string>& components) {
   std::vector<double> positions;
-  for_each_row(path, [&](const std::vector<double>& numbers, const std::string& found) {
+  const int lines = for_each_row(path, [&](const std::vector<double>& numbers, const std::string& found) {
     if (numbers.size() != components.size() || positions.size() / components.size() == most_interface_nodes)
       throw ConfigError(fmt::format("{}; allowed: {} [m] of one node, finite, separated by commas, of at most {} nodes",
                                     found, fmt::join(components, ", "), most_interface_nodes));
     positions.insert(positions.end(), numbers.begin(), numbers.end());
   });
   if (positions.empty())
-    throw ConfigError(fmt::format("{}: found no node; allowed: a row for each node with its {} [m]", path,
+    throw ConfigError(fmt::format("{}:{}: found no node; allowed: a row for each node with its {} [m]", path, lines,
                                   fmt::join(components, ", ")));
   return positions;
 }
@@ -68,7 +67,7 @@ std::vector<double> read_nodes(const std::string& path, const std::vector<std::s
 std::vector<std::vector<int>> read_faces(const std::string& path, bool solid, std::size_t nodes) {
   std::vector<std::vector<int>> faces;
   const std::string corners = solid ? "three or four" : "two";
-  for_each_row(path, [&](const std::vector<double>& numbers, const std::string& found) {
+  const int lines = for_each_row(path, [&](const std::vector<double>& numbers, const std::string& found) {
     const auto fits = [&](double number) {
       return number == std::floor(number) && number >= 0.0 && number < static_cast<double>(nodes);
     };
@@ -82,7 +81,7 @@ std::vector<std::vector<int>> read_faces(const std::string& path, bool solid, st
   });
   if (faces.empty())
     throw ConfigError(
-        fmt::format("{}: found no face; allowed: a row for each face with {} rows of nodes", path, corners));
+        fmt::format("{}:{}: found no face; allowed: a row for each face with {} rows of nodes", path, lines, corners));
   return faces;
 }
 

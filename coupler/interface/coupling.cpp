@@ -8,11 +8,7 @@
 namespace ricochet::coupler {
 
 Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, WindowClock clock)
-    : Coupling(std::move(peers), descriptions, InterfaceMap(descriptions), std::move(clock)) {}
-
-Coupling::Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
-                   WindowClock clock)
-    : map_(std::move(map)), clock_(std::move(clock)) {
+    : map_(descriptions), clock_(std::move(clock)) {
   for (std::size_t p = 0; p < peers.size(); ++p)
     links_.emplace_back(std::move(peers[p]), descriptions[p], map_.rows(p));
   const std::size_t size = static_cast<std::size_t>(map_.nodes()) * map_.components();
@@ -29,7 +25,7 @@ void Coupling::initialize(const wire::Initialize& request) {
 }
 
 std::vector<double> Coupling::masses_of(const Link& link, Masses masses) const {
-  if (masses == Masses::own || !link.rows().picks()) return link.description().interface_mass_kg.data;
+  if (masses == Masses::own) return link.description().interface_mass_kg.data;
   return link.rows().per_node(map_.mass_kg());
 }
 

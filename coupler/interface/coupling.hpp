@@ -20,8 +20,6 @@ class Coupling {
  public:
   /// Peers in the scene's order of participants, with what they answered to `describe`. Throws as InterfaceMap does.
   Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, WindowClock clock);
-  Coupling(std::vector<Peer> peers, const std::vector<PeerDescription>& descriptions, InterfaceMap map,
-           WindowClock clock);
   Coupling(const Coupling&) = delete;
   Coupling& operator=(const Coupling&) = delete;
 

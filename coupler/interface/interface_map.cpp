@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <unordered_map>
 
 #include "common/base/error.hpp"
@@ -86,9 +85,6 @@ double extent(const std::vector<Node>& nodes) {
   return result;
 }
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Strides = Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>;
-
 /// Groups nodes that coincide: for each shared node the indices of `nodes` that are it, in ascending order.
 /// A hash of cells as large as the tolerance finds candidates; a node may lie next to a cell border, so neighbours
 /// count.
@@ -162,20 +158,6 @@ InterfaceRows::InterfaceRows(std::vector<int> shared, int components)
   }
 }
 
-InterfaceRows InterfaceRows::of_operator(const Eigen::SparseMatrix<double, Eigen::RowMajor>& pi, int components) {
-  constexpr double round_off = 1e-12;
-  const Eigen::VectorXd sums = pi * Eigen::VectorXd::Ones(pi.cols());
-  for (Eigen::Index i = 0; i < sums.size(); ++i) {
-    if (std::abs(sums[i] - 1.0) > round_off)
-      throw std::invalid_argument(
-          fmt::format("row {} of an interface operator has the sum {}, it must be 1", i, sums[i]));
-  }
-  InterfaceRows rows({}, components);
-  rows.nodes_ = static_cast<std::size_t>(pi.rows());
-  rows.pi_ = pi;
-  return rows;
-}
-
 std::vector<std::size_t> InterfaceRows::dofs() const {
   std::vector<std::size_t> result;
   for (const int node : shared_) {
@@ -186,7 +168,6 @@ std::vector<std::size_t> InterfaceRows::dofs() const {
 
 std::vector<double> InterfaceRows::per_node(const std::vector<double>& shared_values) const {
   std::vector<double> own;
-  if (!picks()) gather_interpolated(1, shared_values, own);
   for (const int node : shared_) own.push_back(shared_values[static_cast<std::size_t>(node)]);
   return own;
 }
@@ -202,21 +183,7 @@ void InterfaceRows::each_number(Own* own_values, Shared* shared_values, Each eac
   }
 }
 
-void InterfaceRows::gather_interpolated(int columns, const std::vector<double>& shared_values,
-                                        std::vector<double>& own_values) const {
-  own_values.resize(nodes_ * static_cast<std::size_t>(columns));
-  Eigen::Map<RowMajor>(own_values.data(), pi_.rows(), columns).noalias() =
-      pi_ * Eigen::Map<const RowMajor>(shared_values.data(), pi_.cols(), columns);
-}
-
-void InterfaceRows::add_interpolated(int columns, const std::vector<double>& own_values,
-                                     std::vector<double>& shared_values) const {
-  Eigen::Map<RowMajor>(shared_values.data(), pi_.cols(), columns).noalias() +=
-      pi_.transpose() * Eigen::Map<const RowMajor>(own_values.data(), pi_.rows(), columns);
-}
-
 void InterfaceRows::gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const {
-  if (!picks()) return gather_interpolated(components_, shared_values, own_values);
   own_values.resize(nodes_ * static_cast<std::size_t>(components_));
   each_number(own_values.data(), shared_values.data(), [](double& own, const double& shared) { own = shared; });
 }
@@ -226,32 +193,16 @@ void InterfaceRows::scatter(const std::vector<double>& own_values, std::vector<d
 }
 
 void InterfaceRows::add(const std::vector<double>& own_values, std::vector<double>& shared_values) const {
-  if (!picks()) return add_interpolated(components_, own_values, shared_values);
   each_number(own_values.data(), shared_values.data(), [](const double& own, double& shared) { shared += own; });
 }
 
 void InterfaceRows::add_per_node(const std::vector<double>& own_values, std::vector<double>& shared_values) const {
-  if (!picks()) return add_interpolated(1, own_values, shared_values);
   for (std::size_t i = 0; i < nodes_; ++i) shared_values[static_cast<std::size_t>(shared_[i])] += own_values[i];
 }
 
 void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const {
-  if (picks()) {
-    const auto to = dofs();
-    shared_matrix(to, to) += own;
-    return;
-  }
-  for (int row = 0; row < components_; ++row) {
-    for (int column = 0; column < components_; ++column) {
-      const Eigen::Map<const Eigen::MatrixXd, 0, Strides> of_components(own.data() + row + column * own.rows(),
-                                                                        pi_.rows(), pi_.rows(),
-                                                                        Strides(components_ * own.rows(), components_));
-      Eigen::Map<Eigen::MatrixXd, 0, Strides> to(shared_matrix.data() + row + column * shared_matrix.rows(), pi_.cols(),
-                                                 pi_.cols(), Strides(components_ * shared_matrix.rows(), components_));
-      const Eigen::MatrixXd followed = of_components * pi_;
-      to += pi_.transpose() * followed;
-    }
-  }
+  const auto to = dofs();
+  shared_matrix(to, to) += own;
 }
 
 InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) {
@@ -287,15 +238,6 @@ InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions) {
     }
   }
   for (auto& own : shared) rows_.emplace_back(std::move(own), components_);
-}
-
-InterfaceMap::InterfaceMap(const std::vector<PeerDescription>& descriptions, std::vector<InterfaceRows> rows)
-    : rows_(std::move(rows)), components_(rows_.front().components()) {
-  for (std::size_t p = 0; p < rows_.size(); ++p) {
-    if (descriptions[p].role == Role::implicit_solver) mass_kg_.assign(rows_[p].nodes(), 0.0);
-  }
-  for (std::size_t p = 0; p < rows_.size(); ++p)
-    rows_[p].add_per_node(descriptions[p].interface_mass_kg.data, mass_kg_);
 }
 
 }  // namespace ricochet::coupler

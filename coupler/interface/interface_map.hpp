@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <string>
 #include <vector>
 
@@ -9,37 +8,29 @@
 
 namespace ricochet::coupler {
 
-/// How the interface nodes of one participant follow the shared nodes, u_own = Pi u_shared; forces and masses go back
-/// by Pi^T, so that a force does the same work on either side. Pi has rows of sum one: a translation of the shared
-/// nodes is one of the own nodes, and no momentum is lost. Where meshes match, Pi picks a shared node for each own one
-/// (`shared`), and nothing is multiplied. Vectors are row-major, `components` columns.
+/// Which shared node each interface node of one participant is. Vectors are row-major, `components` columns.
 class InterfaceRows {
  public:
   /// `shared`: per own interface node its shared node.
   explicit InterfaceRows(std::vector<int> shared = {}, int components = 1);
-  /// Pi, own nodes x shared nodes. Throws std::invalid_argument if the sum of a row is not 1 to round-off.
-  [[nodiscard]] static InterfaceRows of_operator(const Eigen::SparseMatrix<double, Eigen::RowMajor>& pi,
-                                                 int components);
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  ///< own ones
   [[nodiscard]] int components() const { return components_; }
-  /// Whether own nodes are shared ones.
-  [[nodiscard]] bool picks() const { return pi_.size() == 0; }
   /// Whether the own nodes are all `nodes` shared ones in their order.
-  [[nodiscard]] bool all_in_order(std::size_t nodes) const { return picks() && nodes_ == nodes && blocks_.size() <= 1; }
+  [[nodiscard]] bool all_in_order(std::size_t nodes) const { return nodes_ == nodes && blocks_.size() <= 1; }
 
-  /// Of rows that pick: per own degree of freedom the shared one.
+  /// Per own degree of freedom the shared one.
   [[nodiscard]] std::vector<std::size_t> dofs() const;
   /// Per own node, of a value per shared node.
   [[nodiscard]] std::vector<double> per_node(const std::vector<double>& shared_values) const;
-  /// own = Pi shared.
+  /// own[i] = shared[rows[i]].
   void gather(const std::vector<double>& shared_values, std::vector<double>& own_values) const;
-  /// Of rows that pick, shared[rows[i]] = own[i]: for the one participant that integrates the shared nodes.
+  /// shared[rows[i]] = own[i]: for the one participant that integrates the shared nodes.
   void scatter(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
-  /// shared += Pi^T own: forces of all participants that meet at a node.
+  /// shared[rows[i]] += own[i]: forces of all participants that meet at a node.
   void add(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
   /// The same of one value per node.
   void add_per_node(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
-  /// shared += Pi^T own Pi, per component.
+  /// The same of a matrix, own degrees of freedom x own degrees of freedom.
   void add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const;
 
  private:
@@ -50,12 +41,7 @@ class InterfaceRows {
   template <class Own, class Shared, class Each>
   void each_number(Own* own_values, Shared* shared_values, Each each) const;
 
-  void gather_interpolated(int columns, const std::vector<double>& shared_values,
-                           std::vector<double>& own_values) const;
-  void add_interpolated(int columns, const std::vector<double>& own_values, std::vector<double>& shared_values) const;
-
-  std::vector<int> shared_;                          ///< of rows that pick
-  Eigen::SparseMatrix<double, Eigen::RowMajor> pi_;  ///< of others
+  std::vector<int> shared_;
   std::size_t nodes_;
   int components_;
   std::vector<Block> blocks_;
@@ -71,9 +57,6 @@ class InterfaceMap {
   /// Throws ProtocolError naming participant, body and position where a node has no partner, two nodes of one
   /// participant coincide, no participant (or more than one) integrates it, or components differ.
   explicit InterfaceMap(const std::vector<PeerDescription>& descriptions);
-  /// The same of meshes that differ: `rows` of each participant, of which the implicit one's pick all shared nodes in
-  /// order. The mass of a shared node is its row of Pi^T m.
-  InterfaceMap(const std::vector<PeerDescription>& descriptions, std::vector<InterfaceRows> rows);
 
   /// Nodes this close are one, in shares of the largest extent or coordinate of all interface nodes.
   static constexpr double same_place = 1e-9;

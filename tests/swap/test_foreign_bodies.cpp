@@ -260,6 +260,34 @@ INSTANTIATE_TEST_SUITE_P(
                     ForeignCase{&round_model, "hughes_liu", 1}, ForeignCase{&solid_model, "hughes_liu", 1}),
     name_of_foreign);
 
+TEST(ForeignMesh, IsRefusedByFileAndLine) {
+  TemporaryFolder folder;
+  const auto refused = [&](const std::string& nodes, const std::string& faces, const std::string& keys = "") {
+    (void)folder.write(nodes, "nodes.csv");
+    (void)folder.write(faces, "faces.csv");
+    const std::string all = "surface = \"start\"\ninterface_nodes = \"nodes.csv\"\ninterface_faces = \"faces.csv\"";
+    const Outcome outcome =
+        run_command({ricochet_binary(), "check",
+                     folder.write(joined_scene(plane_model, "hughes_liu", 1, keys.empty() ? all : keys))},
+                    folder.path().string());
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.error;
+  };
+  const std::string nodes = "0, -0.04\n0.015, -0.04\n0.02, -0.04\n", faces = "0, 1\n1, 2\n";
+  EXPECT_THAT(refused(nodes, "0, 1\n\n1, 3\n"), HasSubstr("faces.csv:3: found \"1, 3\"; allowed: two rows of nodes"));
+  EXPECT_THAT(refused(nodes, "# none\n"), HasSubstr("faces.csv:1: found no face"));
+  EXPECT_THAT(refused(nodes, "0, 1\n"), HasSubstr("found no face with the node of row 2"));
+  EXPECT_THAT(refused("0, -0.04\n0.015, -0.041\n0.02, -0.04\n", faces), HasSubstr("m away from the faces of"));
+  EXPECT_THAT(refused("0, 1.0\n0.015, 1.0\n0.02, 1.0\n", faces), HasSubstr("faces that lie on \"start\""));
+  EXPECT_THAT(refused(nodes, faces, "surface = \"start\"\ninterface_faces = \"faces.csv\""),
+              HasSubstr("only with interface_nodes"));
+  EXPECT_THAT(refused(nodes, faces, "interface_nodes = \"nodes.csv\"\ninterface_faces = \"faces.csv\""),
+              HasSubstr("body.tail.surface: found nothing"));
+  EXPECT_THAT(
+      refused(nodes, faces, "surface = \"start\"\ninterface_nodes = \"nodes.csv\"\ninterface_faces = \"no.csv\""),
+      HasSubstr("there is no file"));
+}
+
 /// The whole run's mass, of the full circle; a mass per radian is known by its factor.
 TEST(ForeignBody, IsComparedByItsMassIfTheSceneGivesIt) {
   const double mass_kg = 7800.0 * M_PI * 0.02 * 0.02 * 0.06;

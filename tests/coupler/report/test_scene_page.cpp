@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/base/base64.hpp"
+#include "coupler/report/parts/chart.hpp"
 #include "coupler/report/scene_page/scene_page.hpp"
 #include "tests/coupler/report/sample_run.hpp"
 #include "tests/support/scene_file.hpp"
