@@ -226,6 +226,7 @@ Plan plan(const Problem& problem) {
   check_slip_in_flight(problem, plan);
   plan.notes = unreached_ends(problem);
   note_ignored_cards(scene, plan);
+  note_partial_ties(problem, plan);
   check_local_steps(problem, plan);
   check_mass_scaling(problem, plan);
   for (const Joint& joint : problem.joints)

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/fem/element.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "common/fem/inp_file.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
@@ -99,6 +100,28 @@ void note_ignored_cards(const Scene& scene, Plan& plan) {
         plan.notes.push_back(fmt::format(
             "{} is read for its mesh alone; {} left out: materials, supports, loads and steps are those of the scene",
             file->path, fmt::join(cards, ", ")));
+    }
+  }
+}
+
+/// A piece that was put beside the other by mistake would hold on by what is left.
+void note_partial_ties(const Problem& problem, Plan& plan) {
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    const fem::Mesh& mesh = problem.bodies[b].mesh;
+    for (const auto& tie : problem.scene.bodies[b].ties) {
+      std::array<std::ptrdiff_t, 2> nodes{}, hanging{};
+      for (std::size_t side = 0; side < 2; ++side) {
+        const std::vector<int> all = fem::surface_nodes(mesh, tie[side]);
+        nodes[side] = std::ssize(all);
+        hanging[side] =
+            std::count_if(all.begin(), all.end(), [&](int node) { return fem::hanging_at(mesh, node) != nullptr; });
+      }
+      const std::size_t fine = hanging[0] >= hanging[1] ? 0 : 1;
+      if (hanging[fine] < nodes[fine])
+        plan.notes.push_back(
+            fmt::format("body \"{}\": {} of the {} nodes of \"{}\" lie beside \"{}\", to which it is "
+                        "tied, and stay free",
+                        problem.bodies[b].name, nodes[fine] - hanging[fine], nodes[fine], tie[fine], tie[1 - fine]));
     }
   }
 }

@@ -16,4 +16,7 @@ void check_units(const Problem& problem, Plan& plan);
 /// Notes which cards of .inp files say nothing about a mesh and are left out, each file once.
 void note_ignored_cards(const Scene& scene, Plan& plan);
 
+/// Notes ties where nodes of the finer surface lie beside the other one.
+void note_partial_ties(const Problem& problem, Plan& plan);
+
 }  // namespace ricochet::scene

@@ -148,9 +148,9 @@ std::string plastic_arrays(const Parts& parts) {
 
 std::string element_numbers(const Parts& parts) {
   std::vector<std::int32_t> body, element;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto& of_body = parts[p].part->body_element;
-    body.insert(body.end(), of_body.size(), static_cast<std::int32_t>(p));
+  for (const PartFields& of : parts) {
+    const auto& of_body = of.part->body_element;
+    body.insert(body.end(), of_body.size(), of.body);
     element.insert(element.end(), of_body.begin(), of_body.end());
   }
   return data_array("Int32", "body", 1, body) + data_array("Int32", "element", 1, element);

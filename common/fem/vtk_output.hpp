@@ -24,6 +24,7 @@ struct PartFields {
   const PlasticStrain* plastic = nullptr;      ///< null where the part does not yield
   const Eigen::VectorXd* straining = nullptr;  ///< of a part in a frame that turns: what strains it there; else null
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< of that frame
+  int body = 0;                                            ///< its number in the scene
 };
 
 /// Contact at the nodes of one part.
@@ -38,7 +39,7 @@ struct ContactFields {
 /// Point data: displacement [m], velocity [m/s], acceleration [m/s^2] (3 components each); with `contact`, one per
 /// part, also contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
 /// Cell data at the element centre: stress [Pa] and strain (xx, yy, zz, xy, yz, xz, as VTK orders a symmetric tensor;
-/// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (index in `parts`), `element` (number
+/// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (number in the scene), `element` (number
 /// in the body) and, where a part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K]. Parts of
 /// one model (std::invalid_argument otherwise, and where lengths do not fit). Throws what write_atomically throws if
 /// the file cannot be written.

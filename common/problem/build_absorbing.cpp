@@ -30,11 +30,11 @@ class Absorber {
   /// Adds the impedance rho c times the tributary area of every node of the surface [kg/s].
   void add(const AbsorbingSurface& absorbing) {
     require_surface(*scene_, key_, body_->mesh, absorbing.surface);
+    const fem::Material& material = material_at(*body_, body_->mesh.surfaces.at(absorbing.surface).front());
     double whole_area = 0.0;
     for (const fem::Face& face : body_->mesh.surfaces.at(absorbing.surface)) {
       const fem::FaceArea area = fem::face_area(body_->section, body_->mesh, face);
       const int normal = normal_component(face);
-      const fem::Material& material = material_at(*body_, face);
       whole_area += std::accumulate(area.begin(), area.end(), 0.0);
       for (int c = 0; c < scene_->components(); ++c) {
         const double speed =

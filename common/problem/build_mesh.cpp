@@ -146,15 +146,37 @@ void append(const fem::Mesh& piece, const std::string& name, fem::Mesh& mesh) {
   for (const std::string& surface : piece.refined_surfaces) mesh.refined_surfaces.push_back(name + "." + surface);
 }
 
-void append_materials(const Body& body, fem::Mesh& mesh) {
+/// Of pieces, then of groups.
+void set_materials(const Scene& scene, const Body& body, fem::Mesh& mesh) {
   const auto has_own = [](const MeshPiece& piece) { return piece.material.has_value(); };
-  if (std::none_of(body.pieces.begin(), body.pieces.end(), has_own)) return;
+  if (body.groups.empty() && std::none_of(body.pieces.begin(), body.pieces.end(), has_own)) return;
   mesh.material.assign(mesh.elements.size(), -1);
   for (const MeshPiece& piece : body.pieces) {
     if (!piece.material) continue;
     for (const int element : mesh.element_groups.at(piece.name))
       mesh.material[at(element)] = static_cast<int>(mesh.materials.size());
     mesh.materials.push_back(*piece.material);
+  }
+  const auto first = static_cast<int>(mesh.materials.size());
+  std::vector<std::string> known;
+  for (const auto& group : mesh.element_groups) known.push_back(group.first);
+  for (const GroupMaterial& of : body.groups) {
+    const auto refuse = [&](const std::string& found, const std::string& allowed) {
+      throw ConfigError(fmt::format("{}: found {}; allowed: {}",
+                                    scene.where("body." + body.name + ".group." + of.group), found, allowed));
+    };
+    const auto group = mesh.element_groups.find(of.group);
+    if (group == mesh.element_groups.end())
+      refuse(fmt::format("group \"{}\"{}", of.group, did_you_mean(of.group, known)),
+             known.empty() ? "none, the mesh has no group of elements" : one_of(known));
+    for (const int element : group->second) {
+      int& material = mesh.material[at(element)];
+      if (material >= first)
+        refuse(fmt::format("an element of group \"{}\", too", body.groups[at(material - first)].group),
+               "groups that share no element");
+      material = static_cast<int>(mesh.materials.size());
+    }
+    mesh.materials.push_back(of.material);
   }
 }
 
@@ -163,6 +185,7 @@ void append_materials(const Body& body, fem::Mesh& mesh) {
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
   if (!body.of_pieces()) {
     fem::Mesh mesh = piece_mesh(scene, body, body.pieces.front());
+    set_materials(scene, body, mesh);
     tie_pieces(scene, body, mesh);
     return mesh;
   }
@@ -172,7 +195,7 @@ fem::Mesh build_mesh(const Scene& scene, const Body& body) {
     throw ConfigError(fmt::format("{}: found {} elements in all pieces; allowed: at most {} in a body",
                                   scene.where("body." + body.name + ".mesh"), mesh.elements.size(),
                                   fem::most_elements));
-  append_materials(body, mesh);
+  set_materials(scene, body, mesh);
   tie_pieces(scene, body, mesh);
   return mesh;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -20,6 +19,9 @@ namespace {
 
 /// Of an edge: surfaces that lie farther from each other are not one.
 constexpr double one_place = 1e-6;
+/// Of a face: a node that lies farther beside the other surface than that is free. The rim of a fine disc stands off
+/// that of a coarse one by less.
+constexpr double most_beside = 0.25;
 /// A smaller weight is round-off.
 constexpr double least_weight = 1e-12;
 
@@ -53,6 +55,8 @@ class Ties {
   /// The nodes of the surface that it is joined to hang on a foreign body's.
   void tie(const ForeignBody& foreign) {
     key_ = fmt::format("body.{}.interface_faces", foreign.name);
+    if (mesh_.period_m > 0.0)
+      refuse(fmt::format("faces at \"{}\", whose mesh repeats", body_.name), "periodic_across = false");
     const TiedSide fine = side_of(foreign.surface);
     TiedSide coarse{"the faces of " + foreign.interface_faces, {}, {}};
     const auto components = at(scene_.components());
@@ -184,18 +188,17 @@ class Ties {
     return tied;
   }
 
-  /// Shape functions of the face that the line along the normal of a node hits.
+  /// Shape functions of the face that the line along the normal of a node hits, none of them negative.
   [[nodiscard]] Carriers between(const MortarRow& row, const BoxTree& tree, const TiedSide& fine,
                                  const TiedSide& coarse) const {
     const Eigen::Vector3d& place = mesh_.position[at(row.node)];
-    const double reach_m = fine.edge_m;
-    Hit best{-one_place, 0.0};
+    const double reach_m = std::max(fine.edge_m, coarse.edge_m);
+    Hit best{-most_beside, 0.0};
     const SurfaceFace* face = nullptr;
     tree.visit([&](const Eigen::AlignedBox3d& box) { return box.squaredExteriorDistance(place) < reach_m * reach_m; },
                [&](std::size_t i) {
                  const Hit hit = hit_of(place, row.normal, coarse.faces[i]);
-                 if (hit.inside > best.inside || (face == nullptr && hit.inside == best.inside))
-                   std::tie(best, face) = std::pair(hit, &coarse.faces[i]);
+                 if (hit.inside > best.inside) std::tie(best, face) = std::pair(hit, &coarse.faces[i]);
                });
     Carriers nodes;
     for (std::size_t k = 0; face != nullptr && k < face->node.size(); ++k)

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -107,9 +108,16 @@ struct MeshPiece {
   std::optional<Material> material = std::nullopt;  ///< none: that of the body
 };
 
+/// Of the elements of a group.
+struct GroupMaterial {
+  std::string group;
+  Material material;
+};
+
 struct Body {
   std::string name;
-  Material material;                             ///< of pieces without one of their own
+  Material material;                             ///< of elements without one of their piece or group
+  std::vector<GroupMaterial> groups;             ///< that have one
   double area_m2 = 1.0;                          ///< `bar`: cross section
   double thickness_m = 1.0;                      ///< `plane_strain`: thickness
   std::vector<MeshPiece> pieces;                 ///< one without a name, or all with one
@@ -130,6 +138,8 @@ struct Body {
   [[nodiscard]] const StructuredMesh* structured() const;
   [[nodiscard]] std::vector<const GmshMesh*> files() const;
   [[nodiscard]] bool of_pieces() const { return !pieces.front().name.empty(); }
+  /// All that its elements may have, each by what has it: "BODY", "BODY.PIECE" or "BODY.GROUP".
+  [[nodiscard]] std::vector<std::pair<std::string, Material>> materials() const;
   /// Whether a material of it has plasticity; whether plastic work heats one.
   [[nodiscard]] bool yields() const;
   [[nodiscard]] bool heats() const;
@@ -139,7 +149,7 @@ struct Body {
 /// mesh, material, supports and loads. The nodes that it shares with that body are nodes of that body's mesh.
 struct ForeignBody {
   std::string name;
-  std::string joined_to;                     ///< one of Scene::bodies
+  std::string joined_to;  ///< one of Scene::bodies
   /// Of that one: all its nodes are shared; with a file of nodes: where the faces lie, else empty.
   std::string surface;
   std::string interface_nodes;               ///< absolute path of the file; empty: the nodes of the surface
@@ -147,7 +157,7 @@ struct ForeignBody {
   /// Absolute path of the file of faces, by which the nodes need not be those of the other body; empty: they are.
   std::string interface_faces;
   std::vector<std::vector<int>> faces;  ///< of the file: indices of nodes
-  std::optional<double> mass_kg;             ///< of the whole body, to be compared; empty: nothing is
+  std::optional<double> mass_kg;        ///< of the whole body, to be compared; empty: nothing is
 };
 
 }  // namespace ricochet::scene

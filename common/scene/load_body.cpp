@@ -189,6 +189,24 @@ Material load_material_of(TableReader& table, Model model, const std::map<std::s
   return std::find_if(material_library().begin(), material_library().end(), named)->material;
 }
 
+namespace {
+
+/// Materials of element groups, which the mesh has to have.
+void load_groups(TableReader& table, Model model, const std::map<std::string, Material>& materials, Body& body) {
+  table.only_if(body.structured() == nullptr, "group", "a body of pieces or read from a mesh file");
+  for (TableReader& entry : table.tables("group", "group")) {
+    const std::string name = entry.text("name");
+    const auto same = [&](const GroupMaterial& other) { return other.group == name; };
+    if (std::ranges::any_of(body.groups, same))
+      entry.refuse("name", "\"" + name + "\" a second time", "each group once");
+    entry.rename("body." + body.name + ".group." + name);
+    body.groups.push_back({name, load_material_of(entry, model, materials)});
+    entry.finish();
+  }
+}
+
+}  // namespace
+
 Body load_body(TableReader& table, Model model, const std::string& folder,
                const std::map<std::string, Material>& materials) {
   Body body;
@@ -197,6 +215,7 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   for (const char* key : {"joined_to", "surface", "interface_nodes", "interface_faces", "mass_kg"})
     table.only_if(false, key, "foreign = true");
   load_mesh(table, model, folder, materials, body);
+  load_groups(table, model, materials, body);
   table.only_if(model == Model::bar, "area_m2", "model = \"bar\"");
   table.only_if(model == Model::plane_strain, "thickness_m", "model = \"plane_strain\"");
   if (model == Model::bar) body.area_m2 = table.number("area_m2", above(0.0), 1.0);

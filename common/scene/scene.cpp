@@ -41,16 +41,23 @@ std::vector<const GmshMesh*> Body::files() const {
   return files;
 }
 
+std::vector<std::pair<std::string, Material>> Body::materials() const {
+  std::vector<std::pair<std::string, Material>> all;
+  for (const MeshPiece& piece : pieces)
+    all.emplace_back(of_pieces() ? name + "." + piece.name : name, piece.material.value_or(material));
+  for (const GroupMaterial& of : groups) all.emplace_back(name + "." + of.group, of.material);
+  return all;
+}
+
 bool Body::yields() const {
-  return std::any_of(pieces.begin(), pieces.end(),
-                     [&](const MeshPiece& piece) { return piece.material.value_or(material).plasticity.has_value(); });
+  const auto all = materials();
+  return std::any_of(all.begin(), all.end(), [](const auto& of) { return of.second.plasticity.has_value(); });
 }
 
 bool Body::heats() const {
-  return std::any_of(pieces.begin(), pieces.end(), [&](const MeshPiece& piece) {
-    const auto& plasticity = piece.material.value_or(material).plasticity;
-    return plasticity && plasticity->heat;
-  });
+  const auto all = materials();
+  return std::any_of(all.begin(), all.end(),
+                     [](const auto& of) { return of.second.plasticity && of.second.plasticity->heat; });
 }
 
 double StructuredMesh::nodes_in_layer() const {

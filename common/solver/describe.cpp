@@ -131,6 +131,7 @@ void write_fields(const std::string& directory, const std::string& participant, 
     for (const int dof : state.shared_dofs)
       if (moved_by_link) accelerations.back()[dof] = std::numeric_limits<double>::quiet_NaN();
     parts.push_back({&state.part, &state.u, &state.v, &accelerations.back()});
+    parts.back().body = state.body;
     if (state.plastic) parts.back().plastic = &plastic.emplace_back(plastic_strain(state));
     if (!state.frame) continue;
     parts.back().straining = &straining.emplace_back(state.frame->straining(state.u));

@@ -31,12 +31,9 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
   if (scene.coupling.protocol.dual) summary.substeps = scene.substeps().most;
   summary.clock = problem.clock;
   for (const auto& body : problem.scene.bodies) {
-    for (const auto& piece : body.pieces) {
-      const auto m = piece.material.value_or(body.material);
+    for (const auto& [name, m] : body.materials())
       if (std::isfinite(m.yield_stress_pa) || std::isfinite(m.strength_pa))
-        summary.limits.push_back(
-            {body.of_pieces() ? body.name + "." + piece.name : body.name, m.yield_stress_pa, m.strength_pa});
-    }
+        summary.limits.push_back({name, m.yield_stress_pa, m.strength_pa});
   }
   return summary;
 }

@@ -97,6 +97,66 @@ INSTANTIATE_TEST_SUITE_P(Models, Layers,
                                           testing::Values("hughes_liu", "prakash_hjelmstad", "all_explicit",
                                                           "all_implicit")));
 
+/// The rod of pulse_on("bar") as one mesh with two element sets; `more`: cards.
+std::string rod_inp(const std::string& more = "") {
+  std::string text = "*NODE\n";
+  for (int i = 0; i <= 500; ++i)
+    text += fmt::format("{}, {:.17g}, 0.0, 0.0\n", i + 1, i <= 250 ? 0.5 * i / 250 : 0.5 + 0.2 * (i - 250) / 250);
+  for (const auto& [name, first] : {std::pair("STEEL", 1), std::pair("PLASTIC", 251)}) {
+    text += fmt::format("*ELEMENT, TYPE=T3D2, ELSET={}\n", name);
+    for (int e = first; e < first + 250; ++e) text += fmt::format("{}, {}, {}\n", e, e, e + 1);
+  }
+  return text + "*ELSET, ELSET=ROD, GENERATE\n1, 500, 1\n*SURFACE, NAME=START\n1, END1\n" + more;
+}
+
+std::string grouped_rod(const std::string& groups) {
+  std::string text =
+      pulse_on("bar", "", "[time]\nstep_s = 2e-7\nend_s = 1.95e-4\n[coupling]\nprotocol = \"all_implicit\"\n");
+  const auto first = text.find("[[body.mesh.piece]]"), last = text.find("[[body.traction]]");
+  text = text.substr(0, first) + "material = " + elastic(steel_pa, steel_kg_m3) + "\nmesh = { inp = \"rod.inp\" }\n" +
+         groups + text.substr(last);
+  return replaced(text, "\"steel.start\"", "\"START\"");
+}
+
+std::string group(const std::string& name, const std::string& material) {
+  return fmt::format("[[body.group]]\nname = \"{}\"\nmaterial = {}\n", name, material);
+}
+
+/// Materials by element groups of one mesh are those of pieces with the same nodes.
+TEST(GroupMaterials, AreThoseOfPieces) {
+  const TemporaryFolder folder;
+  (void)folder.write(rod_inp(), "rod.inp");
+  const RunResult pieces = run_text(
+                      pulse_on("bar", "",
+                               "[time]\nstep_s = 2e-7\nend_s = 1.95e-4\n[coupling]\nprotocol = \"all_implicit\"\n"),
+                      folder, "pieces"),
+                  groups =
+                      run_text(grouped_rod(group("PLASTIC", elastic(plastic_pa, plastic_kg_m3))), folder, "groups");
+  const auto &strain = groups.column("energy_strain_j"), &expected = pieces.column("energy_strain_j");
+  ASSERT_EQ(strain.size(), expected.size());
+  for (std::size_t n = 0; n < strain.size(); ++n)
+    ASSERT_NEAR(strain[n], expected[n], 1e-10 * pieces.largest("energy_strain_j")) << n;
+}
+
+TEST(GroupMaterials, AreRefusedByName) {
+  const auto refused = [](const std::string& text, const std::string& cards = "") {
+    const TemporaryFolder folder;
+    (void)folder.write(rod_inp(cards), "rod.inp");
+    const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.error;
+  };
+  const std::string plastic = elastic(plastic_pa, plastic_kg_m3);
+  EXPECT_THAT(refused(grouped_rod(group("PLASTICS", plastic))),
+              HasSubstr("body.rod.group.PLASTICS: found group \"PLASTICS\"; did you mean \"PLASTIC\"?"));
+  EXPECT_THAT(refused(grouped_rod(group("PLASTIC", plastic) + group("PLASTIC", plastic))), HasSubstr("a second time"));
+  EXPECT_THAT(refused(grouped_rod(group("PLASTIC", plastic) + group("TIP", plastic)), "*ELSET, ELSET=TIP\n500\n"),
+              HasSubstr("found an element of group \"PLASTIC\", too; allowed: groups that share no element"));
+  EXPECT_THAT(refused(replaced(grouped_rod(group("PLASTIC", plastic)), "mesh = { inp = \"rod.inp\" }",
+                               "mesh = { length_m = 0.7, elements = 7 }")),
+              HasSubstr("only with a body of pieces or read from a mesh file"));
+}
+
 /// What `check` says of a body weighs each piece by its own density; the wave that bounds the step is the faster one.
 TEST(PieceMaterials, MakeTheMassAndTheCriticalStep) {
   const TemporaryFolder folder;

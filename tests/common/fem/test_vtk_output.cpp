@@ -35,8 +35,10 @@ struct Written {
   }
   [[nodiscard]] std::vector<PartFields> fields() const {
     std::vector<PartFields> all;
-    for (std::size_t p = 0; p < parts.size(); ++p)
+    for (std::size_t p = 0; p < parts.size(); ++p) {
       all.push_back({&parts[p], &displacement[p], &velocity[p], &acceleration[p]});
+      all.back().body = 3 + static_cast<int>(p);
+    }
     return all;
   }
   /// Numbers that tell node and part.
@@ -122,7 +124,7 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
   }
   for (std::size_t p = 0; p < written.parts.size(); ++p) {
     for (const int element : written.parts[p].body_element) {
-      fields["body"].push_back(static_cast<double>(p));
+      fields["body"].push_back(3.0 + static_cast<double>(p));
       fields["element"].push_back(element);
     }
   }
