@@ -39,10 +39,10 @@ struct ContactFields {
 /// Point data: displacement [m], velocity [m/s], acceleration [m/s^2] (3 components each); with `contact`, one per
 /// part, also contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
 /// Cell data at the element centre: stress [Pa] and strain (xx, yy, zz, xy, yz, xz, as VTK orders a symmetric tensor;
-/// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (number in the scene), `element` (number
-/// in the body) and, where a part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K]. Parts of
-/// one model (std::invalid_argument otherwise, and where lengths do not fit). Throws what write_atomically throws if
-/// the file cannot be written.
+/// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (number in the scene), `element`
+/// (number in the body) and, where a part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K].
+/// Parts of one model (std::invalid_argument otherwise, and where lengths do not fit). Throws what write_atomically
+/// throws if the file cannot be written.
 void write_vtu(const std::string& path, const std::vector<PartFields>& parts,
                const std::vector<ContactFields>& contact = {});
 
