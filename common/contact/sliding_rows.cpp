@@ -193,7 +193,7 @@ void SlidingRows::move(Sliding& sliding, const Pose& pose, double gap_m) const {
   slide.turn_a = pose.turn_a;
   slide.turn_b = pose.turn_b;
   turn(sliding);
-  const scene::ContactMesh& mesh = sliding.turned ? sliding.turned->mesh : *geometry.sliding;
+  const surface::ContactMesh& mesh = sliding.turned ? sliding.turned->mesh : *geometry.sliding;
   const double edge_m = mesh.edge_m, apart_m = mesh.second.apart_m(mesh.first, place_m);
   const Eigen::Vector3d moved = across(place_m - slide.shift_m, slide.normal);
   sliding.changed = slide.follows = true;
@@ -210,7 +210,7 @@ void SlidingRows::move(Sliding& sliding, const Pose& pose, double gap_m) const {
   if (slide.free_m < least_m && moved.norm() < 1.5 * least_m) ahead = 0.5 * least_m * moved.normalized();
   slide.shift_m = (geometry.flat ? place_m : Eigen::Vector3d(slide.shift_m + moved)) + ahead;
   if (geometry.flat) return;
-  if (const auto touch = scene::touching(mesh, slide.shift_m, Eigen::Vector3d::Zero())) {
+  if (const auto touch = surface::touching(mesh, slide.shift_m, Eigen::Vector3d::Zero())) {
     slide.shift_m = touch->shift_m;
     slide.normal = touch->normal;
   }

@@ -13,10 +13,9 @@ namespace ricochet::scene {
 
 /// Ties of a body: on each pair of surfaces the nodes of that with the shorter edges hang on the nodes of the other, by
 /// the weights of the dual mortar (mortar.hpp), so that tractions of one side are in balance with those of the other.
-/// Nodes beside the other surface stay free. Likewise on foreign bodies with faces of their own, whose nodes become nodes
-/// of this mesh.
-/// Throws ConfigError for an unknown surface, surfaces that lie nowhere opposite or not on each other, a node that
-/// would hang twice, and a piece that no tie joins to the others.
+/// Nodes beside the other surface stay free. Likewise on foreign bodies with faces of their own, whose nodes become
+/// nodes of this mesh. Throws ConfigError for an unknown surface, surfaces that lie nowhere opposite or not on each
+/// other, a node that would hang twice, and a piece that no tie joins to the others.
 void tie_pieces(const Scene& scene, const Body& body, fem::Mesh& mesh);
 
 /// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.

@@ -62,8 +62,8 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
 /// A body that turns may touch by an edge of its surface, and only nodes of the one that carries the rows are felt.
 bool may_touch_by_edge(const ContactContext& context, const ContactSide& side) {
   if (!context.scene.body(side.body->name).large_rotation) return false;
-  const std::vector<SurfaceFace> faces = faces_of(side);
-  return std::any_of(faces.begin(), faces.end(), [](const SurfaceFace& face) {
+  const std::vector<surface::SurfaceFace> faces = faces_of(side);
+  return std::any_of(faces.begin(), faces.end(), [](const surface::SurfaceFace& face) {
     return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
   });
 }

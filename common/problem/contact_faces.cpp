@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/problem/box_tree.hpp"
 #include "common/problem/contact_side.hpp"
+#include "common/surface/box_tree.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 /// An edge is bounded by a node, other faces by two nodes a side.
 using Rim = std::vector<int>;
 
-std::vector<Rim> rims_of(const SurfaceFace& face) {
+std::vector<Rim> rims_of(const surface::SurfaceFace& face) {
   std::vector<Rim> rims;
   const std::size_t corners = face.node.size();
   for (std::size_t i = 0; i < corners; ++i)
@@ -26,7 +26,7 @@ std::vector<Rim> rims_of(const SurfaceFace& face) {
 }
 
 /// Faces that meet, one after the other, without an edge between them are one piece.
-void set_patches(std::vector<SurfaceFace>& faces) {
+void set_patches(std::vector<surface::SurfaceFace>& faces) {
   std::map<Rim, std::vector<std::size_t>> at_rim;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     faces[i].patch = -1;
@@ -39,7 +39,7 @@ void set_patches(std::vector<SurfaceFace>& faces) {
     std::vector<std::size_t> open{first};
     faces[first].patch = patch;
     while (!open.empty()) {
-      const SurfaceFace face = faces[open.back()];
+      const surface::SurfaceFace face = faces[open.back()];
       open.pop_back();
       for (const Rim& rim : rims_of(face)) {
         for (const std::size_t next : at_rim[rim]) {
@@ -69,7 +69,7 @@ Eigen::Vector3d without(unsigned held, Eigen::Vector3d normal) {
 
 /// Share that a corner adds to the sum of its node: a face's normal over the length of an edge; of a triangle or
 /// quadrilateral e x f/(|e|^2 |f|^2), its edges there.
-Eigen::Vector3d share_of(const SurfaceFace& face, std::size_t corner) {
+Eigen::Vector3d share_of(const surface::SurfaceFace& face, std::size_t corner) {
   const std::size_t corners = face.node.size();
   const Eigen::Vector3d to = face.x[(corner + 1) % corners] - face.x[corner],
                         from = face.x[(corner + corners - 1) % corners] - face.x[corner];
@@ -78,9 +78,9 @@ Eigen::Vector3d share_of(const SurfaceFace& face, std::size_t corner) {
 }
 
 /// Where a plane of symmetry holds it, a surface goes on beyond.
-void find_rims(const std::vector<SurfaceFace>& faces, PatchNodes& nodes) {
+void find_rims(const std::vector<surface::SurfaceFace>& faces, PatchNodes& nodes) {
   std::map<std::pair<int, Rim>, int> count;
-  for (const SurfaceFace& face : faces)
+  for (const surface::SurfaceFace& face : faces)
     for (const Rim& rim : rims_of(face)) ++count[{face.patch, rim}];
   for (const auto& [rim, faces_there] : count) {
     unsigned held = ~0U;
@@ -92,8 +92,8 @@ void find_rims(const std::vector<SurfaceFace>& faces, PatchNodes& nodes) {
 
 /// At the rim there are faces on one side alone: there the normal is that of a node inside, mirrored by the edge
 /// between the two, as on a circle.
-void mirror_inwards(const std::vector<SurfaceFace>& faces, PatchNodes& nodes) {
-  for (const SurfaceFace& face : faces) {
+void mirror_inwards(const std::vector<surface::SurfaceFace>& faces, PatchNodes& nodes) {
+  for (const surface::SurfaceFace& face : faces) {
     const std::size_t corners = face.node.size();
     for (std::size_t i = 0; i < corners; ++i) {
       for (const std::size_t other : {(i + 1) % corners, (i + corners - 1) % corners}) {
@@ -120,9 +120,9 @@ unsigned held_at(const ContactSide& side, int node, const Eigen::Vector3d& norma
   return free.isZero(0.0) ? 0 : held;
 }
 
-void set_normals(const ContactSide& side, std::vector<SurfaceFace>& faces) {
+void set_normals(const ContactSide& side, std::vector<surface::SurfaceFace>& faces) {
   PatchNodes nodes;
-  for (const SurfaceFace& face : faces) {
+  for (const surface::SurfaceFace& face : faces) {
     for (std::size_t i = 0; i < face.node.size(); ++i) nodes[{face.patch, face.node[i]}].sum += share_of(face, i);
   }
   for (auto& [place, node] : nodes) {
@@ -131,7 +131,7 @@ void set_normals(const ContactSide& side, std::vector<SurfaceFace>& faces) {
   }
   find_rims(faces, nodes);
   mirror_inwards(faces, nodes);
-  for (SurfaceFace& face : faces) {
+  for (surface::SurfaceFace& face : faces) {
     for (std::size_t i = 0; i < face.node.size(); ++i) {
       const PatchNode& node = nodes.at({face.patch, face.node[i]});
       face.held[i] = side.flat ? 0 : node.held;
@@ -142,7 +142,7 @@ void set_normals(const ContactSide& side, std::vector<SurfaceFace>& faces) {
   }
 }
 
-Eigen::Vector3d middle_of(const SurfaceFace& face) {
+Eigen::Vector3d middle_of(const surface::SurfaceFace& face) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < face.node.size(); ++i) sum += face.x[i];
   return sum / static_cast<double>(face.node.size());
@@ -156,25 +156,25 @@ bool meets(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& place, const E
 }
 
 /// Finds SurfaceFace::thickness_m where a surface goes around its body.
-void set_thickness(std::vector<SurfaceFace>& faces) {
+void set_thickness(std::vector<surface::SurfaceFace>& faces) {
   constexpr double least_facing = 0.1, beside = 1e-3;
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (const SurfaceFace& face : faces) {
+  for (const surface::SurfaceFace& face : faces) {
     Eigen::AlignedBox3d& box = boxes.emplace_back();
     for (std::size_t i = 0; i < face.node.size(); ++i) box.extend(face.x[i]);
     const Eigen::Vector3d wider = Eigen::Vector3d::Constant(1e-3 * box.diagonal().norm());
     box.min() -= wider;
     box.max() += wider;
   }
-  const BoxTree tree(boxes);
-  for (SurfaceFace& face : faces) {
+  const surface::BoxTree tree(boxes);
+  for (surface::SurfaceFace& face : faces) {
     const Eigen::Vector3d place = middle_of(face), inwards = -face.normal;
     Eigen::Vector3d along = inwards;
     for (double& c : along) c = std::copysign(std::max(std::abs(c), 1e-12), c);
     tree.visit([&](const Eigen::AlignedBox3d& box) { return meets(box, place, along); },
                [&](std::size_t i) {
                  if (faces[i].normal.dot(inwards) < least_facing) return;
-                 const Hit hit = hit_of(place, inwards, faces[i]);
+                 const surface::Hit hit = surface::hit_of(place, inwards, faces[i]);
                  if (hit.inside >= -beside && hit.far_m > 0.0) face.thickness_m = std::min(face.thickness_m, hit.far_m);
                });
   }
@@ -182,12 +182,12 @@ void set_thickness(std::vector<SurfaceFace>& faces) {
 
 }  // namespace
 
-std::vector<SurfaceFace> faces_of(const ContactSide& side) {
+std::vector<surface::SurfaceFace> faces_of(const ContactSide& side) {
   const fem::Mesh& mesh = side.body->mesh;
   const auto& section = side.body->section;
-  std::vector<SurfaceFace> faces;
+  std::vector<surface::SurfaceFace> faces;
   for (const fem::Face& nodes : side.faces()) {
-    SurfaceFace face{nodes, {}, {}, fem::face_normal(mesh, nodes)};
+    surface::SurfaceFace face{nodes, {}, {}, fem::face_normal(mesh, nodes)};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       face.x[i] = fem::nearest_image(mesh, mesh.position[at(nodes[i])], mesh.position[at(nodes[0])]);
       face.measure[i] = section.measure * (section.model == Model::axisymmetric ? face.x[i][0] : 1.0);

@@ -81,17 +81,17 @@ std::vector<ContactPair> matching_pairs(const ContactContext& context, const Con
   return pairs;
 }
 
-ContactMesh mesh_of(const ContactSide& a, const ContactSide& b, bool edges_touch) {
+surface::ContactMesh mesh_of(const ContactSide& a, const ContactSide& b, bool edges_touch) {
   const auto compliance = [](const ContactSide& side) {
     const fem::Material& material = material_at(*side.body, side.faces().front());
     return (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus_pa;
   };
-  return {faces_of(a), OppositeFaces(faces_of(b), {a.body->mesh.period_m, a.body->mesh.period_wide_m}),
+  return {faces_of(a), surface::OppositeFaces(faces_of(b), {a.body->mesh.period_m, a.body->mesh.period_wide_m}),
           a.shortest_edge_m, compliance(b) / (compliance(a) + compliance(b)), edges_touch};
 }
 
 /// Rows with the second surface moved by `shift_m`; its body then stands `moved_m` from where it started.
-std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& mesh_a, const ContactMesh& mesh,
+std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& mesh_a, const surface::ContactMesh& mesh,
                                       const Eigen::Vector3d& shift_m, const Eigen::Vector3d& moved_m) {
   std::vector<ContactPair> pairs;
   for (auto& row : mesh.rows(shift_m)) {
@@ -107,15 +107,15 @@ std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& m
 }
 
 /// Where bodies of which nothing lies opposite at the start touch if they fly straight on.
-std::optional<Touch> touch_in_flight(const ContactMesh& mesh, const Eigen::Vector3d& start_m,
-                                     const Eigen::Vector3d& velocity) {
+std::optional<surface::Touch> touch_in_flight(const surface::ContactMesh& mesh, const Eigen::Vector3d& start_m,
+                                              const Eigen::Vector3d& velocity) {
   constexpr int most_moves = 1000;
   if (velocity.isZero(0.0)) return std::nullopt;
   Eigen::Vector3d shift = start_m;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_moves; ++i) {
     const double apart_m = std::max(0.0, mesh.second.apart_m(mesh.first, shift));
-    const auto touch = touching(mesh, shift, Eigen::Vector3d::Zero());
+    const auto touch = surface::touching(mesh, shift, Eigen::Vector3d::Zero());
     if (touch && touch->gap_m < mesh.edge_m) return touch;
     if (apart_m > nearest_m + mesh.edge_m) return std::nullopt;  // they fly past
     nearest_m = std::min(nearest_m, apart_m);
@@ -125,30 +125,31 @@ std::optional<Touch> touch_in_flight(const ContactMesh& mesh, const Eigen::Vecto
 }
 
 /// The largest angle of a normal against a face's own: by so much the place that touches may be another node's.
-double largest_turn(const ContactMesh& mesh) {
+double largest_turn(const surface::ContactMesh& mesh) {
   double least = 1.0;
-  for (const SurfaceFace& face : mesh.first)
+  for (const surface::SurfaceFace& face : mesh.first)
     for (std::size_t i = 0; i < face.node.size(); ++i) least = std::min(least, face.normal.dot(face.node_normal[i]));
   return 2.0 * std::acos(std::clamp(least, -1.0, 1.0));
 }
 
 /// The normal where curved surfaces touch, but for the mesh.
-Eigen::Vector3d normal_of_touch(const ContactMesh& mesh, const ContactSide& a, const Eigen::Vector3d& found) {
+Eigen::Vector3d normal_of_touch(const surface::ContactMesh& mesh, const ContactSide& a, const Eigen::Vector3d& found) {
   return found.dot(a.normal) >= std::cos(largest_turn(mesh)) ? a.normal : found;
 }
 
 /// Where curved surfaces touch; of flat ones where they are, unless that is nowhere opposite.
 void set_mortar_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b,
-                      const ContactMesh& mesh, ContactGeometry& geometry) {
+                      const surface::ContactMesh& mesh, ContactGeometry& geometry) {
   const auto pairs = [&] {
     return mortar_pairs(context.contact, a.body->mesh, mesh, geometry.shift_m, geometry.shift_m - geometry.lifted_m);
   };
   if (geometry.flat) geometry.pairs = pairs();
   if (!geometry.pairs.empty()) return;
   const bool about_axis = context.scene.model == Model::axisymmetric;
-  std::optional<Touch> touch;
+  std::optional<surface::Touch> touch;
   if (!geometry.flat)
-    touch = touching(mesh, geometry.lifted_m, about_axis ? a.normal : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+    touch =
+        surface::touching(mesh, geometry.lifted_m, about_axis ? a.normal : Eigen::Vector3d(Eigen::Vector3d::Zero()));
   if (!touch && !about_axis) touch = touch_in_flight(mesh, geometry.lifted_m, closing_velocity(context.scene, a, &b));
   if (!touch) return;
   geometry.shift_m = touch->shift_m;
@@ -270,7 +271,7 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   const bool may_be_written_anew =
       context.scene.model != Model::bar && context.scene.model != Model::axisymmetric && !needs_pairs(context.scene);
   if (!geometry.pairs.empty() && !(may_be_written_anew && may_slide(context.scene, a, &b, a.normal))) return;
-  const auto mesh = std::make_shared<const ContactMesh>(mesh_of(a, b, geometry.turns));
+  const auto mesh = std::make_shared<const surface::ContactMesh>(mesh_of(a, b, geometry.turns));
   if (geometry.pairs.empty()) set_mortar_pairs(context, a, b, *mesh, geometry);
   if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),
@@ -282,8 +283,9 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
 
 namespace {
 
-std::vector<SurfaceFace> turned_faces(std::vector<SurfaceFace> faces, const fem::RigidMotion& motion) {
-  for (SurfaceFace& face : faces) {
+std::vector<surface::SurfaceFace> turned_faces(std::vector<surface::SurfaceFace> faces,
+                                               const fem::RigidMotion& motion) {
+  for (surface::SurfaceFace& face : faces) {
     face.normal = motion.rotation * face.normal;
     for (std::size_t i = 0; i < face.node.size(); ++i) {
       face.x[i] += motion.displacement(face.x[i]);
@@ -295,11 +297,13 @@ std::vector<SurfaceFace> turned_faces(std::vector<SurfaceFace> faces, const fem:
 
 }  // namespace
 
-TurnedSurfaces turned_surfaces(const ContactMesh& mesh, const fem::RigidMotion& first, const fem::RigidMotion& second) {
-  return {first,
-          second,
-          {turned_faces(mesh.first, first), OppositeFaces(turned_faces(mesh.second.faces(), second), {0.0, 0.0}),
-           mesh.edge_m, mesh.first_share, mesh.edges_touch}};
+TurnedSurfaces turned_surfaces(const surface::ContactMesh& mesh, const fem::RigidMotion& first,
+                               const fem::RigidMotion& second) {
+  return {
+      first,
+      second,
+      {turned_faces(mesh.first, first), surface::OppositeFaces(turned_faces(mesh.second.faces(), second), {0.0, 0.0}),
+       mesh.edge_m, mesh.first_share, mesh.edges_touch}};
 }
 
 namespace {

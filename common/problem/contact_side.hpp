@@ -57,7 +57,7 @@ struct ContactSide {
 /// Areas as face_area has them. A surface is cut where two faces turn by more than `patch_angle` against each other;
 /// each piece has normals of its own: those of a sphere where its corners lie on one (Max 1999), at its rim from the
 /// nodes inside, on a plane of symmetry, which holds the node, and on an axis in it.
-[[nodiscard]] std::vector<SurfaceFace> faces_of(const ContactSide& side);
+[[nodiscard]] std::vector<surface::SurfaceFace> faces_of(const ContactSide& side);
 
 /// Displacement along the normal at t = 0.
 [[nodiscard]] double initial_motion(const ContactSide& side, int node, const Eigen::Vector3d& normal);

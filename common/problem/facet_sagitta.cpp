@@ -19,17 +19,17 @@ int nearest_node(const Problem& problem, const ContactGeometry& contact, const B
 
 CurvedFacets facets_at(const ContactSide& side, int node) {
   CurvedFacets found{side.name, 0.0, 0.0};
-  for (const SurfaceFace& face : faces_of(side)) {
+  for (const surface::SurfaceFace& face : faces_of(side)) {
     if (std::find(face.node.begin(), face.node.end(), node) == face.node.end()) continue;
     const std::size_t corners = face.node.size();
-    ShapeValues middle = ShapeValues::Zero();
+    surface::ShapeValues middle = surface::ShapeValues::Zero();
     Eigen::Vector3d chord = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < corners; ++i) {
       middle[static_cast<Eigen::Index>(i)] = 1.0 / static_cast<double>(corners);
       chord += face.x[i] / static_cast<double>(corners);
       found.edge_m = std::max(found.edge_m, (face.x[(i + 1) % corners] - face.x[i]).norm());
     }
-    found.sagitta_m = std::max(found.sagitta_m, (place_at(face, middle) - chord).norm());
+    found.sagitta_m = std::max(found.sagitta_m, (surface::place_at(face, middle) - chord).norm());
   }
   return found;
 }

@@ -12,11 +12,13 @@
 #include "common/fem/part.hpp"
 #include "common/fem/rigid_motion.hpp"
 #include "common/fem/stiffness_product.hpp"
-#include "common/problem/mortar.hpp"
 #include "common/scene/scene.hpp"
+#include "common/surface/mortar.hpp"
 
 /// A scene turned into meshes, contact pairs and partitions: what both solvers and `check` start from.
 namespace ricochet::scene {
+
+using fem::WeightedNode;
 
 /// A contact node of the surface that carries the rows and what lies opposite.
 struct ContactPair {
@@ -58,7 +60,7 @@ struct ContactGeometry {
   Eigen::Vector3d shift_m{0.0, 0.0, 0.0}, touch_normal{0.0, 0.0, 0.0};
   /// From this the pairs of bodies that may slide along each other are found anew. Then all nodes of both surfaces,
   /// but for hanging ones, are contact nodes, else those of the pairs.
-  std::shared_ptr<const ContactMesh> sliding;
+  std::shared_ptr<const surface::ContactMesh> sliding;
   std::array<std::vector<int>, 2> sliding_nodes{};  ///< then of body_a and body_b, ascending, without hanging ones
 };
 
@@ -148,9 +150,9 @@ struct Problem {
 /// The surfaces of a contact whose bodies have turned, each about a place of its own that stays where it is.
 struct TurnedSurfaces {
   fem::RigidMotion first, second;
-  ContactMesh mesh;
+  surface::ContactMesh mesh;
 };
-[[nodiscard]] TurnedSurfaces turned_surfaces(const ContactMesh& mesh, const fem::RigidMotion& first,
+[[nodiscard]] TurnedSurfaces turned_surfaces(const surface::ContactMesh& mesh, const fem::RigidMotion& first,
                                              const fem::RigidMotion& second);
 /// The pairs of a contact that slides, once the second body has moved by `shift_m`, lifted_m in it, against the first,
 /// and both have turned; sorted by distance, without nodes that lie opposite nothing. `turned`: null where none has.

@@ -9,10 +9,10 @@
 #include <tuple>
 
 #include "common/base/error.hpp"
-#include "common/problem/box_tree.hpp"
 #include "common/problem/build.hpp"
-#include "common/problem/face_plane.hpp"
-#include "common/problem/mortar.hpp"
+#include "common/surface/box_tree.hpp"
+#include "common/surface/face_plane.hpp"
+#include "common/surface/mortar.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -33,7 +33,7 @@ struct Hanging {
 
 struct TiedSide {
   std::string name;
-  std::vector<SurfaceFace> faces;  ///< none of a bar, whose surface is a node
+  std::vector<surface::SurfaceFace> faces;  ///< none of a bar, whose surface is a node
   std::vector<int> nodes;
   double edge_m = 0.0;  ///< mean
 };
@@ -132,7 +132,8 @@ class Ties {
   }
   /// A face of `count`.
   void add(const fem::Face& nodes, std::size_t count, TiedSide& side) const {
-    SurfaceFace& face = side.faces.emplace_back(SurfaceFace{nodes, {}, {}, fem::face_normal(mesh_, nodes)});
+    surface::SurfaceFace& face =
+        side.faces.emplace_back(surface::SurfaceFace{nodes, {}, {}, fem::face_normal(mesh_, nodes)});
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       face.x[i] = mesh_.position[at(nodes[i])];
       face.measure[i] = mesh_.model == Model::axisymmetric ? 2.0 * std::numbers::pi * face.x[i][0] : 1.0;
@@ -178,9 +179,9 @@ class Ties {
       return {{fine.nodes.front(), {other, other}}};
     }
     std::map<int, Hanging> tied;
-    const OppositeFaces opposite(coarse.faces, Eigen::Vector2d::Zero());
-    const BoxTree tree(boxes_of(coarse.faces, Eigen::Vector3d::Zero()));
-    for (const MortarRow& row : opposite.rows(fine.faces, Eigen::Vector3d::Zero())) {
+    const surface::OppositeFaces opposite(coarse.faces, Eigen::Vector2d::Zero());
+    const surface::BoxTree tree(surface::boxes_of(coarse.faces, Eigen::Vector3d::Zero()));
+    for (const surface::MortarRow& row : opposite.rows(fine.faces, Eigen::Vector3d::Zero())) {
       Hanging of{row.opposite, between(row, tree, fine, coarse)};
       std::erase_if(of.carriers, [](const auto& carrier) { return std::abs(carrier.weight) < least_weight; });
       if (!of.between.empty()) tied[row.node] = std::move(of);
@@ -189,15 +190,15 @@ class Ties {
   }
 
   /// Shape functions of the face that the line along the normal of a node hits, none of them negative.
-  [[nodiscard]] Carriers between(const MortarRow& row, const BoxTree& tree, const TiedSide& fine,
+  [[nodiscard]] Carriers between(const surface::MortarRow& row, const surface::BoxTree& tree, const TiedSide& fine,
                                  const TiedSide& coarse) const {
     const Eigen::Vector3d& place = mesh_.position[at(row.node)];
     const double reach_m = std::max(fine.edge_m, coarse.edge_m);
-    Hit best{-most_beside, 0.0};
-    const SurfaceFace* face = nullptr;
+    surface::Hit best{-most_beside, 0.0};
+    const surface::SurfaceFace* face = nullptr;
     tree.visit([&](const Eigen::AlignedBox3d& box) { return box.squaredExteriorDistance(place) < reach_m * reach_m; },
                [&](std::size_t i) {
-                 const Hit hit = hit_of(place, row.normal, coarse.faces[i]);
+                 const surface::Hit hit = surface::hit_of(place, row.normal, coarse.faces[i]);
                  if (hit.inside > best.inside) std::tie(best, face) = std::pair(hit, &coarse.faces[i]);
                });
     Carriers nodes;

@@ -1,10 +1,10 @@
-#include "common/problem/box_tree.hpp"
+#include "common/surface/box_tree.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 constexpr std::size_t undivided = 4;
 }
@@ -33,4 +33,4 @@ void BoxTree::divide(std::size_t half) {
   halves_.push_back({{}, middle, end});
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

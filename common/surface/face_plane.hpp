@@ -5,9 +5,9 @@
 #include <array>
 #include <vector>
 
-#include "common/problem/surface_face.hpp"
+#include "common/surface/surface_face.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 /// Faces that are seen from a place so much from the side are not what lies opposite.
 constexpr double least_facing = 0.1;
@@ -45,4 +45,4 @@ struct Plane {
 [[nodiscard]] bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, const Plane& plane,
                            const SurfaceFace& face, const Eigen::AlignedBox2d& own, double tilt);
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

@@ -1,10 +1,10 @@
-#include "common/problem/plane_polygon.hpp"
+#include "common/surface/plane_polygon.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <utility>
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 
 /// Shape functions of a quadrilateral where its map has this value, by Newton's method.
@@ -81,4 +81,4 @@ double measure_of(const Polygon& piece) {
   return size;
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

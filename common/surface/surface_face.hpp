@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "common/fem/element_kind.hpp"
-#include "common/problem/plane_polygon.hpp"
+#include "common/surface/plane_polygon.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 /// A face of a surface in its place: an edge, a triangle or a quadrilateral.
 struct SurfaceFace {
@@ -37,4 +37,4 @@ struct Hit {
 };
 [[nodiscard]] Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const SurfaceFace& face);
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 /// Boxes in halves of halves, so that those which a question reaches are found among n of them in about log n steps.
 class BoxTree {
@@ -42,4 +42,4 @@ class BoxTree {
   std::vector<Half> halves_;
 };
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "common/problem/mortar.hpp"
+#include "common/surface/mortar.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 
 /// Edges between these places along x, facing up (down), nodes numbered along them from `first` on, of unit thickness.
@@ -300,4 +300,4 @@ TEST(Mortar, OfCurvedSurfacesKeepsMomentsWhereTheyTouch) {
 }
 
 }  // namespace
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

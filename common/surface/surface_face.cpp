@@ -1,10 +1,10 @@
-#include "common/problem/surface_face.hpp"
+#include "common/surface/surface_face.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 
 /// A face as it is seen along a direction, from a place.
@@ -52,4 +52,4 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
   return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from), shape};
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

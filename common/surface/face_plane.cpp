@@ -1,9 +1,9 @@
-#include "common/problem/face_plane.hpp"
+#include "common/surface/face_plane.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 Polygon seen_along(const std::array<Eigen::Vector3d, 4>& directions, const SurfaceFace& face, const Plane& plane,
                    const Polygon& own, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
@@ -44,4 +44,4 @@ bool reaches(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& moved_m, con
   return !outside(plane.first, 0) && (face.node.size() == 2 || !outside(plane.second, 1));
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

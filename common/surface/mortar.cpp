@@ -1,4 +1,4 @@
-#include "common/problem/mortar.hpp"
+#include "common/surface/mortar.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -8,9 +8,9 @@
 #include <tuple>
 #include <utility>
 
-#include "common/problem/face_plane.hpp"
+#include "common/surface/face_plane.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 
 /// A face of which less lies opposite the other surface touches nothing: its dual basis would be round-off.
@@ -340,4 +340,4 @@ std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& sh
   return touch;
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// Faces in a plane: shape functions, cutting, integrals. Internal to common/problem.
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 /// A place in the plane of a face; along an edge the second coordinate is 0.
 using Place = Eigen::Vector2d;
@@ -49,4 +49,4 @@ void integrate(const Polygon& piece, const F& f) {
   }
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

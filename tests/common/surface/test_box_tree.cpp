@@ -4,9 +4,9 @@
 #include <set>
 #include <vector>
 
-#include "common/problem/box_tree.hpp"
+#include "common/surface/box_tree.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::surface {
 namespace {
 
 /// The boxes that a question reaches are those found one by one, and few others are asked for.
@@ -35,4 +35,4 @@ TEST(BoxTree, VisitsTheBoxesThatAQuestionReaches) {
 }
 
 }  // namespace
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface

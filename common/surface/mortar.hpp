@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/fem/mesh.hpp"
-#include "common/problem/box_tree.hpp"
-#include "common/problem/surface_face.hpp"
+#include "common/surface/box_tree.hpp"
+#include "common/surface/surface_face.hpp"
 
 /// Dual mortar between two surfaces of any shape and meshes (Wohlmuth 2000; Hueeber, Wohlmuth 2005; Popp 2012).
 ///
@@ -37,7 +37,7 @@
 /// (half of Phong tessellation, Boubekeur and Alexa 2008): exact for a paraboloid through the corners with those
 /// normals, so that it leaves of a circle's sagitta h^2/(8R) no more than h^4/(128 R^3). Where the node lies opposite
 /// nothing, the gap is the mean with phi_j over what of its faces does.
-namespace ricochet::scene {
+namespace ricochet::surface {
 
 using fem::WeightedNode;
 
@@ -119,4 +119,4 @@ struct Touch {
 [[nodiscard]] std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m,
                                             const Eigen::Vector3d& along);
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::surface
