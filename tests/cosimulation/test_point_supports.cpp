@@ -32,8 +32,8 @@ name = "tip"
 body = "rod"
 at_m = [{:.12g}, {:.12g}]
 )",
-                     rod_length_m, rod_length_m, width_m, gravity_m_s2, support, run, 0.01 + probe_m * std::sin(first_rad),
-                     -probe_m * std::cos(first_rad));
+                     rod_length_m, rod_length_m, width_m, gravity_m_s2, support, run,
+                     0.01 + probe_m * std::sin(first_rad), -probe_m * std::cos(first_rad));
 }
 
 const std::string held = "{ at_m = [0.01, 0.0], fixed = [\"x\", \"y\"] }";
@@ -43,7 +43,8 @@ class Pendulum : public testing::TestWithParam<const char*> {};
 // A quarter of the period is K(sin(first/2)) sqrt(I/(m g d)), K the complete elliptic integral, I about the support.
 TEST_P(Pendulum, SwingsInTheTimeOfAnEllipticIntegral) {
   const TemporaryFolder folder;
-  const double inertia_m2 = (rod_length_m * rod_length_m + width_m * width_m) / 12.0 + 0.25 * rod_length_m * rod_length_m;
+  const double inertia_m2 =
+      (rod_length_m * rod_length_m + width_m * width_m) / 12.0 + 0.25 * rod_length_m * rod_length_m;
   const double rate_rad_s = std::sqrt(gravity_m_s2 * 0.5 * rod_length_m / inertia_m2);
   const double quarter_s = std::comp_ellint_1(std::sin(0.5 * first_rad)) / rate_rad_s;
   const bool implicit = std::string(GetParam()) == "all_implicit";
