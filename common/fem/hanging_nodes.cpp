@@ -53,7 +53,7 @@ void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::Vec
 
 void pass_on_masses(const std::vector<HangingNode>& hanging, Eigen::VectorXd& masses) {
   for (const HangingNode& of : hanging) {
-    for (const auto& carrier : of.bearers()) masses[carrier.node] += carrier.weight * masses[of.node];
+    for (const auto& carrier : of.mass_bearers()) masses[carrier.node] += carrier.weight * masses[of.node];
     masses[of.node] = 0.0;
   }
 }

@@ -11,7 +11,7 @@
 /// on these are T^T f, their stiffness T^T K T, and their lumped mass that of T^T M T summed by rows. Where weights are
 /// >= 0, the latter has for any motion u' at least the kinetic energy of T u', so the largest frequency is no higher
 /// than that of the elements alone. In a tie weights < 0 could leave a part a negative mass, so masses go to the nodes
-/// that a hanging one lies between. Sums of forces, masses and first moments stay what they were.
+/// around a hanging one. Sums of forces, masses and first moments stay what they were.
 namespace ricochet::fem {
 
 /// Null if the node does not hang.
@@ -25,6 +25,7 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
     if (const HangingNode* hanging = hanging_at(mesh, node)) {
       for (const auto& carrier : hanging->carriers) visit(carrier.node);
       for (const auto& carrier : hanging->between) visit(carrier.node);
+      for (const auto& carrier : hanging->beside) visit(carrier.node);
     } else {
       visit(node);
     }
@@ -39,7 +40,7 @@ void for_each_carrier(const Mesh& mesh, const Element& element, const Visit& vis
 
 /// Gives the forces on hanging nodes to their carriers.
 void pass_on(const std::vector<HangingNode>& hanging, int components, Eigen::VectorXd& forces);
-/// Gives masses, one a node, to HangingNode::bearers.
+/// Gives masses, one a node, to HangingNode::mass_bearers.
 void pass_on_masses(const std::vector<HangingNode>& hanging, Eigen::VectorXd& masses);
 
 /// Hanging nodes take the displacement, velocity or acceleration of their carriers.

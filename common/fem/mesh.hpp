@@ -32,14 +32,16 @@ struct WeightedNode {
 struct HangingNode {
   int node = -1;
   std::vector<WeightedNode> carriers;
-  /// Of a tie, where the node lies between the nodes of the other side: weights >= 0.
-  std::vector<WeightedNode> between{};
+  /// Of a tie, weights >= 0 that sum to 1: of the face that the node lies in; of all nodes that share a face with it.
+  std::vector<WeightedNode> between{}, beside{};
   /// Bits of the components that do not hang: a support or a prescribed motion has the node there, and not all of those
   /// that carry it.
   unsigned held = 0;
 
-  /// For what must not be negative: masses, dashpots, areas of contact.
+  /// Where dashpots and areas of contact go, which must not be negative and belong to that place.
   [[nodiscard]] const std::vector<WeightedNode>& bearers() const { return between.empty() ? carriers : between; }
+  /// Where masses go: no node that the stiffness reaches is left without.
+  [[nodiscard]] const std::vector<WeightedNode>& mass_bearers() const { return beside.empty() ? carriers : beside; }
   [[nodiscard]] bool hangs(int component) const { return (held >> component & 1U) == 0; }
 };
 

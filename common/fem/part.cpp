@@ -41,7 +41,7 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
     if (local[at(hanging.node)] < 0) continue;
     HangingNode& own = part.mesh.hanging.emplace_back(hanging);
     own.node = local[at(hanging.node)];
-    for (auto* of : {&own.carriers, &own.between})
+    for (auto* of : {&own.carriers, &own.between, &own.beside})
       for (auto& carrier : *of) carrier.node = local[at(carrier.node)];
   }
 }

@@ -28,7 +28,7 @@ constexpr double least_weight = 1e-12;
 using Carriers = std::vector<fem::WeightedNode>;
 
 struct Hanging {
-  Carriers carriers, between;
+  Carriers carriers, between, beside;
 };
 
 struct TiedSide {
@@ -41,7 +41,7 @@ struct TiedSide {
 class Ties {
  public:
   Ties(const Scene& scene, const Body& body, fem::Mesh& mesh) : scene_(scene), body_(body), mesh_(mesh) {
-    for (const fem::HangingNode& of : mesh.hanging) hanging_[of.node] = {of.carriers, of.carriers};
+    for (const fem::HangingNode& of : mesh.hanging) hanging_[of.node] = {of.carriers, of.carriers, of.carriers};
   }
 
   void tie(std::size_t index) {
@@ -92,6 +92,7 @@ class Ties {
       of.node = node;
       of.carriers = resolved(node, &Hanging::carriers);
       of.between = resolved(node, &Hanging::between);
+      of.beside = resolved(node, &Hanging::beside);
     }
   }
 
@@ -176,13 +177,13 @@ class Ties {
   [[nodiscard]] std::map<int, Hanging> hanging_of(const TiedSide& fine, const TiedSide& coarse) const {
     if (mesh_.model == Model::bar) {
       const Carriers other{{coarse.nodes.front(), 1.0}};
-      return {{fine.nodes.front(), {other, other}}};
+      return {{fine.nodes.front(), {other, other, other}}};
     }
     std::map<int, Hanging> tied;
     const surface::OppositeFaces opposite(coarse.faces, Eigen::Vector2d::Zero());
     const surface::BoxTree tree(surface::boxes_of(coarse.faces, Eigen::Vector3d::Zero()));
-    for (const surface::MortarRow& row : opposite.rows(fine.faces, Eigen::Vector3d::Zero())) {
-      Hanging of{row.opposite, between(row, tree, fine, coarse)};
+    for (const surface::MortarRow& row : opposite.rows_of_tie(fine.faces)) {
+      Hanging of{row.opposite, between(row, tree, fine, coarse), row.overlap};
       std::erase_if(of.carriers, [](const auto& carrier) { return std::abs(carrier.weight) < least_weight; });
       if (!of.between.empty()) tied[row.node] = std::move(of);
     }

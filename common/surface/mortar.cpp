@@ -42,6 +42,8 @@ bool back_to_back(const SurfaceFace& face, const SurfaceFace& other, const Eigen
   return face.normal.dot(other.x[0] + moved_m - face.x[0]) < -most_depth_m(face.thickness_m, other.thickness_m);
 }
 
+std::array<Eigen::Vector3d, 4> own_normals(const SurfaceFace& face) { return face.node_normal; }
+
 /// A hit so far beside a face is none.
 constexpr double beside = 0.05;
 }  // namespace
@@ -49,7 +51,7 @@ constexpr double beside = 0.05;
 /// integral phi_j and integral psi_j phi_k so far.
 class OppositeFaces::RowSums {
  public:
-  explicit RowSums(bool edges_touch) : edges_touch_(edges_touch) {}
+  RowSums(bool edges_touch, bool overlaps) : edges_touch_(edges_touch), overlaps_(overlaps) {}
 
   void add(const SurfaceFace& face, const Polygon& own, const std::vector<OppositePiece>& pieces) {
     const auto corners = static_cast<Eigen::Index>(own.size());
@@ -87,8 +89,11 @@ class OppositeFaces::RowSums {
           Sum& sum = *sums[static_cast<std::size_t>(j)];
           sum.apart += weight * phi[j] * apart;
           sum.other_normal += weight * phi[j] * normal;
-          for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(piece.opposite.size()); ++k)
-            sum.coupling[piece.face->node[static_cast<std::size_t>(k)]] += weight * psi[j] * other[k];
+          for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(piece.opposite.size()); ++k) {
+            const int node = piece.face->node[static_cast<std::size_t>(k)];
+            sum.coupling[node] += weight * psi[j] * other[k];
+            if (overlaps_) sum.overlap[node] += weight * phi[j] * other[k];
+          }
         }
       });
     }
@@ -118,6 +123,8 @@ class OppositeFaces::RowSums {
       }
       for (const auto& [other, share] : shares)
         if (std::abs(share) > 1e-14) row.opposite.push_back({other, share});
+      for (const auto& [other, value] : sum.overlap)
+        if (value > 1e-14 * sum.area_m2) row.overlap.push_back({other, value / sum.area_m2});
       rows.push_back(std::move(row));
     }
     return rows;
@@ -133,7 +140,7 @@ class OppositeFaces::RowSums {
     Eigen::Vector3d place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
     unsigned held = 0;
     bool sharp = false;
-    std::map<int, double> coupling;
+    std::map<int, double> coupling, overlap;
     Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with phi_j
     std::vector<Opposite> near;
   };
@@ -170,12 +177,10 @@ class OppositeFaces::RowSums {
   }
   /// By more than the polygon's size.
   static bool far_from(const Polygon& polygon, const Place& place) {
-    Eigen::AlignedBox2d box;
-    for (const Place& corner : polygon) box.extend(corner);
-    return box.exteriorDistance(place) > box.diagonal().norm();
+    return extent_of(polygon).exteriorDistance(place) > extent_of(polygon).diagonal().norm();
   }
 
-  bool edges_touch_;
+  bool edges_touch_, overlaps_;
   std::map<std::pair<int, int>, Sum> sums_;  ///< by patch and node
 };
 
@@ -252,8 +257,8 @@ Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
 }
 
 OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                           const Normals& normals_of, bool edges_touch) const {
-  RowSums sums(edges_touch);
+                                           const Normals& normals_of, bool edges_touch, bool overlaps) const {
+  RowSums sums(edges_touch, overlaps);
   std::vector<OppositePiece> pieces;
   std::vector<std::size_t> near;
   for (const SurfaceFace& face : first) {
@@ -262,8 +267,7 @@ OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first
     const std::array<Eigen::Vector3d, 4> directions = normals_of(face);
     double tilt = 0.0;
     for (std::size_t i = 0; i < own.size(); ++i) tilt = std::max(tilt, (directions[i] - face.normal).norm());
-    Eigen::AlignedBox2d extent;
-    for (const Place& corner : own) extent.extend(corner);
+    const Eigen::AlignedBox2d extent = extent_of(own);
     near.clear();
     tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift_m, plane, face, extent, 2.0 * tilt); },
                 [&](std::size_t image) { near.push_back(image); });
@@ -292,8 +296,7 @@ OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first
 std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                                            double first_share, bool edges_touch) const {
   const Eigen::Vector3d shift = within_period(shift_m);
-  const RowSums by_own = sums(
-      first, shift, [](const SurfaceFace& face) { return face.node_normal; }, edges_touch);
+  const RowSums by_own = sums(first, shift, own_normals, edges_touch);
   const auto between = [&](const SurfaceFace& face) { return by_own.normals(face, first_share); };
   const bool same = std::all_of(first.begin(), first.end(), [&](const SurfaceFace& face) {
     return std::equal(face.node_normal.begin(), face.node_normal.end(), between(face).begin(),
@@ -302,6 +305,10 @@ std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first
   std::vector<MortarRow> rows = (same ? by_own : sums(first, shift, between, edges_touch)).rows(first_share);
   if (edges_touch) add_edge_rows(first, shift, rows);
   return rows;
+}
+
+std::vector<MortarRow> OppositeFaces::rows_of_tie(const std::vector<SurfaceFace>& first) const {
+  return sums(first, Eigen::Vector3d::Zero(), own_normals, false, true).rows(0.5);
 }
 
 double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const {

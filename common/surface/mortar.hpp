@@ -49,6 +49,8 @@ struct MortarRow {
   Eigen::Vector3d normal{0.0, 0.0, 0.0};  ///< n_j
   double gap_m = 0.0;                     ///< of the surfaces
   std::vector<WeightedNode> own{};        ///< of the first surface, where it is not `node` alone: ascending by node
+  /// Weights >= 0 of the same nodes, integral phi_j phi_k / area_j, where they are asked for.
+  std::vector<WeightedNode> overlap{};
 };
 
 /// The second surface, so that what lies opposite a face need not be looked for among all of it.
@@ -62,6 +64,8 @@ class OppositeFaces {
   /// `edges_touch`: bodies turn. A node where smooth pieces of the first surface meet then has one row.
   [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                                             double first_share = 0.5, bool edges_touch = false) const;
+  /// Rows of nodes that are to stay on this surface where it is, with MortarRow::overlap.
+  [[nodiscard]] std::vector<MortarRow> rows_of_tie(const std::vector<SurfaceFace>& first) const;
   /// No more than the distance from the first surface, and by about an edge of that less [m].
   [[nodiscard]] double apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
@@ -76,7 +80,7 @@ class OppositeFaces {
   /// Integrals over the pieces of the first surface's faces that lie opposite along these normals of its
   /// nodes.
   [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                             const Normals& normals_of, bool edges_touch) const;
+                             const Normals& normals_of, bool edges_touch, bool overlaps = false) const;
   /// Adds the rows of nodes at edges of this surface.
   void add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                      std::vector<MortarRow>& rows) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -22,6 +23,12 @@ inline double cross(const Place& a, const Place& b) { return a[0] * b[1] - a[1] 
 [[nodiscard]] Polygon clipped(Polygon piece, const Polygon& by);
 /// No part of either can lie in the other.
 [[nodiscard]] bool apart(const Polygon& a, const Polygon& b);
+[[nodiscard]] inline Eigen::AlignedBox2d extent_of(const Polygon& polygon) {
+  Eigen::AlignedBox2d extent;
+  for (const Place& corner : polygon) extent.extend(corner);
+  return extent;
+}
+
 /// Length of a line, area of a polygon.
 [[nodiscard]] double measure_of(const Polygon& piece);
 

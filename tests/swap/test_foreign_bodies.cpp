@@ -260,6 +260,29 @@ INSTANTIATE_TEST_SUITE_P(
                     ForeignCase{&round_model, "hughes_liu", 1}, ForeignCase{&solid_model, "hughes_liu", 1}),
     name_of_foreign);
 
+/// Nodes of the foreign side that lie between those of the scene's surface get their share of its mass and stiffness.
+TEST(ForeignMesh, MayBeFinerThanTheSurface) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto path = folder.path() / "theirs.toml";
+  (void)folder.write(replaced(file_text(path.string()), "elements = [2, 6]", "elements = [5, 15]"), "theirs.toml");
+  std::string nodes, faces;
+  for (int i = 0; i <= 5; ++i) nodes += fmt::format("{:.17g}, -0.04\n", 0.004 * i);
+  for (int i = 0; i < 5; ++i) faces += fmt::format("{}, {}\n", i, i + 1);
+  (void)folder.write(nodes, "nodes.csv");
+  (void)folder.write(faces, "faces.csv");
+  for (const auto* protocol : {"hughes_liu", "prakash_hjelmstad"}) {
+    const auto run = run_text(
+        replaced(joined_scene(plane_model, protocol, 1,
+                              "surface = \"start\"\ninterface_nodes = \"nodes.csv\"\ninterface_faces = \"faces.csv\""),
+                 "step_s = 5e-07", "step_s = 3.5e-07"),
+        folder, protocol);
+    EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-11);
+    EXPECT_LT(run.summary.at("energy_error_highest").get<double>(), 1e-6);
+    EXPECT_GT(run.largest("velocity_mean_tail_m_s") - run.smallest("velocity_mean_tail_m_s"), 0.1);
+  }
+}
+
 TEST(ForeignMesh, IsRefusedByFileAndLine) {
   TemporaryFolder folder;
   const auto refused = [&](const std::string& nodes, const std::string& faces, const std::string& keys = "") {
