@@ -7,7 +7,7 @@
 
 namespace ricochet::fem {
 
-/// What is computed from an element's matrix_places and material alone, once for all copies of an element. `Make` is
+/// Keeps what an element's matrix_places and material alone determine, once for all copies of an element. `Make` is
 /// called with the geometry of the first of them. From some thousand different elements only the first are kept: such a
 /// mesh is not made of copies, and what is kept of every element would take more than K.
 template <class Value>

@@ -1,8 +1,18 @@
 #include "common/fem/hanging_nodes.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace ricochet::fem {
+namespace {
+
+std::vector<WeightedNode> sorted_by_node(std::vector<WeightedNode> nodes) {
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const WeightedNode& x, const WeightedNode& y) { return x.node < y.node; });
+  return nodes;
+}
+
+}  // namespace
 
 const HangingNode* hanging_at(const Mesh& mesh, int node) {
   const auto found = std::lower_bound(mesh.hanging.begin(), mesh.hanging.end(), node,
@@ -19,10 +29,8 @@ std::vector<WeightedNode> carried(const Mesh& mesh, const std::vector<WeightedNo
       all.push_back(of);
     }
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const WeightedNode& x, const WeightedNode& y) { return x.node < y.node; });
   std::vector<WeightedNode> sums;
-  for (const WeightedNode& of : all) {
+  for (const WeightedNode& of : sorted_by_node(std::move(all))) {
     if (sums.empty() || sums.back().node != of.node) {
       sums.push_back(of);
     } else {
@@ -71,38 +79,37 @@ void follow(const std::vector<HangingNode>& hanging, int components, Eigen::Vect
 
 void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMatrix& stiffness) {
   if (hanging.empty()) return;
-  const auto nodes = static_cast<std::size_t>(stiffness.rows() / components);
-  std::vector<const HangingNode*> at_node(nodes, nullptr);
-  for (const HangingNode& of : hanging) at_node[at(of.node)] = &of;
-  const auto hangs = [&](Eigen::Index dof) -> const HangingNode* {
-    const HangingNode* of = at_node[static_cast<std::size_t>(dof / components)];
-    return of != nullptr && of->hangs(static_cast<int>(dof % components)) ? of : nullptr;
+  const Eigen::Index dofs = stiffness.rows();
+  std::vector<const HangingNode*> hangs(static_cast<std::size_t>(dofs), nullptr);
+  for (const HangingNode& of : hanging)
+    for (int c = 0; c < components; ++c)
+      if (of.hangs(c)) hangs[at(of.node * components + c)] = &of;
+  const auto touched = [&](Eigen::Index row, Eigen::Index column) {
+    return hangs[static_cast<std::size_t>(row)] != nullptr || hangs[static_cast<std::size_t>(column)] != nullptr;
   };
-  const auto each = [&](Eigen::Index dof, const auto& visit) {
-    if (const HangingNode* of = hangs(dof)) {
-      for (const auto& carrier : of->carriers)
-        visit(carrier.node * components + static_cast<int>(dof % components), carrier.weight);
+  // Triplets of the products would take ten times the memory of the rest where a large surface is tied.
+  SparseMatrix follows(dofs, dofs), moved(dofs, dofs);  // T; the entries of hanging nodes
+  for (Eigen::Index row = 0; row < dofs; ++row) {
+    follows.startVec(row);
+    moved.startVec(row);
+    if (const HangingNode* of = hangs[static_cast<std::size_t>(row)]) {
+      for (const WeightedNode& carrier : sorted_by_node(of->carriers))
+        follows.insertBack(row, carrier.node * components + row % components) = carrier.weight;
     } else {
-      visit(static_cast<int>(dof), 1.0);
+      follows.insertBack(row, row) = 1.0;
     }
-  };
-  std::vector<Eigen::Triplet<double>> moved;
-  for (Eigen::Index row = 0; row < stiffness.rows(); ++row) {
-    for (SparseMatrix::InnerIterator entry(stiffness, row); entry; ++entry) {
-      if (hangs(row) == nullptr && hangs(entry.col()) == nullptr) continue;
-      each(row, [&](int i, double of_row) {
-        each(entry.col(),
-             [&](int j, double of_column) { moved.emplace_back(i, j, of_row * of_column * entry.value()); });
-      });
-    }
+    for (SparseMatrix::InnerIterator entry(stiffness, row); entry; ++entry)
+      if (touched(row, entry.col())) moved.insertBack(row, entry.col()) = entry.value();
   }
-  SparseMatrix added(stiffness.rows(), stiffness.cols());
-  added.setFromTriplets(moved.begin(), moved.end());
+  follows.finalize();
+  moved.finalize();
+  const SparseMatrix carried_rows = follows.transpose();
+  moved = SparseMatrix(moved * follows);
+  SparseMatrix added = carried_rows * moved;
   // Sums of an entry and of its mirror image run in different orders.
   const SparseMatrix mirrored = added.transpose();
   added = 0.5 * (added + mirrored);
-  stiffness.prune(
-      [&](Eigen::Index row, Eigen::Index column, double) { return hangs(row) == nullptr && hangs(column) == nullptr; });
+  stiffness.prune([&](Eigen::Index row, Eigen::Index column, double) { return !touched(row, column); });
   stiffness = SparseMatrix(stiffness + added);
 }
 

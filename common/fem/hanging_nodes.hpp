@@ -50,7 +50,7 @@ void follow(const std::vector<HangingNode>& hanging, int components, Eigen::Vect
 void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMatrix& stiffness);
 
 /// The faces between large elements and the small ones on them: each belongs to one element alone, and yet none is of
-/// the body's boundary. Of a tie those whose nodes hang on one face alone: the others are seen where pieces meet.
+/// the body's boundary. A tie has those whose nodes hang on one face alone; the others are seen where pieces meet.
 class FacesBetweenSizes {
  public:
   explicit FacesBetweenSizes(const Mesh& mesh);

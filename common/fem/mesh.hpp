@@ -32,7 +32,7 @@ struct WeightedNode {
 struct HangingNode {
   int node = -1;
   std::vector<WeightedNode> carriers;
-  /// Of a tie, weights >= 0 that sum to 1: of the face that the node lies in; of all nodes that share a face with it.
+  /// A tie gives weights >= 0 that sum to 1: to the face that the node lies in; to all nodes that share a face with it.
   std::vector<WeightedNode> between{}, beside{};
   /// Bits of the components that do not hang: a support or a prescribed motion has the node there, and not all of those
   /// that carry it.

@@ -140,13 +140,13 @@ void append(const fem::Mesh& piece, const std::string& name, fem::Mesh& mesh) {
   }
   for (fem::HangingNode hanging : piece.hanging) {
     hanging.node += nodes;
-    for (auto& carrier : hanging.carriers) carrier.node += nodes;  // it lies between these
+    for (auto& carrier : hanging.carriers) carrier.node += nodes;
     mesh.hanging.push_back(std::move(hanging));
   }
   for (const std::string& surface : piece.refined_surfaces) mesh.refined_surfaces.push_back(name + "." + surface);
 }
 
-/// Of pieces, then of groups.
+/// A group's material goes before that of a piece.
 void set_materials(const Scene& scene, const Body& body, fem::Mesh& mesh) {
   const auto has_own = [](const MeshPiece& piece) { return piece.material.has_value(); };
   if (body.groups.empty() && std::none_of(body.pieces.begin(), body.pieces.end(), has_own)) return;
@@ -183,14 +183,10 @@ void set_materials(const Scene& scene, const Body& body, fem::Mesh& mesh) {
 }  // namespace
 
 fem::Mesh build_mesh(const Scene& scene, const Body& body) {
-  if (!body.of_pieces()) {
-    fem::Mesh mesh = piece_mesh(scene, body, body.pieces.front());
-    set_materials(scene, body, mesh);
-    tie_pieces(scene, body, mesh);
-    return mesh;
-  }
   fem::Mesh mesh;
-  for (const MeshPiece& piece : body.pieces) append(piece_mesh(scene, body, piece), piece.name, mesh);
+  if (!body.of_pieces()) mesh = piece_mesh(scene, body, body.pieces.front());
+  for (const MeshPiece& piece : body.pieces)
+    if (body.of_pieces()) append(piece_mesh(scene, body, piece), piece.name, mesh);
   if (mesh.elements.size() > fem::most_elements)
     throw ConfigError(fmt::format("{}: found {} elements in all pieces; allowed: at most {} in a body",
                                   scene.where("body." + body.name + ".mesh"), mesh.elements.size(),

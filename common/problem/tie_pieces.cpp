@@ -17,10 +17,10 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of an edge: surfaces that lie farther from each other are not one.
+/// Surfaces that lie farther from each other than this share of an edge are not one.
 constexpr double one_place = 1e-6;
-/// Of a face: a node that lies farther beside the other surface than that is free. The rim of a fine disc stands off
-/// that of a coarse one by less.
+/// A node that lies beside the other surface by more than this share of a face is free. The rim of a fine disc stands
+/// off that of a coarse one by less.
 constexpr double most_beside = 0.25;
 /// A smaller weight is round-off.
 constexpr double least_weight = 1e-12;
@@ -98,14 +98,14 @@ class Ties {
 
   /// Every piece hangs together with the first.
   void require_all() {
-    std::map<int, std::size_t> piece_of_node;
+    std::vector<std::size_t> piece_of_node(mesh_.position.size(), 0);
     for (std::size_t p = 0; p < body_.pieces.size(); ++p)
       for (const int element : mesh_.element_groups.at(body_.pieces[p].name))
-        for (const int node : mesh_.elements[at(element)]) piece_of_node[node] = p;
+        for (const int node : mesh_.elements[at(element)]) piece_of_node[at(node)] = p;
     std::vector<std::size_t> root(body_.pieces.size());
     for (std::size_t p = 0; p < root.size(); ++p) root[p] = p;
     for (const auto& [node, of] : hanging_) {
-      const std::size_t one = root[piece_of_node.at(node)], other = root[piece_of_node.at(of.carriers.front().node)];
+      const std::size_t one = root[piece_of_node[at(node)]], other = root[piece_of_node[at(of.carriers.front().node)]];
       std::ranges::replace(root, std::max(one, other), std::min(one, other));
     }
     for (std::size_t p = 0; p < root.size(); ++p)

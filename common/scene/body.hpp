@@ -108,7 +108,7 @@ struct MeshPiece {
   std::optional<Material> material = std::nullopt;  ///< none: that of the body
 };
 
-/// Of the elements of a group.
+/// A material of the elements of a group.
 struct GroupMaterial {
   std::string group;
   Material material;
@@ -150,7 +150,7 @@ struct Body {
 struct ForeignBody {
   std::string name;
   std::string joined_to;  ///< one of Scene::bodies
-  /// Of that one: all its nodes are shared; with a file of nodes: where the faces lie, else empty.
+  /// All nodes of this surface of that body are shared; with a file of faces these lie on it; else empty.
   std::string surface;
   std::string interface_nodes;               ///< absolute path of the file; empty: the nodes of the surface
   std::vector<double> interface_position_m;  ///< of the file: per node one number per component

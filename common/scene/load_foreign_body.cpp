@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "common/scene/loaders.hpp"
@@ -72,9 +73,10 @@ std::vector<std::vector<int>> read_faces(const std::string& path, bool solid, st
       return number == std::floor(number) && number >= 0.0 && number < static_cast<double>(nodes);
     };
     const bool as_many = solid ? numbers.size() == 3 || numbers.size() == 4 : numbers.size() == 2;
-    if (!as_many || !std::all_of(numbers.begin(), numbers.end(), fits))
+    const bool differ = std::set<double>(numbers.begin(), numbers.end()).size() == numbers.size();
+    if (!as_many || !differ || !std::all_of(numbers.begin(), numbers.end(), fits))
       throw ConfigError(
-          fmt::format("{}; allowed: {} rows of nodes of one face, whole numbers from 0 to {}, separated "
+          fmt::format("{}; allowed: {} rows of nodes of one face, each another whole number from 0 to {}, separated "
                       "by commas",
                       found, corners, nodes - 1));
     faces.emplace_back(numbers.begin(), numbers.end());

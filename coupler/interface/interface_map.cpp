@@ -196,10 +196,6 @@ void InterfaceRows::add(const std::vector<double>& own_values, std::vector<doubl
   each_number(own_values.data(), shared_values.data(), [](const double& own, double& shared) { shared += own; });
 }
 
-void InterfaceRows::add_per_node(const std::vector<double>& own_values, std::vector<double>& shared_values) const {
-  for (std::size_t i = 0; i < nodes_; ++i) shared_values[static_cast<std::size_t>(shared_[i])] += own_values[i];
-}
-
 void InterfaceRows::add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const {
   const auto to = dofs();
   shared_matrix(to, to) += own;

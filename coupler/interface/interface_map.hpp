@@ -28,8 +28,6 @@ class InterfaceRows {
   void scatter(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
   /// shared[rows[i]] += own[i]: forces of all participants that meet at a node.
   void add(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
-  /// The same of one value per node.
-  void add_per_node(const std::vector<double>& own_values, std::vector<double>& shared_values) const;
   /// The same of a matrix, own degrees of freedom x own degrees of freedom.
   void add_matrix(const Eigen::MatrixXd& own, Eigen::MatrixXd& shared_matrix) const;
 

@@ -32,7 +32,7 @@ constexpr const char* go_on = "coupling.outside_model = \"go_on\"";
 
 std::array<double, 3> numbers(const Eigen::Vector3d& place) { return {place[0], place[1], place[2]}; }
 
-/// Of the element whose middle is nearest to a place.
+/// That of the element whose middle is nearest to a place.
 const fem::Material& material_in(const scene::BodyProblem& body, const std::array<double, 3>& place_m) {
   if (body.mesh.material.empty()) return body.material;
   const Eigen::Vector3d place(place_m.data());

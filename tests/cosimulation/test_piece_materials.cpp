@@ -157,7 +157,7 @@ TEST(GroupMaterials, AreRefusedByName) {
               HasSubstr("only with a body of pieces or read from a mesh file"));
 }
 
-/// What `check` says of a body weighs each piece by its own density; the wave that bounds the step is the faster one.
+/// `check` weighs each piece by its own density; the wave that bounds the step is the faster one.
 TEST(PieceMaterials, MakeTheMassAndTheCriticalStep) {
   const TemporaryFolder folder;
   const std::string text =

@@ -297,6 +297,7 @@ TEST(ForeignMesh, IsRefusedByFileAndLine) {
     return outcome.error;
   };
   const std::string nodes = "0, -0.04\n0.015, -0.04\n0.02, -0.04\n", faces = "0, 1\n1, 2\n";
+  EXPECT_THAT(refused(nodes, "0, 0\n1, 2\n"), HasSubstr("faces.csv:1: found \"0, 0\"; allowed: two rows"));
   EXPECT_THAT(refused(nodes, "0, 1\n\n1, 3\n"), HasSubstr("faces.csv:3: found \"1, 3\"; allowed: two rows of nodes"));
   EXPECT_THAT(refused(nodes, "# none\n"), HasSubstr("faces.csv:1: found no face"));
   EXPECT_THAT(refused(nodes, "0, 1\n"), HasSubstr("found no face with the node of row 2"));
