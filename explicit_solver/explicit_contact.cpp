@@ -76,7 +76,8 @@ void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::Inte
 }
 
 /// In a window a force r changes the rates by acting_time N M^-1 N^T r and the gaps by dt times that: x = dt
-/// acting_time r are the forces of the root problem. Its slip is dt times a rate, and its v is 2/dt slip.
+/// acting_time r are the forces of the root problem. Its slip is dt times a rate, and its v is 2/dt slip. A rigid body
+/// couples all pairs, so that the matrix is full, and sweeps would go on for long.
 void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   const auto friction = [](const Pair& pair) { return pair.friction_coefficient > 0.0; };
   const bool any = std::any_of(surface_.pairs.begin(), surface_.pairs.end(), friction);
@@ -85,10 +86,12 @@ void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   std::vector<solver::RootProblem::PairLaw> pairs;
   for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
   const Eigen::Index directions = any ? surface_.components : 1;
-  root_.emplace(law,
-                responses_ ? solver::compliance_of(surface_.pairs, *responses_, directions)
-                           : solver::inverse_mass_of(surface_.pairs, states, directions),
-                pairs, 2.0 * dt());
+  const bool rigid = std::any_of(states.begin(), states.end(),
+                                 [](const BodyState& state) { return state.part.mesh.rigid_nodes > 0; });
+  solver::Compliance compliance = responses_ ? solver::compliance_of(surface_.pairs, *responses_, directions)
+                                             : solver::inverse_mass_of(surface_.pairs, states, directions);
+  if (rigid && compliance.sparse()) compliance = Eigen::MatrixXd(*compliance.sparse());
+  root_.emplace(law, std::move(compliance), pairs, 2.0 * dt());
 }
 
 /// Gaps and slips at the end of the window without contact forces; of held pairs both from zero.
@@ -184,7 +187,8 @@ void ExplicitContact::push_all(double share, std::vector<BodyState>& states) {
 }
 
 const solver::RootProblem::Solution& ExplicitContact::solution(double acting_time) {
-  if (!inside_small_steps()) return root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
+  if (!root_->dense() || (known_normal_.size() > 0 && !inside_small_steps()))
+    return root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
   if (frozen_) return root_->hold(gap_free_, slip_free_);
   return root_->solve(gap_free_, slip_free_, Eigen::VectorXd::Zero(slip_free_.size()), last_forces(acting_time));
 }

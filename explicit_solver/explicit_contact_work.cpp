@@ -34,7 +34,12 @@ double ExplicitContact::account(const Pair& pair, const Force& mean, std::vector
     const auto p = static_cast<std::size_t>(part);
     return 0.5 * (states[p].u[dof] + (*u_before[p])[dof]);
   };
+  const auto moved_of = [&](int part, int dof) {
+    const auto p = static_cast<std::size_t>(part);
+    return states[p].u[dof] - (*u_before[p])[dof];
+  };
   solver::book_impulse(pair, dt() * mean.normal, dt() * mean.tangential, middle, states, state_.impulses);
+  solver::book_given_motion(pair, mean.normal, mean.tangential, moved_of, states);
   return made;
 }
 

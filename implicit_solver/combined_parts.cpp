@@ -12,6 +12,14 @@ CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies, const MakeF
   }
 }
 
+double CombinedParts::turning_m() const {
+  double largest_m = 0.0;
+  for (const auto& state : states)
+    if (state.frame)
+      for (const auto& x : state.part.mesh.position) largest_m = std::max(largest_m, x.lpNorm<Eigen::Infinity>());
+  return largest_m;
+}
+
 Eigen::VectorXd CombinedParts::displacement() const {
   Eigen::VectorXd u(dofs_);
   for (std::size_t b = 0; b < states.size(); ++b) segment(u, b) = states[b].u;

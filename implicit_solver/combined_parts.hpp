@@ -42,6 +42,8 @@ class CombinedParts {
   /// Whether that of every part keeps its tangent.
   [[nodiscard]] bool keep_tangents() const { return keep_tangents_; }
   [[nodiscard]] Eigen::VectorXd displacement() const;
+  /// The largest coordinate of a part in a frame, which turns with it [m]; 0 without one.
+  [[nodiscard]] double turning_m() const;
   /// K_T of each part at a displacement [N/m]; they stay until the next call.
   [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;
   /// A matrix of each part, made one matrix.

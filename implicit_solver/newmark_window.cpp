@@ -15,7 +15,7 @@ namespace ricochet::implicit_solver {
 
 namespace {
 /// Newton's iteration ends when what is out of balance is so much of the largest force, or when an improvement is so
-/// much of the displacement or of its increment, which is rounding.
+/// much of the displacement, of its increment or of the size of a part that turns, which is rounding.
 constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
 /// Improvements by one tangent go on while each leaves no more than so much of what was out of balance: ten solves then
 /// take it from 1 to 1e-7, and a factorisation costs more than ten.
@@ -170,8 +170,8 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     } else {
       steps_.push_back(step);
     }
-    const double moved =
-        std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), trial.increment.lpNorm<Eigen::Infinity>());
+    const double moved = std::max({parts_.displacement().lpNorm<Eigen::Infinity>(),
+                                   trial.increment.lpNorm<Eigen::Infinity>(), parts_.turning_m()});
     if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved) break;
   }
   trial_linearised_at_ = solver_.linearised_at();

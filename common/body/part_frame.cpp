@@ -99,7 +99,7 @@ PartFrame::Fit PartFrame::fit_of(const Eigen::VectorXd& u, Parallel* parallel) c
   }
   const Matrix h = inertia_.topLeftCorner<components, components>() + all.turned;
   Fit fit;
-  fit.motion.rotation = rotation_of(h);
+  if (!all.turned.isZero(0.0)) fit.motion.rotation = rotation_of(h);  // else rounding would strain a body at rest
   fit.motion.from_m = fit.motion.to_m = centre_m_;
   fit.motion.to_m.head<components>() += all.moved / mass_kg_;
   fit.stretch.setZero();

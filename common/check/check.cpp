@@ -153,8 +153,8 @@ void check_ranks(const Problem& problem) {
     for (const BodyProblem& body : problem.bodies)
       if (!body.mesh.hanging.empty())
         throw ConfigError(fmt::format(
-            "{}: found {} with body \"{}\", which has nodes that hang, by mesh.refine or a tie; allowed: no ranks (and "
-            "threads)",
+            "{}: found {} with body \"{}\", which has nodes that hang, by mesh.refine, a tie or rigid = "
+            "true; allowed: no ranks (and threads)",
             problem.scene.where("participant." + participant.name + ".ranks"), *participant.ranks, body.name));
   }
 }

@@ -140,6 +140,24 @@ inline constexpr int most_sweeps = 1000;
 void book_without_moments(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                           std::vector<BodyState>& states, ContactImpulses& impulses);
 
+/// The work of a pair's forces [N] on nodes whose motion is given, which move by `moved_of(part, dof)` [m]: who gives it
+/// is booked with that of the other forces there, and does this one's, too.
+template <class Displacement>
+void book_given_motion(const Pair& pair, double normal_n, const Eigen::Vector2d& tangential_n,
+                       const Displacement& moved_of, std::vector<BodyState>& states) {
+  const auto give = [&](const ContactRow& row, double force_n) {
+    if (force_n == 0.0) return;
+    for (const auto& e : row.entries) {
+      auto& state = states[static_cast<std::size_t>(e.part)];
+      if (!state.free[static_cast<std::size_t>(e.dof)])
+        state.totals.energy_external_j -= e.coefficient * force_n * moved_of(e.part, e.dof);
+    }
+  };
+  give(pair.normal, normal_n);
+  give(pair.tangent, tangential_n[0]);
+  give(pair.binormal, tangential_n[1]);
+}
+
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
 /// is booked to its totals, with its moment about the origin where `u_of(part, dof)` has the nodes [m]. What a support

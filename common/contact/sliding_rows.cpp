@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "common/body/blocks.hpp"
@@ -138,7 +139,12 @@ SlidingRows::Turning SlidingRows::turning_of(const scene::ContactGeometry& geome
   });
   turning.centre_m /= mass_kg;
   const auto& mesh = problem_->bodies[static_cast<std::size_t>(body)].mesh;
-  for (const int node : scene::contact_nodes(geometry, body))
+  std::vector<int> nodes = scene::contact_nodes(geometry, body);
+  if (mesh.rigid_nodes > 0) {  // they lie within its surface
+    nodes.resize(mesh.position.size());
+    std::iota(nodes.begin(), nodes.end(), 0);
+  }
+  for (const int node : nodes)
     turning.reach_m = std::max(turning.reach_m, (mesh.position[fem::at(node)] - turning.centre_m).norm());
   return turning;
 }

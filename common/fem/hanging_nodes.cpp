@@ -114,6 +114,7 @@ void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMa
 }
 
 FacesBetweenSizes::FacesBetweenSizes(const Mesh& mesh) : mesh_(mesh) {
+  if (mesh.rigid_nodes > 0) return;
   const std::size_t nodes_of_face = mesh.model == Model::solid ? 4 : 2;
   for (const HangingNode& of : mesh.hanging)
     if (of.carriers.size() == nodes_of_face) large_.insert(carriers_of(mesh, {of.node}));

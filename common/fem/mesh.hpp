@@ -24,11 +24,11 @@ struct WeightedNode {
   double weight = 0.0;
 };
 
-/// A node of small elements on the edge or the face of a larger one, or of one side of a tie: it has no motion of its
-/// own,
+/// A node of small elements on the edge or the face of a larger one, of one side of a tie or of a rigid body: it has no
+/// motion of its own,
 ///   u = sum of weight u of its carriers,
 /// and what acts on it acts on them by the same shares. None of them hangs, and weights sum to 1. On a larger element
-/// they are >= 0, those of a tie need not be.
+/// they are >= 0, others need not be.
 struct HangingNode {
   int node = -1;
   std::vector<WeightedNode> carriers;
@@ -56,7 +56,8 @@ struct Mesh {
   std::map<std::string, int> points;  ///< nodes with a name, for who asks for nodes as of a surface
   /// By the name of a foreign body with a mesh of its own at the interface: its nodes there, of no element here.
   std::map<std::string, std::vector<int>> foreign_nodes;
-  std::vector<HangingNode> hanging;           ///< ascending by node
+  std::vector<HangingNode> hanging;  ///< ascending by node
+  int rigid_nodes = 0;               ///< of a rigid body: the last so many, of no element, on which all others hang
   std::vector<std::string> refined_surfaces;  ///< with faces of elements that were divided
   std::vector<Material> materials;            ///< of elements that have another one than the body
   std::vector<int> material;                  ///< per element: which of them, -1 the body's; empty: all have that

@@ -155,6 +155,7 @@ Part extract_part(const Mesh& whole, const std::string& body, const Section& sec
   part.mesh.model = whole.model;
   part.mesh.period_m = whole.period_m;
   part.mesh.period_wide_m = whole.period_wide_m;
+  part.mesh.rigid_nodes = whole.rigid_nodes;
   part.body_element = elements;
   std::sort(part.body_element.begin(), part.body_element.end());
   take_elements(whole, extra_nodes, part);

@@ -18,6 +18,18 @@ namespace ricochet::scene {
 /// other, a node that would hang twice, and a piece that no tie joins to the others.
 void tie_pieces(const Scene& scene, const Body& body, fem::Mesh& mesh);
 
+/// Of a body that is rigid: appends few nodes (Mesh::rigid_nodes) whose affine motion all others follow, so that
+///   u(x) = b + A x,   M = m / (n + 1) of each,   K = V D of the homogeneous strain,
+/// n being the number of components in which it moves freely: the others, which supports, prescribed motion or the
+/// axis of symmetry hold anywhere, are those of one node. With carriers at the corners of a regular simplex, stretched
+/// by the root of the second moment of mass over m about the centre, this lumped M is that of the motion without loss,
+/// so that mass, centre of mass, momenta and kinetic energy are those of the body (Cohen and Muncaster, The Theory of
+/// Pseudo-rigid Bodies, 1988). Throws ConfigError for a body that a foreign one is joined to.
+void make_rigid(const Scene& scene, const Body& spec, BodyProblem& body);
+/// Multiplies Young's moduli of rigid bodies so that the strain of each vibrates as fast as the finest element of the
+/// other bodies, but for a margin: as stiff as they can be without a shorter step.
+void stiffen_rigid(Problem& problem);
+
 /// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.
 /// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support.
 void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "common/base/error.hpp"
 #include "common/fem/hanging_nodes.hpp"
@@ -29,6 +30,14 @@ void fix_axis(BodyProblem& body, Holders& holders) {
     body.fixed_dof[at(node * 2)] = true;
     holders[at(node * 2)] = "the axis r = 0";
   }
+}
+
+/// Nodes that a support or a prescribed motion of a surface holds: of a rigid body those that carry all of it.
+std::vector<int> held_nodes(const fem::Mesh& mesh, const std::string& surface) {
+  if (mesh.rigid_nodes == 0) return fem::surface_nodes(mesh, surface);
+  std::vector<int> nodes(at(mesh.rigid_nodes));
+  std::iota(nodes.begin(), nodes.end(), static_cast<int>(mesh.position.size()) - mesh.rigid_nodes);
+  return nodes;
 }
 
 /// The node at a place, which the support names.
@@ -62,7 +71,7 @@ void fix_supports(const Scene& scene, const Body& spec, BodyProblem& body, Holde
       require_surface(scene, key + ".surface", body.mesh, spec.supports[i].surface);
     else
       name_point(scene, key, spec.supports[i], body);
-    for (const int node : fem::surface_nodes(body.mesh, spec.supports[i].surface)) {
+    for (const int node : held_nodes(body.mesh, spec.supports[i].surface)) {
       for (const int c : spec.supports[i].components) {
         body.fixed_dof[at(node * components + c)] = true;
         holders[at(node * components + c)] = key;
@@ -77,7 +86,7 @@ void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders&
     const PrescribedDisplacement& prescribed = spec.prescribed[i];
     const std::string key = fmt::format("body.{}.prescribed[{}]", spec.name, i);
     require_surface(scene, key + ".surface", body.mesh, prescribed.surface);
-    for (const int node : fem::surface_nodes(body.mesh, prescribed.surface)) {
+    for (const int node : held_nodes(body.mesh, prescribed.surface)) {
       const int dof = node * components + prescribed.component;
       if (body.fixed_dof[at(dof)])
         throw ConfigError(

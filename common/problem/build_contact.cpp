@@ -68,9 +68,21 @@ bool may_touch_by_edge(const ContactContext& context, const ContactSide& side) {
   });
 }
 
-/// The surface named second has the finer mesh; of equal ones the body that comes first carries the rows, so that the
-/// order of the names changes nothing. Pairs of nodes are the same either way.
+bool is_rigid(const ContactSide& side) { return side.body->mesh.rigid_nodes > 0; }
+
+/// Nothing would say how much of their energy such bodies keep.
+void refuse_rigid_pair(const ContactContext& context, const ContactSide& a, const ContactSide* b) {
+  if (!is_rigid(a) || (b != nullptr && !is_rigid(*b))) return;
+  context.refuse(b == nullptr ? fmt::format("rigid body \"{}\" against a rigid obstacle", a.body->name)
+                              : fmt::format("two rigid bodies, \"{}\" and \"{}\"", a.body->name, b->body->name),
+                 "a body that deforms on one side at least");
+}
+
+/// The surface named second has the finer mesh, or that named first is of a rigid body, of whose nodes few are free; of
+/// equal ones the body that comes first carries the rows, so that the order of the names changes nothing. Pairs of
+/// nodes are the same either way.
 bool second_carries_rows(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
+  if (is_rigid(a) || is_rigid(b)) return is_rigid(a);
   if (needs_pairs(context.scene) || a.normal.dot(b.normal) >= 0.0 || match_in_pairs(a, b)) return false;
   const bool edge_of_b = may_touch_by_edge(context, b);
   if (edge_of_b != may_touch_by_edge(context, a)) return edge_of_b;
@@ -84,6 +96,7 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
     context.refuse(fmt::format("a normal for surface \"{}\", which is flat", a.name), "no key normal");
   std::optional<ContactSide> b;
   if (context.contact.second) b = make_side(context, bodies, *context.contact.second, {}, Eigen::Vector3d(-a.normal));
+  refuse_rigid_pair(context, a, b ? &*b : nullptr);
   ContactGeometry geometry;
   geometry.name = context.contact.name;
   geometry.named_normal = a.normal;

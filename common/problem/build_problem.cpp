@@ -31,7 +31,10 @@ BodyProblem build_body(const Scene& scene, const Body& spec) {
   body.section = section_of(scene.model, spec);
   body.material = spec.material;
   body.mesh = build_mesh(scene, spec);
-  scale_mass(scene, body);
+  if (spec.rigid)
+    make_rigid(scene, spec, body);
+  else
+    scale_mass(scene, body);
   for (std::size_t i = 0; i < spec.tractions.size(); ++i)
     require_surface(scene, fmt::format("body.{}.traction[{}].surface", spec.name, i), body.mesh,
                     spec.tractions[i].surface);
@@ -138,6 +141,7 @@ Problem build_bodies(const Scene& scene) {
   Problem problem;
   problem.scene = scene;
   for (const Body& body : scene.bodies) problem.bodies.push_back(build_body(scene, body));
+  stiffen_rigid(problem);
   problem.joints = build_joints(scene, problem.bodies);
   problem.contacts = build_contacts(scene, problem.bodies);
   refuse_absorbing_contact(problem);

@@ -115,8 +115,9 @@ ContactSide make_side(const ContactContext& context, const std::vector<BodyProbl
         "boxes away from it: the new nodes lie on the straight edges of the larger elements, not on a curve");
   const auto hangs = [&](int node) { return fem::hanging_at(mesh, node) != nullptr; };
   if (needs_pairs(context.scene) && std::any_of(side.nodes.begin(), side.nodes.end(), hangs))
-    context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine or a tie", side.name),
-                   "a surface of one size of elements with massless contact or impact_update = \"impedance\"");
+    context.refuse(fmt::format("surface \"{}\" with nodes that hang, by mesh.refine, a tie or rigid = true", side.name),
+                   "a surface of one size of elements of a body that deforms with massless contact or impact_update = "
+                   "\"impedance\"");
   if (context.scene.contact_law().impact_update == ImpactUpdate::impedance && fem::materials_of(*side.body).size() > 1)
     context.refuse(fmt::format("surface \"{}\" of a body of several materials", side.name),
                    "bodies of one material with impact_update = \"impedance\"");

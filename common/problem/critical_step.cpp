@@ -179,6 +179,7 @@ double critical_time_step(const Problem& problem, const ParticipantSpec& partici
 }
 
 double element_bound_time_step(const BodyProblem& body, const std::vector<bool>& of_element) {
+  if (body.mesh.rigid_nodes > 0) return critical_time_step(body, of_element, false, 0.0);
   if (body.density_factor.empty()) return fem::element_critical_time_step(part_of(body, of_element));
   double smallest = std::numeric_limits<double>::infinity();
   for (int e = 0; e < static_cast<int>(of_element.size()); ++e) {
@@ -199,6 +200,7 @@ std::vector<double> element_critical_steps(const Problem& problem) {
   std::vector<double> steps;
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     const BodyProblem& body = problem.bodies[at(index)];
+    if (body.mesh.rigid_nodes > 0) continue;
     const std::vector<bool> at_contact = elements_at(body.mesh, contact_nodes(problem.contacts, index));
     fem::ElementCopies<double> copies(body.section.model);
     for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {

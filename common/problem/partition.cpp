@@ -68,6 +68,7 @@ double longest_step_s(const Time& time) {
 std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
   const double frequency_squared = 4.0 / (step_s * step_s);
   std::vector<bool> inside = elements_at(body.mesh, contact);
+  if (body.mesh.rigid_nodes > 0) return inside;
   fem::ElementCopies<bool> above(body.section.model);
   for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
     if (inside[at(e)]) continue;
@@ -85,6 +86,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const Layout layout = scene.coupling.protocol.layout;
   if (layout != Layout::hybrid) return std::vector<bool>(body.mesh.elements.size(), layout == Layout::all_implicit);
   const std::vector<int> contact = contact_nodes(problem.contacts, index);
+  if (body.mesh.rigid_nodes > 0 && !contact.empty()) return std::vector<bool>(body.mesh.elements.size(), true);
   switch (scene.partition.rule) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
     case PartitionRule::automatic:
@@ -301,6 +303,8 @@ void set_partition(Problem& problem) {
   for (int index = 0; index < static_cast<int>(problem.bodies.size()); ++index) {
     BodyProblem& body = problem.bodies[at(index)];
     body.implicit_element = implicit_elements(problem, index);
+    if (body.mesh.rigid_nodes > 0 && has(body.implicit_element, true))  // as a whole
+      body.implicit_element.assign(body.implicit_element.size(), true);
     if (layout == Layout::hybrid) add_joined_layer(body);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;

@@ -31,6 +31,7 @@ double rise_time_s(const Problem& problem, const ContactGeometry& contact) {
   for (const int index : {contact.body_a, contact.body_b}) {
     if (index < 0) continue;
     const BodyProblem& body = problem.bodies[at(index)];
+    if (body.mesh.rigid_nodes > 0) continue;  // no wave crosses it
     const double speed = fem::longitudinal_wave_speed(body.section.model, contact_material(problem, contact, index));
     longest_s = std::max(longest_s, 2.0 * contact_depth(body, contact_nodes(contact, index), contact.normal) / speed);
   }

@@ -133,6 +133,18 @@ AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vect
   return absorbing;
 }
 
+/// What moves as one has no waves, no plastic points and no place that a support could hold alone.
+void load_rigid(TableReader& table, Body& body) {
+  body.rigid = table.boolean("rigid", false);
+  if (!body.rigid) return;
+  if (body.of_pieces() || !body.pieces.front().refine.empty())
+    table.refuse("rigid", "true beside mesh.piece or mesh.refine", "one mesh without them, fine enough for its shape");
+  if (body.yields()) table.refuse("rigid", "true beside plasticity", "a material that stays elastic");
+  table.only_if(false, "absorbing", "a body with waves, which is not rigid");
+  if (std::ranges::any_of(body.supports, [](const Support& support) { return !support.at_m.empty(); }))
+    table.refuse("rigid", "true beside a support with at_m", "supports of surfaces, which hold the whole body");
+}
+
 /// In a plane one number, about the axis across it.
 void load_rotation(TableReader& table, Model model, Body& body) {
   const bool can_turn = model == Model::plane_strain || model == Model::solid;
@@ -225,6 +237,7 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   const std::vector<std::string> surfaces = surface_names(model, body);
   for (TableReader& entry : table.tables("support", "support"))
     body.supports.push_back(load_support(entry, model, surfaces));
+  load_rigid(table, body);
   for (TableReader& entry : table.tables("traction", "traction"))
     body.tractions.push_back(load_traction(entry, model, surfaces));
   for (TableReader& entry : table.tables("prescribed", "prescribed"))

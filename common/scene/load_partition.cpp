@@ -12,10 +12,11 @@
 namespace ricochet::scene {
 namespace {
 
+/// Bodies in contact that may be implicit in part.
 std::vector<std::string> contact_bodies(const Scene& scene) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& body) {
-    if (std::find(names.begin(), names.end(), body) == names.end()) names.push_back(body);
+    if (!scene.body(body).rigid && std::find(names.begin(), names.end(), body) == names.end()) names.push_back(body);
   };
   for (const Contact& contact : scene.contacts) {
     add(contact.first.body);
@@ -67,6 +68,7 @@ bool any(const std::vector<double>& values) {
 /// none.
 std::string beyond_modes(const Body& body) {
   if (body.yields()) return "plasticity";
+  if (body.rigid) return "rigid";
   if (body.large_rotation) return "large_rotation";
   if (any(body.gravity_m_s2)) return "gravity_m_s2";
   if (!body.tractions.empty()) return "traction";

@@ -16,6 +16,7 @@ const Schema& scene_schema() {
         "thickness_m",
         "initial_velocity_m_s",
         "initial_displacement_m",
+        "rigid",
         "large_rotation",
         "initial_angular_velocity_rad_s",
         "gravity_m_s2",

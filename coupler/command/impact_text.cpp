@@ -151,7 +151,7 @@ void warn_of_flat(const scene::Problem& problem, const scene::ContactGeometry& c
     if (body >= 0) compliance += 1.0 / axial_impedance(problem, static_cast<std::size_t>(body));
   }
   for (const int index : {contact.body_a, contact.body_b}) {
-    if (index < 0) continue;
+    if (index < 0 || problem.scene.bodies[static_cast<std::size_t>(index)].rigid) continue;
     const auto& body = problem.bodies[static_cast<std::size_t>(index)];
     const auto& material = scene::contact_material(problem, contact, index);
     const double stress_pa = speed_m_s / compliance / (bar ? body.section.measure : 1.0);
@@ -171,7 +171,7 @@ void warn_of_round(const scene::Problem& problem, const scene::ContactGeometry& 
                    double speed_m_s, std::vector<std::string>& warnings) {
   constexpr double first_yield = 1.6, power = 0.4;  // p_max ~ v^(2/5)
   for (const int index : {contact.body_a, contact.body_b}) {
-    if (index < 0) continue;
+    if (index < 0 || problem.scene.bodies[static_cast<std::size_t>(index)].rigid) continue;
     const auto& body = problem.bodies[static_cast<std::size_t>(index)];
     const auto& m = scene::contact_material(problem, contact, index);
     warn({"makes, by Hertz' theory, a von Mises stress", "yield stress", impact.pressure_pa / first_yield,

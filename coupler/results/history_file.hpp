@@ -21,8 +21,8 @@ struct HistoryShape {
   bool reduced = false;                 ///< a body is reduced to modes
   std::vector<std::string> contacts{};  ///< of several: what is told of each comes last
 };
-/// Components of the angular momentum that a scene has: none about an axis of symmetry, of bars, and where meshes
-/// repeat.
+/// Components of the angular momentum that a scene has: none about an axis of symmetry, of bars, where meshes
+/// repeat, and with a rigid body that supports keep from turning.
 [[nodiscard]] int angular_components(const scene::Problem& problem);
 [[nodiscard]] HistoryShape history_shape(const scene::Problem& problem);
 

@@ -98,6 +98,7 @@ std::optional<ImpactTheory> impact_theory(const scene::Problem& problem) {
     if (!flies_freely(problem.scene.bodies[body], contact.normal)) return std::nullopt;
     if (fem::materials_of(problem.bodies[body]).size() > 1)
       return std::nullopt;  // waves come back from where they meet
+    if (problem.scene.bodies[body].rigid) return std::nullopt;
   }
   if (problem.scene.contact_law().nose_radius_m > 0) return std::nullopt;
   if (!touches_all_at_once(contact, length_along(problem.bodies[a], contact.normal))) return std::nullopt;

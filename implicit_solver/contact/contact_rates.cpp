@@ -288,6 +288,8 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
   const auto work = [&](const Pair& pair, const PairForce& impulse, const Eigen::VectorXd& moved, double dt) {
     state_.work_normal_j += impulse.normal / dt * pair.normal.times(of_part(moved));
     state_.dissipated_friction_j -= impulse.tangential.dot(pair.slip(of_part(moved))) / dt;
+    const auto moved_of = [&](int part, int dof) { return of_part(moved)(part)[dof]; };
+    book_given_motion(pair, impulse.normal / dt, impulse.tangential / dt, moved_of, states);
   };
   const auto middle = [&](int part, int dof) {
     return states[static_cast<std::size_t>(part)].u[dof] + 0.5 * of_part(increment)(part)[dof];

@@ -270,26 +270,21 @@ TEST(RefinedBlocks, DividedThroughoutAreTheFinerMesh) {
   for (std::size_t n = 0; n < force.size(); ++n) ASSERT_NEAR(force[n], expected[n], 1e-8 * scale) << n;
 }
 
-std::string refusal(const std::string& text) {
-  const TemporaryFolder folder;
-  const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
-  EXPECT_EQ(outcome.code, 2);
-  return outcome.error;
-}
-
 TEST(RefinedMeshes, AreRefusedWhereTheyCannotBe) {
   const std::string square = strained_square("all_explicit");
-  EXPECT_THAT(refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.003, 0.006]")),
+  EXPECT_THAT(check_refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.003, 0.006]")),
               HasSubstr("found 0.003; allowed: a number > 0.003, that of from_m"));
-  EXPECT_THAT(refusal(replaced(square, "ratio = 2", "ratio = 1")), HasSubstr("body.square.mesh.refine[1].ratio"));
-  EXPECT_THAT(refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.006, 0.006]")),
+  EXPECT_THAT(check_refusal(replaced(square, "ratio = 2", "ratio = 1")), HasSubstr("body.square.mesh.refine[1].ratio"));
+  EXPECT_THAT(check_refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.006, 0.006]")),
               HasSubstr("a whole layer of elements between two changes of size"));
+  EXPECT_THAT(check_refusal(square +
+                            "[[participant]]\nname = \"all\"\nrole = \"explicit\"\nbodies = [\"square\"]\nranks = 2\n"),
+              HasSubstr("with body \"square\", which has nodes that hang, by mesh.refine, a tie or rigid = true; "
+                        "allowed: no ranks (and threads)"));
   EXPECT_THAT(
-      refusal(square + "[[participant]]\nname = \"all\"\nrole = \"explicit\"\nbodies = [\"square\"]\nranks = 2\n"),
-      HasSubstr(
-          "with body \"square\", which has nodes that hang, by mesh.refine or a tie; allowed: no ranks (and threads)"));
-  EXPECT_THAT(refusal(replaced(sliding_blocks(""), "friction_coefficient = 0.2", "multiplier_update = \"massless\"")),
-              HasSubstr("with nodes that hang, by mesh.refine or a tie; allowed: a surface of one size of elements"));
+      check_refusal(replaced(sliding_blocks(""), "friction_coefficient = 0.2", "multiplier_update = \"massless\"")),
+      HasSubstr("with nodes that hang, by mesh.refine, a tie or rigid = true; allowed: a surface of one size of "
+                "elements of a body that deforms"));
 }
 
 /// New nodes would lie on the chords of the larger elements.

@@ -404,32 +404,25 @@ TEST(TiedMeshes, OfTheSameFacesAreOneMesh) {
   EXPECT_GT(whole.largest("contact_force_n"), 0.0);
 }
 
-std::string refusal(const std::string& text) {
-  const TemporaryFolder folder;
-  const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
-  EXPECT_EQ(outcome.code, 2);
-  return outcome.error;
-}
-
 TEST(WrongTies, AreRefusedByName) {
   const std::string plane = strained_plane("all_explicit", "");
   const std::string tied = tie("low.end", "high.start");
-  EXPECT_THAT(refusal(replaced(plane, tied, tie("low.end", "high.strat"))),
+  EXPECT_THAT(check_refusal(replaced(plane, tied, tie("low.end", "high.strat"))),
               HasSubstr("body.body.mesh.tie[0].surfaces: found \"high.strat\"; did you mean \"high.start\"?"));
-  EXPECT_THAT(refusal(replaced(plane, tied, "")),
+  EXPECT_THAT(check_refusal(replaced(plane, tied, "")),
               HasSubstr("found piece \"high\", which no tie joins to \"low\"; allowed: pieces that [[body.mesh.tie]]"));
-  EXPECT_THAT(refusal(replaced(plane, "start_m = 0.005", "start_m = 0.0051")),
+  EXPECT_THAT(check_refusal(replaced(plane, "start_m = 0.005", "start_m = 0.0051")),
               HasSubstr("found \"high.start\" 0.0001 m away from \"low.end\" at (0, 0.0051) m"));
-  EXPECT_THAT(refusal(replaced(plane, tied, tie("low.start", "high.start"))),
+  EXPECT_THAT(check_refusal(replaced(plane, tied, tie("low.start", "high.start"))),
               HasSubstr("\"low.start\", which lie nowhere opposite each other"));
-  EXPECT_THAT(refusal(replaced(plane, tied, tied + tied)), HasSubstr("which hangs already"));
-  EXPECT_THAT(refusal(replaced(plane, "name = \"high\"", "name = \"low\"")), HasSubstr("\"low\" a second time"));
-  EXPECT_THAT(refusal(replaced(plane, "surfaces = [\"low.end\", \"high.start\"]", "surfaces = [\"low.end\"]")),
+  EXPECT_THAT(check_refusal(replaced(plane, tied, tied + tied)), HasSubstr("which hangs already"));
+  EXPECT_THAT(check_refusal(replaced(plane, "name = \"high\"", "name = \"low\"")), HasSubstr("\"low\" a second time"));
+  EXPECT_THAT(check_refusal(replaced(plane, "surfaces = [\"low.end\", \"high.start\"]", "surfaces = [\"low.end\"]")),
               HasSubstr("found 1 surfaces; allowed: two, each \"PIECE.SURFACE\""));
-  EXPECT_THAT(refusal(replaced(plane, "[[body.mesh.piece]]\nname = \"low\"",
-                               "[body.mesh]\nlength_m = 1.0\n[[body.mesh.piece]]\nname = \"low\"")),
+  EXPECT_THAT(check_refusal(replaced(plane, "[[body.mesh.piece]]\nname = \"low\"",
+                                     "[body.mesh]\nlength_m = 1.0\n[[body.mesh.piece]]\nname = \"low\"")),
               HasSubstr("each [[body.mesh.piece]] has keys of its own"));
-  EXPECT_THAT(refusal(replaced(plane, "elements = [5, 5]", "elements = [5, 5]\nperiodic_across = true")),
+  EXPECT_THAT(check_refusal(replaced(plane, "elements = [5, 5]", "elements = [5, 5]\nperiodic_across = true")),
               HasSubstr("a mesh without pieces"));
 }
 

@@ -130,4 +130,11 @@ std::string with_protocol_of_two_steps(const std::string& text, const std::strin
   return protocol == "prakash_hjelmstad" ? with_key(by, "coupling", "substeps", "2") : by;
 }
 
+std::string check_refusal(const std::string& text) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string(), 60.0);
+  EXPECT_EQ(outcome.code, 2) << outcome.out;
+  return outcome.error;
+}
+
 }  // namespace ricochet::test
