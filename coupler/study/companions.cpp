@@ -29,6 +29,7 @@ void add_contact_values(const Json& contact, const std::string& suffix, Values& 
 }  // namespace
 
 Values values_of(const std::string& folder) {
+  const std::string of_velocity = "velocity_mean_";
   const Json summary = report::read_summary(folder + "/summary.json");
   Values values;
   if (report::number(summary, "first_contact_s")) add_contact_values(summary, "", values);
@@ -36,12 +37,18 @@ Values values_of(const std::string& folder) {
   for (const auto& [name, contact] : contacts.items()) add_contact_values(contact, "/" + name, values);
   if (const auto stress = report::number(summary, "plateau_stress_pa")) values["plateau_stress_pa"] = *stress;
   const auto history = report::read_history(folder + "/history.csv");
-  const std::string column = "velocity_mean_";
+  double before_m_s = 0.0, after_m_s = 0.0;  // of the second body relative to the first
+  int bodies = 0;
   for (std::size_t c = 0; c < history.names.size(); ++c) {
     const auto& name = history.names[c];
-    if (name.rfind(column, 0) == 0 && !history.columns[c].empty())
-      values["rebound_velocity_" + name.substr(column.size())] = history.columns[c].back();
+    if (name.rfind(of_velocity, 0) != 0 || history.columns[c].empty()) continue;
+    values["rebound_velocity_" + name.substr(of_velocity.size())] = history.columns[c].back();
+    before_m_s = history.columns[c].front() - before_m_s;
+    after_m_s = history.columns[c].back() - after_m_s;
+    ++bodies;
   }
+  if (bodies <= 2 && contacts.empty() && report::number(summary, "separation_time_s") && before_m_s != 0.0)
+    values["restitution"] = -after_m_s / before_m_s;
   return values;
 }
 

@@ -52,7 +52,7 @@ void Study::prepare_rows() {
       auto changes = merged(settings, method.changes);
       changes.push_back({"coupling.protocol", method.protocol});
       StudyCase run(file_.scene, changes, results_.file("runs"));
-      rows_.push_back({method.name, settings, std::move(run), {}, {}, {}, {}});
+      rows_.push_back({method.name, settings, std::move(run), {}, {}, {}, {}, {}});
       rows_.back().errors.resize(file_.quantities.size());
       if (rows_.back().run.repeats() > 0) measure(rows_.back());
     }
@@ -67,6 +67,7 @@ void Study::prepare_rows() {
 void Study::measure(StudyRow& row) const {
   const auto& reference = reference_of(references_, row.settings).seen;
   row.seen = row.run.observation();
+  if (!file_.values.empty()) row.values = values_of(row.run.folder() + "/1");
   for (std::size_t q = 0; q < file_.quantities.size(); ++q) {
     row.errors[q] = error_of(file_.quantities[q], *row.seen, reference);
   }
@@ -204,6 +205,7 @@ Json Study::description() const {
           {"along", file_.along},
           {"along_together", together},
           {"quantities", file_.quantities},
+          {"values", file_.values},
           {"repeats", file_.repeats},
           {"references", references},
           {"histories", described(file_.histories)},

@@ -28,7 +28,7 @@ constexpr int most_repeats = 1000;
 const scene::Schema& study_schema() {
   static const scene::Schema tables{
       {"study",
-       {"scene", "methods", "method", "vary", "quantities", "repeats", "reference", "along", "histories", "published"}},
+       {"scene", "methods", "method", "vary", "quantities", "values", "repeats", "reference", "along", "histories", "published"}},
       {"method", {"name", "protocol", "changes"}},
       {"reference", {"exact", "protocol", "changes", "refine", "follow"}},
       {"histories", {"quantity", "over_pa", "over_name", "compare_to"}},
@@ -259,6 +259,7 @@ StudyFile load_study(const std::string& path) {
   study.variations = load_variations(root, method_names(study));
   const MeasuredScene measured = measured_scene(study.scene);
   study.quantities = load_quantities(root, measured);
+  if (root.has("values")) study.values = root.words("values", scene::load_scene(study.scene).quantities_with_bars());
   study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
   study.reference = load_reference(root.table("reference", "reference"), study);
   if (root.has("along")) study.along = root.word("along", varied_keys(study));

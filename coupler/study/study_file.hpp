@@ -53,6 +53,7 @@ struct StudyFile {
   std::vector<Method> methods;
   std::vector<Variation> variations;
   std::vector<std::string> quantities;
+  std::vector<std::string> values;  ///< of Scene::quantities_with_bars, told of each run beside its errors
   int repeats = 1;
   ReferenceSpec reference;
   std::string along;  ///< varied key over which errors and times are drawn; empty: none

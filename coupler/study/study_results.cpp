@@ -52,6 +52,7 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
   for (const auto& key : varied_keys(file)) add(key);
   text += ",status";
   for (const auto& quantity : file.quantities) add("error_" + quantity);
+  for (const auto& name : file.values) add("value_" + name);
   if (file.histories.wanted()) text += ",rms_reference,rms_compared";
   text += ",wall_s,wall_min_s,wall_max_s,start_s,setup_s,stepping_s,cpu_s,repeats,steps,step_s,run,error\n";
   for (const auto& row : rows) {
@@ -59,6 +60,10 @@ std::string to_csv(const StudyFile& file, const std::vector<StudyRow>& rows) {
     for (const auto& setting : row.settings) add(csv_cell(text_of(setting)));
     add(row.run.status_text());
     for (const auto& error : row.errors) add(cell(error));
+    for (const auto& name : file.values) {
+      const auto found = row.values.find(name);
+      add(found == row.values.end() ? "" : fmt::format("{:.6g}", found->second));
+    }
     if (file.histories.wanted()) text += fmt::format(",{},{}", cell(row.rms_reference), cell(row.rms_compared));
     const auto& costs = row.run.costs();
     if (costs.empty()) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/study/companions.hpp"
 #include "coupler/study/study_case.hpp"
 #include "coupler/study/study_file.hpp"
 #include "coupler/study/study_reference.hpp"
@@ -17,6 +18,7 @@ struct StudyRow {
   StudyCase run;
   std::optional<Observation> seen;            ///< once there is a repeat
   std::vector<std::optional<double>> errors;  ///< of the study's quantities
+  Values values;                              ///< those that the run has
   /// RMS of the difference of the study's history from that of the reference, and from that of the method it is
   /// compared with at the same settings, over the study's stress (Eq. 29).
   std::optional<double> rms_reference, rms_compared;

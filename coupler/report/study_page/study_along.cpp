@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "coupler/report/assets/assets.hpp"
@@ -35,6 +36,8 @@ std::vector<Drawn> columns_of(const Json& study) {
                    fmt::format("RMS of the difference of the {} from the reference, over its contact period.", history),
                    title, ""});
   }
+  for (const auto& value : texts(study, "values"))
+    all.push_back({"value_" + value, "Magnitude of " + value, "As the runs have it.", value, ""});
   for (const auto& quantity : texts(study, "quantities")) {
     const bool drift = quantity == "energy_drift";
     all.push_back({"error_" + quantity, drift ? "Energy drift" : "Error of the " + words(quantity),
@@ -65,7 +68,7 @@ Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column,
   chart.columns = {"at", "value", "method"};
   for (const auto* row : panel.rows) {
     const auto value = number(*row, drawn_column.column);
-    if (value && *value > 0.0) chart.rows.push_back({row->at(along), drawn(*value), row->at("method")});
+    if (value && *value != 0.0) chart.rows.push_back({row->at(along), drawn(std::abs(*value)), row->at("method")});
   }
   const bool log = logarithmic(chart.rows);
   const Json scale = log ? Json({{"type", "log"}, {"nice", false}, {"padding", 12}}) : Json({{"zero", true}});
