@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 #include <thread>
 
@@ -334,6 +335,42 @@ refine = { time.step_s = 2.7825e-7 }
   const auto page = file_text(out + "/report.html");
   for (const char* chart : {"history_1", "history_2", "along_rms_compared_1", "along_wall_s_1"})
     EXPECT_THAT(page, HasSubstr(fmt::format("id=\"{}\"", chart))) << "redrawn from the results alone";
+}
+
+/// A rigid striker on a plate of soft steel, over two decades of velocity: Johnson's e = 3.8 (Y/E*)^(1/2)
+/// (m V^2/(2 Y R^3))^(-1/8) (Contact Mechanics, 1985, 11.4), by a mean pressure of 3 Y; it falls with V^(-1/4).
+TEST(Study, RestitutionFallsWithTheFourthRootOfTheVelocity) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  const auto path = folder.write("scene = \"" + std::string(RICOCHET_SOURCE) + R"(/configs/rebound.toml"
+methods = ["all_explicit"]
+quantities = ["energy_drift"]
+values = ["restitution", "peak_contact_force_n"]
+along = "body.striker.initial_velocity_m_s"
+[[vary]]
+body.striker.initial_velocity_m_s = [[0.0, -0.1], [0.0, -1.0], [0.0, -10.0]]
+[[vary]]
+time.step_s = [4.4e-9]
+coupling.outside_model = ["go_on"]
+[reference]
+protocol = "all_explicit"
+changes = { time.end_s = 1e-7, time.step_s = 4.4e-9 }
+refine = { time.end_s = 1e-7, time.step_s = 2.2e-9 }
+)",
+                                 "study.toml");
+  const auto outcome = study(path, out, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto rows = rows_of(out);
+  ASSERT_EQ(rows.size(), 3U);
+  const double m = 7850.0 * std::acos(-1.0) * 0.005 * 0.005 * 0.01, y = 100e6, modulus = 200e9 / 0.91, r = 0.01;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double v = 0.1 * std::pow(10.0, i), e = number(rows[i], "value_restitution");
+    EXPECT_NEAR(e / (3.8 * std::sqrt(y / modulus) * std::pow(0.5 * m * v * v / (y * r * r * r), -0.125)), 1.0, 0.13);
+    EXPECT_GT(number(rows[i], "value_peak_contact_force_n"), 0.0);
+  }
+  const double fallen = number(rows[2], "value_restitution") / number(rows[0], "value_restitution");
+  EXPECT_NEAR(std::log(fallen) / std::log(100.0), -0.25, 0.01);
+  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("Magnitude of restitution"));
 }
 
 // Of solids: a key with one entry for each direction is varied, and errors fall with the mesh.

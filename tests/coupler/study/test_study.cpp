@@ -108,6 +108,7 @@ TEST(StudyFile, ReadsWhatIsDrawnAndComparedBesides) {
   const test::TemporaryFolder folder;
   const auto study = load_study(folder.write(good_study(), "study.toml"));
   EXPECT_EQ(study.along, "time.step_s");
+  EXPECT_TRUE(study.values.empty());
   EXPECT_THAT(study.reference.follow, ElementsAre("contact.enforcement"));
   EXPECT_EQ(study.methods[2].protocol, "kim");
   EXPECT_EQ(study.histories.quantity, "contact_pressure");
@@ -291,6 +292,11 @@ INSTANTIATE_TEST_SUITE_P(
               "along = \"time.stepp_s\"",
               4,
               {"did you mean \"time.step_s\"?"}},
+        Wrong{"tells_nothing",
+              "along = \"time.step_s\"",
+              "values = [\"restituton\"]",
+              4,
+              {"did you mean \"restitution\"?"}},
         Wrong{"follows_nothing",
               "follow = [\"contact",
               "follow = [\"contacts",
