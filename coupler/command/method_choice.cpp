@@ -51,9 +51,25 @@ void predict(GivenScene given, const cost::MachineSpeed& speed, Proposal& propos
   }
 }
 
+/// What baselines would cost. Where the scene leaves the protocol open, its step may be one that the default protocol
+/// does not bear.
+cost::PredictedCost predict_baselines(GivenScene given, const scene::Problem& problem,
+                                      const cost::MachineSpeed& speed) {
+  const auto predicted = [&](const scene::Problem& of) {
+    return cost::predict_cost(of, scene::plan(of), expected_end_s(of), speed);
+  };
+  if (problem.scene.protocol_given()) return predicted(problem);
+  try {
+    return predicted(problem);
+  } catch (const ConfigError&) {
+    given.set.emplace_back("coupling.protocol=all_implicit");
+    return predicted(given.load());
+  }
+}
+
 std::vector<Proposal> find_proposals(const GivenScene& given, const scene::Problem& problem, const Freedom& freedom) {
   const auto speed = cost::measure_speed();
-  const auto here = cost::predict_cost(problem, scene::plan(problem), expected_end_s(problem), speed);
+  const auto here = predict_baselines(given, problem, speed);
   const auto& own = problem.scene.coupling.protocol;
   auto protocols = freedom.protocols;
   if (protocols.empty()) {

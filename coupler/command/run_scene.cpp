@@ -150,9 +150,11 @@ struct Planned {
 };
 
 /// Says meanwhile what takes long of it.
-Planned plan_scene(const GivenScene& given, Announcer& announcer) {
+/// `to_run`: of a scene whose errors choose the protocol no plan is made, since the default one may not bear its step.
+Planned plan_scene(const GivenScene& given, Announcer& announcer, bool to_run = false) {
   announcer.begin("reading the scene and its meshes, pairing the contact");
   auto problem = given.load();
+  if (to_run && !problem.scene.accuracy.empty() && !problem.scene.protocol_given()) return {std::move(problem), {}};
   announcer.begin("finding critical steps, and what can be refused");
   auto plan = scene::plan(problem);
   return {std::move(problem), std::move(plan)};
@@ -179,7 +181,7 @@ std::string write_scene_page(const std::string& scene_path, const std::string& p
 void run_scene(const GivenScene& given, const std::string& out, bool with_error_bars) {
   auto [problem, plan] = [&] {
     Announcer announcer;
-    return plan_scene(given, announcer);
+    return plan_scene(given, announcer, true);
   }();
   if (with_error_bars) require_companions(problem.scene, "--estimate-error");
   if (!problem.scene.accuracy.empty()) require_choice(problem, problem.scene.accuracy, "accuracy");

@@ -216,6 +216,18 @@ TEST(Accuracy, LeavesWhatTheSceneFixes) {
   for (const auto& step : candidates(largest).second) EXPECT_LE(std::stod(step), 1.114e-6);
 }
 
+/// A step above the critical one, which no explicit side bears.
+TEST(Accuracy, TakesAProtocolThatBearsTheStepOfTheScene) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string() + "/run";
+  const auto scene =
+      folder.write(asking(with_key(bars_of(4), "time", "step_s", "1.5e-6"), "contact_impulse_n_s = 0.1"));
+  const auto run = run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 120.0);
+  ASSERT_EQ(run.code, 0) << run.error;
+  EXPECT_THAT(file_text(out + "/scene/scene.toml"), HasSubstr("protocol = \"all_implicit\""));
+  EXPECT_THAT(run.out, HasSubstr("asked: contact_impulse_n_s within 10 %: reached"));
+}
+
 TEST(Accuracy, IsRefusedByNameBeforeAnythingRuns) {
   const TemporaryFolder folder;
   const auto expect = [&](const char* command, const std::string& text, const std::string& said,
