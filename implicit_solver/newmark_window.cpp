@@ -14,8 +14,8 @@
 namespace ricochet::implicit_solver {
 
 namespace {
-/// Newton's iteration ends when what is out of balance is so much of the largest force, or when an improvement is so
-/// much of the displacement, of its increment or of the size of a part that turns, which is rounding.
+/// Newton's iteration ends when what is out of balance is so much of the largest force, or when that or an improvement
+/// is what the rounding of displacements makes: of u, of its increment, of the size of a part that turns.
 constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
 /// Improvements by one tangent go on while each leaves no more than so much of what was out of balance: ten solves then
 /// take it from 1 to 1e-7, and a factorisation costs more than ten.
@@ -137,14 +137,16 @@ void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
 /// balance, with contact forces found anew. The operator stays while it serves, and what its steps have shown of the
 /// difference to the tangent mends the next ones.
 void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
-  const double quarter = 0.25 * dt_ * dt_;
+  const double quarter = 0.25 * dt_ * dt_,
+               placed_m = std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), parts_.turning_m());
   double before_n = std::numeric_limits<double>::infinity(), largest_n = find_imbalance(trial);
   steps_.clear();
   const int most = parts_.keep_tangents() ? most_improvements_by_one_tangent : most_improvements;
   for (int improvements = 0;; ++improvements) {
     const Eigen::VectorXd left = imbalance_with_contact();
     const double left_n = left.lpNorm<Eigen::Infinity>();
-    if (left_n <= balanced_share * largest_n) break;
+    const double moved_m = std::max(placed_m, trial.increment.lpNorm<Eigen::Infinity>());
+    if (left_n <= std::max(balanced_share * largest_n, rounding_share * moved_m * solver_.stiffest_n_m())) break;
     if (!std::isfinite(left_n) &&
         !steps_.empty()) {  // mended too far: from the last place again, by the operator alone
       steps_.clear();
@@ -170,9 +172,7 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     } else {
       steps_.push_back(step);
     }
-    const double moved = std::max({parts_.displacement().lpNorm<Eigen::Infinity>(),
-                                   trial.increment.lpNorm<Eigen::Infinity>(), parts_.turning_m()});
-    if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved) break;
+    if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved_m) break;
   }
   trial_linearised_at_ = solver_.linearised_at();
   forget();  // rhs_ is another
