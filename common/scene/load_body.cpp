@@ -137,12 +137,21 @@ AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vect
 void load_rigid(TableReader& table, Body& body) {
   body.rigid = table.boolean("rigid", false);
   if (!body.rigid) return;
+  const auto refuse = [&](const std::string& beside, const std::string& allowed) {
+    table.refuse("rigid", "true beside " + beside, allowed);
+  };
   if (body.of_pieces() || !body.pieces.front().refine.empty())
-    table.refuse("rigid", "true beside mesh.piece or mesh.refine", "one mesh without them, fine enough for its shape");
-  if (body.yields()) table.refuse("rigid", "true beside plasticity", "a material that stays elastic");
-  table.only_if(false, "absorbing", "a body with waves, which is not rigid");
+    refuse("mesh.piece or mesh.refine", "one mesh without them, fine enough for its shape");
+  if (body.structured() != nullptr && body.structured()->periodic_across)
+    refuse("mesh.periodic_across", "a mesh that ends");
+  if (body.yields()) refuse("plasticity", "a material that stays elastic");
+  if (!body.absorbing.empty()) refuse("absorbing", "surfaces without it: no wave reaches them");
+  if (body.initial_displacement_start_m != body.initial_displacement_end_m)
+    refuse("initial_displacement_m that strains it", "the same start and end");
   if (std::ranges::any_of(body.supports, [](const Support& support) { return !support.at_m.empty(); }))
-    table.refuse("rigid", "true beside a support with at_m", "supports of surfaces, which hold the whole body");
+    refuse("a support with at_m", "supports of surfaces, which hold the whole body");
+  if (body.large_rotation && !(body.supports.empty() && body.prescribed.empty()))
+    refuse("large_rotation and a support or prescribed motion", "one of the two: what holds it keeps it from turning");
 }
 
 /// In a plane one number, about the axis across it.
@@ -237,7 +246,6 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
   const std::vector<std::string> surfaces = surface_names(model, body);
   for (TableReader& entry : table.tables("support", "support"))
     body.supports.push_back(load_support(entry, model, surfaces));
-  load_rigid(table, body);
   for (TableReader& entry : table.tables("traction", "traction"))
     body.tractions.push_back(load_traction(entry, model, surfaces));
   for (TableReader& entry : table.tables("prescribed", "prescribed"))
@@ -249,6 +257,7 @@ Body load_body(TableReader& table, Model model, const std::string& folder,
         entry.refuse("surface", "\"" + other.surface + "\" a second time", "each surface once");
     body.absorbing.push_back(std::move(absorbing));
   }
+  load_rigid(table, body);
   table.finish();
   return body;
 }

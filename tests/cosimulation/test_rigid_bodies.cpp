@@ -223,9 +223,20 @@ TEST(WrongRigidBodies, AreRefusedByName) {
   EXPECT_THAT(check_refusal(replaced(scene, mesh,
                                      "support = [{ at_m = [0.0, 0.0], fixed = [\"x\"] }]\nmesh = { length_m = 0.01,")),
               HasSubstr("body.block.rigid: found true beside a support with at_m; allowed: supports of surfaces"));
-  EXPECT_THAT(
-      check_refusal(replaced(scene, mesh, "absorbing = [{ surface = \"end\", wave = \"bar\" }]\n" + mesh)),
-      HasSubstr("body.block.absorbing: found an array of 1; allowed: only with a body with waves, which is not rigid"));
+  const auto beside = [&](const std::string& more) { return check_refusal(replaced(scene, mesh, more + mesh)); };
+  EXPECT_THAT(beside("support = [{ surface = \"end\", fixed = [\"x\"] }]\n"),
+              HasSubstr("body.block.rigid: found true beside large_rotation and a support or prescribed motion"));
+  EXPECT_THAT(beside("initial_displacement_m = { start = [0.0, 0.0], end = [0.0, 1e-6] }\n"),
+              HasSubstr("body.block.rigid: found true beside initial_displacement_m that strains it"));
+  EXPECT_THAT(check_refusal(replaced(scene, "elements = [4, 2] }", "elements = [4, 2], periodic_across = true }")),
+              HasSubstr("body.block.rigid: found true beside mesh.periodic_across"));
+  EXPECT_THAT(check_refusal(replaced(scene, "friction_coefficient = 0.3\n", "multiplier_update = \"massless\"\n")),
+              HasSubstr("by mesh.refine, a tie or rigid = true"));
+  EXPECT_THAT(check_refusal(replaced(spinning_block("fixed_point"), "[partition]\n",
+                                     "[partition]\nreduced_modes = { block = 8 }\n")),
+              HasSubstr("modes of a body with rigid"));
+  EXPECT_THAT(check_refusal(replaced(scene, mesh, "absorbing = [{ surface = \"end\", wave = \"bar\" }]\n" + mesh)),
+              HasSubstr("body.block.rigid: found true beside absorbing; allowed: surfaces without it"));
   EXPECT_THAT(check_refusal(replaced(scene, "density_kg_m3 = 8000.0 }",
                                      "density_kg_m3 = 8000.0, plasticity = { yield_stress_pa = 1e8 } }")),
               HasSubstr("body.block.rigid: found true beside plasticity"));

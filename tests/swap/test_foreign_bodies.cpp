@@ -367,6 +367,17 @@ TEST(ForeignBody, OfAnotherParticipantIsRefused) {
                         "foreign body of another participant; allowed: tail"));
 }
 
+TEST(ForeignBody, IsNotJoinedToARigidOne) {
+  TemporaryFolder folder;
+  write_foreign_file(folder, plane_model);
+  const auto scene = replaced(
+      replaced(joined_scene(plane_model, "hughes_liu", 1), "name = \"lower\"\n", "name = \"lower\"\nrigid = true\n"),
+      "lower = 0.04, ", "");
+  const auto run = run_file(folder.write(scene), folder);
+  EXPECT_EQ(run.outcome.code, 2);
+  EXPECT_THAT(run.outcome.error, HasSubstr("body.lower.rigid: found a body that foreign body \"tail\" is joined to"));
+}
+
 /// Two foreign bodies that share the nodes of one side: forces and masses of both are summed there.
 TEST(ForeignBody, MayShareItsNodesWithAnother) {
   TemporaryFolder folder;
