@@ -171,8 +171,9 @@ std::string body_rows(Model model, const Plan& plan) {
   std::string text = fmt::format("{:<16} {:>24} {:>12} {:>12} {:>12} {:>12}\n", "body", "extent [m]", "volume [m^3]",
                                  "mass [kg]", "speed [m/s]", "energy [J]");
   for (const BodyPlan& body : plan.bodies)
-    text += fmt::format("{:<16} {:>24} {:>12.4g} {:>12.4g} {:>12.4g} {:>12.4g}\n", body.name,
-                        extent_text(model, body.extent_m), body.volume_m3, body.mass_kg, body.speed_m_s, body.energy_j);
+    text += fmt::format("{:<16} {:>24} {:>12.4g} {:>12.4g} {:>12.4g} {:>12.4g}{}\n", body.name,
+                        extent_text(model, body.extent_m), body.volume_m3, body.mass_kg, body.speed_m_s, body.energy_j,
+                        body.rigid ? "  rigid" : "");
   return text;
 }
 

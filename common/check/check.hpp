@@ -27,6 +27,7 @@ struct BodyPlan {
   Eigen::Vector3d extent_m{0.0, 0.0, 0.0};
   double mass_kg = 0.0, volume_m3 = 0.0;   ///< axisymmetric: of the whole ring; plane strain: of its thickness
   double speed_m_s = 0.0, energy_j = 0.0;  ///< of the initial velocity
+  bool rigid = false;
 };
 struct Plan {
   std::vector<BodyPlan> bodies;

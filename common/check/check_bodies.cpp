@@ -57,6 +57,7 @@ std::vector<BodyPlan> plan_bodies(const Problem& problem) {
     plan.mass_kg = body_lumped_mass(body).sum();
     plan.volume_m3 = volume_of(body, plan.mass_kg - added_mass(problem, static_cast<int>(b)).kg);
     for (const double v : problem.scene.bodies[b].initial_velocity_m_s) plan.speed_m_s = std::hypot(plan.speed_m_s, v);
+    plan.rigid = problem.scene.bodies[b].rigid;
     plan.energy_j = 0.5 * plan.mass_kg * plan.speed_m_s * plan.speed_m_s;
     plans.push_back(std::move(plan));
   }

@@ -213,6 +213,7 @@ TEST(RigidBlock, HasNoStepOfItsOwn) {
     const Outcome outcome = run_command({ricochet_binary(), "check", scene}, folder.path().string(), 60.0);
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     EXPECT_THAT(outcome.out, testing::Not(HasSubstr("those of no material")));
+    EXPECT_THAT(outcome.out, HasSubstr("  rigid\nplate "));
     return std::stod(outcome.out.substr(outcome.out.find("\nstep ") + 6));
   };
   EXPECT_DOUBLE_EQ(step_s("[1, 1]"), step_s("[80, 40]"));
