@@ -86,8 +86,8 @@ void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   std::vector<solver::RootProblem::PairLaw> pairs;
   for (const auto& pair : surface_.pairs) pairs.push_back({pair.area_m2, pair.friction_coefficient});
   const Eigen::Index directions = any ? surface_.components : 1;
-  const bool rigid = std::any_of(states.begin(), states.end(),
-                                 [](const BodyState& state) { return state.part.mesh.rigid_nodes > 0; });
+  const bool rigid =
+      std::any_of(states.begin(), states.end(), [](const BodyState& state) { return state.part.mesh.rigid_nodes > 0; });
   solver::Compliance compliance = responses_ ? solver::compliance_of(surface_.pairs, *responses_, directions)
                                              : solver::inverse_mass_of(surface_.pairs, states, directions);
   if (rigid && compliance.sparse()) compliance = Eigen::MatrixXd(*compliance.sparse());

@@ -70,9 +70,8 @@ void check_units(const Problem& problem, Plan& plan) {
     const BodyPlan& of = plan.bodies[b];
     for (const fem::Material* material : fem::materials_of(body)) {
       const double density = material->density_kg_m3;
-      const double speed = problem.scene.bodies[b].rigid
-                               ? least_speed
-                               : fem::longitudinal_wave_speed(body.section.model, *material);
+      const double speed =
+          problem.scene.bodies[b].rigid ? least_speed : fem::longitudinal_wave_speed(body.section.model, *material);
       const bool too_soft = density > solid_density && speed < least_speed;
       if (density < least_density || density > largest_density || too_soft || speed > largest_speed)
         plan.warnings.push_back(fmt::format(

@@ -140,8 +140,8 @@ inline constexpr int most_sweeps = 1000;
 void book_without_moments(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s,
                           std::vector<BodyState>& states, ContactImpulses& impulses);
 
-/// The work of a pair's forces [N] on nodes whose motion is given, which move by `moved_of(part, dof)` [m]: who gives it
-/// is booked with that of the other forces there, and does this one's, too.
+/// The work of a pair's forces [N] on nodes whose motion is given, which move by `moved_of(part, dof)` [m]: who gives
+/// it is booked with that of the other forces there, and does this one's, too.
 template <class Displacement>
 void book_given_motion(const Pair& pair, double normal_n, const Eigen::Vector2d& tangential_n,
                        const Displacement& moved_of, std::vector<BodyState>& states) {

@@ -123,7 +123,7 @@ struct Body {
   std::vector<MeshPiece> pieces;                 ///< one without a name, or all with one
   std::vector<std::array<std::string, 2>> ties;  ///< surfaces of pieces that move together, "PIECE.SURFACE"
   std::vector<double> initial_velocity_m_s;      ///< one entry per component
-  bool rigid = false;  ///< moves as one, but for a strain that is the same everywhere (problem/rigid_body.cpp)
+  bool rigid = false;           ///< moves as one, but for a strain that is the same everywhere (problem/rigid_body.cpp)
   bool large_rotation = false;  ///< a frame that turns with it: its elements strain little, but turn by any angle
   /// About its centre of mass, along the axes of space; zero unless large_rotation.
   std::array<double, 3> initial_angular_velocity_rad_s{};

@@ -22,9 +22,9 @@ struct ImpactTheory {
   double first_step_s = 0.0;  ///< so long the stress is `stress_pa`: until the first wave is back, of either body
 };
 
-/// Empty without contact, with a rigid plane or body, if the bodies do not approach each other, if the body whose wave would
-/// end the contact absorbs it, and where a body is no free one at rest in itself: supports or prescribed motion along
-/// the normal, loads, initial deformation, a nose or surfaces that are not parallel.
+/// Empty without contact, with a rigid plane or body, if the bodies do not approach each other, if the body whose wave
+/// would end the contact absorbs it, and where a body is no free one at rest in itself: supports or prescribed motion
+/// along the normal, loads, initial deformation, a nose or surfaces that are not parallel.
 [[nodiscard]] std::optional<ImpactTheory> impact_theory(const scene::Problem& problem);
 
 /// rho c per area of a body, of a bar rho c A: c of a long wave along it, sqrt(E/rho) with free flanks, in plane strain

@@ -28,7 +28,8 @@ constexpr int most_repeats = 1000;
 const scene::Schema& study_schema() {
   static const scene::Schema tables{
       {"study",
-       {"scene", "methods", "method", "vary", "quantities", "values", "repeats", "reference", "along", "histories", "published"}},
+       {"scene", "methods", "method", "vary", "quantities", "values", "repeats", "reference", "along", "histories",
+        "published"}},
       {"method", {"name", "protocol", "changes"}},
       {"reference", {"exact", "protocol", "changes", "refine", "follow"}},
       {"histories", {"quantity", "over_pa", "over_name", "compare_to"}},
