@@ -31,6 +31,17 @@ bool uneven(const scene::ContactGeometry& contact) {
 }
 bool turns(const scene::Body& body) { return body.large_rotation; }
 
+/// Of an element of a part that yields: what its plastic strain takes off the stress, the equivalent one, and by how
+/// much it is hotter than at the start.
+Eigen::Index numbers_of_plastic(const BodyState& state) {
+  return state.plastic ? state.plastic->components + (state.plastic->heats() ? 2 : 1) : 0;
+}
+
+double temperature_rise_k(const BodyState& state, int element) {
+  const auto& plasticity = fem::material_of(state.part, element).plasticity;
+  return plasticity && plasticity->heat ? state.plastic->temperature_of(element) - plasticity->heat->reference_k : 0.0;
+}
+
 }  // namespace
 
 ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states,
@@ -88,8 +99,7 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (int dof = 0; dof < state.part.dofs(); ++dof) {
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
-  const auto of_plastic =
-      state.plastic ? drawn.element.size() * (1 + static_cast<std::size_t>(state.plastic->components)) : 0;
+  const auto of_plastic = drawn.element.size() * static_cast<std::size_t>(numbers_of_plastic(state));
   const std::size_t of_frame = state.frame ? numbers_of_frame : 0;
   for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + of_plastic + of_frame));
   return drawn;
@@ -136,7 +146,8 @@ void ShapeRecorder::keep(std::int64_t window) {
     for (const int element : part.element) {
       values.segment(next, components) = states_[p].plastic->stress_of(element);
       values[next + components] = states_[p].plastic->equivalent_of(element);
-      next += components + 1;
+      if (states_[p].plastic->heats()) values[next + components + 1] = temperature_rise_k(states_[p], element);
+      next += numbers_of_plastic(states_[p]);
     }
   }
   windows_.push_back(window);
@@ -175,7 +186,8 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
   const auto& drawn = parts_[part];
   const auto& mesh_part = states_[part].part;
   const int components = fem::components(model_);
-  std::string displacements, stresses, plastic_strains;
+  const bool yields = states_[part].plastic != nullptr, heats = yields && states_[part].plastic->heats();
+  std::string displacements, stresses, plastic_strains, temperature_rises;
   for (std::size_t w = 0; w < windows_.size(); ++w) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
     for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
@@ -187,7 +199,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
                                     frame.tail<3>()};
       states_[part].frame->straining(u, motion, straining);
     }
-    std::vector<float> displacement, stress, plastic_strain;
+    std::vector<float> displacement, stress, plastic_strain, temperature_rise;
     displacement.reserve(drawn.node.size() * static_cast<std::size_t>(components));
     for (const int node : drawn.node) {
       for (int c = 0; c < components; ++c) displacement.push_back(static_cast<float>(u[node * components + c]));
@@ -199,10 +211,12 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
       auto tensor = fem::element_stress(mesh_part.section, fem::material_of(mesh_part, e), geometry,
                                         fem::element_displacement(mesh_part.mesh, e, straining),
                                         fem::traits(geometry.kind).centre);
-      if (states_[part].plastic) {
-        const Eigen::Index at = std::ssize(drawn.kept_dof) + (tensor.size() + 1) * static_cast<Eigen::Index>(i);
+      if (yields) {
+        const Eigen::Index at =
+            std::ssize(drawn.kept_dof) + numbers_of_plastic(states_[part]) * static_cast<Eigen::Index>(i);
         tensor -= drawn.kept[w].segment(at, tensor.size());
         plastic_strain.push_back(static_cast<float>(drawn.kept[w][at + tensor.size()]));
+        if (heats) temperature_rise.push_back(static_cast<float>(drawn.kept[w][at + tensor.size() + 1]));
       }
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
@@ -210,16 +224,17 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
     displacements.append(w == 0 ? "" : ",\n").append(packed(displacement));
     stresses.append(w == 0 ? "" : ",\n").append(packed(stress));
     plastic_strains.append(w == 0 ? "" : ",\n").append(packed(plastic_strain));
+    temperature_rises.append(w == 0 ? "" : ",\n").append(packed(temperature_rise));
   }
   std::vector<int> cells;
   for (const auto& cell : drawn.cells) cells.insert(cells.end(), cell.begin(), cell.end());
   const auto& v = drawn.velocity_m_s;
   return fmt::format(
       "{{\"name\": \"{}\", \"strip_m\": {:.9g}, \"initial_velocity_m_s\": [{:.9g}, {:.9g}, {:.9g}],\n\"node\": {},\n"
-      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}}}",
+      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}{}}}",
       drawn.name, drawn.strip_m, v[0], v[1], v[2], packed(drawn.body_node), packed(drawn.position_m), packed(cells),
-      displacements, stresses,
-      states_[part].plastic ? fmt::format(",\n\"plastic_strain\": [{}]", plastic_strains) : "");
+      displacements, stresses, yields ? fmt::format(",\n\"plastic_strain\": [{}]", plastic_strains) : "",
+      heats ? fmt::format(",\n\"temperature_rise_k\": [{}]", temperature_rises) : "");
 }
 
 }  // namespace ricochet::solver

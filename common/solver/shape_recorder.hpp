@@ -54,7 +54,7 @@ class ShapeRecorder {
     std::vector<int> element;               ///< of the part, per cell
     std::vector<int> kept_dof;              ///< of all nodes of these elements
     /// Displacement of those and, of a part that yields, what its plastic strain takes off the stress of each cell's
-    /// element, and the equivalent plastic strain; of a part that turns also its frame.
+    /// element, the equivalent plastic strain and the rise of temperature; of a part that turns also its frame.
     std::array<Eigen::VectorXd, most_windows + 1> kept;
   };
   [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body, fem::SeenCells&& seen) const;

@@ -92,11 +92,14 @@ ShapePiece piece_of(const Json& json, const ShapeFile& file) {
     const auto stress = unpacked<float>(stresses[w], file.path, "stress_pa", piece.cells.size());
     piece.stress_pa.emplace_back(stress.begin(), stress.end());
   }
-  if (const auto strains = json.find("plastic_strain"); strains != json.end()) {
-    if (strains->size() != file.windows.size()) refuse_shapes(file.path, "fields of another number of windows");
-    for (const auto& packed : *strains) {
-      const auto strain = unpacked<float>(packed, file.path, "plastic_strain", piece.cells.size());
-      piece.plastic_strain.emplace_back(strain.begin(), strain.end());
+  for (const auto& [key, values] : {std::pair{"plastic_strain", &ShapePiece::plastic_strain},
+                                    {"temperature_rise_k", &ShapePiece::temperature_rise_k}}) {
+    const auto found = json.find(key);
+    if (found == json.end()) continue;
+    if (found->size() != file.windows.size()) refuse_shapes(file.path, "fields of another number of windows");
+    for (const auto& packed : *found) {
+      const auto of_window = unpacked<float>(packed, file.path, key, piece.cells.size());
+      (piece.*values).emplace_back(of_window.begin(), of_window.end());
     }
   }
   return piece;
@@ -156,12 +159,14 @@ ShapePiece at_windows(ShapePiece&& piece, const std::vector<std::int64_t>& has,
                       const std::vector<std::int64_t>& wanted) {
   ShapePiece result = std::move(piece);
   auto displacement = std::exchange(result.displacement, {});
-  auto stress = std::exchange(result.stress_pa, {}), strain = std::exchange(result.plastic_strain, {});
+  auto stress = std::exchange(result.stress_pa, {}), strain = std::exchange(result.plastic_strain, {}),
+       rise = std::exchange(result.temperature_rise_k, {});
   for (const auto window : wanted) {
     const auto i = static_cast<std::size_t>(std::find(has.begin(), has.end(), window) - has.begin());
     result.displacement.push_back(std::move(displacement[i]));
     result.stress_pa.push_back(std::move(stress[i]));
     if (!strain.empty()) result.plastic_strain.push_back(std::move(strain[i]));
+    if (!rise.empty()) result.temperature_rise_k.push_back(std::move(rise[i]));
   }
   return result;
 }

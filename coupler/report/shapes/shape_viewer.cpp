@@ -62,7 +62,7 @@ std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, s
 }
 
 /// cells_data and "place": a window's components of each node as float32; "stress" and, of a body that yields,
-/// "plastic_strain": a window's float32 of each cell.
+/// "plastic_strain", where that heats it "temperature_rise_k": a window's float32 of each cell.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
   Json data = cells_data(piece, looks);
@@ -80,6 +80,7 @@ Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<Ce
   };
   add("stress", &ShapePiece::stress_pa);
   add("plastic_strain", &ShapePiece::plastic_strain);
+  add("temperature_rise_k", &ShapePiece::temperature_rise_k);
   return data;
 }
 
@@ -98,16 +99,19 @@ Json data_of(const Shapes& shapes, const Magnification& magnification, const Col
                             {"high", scale.high},
                             {"factor", unit.factor},
                             {"unit", unit.name}});
-  const bool yields = std::any_of(shapes.pieces.begin(), shapes.pieces.end(),
-                                  [](const ShapePiece& piece) { return !piece.plastic_strain.empty(); });
-  if (yields) {
-    data["fields"].push_back({{"key", "plastic_strain"},
-                              {"name", "equivalent plastic strain"},
+  const auto offer = [&](const char* key, CellValues values, const char* name, double factor, const char* unit_name) {
+    if (std::all_of(shapes.pieces.begin(), shapes.pieces.end(),
+                    [&](const ShapePiece& piece) { return (piece.*values).empty(); }))
+      return;
+    data["fields"].push_back({{"key", key},
+                              {"name", name},
                               {"signed", false},
-                              {"high", colour_scale(shapes, &ShapePiece::plastic_strain).high},
-                              {"factor", 100.0},
-                              {"unit", "%"}});
-  }
+                              {"high", colour_scale(shapes, values).high},
+                              {"factor", factor},
+                              {"unit", unit_name}});
+  };
+  offer("plastic_strain", &ShapePiece::plastic_strain, "equivalent plastic strain", 100.0, "%");
+  offer("temperature_rise_k", &ShapePiece::temperature_rise_k, "rise of temperature", 1.0, "K");
   for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
   for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
   for (std::size_t p = 0; p < shapes.pieces.size(); ++p)

@@ -131,6 +131,23 @@ TEST(ShapeRecorder, OfABodyThatYieldsKeepsItsPlasticStrain) {
   EXPECT_EQ(strain.size(), numbers<int>(bodies[0]["cell"]).size() / 4);
   EXPECT_THAT(strain, Each(0.125F));
   EXPECT_FALSE(bodies[1].contains("plastic_strain")) << "it is elastic";
+  EXPECT_FALSE(bodies[0].contains("temperature_rise_k")) << "nothing heats it";
+}
+
+TEST(ShapeRecorder, OfABodyThatIsHeatedKeepsTheRiseOfItsTemperature) {
+  Recorded run(test::replaced(scene::blocks, "density_kg_m3 = 1000.0 }",
+                              "density_kg_m3 = 1000.0, plasticity = { yield_stress_pa = 1e3, hardening_pa = 1e9, "
+                              "heat = { specific_heat_j_kg_k = 500.0, reference_k = 300.0 } } }") +
+               "[coupling]\nprotocol = \"all_explicit\"\n");
+  run.scene.states[0].plastic->equivalent.setConstant(0.125);
+  run.scene.states[0].plastic->temperature_k.setConstant(320.0);
+  run.recorder()->finish(1);
+  const Json bodies = run.file()["bodies"];
+  const auto rise = numbers<float>(bodies[0]["temperature_rise_k"][0]);
+  EXPECT_EQ(rise.size(), numbers<int>(bodies[0]["cell"]).size() / 4);
+  EXPECT_THAT(rise, Each(20.0F));
+  EXPECT_THAT(numbers<float>(bodies[0]["plastic_strain"][0]), Each(0.125F));
+  EXPECT_FALSE(bodies[1].contains("temperature_rise_k")) << "it is elastic";
 }
 
 TEST(ShapeRecorder, WhereAMeshRepeatsDrawsTheImageOfANode) {

@@ -117,6 +117,8 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
   EXPECT_THAT(refused("stress_pa", Json({"", ""})), HasSubstr("\"stress_pa\" holds 0 numbers, expected 1"));
   EXPECT_THAT(refused("plastic_strain", Json::array()), HasSubstr("fields of another number of windows"));
   EXPECT_THAT(refused("plastic_strain", Json({"", ""})), HasSubstr("\"plastic_strain\" holds 0 numbers, expected 1"));
+  EXPECT_THAT(refused("temperature_rise_k", Json({"", ""})),
+              HasSubstr("\"temperature_rise_k\" holds 0 numbers, expected 1"));
 }
 
 TEST_F(ShapeFiles, OfAnotherRunAreNamed) {
