@@ -62,13 +62,25 @@ Outcome study(const std::string& path, const std::string& out, const TemporaryFo
   return run_command({ricochet_binary(), "study", path, "--out", out}, folder.path().string(), 300.0);
 }
 
+struct Computed {
+  Outcome outcome;
+  std::string out;
+  std::vector<Row> rows;  ///< none of a study that failed, which is a failure
+};
+
+Computed computed(const std::string& text, const TemporaryFolder& folder) {
+  const std::string out = (folder.path() / "study").string();
+  const Outcome outcome = study(folder.write(text, "study.toml"), out, folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  return {outcome, out, outcome.code == 0 ? rows_of(out) : std::vector<Row>()};
+}
+
 double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
 
 /// Substeps are a key of dual protocols alone: no run of another method is refused for it.
 TEST(Study, VariesAKeyForTheMethodsThatHaveIt) {
   const TemporaryFolder folder;
-  const std::string out = (folder.path() / "study").string();
-  const auto path = folder.write(study_text(R"(methods = ["kim", "prakash_hjelmstad"]
+  const auto [outcome, out, rows] = computed(study_text(R"(methods = ["kim", "prakash_hjelmstad"]
 quantities = ["separation_time"]
 [[vary]]
 methods = ["prakash_hjelmstad"]
@@ -83,10 +95,7 @@ over_pa = 2e8
 over_name = "p"
 compare_to = "kim"
 )"),
-                                 "study.toml");
-  const auto outcome = study(path, out, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  const auto rows = rows_of(out);
+                                             folder);
   ASSERT_EQ(rows.size(), 8U);
   std::map<std::string, int> substeps;
   for (const auto& row : rows) {
@@ -101,8 +110,7 @@ compare_to = "kim"
 
 TEST(Study, ErrorsAgainstTheExactImpactFallWithTheMeshAndFailuresAreRows) {
   const TemporaryFolder folder;
-  const std::string out = (folder.path() / "study").string();
-  const auto path = folder.write(study_text(R"(methods = ["hughes_liu", "all_implicit", "all_explicit"]
+  const auto [outcome, out, rows] = computed(study_text(R"(methods = ["hughes_liu", "all_implicit", "all_explicit"]
 repeats = 2
 [[vary]]
 body.left.mesh.elements = [20, 80, 20]
@@ -111,10 +119,7 @@ time.step_s = [2.226e-6, 5.565e-7, 2.6e-6]
 [reference]
 exact = "impedance_theory"
 )"),
-                                 "study.toml");
-  const auto outcome = study(path, out, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  const auto rows = rows_of(out);
+                                             folder);
   ASSERT_EQ(rows.size(), 9U);
   for (std::size_t m = 0; m < 3; ++m) {
     const auto &coarse = rows[m], &fine = rows[3 + m], &too_long = rows[6 + m];
@@ -209,10 +214,7 @@ protocol = "all_explicit"
 changes = { time.step_s = 1e-7 }
 refine = { time.step_s = 5e-8 }
 )";
-  const std::string out = (folder.path() / "study").string();
-  const auto outcome = study(folder.write(text, "study.toml"), out, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  const auto rows = rows_of(out);
+  const auto [outcome, out, rows] = computed(text, folder);
   ASSERT_EQ(rows.size(), 2U);
   const double coarse = std::stod(rows[0].at("error_probe/middle.displacement_x_m")),
                fine = std::stod(rows[1].at("error_probe/middle.displacement_x_m"));
@@ -341,8 +343,7 @@ refine = { time.step_s = 2.7825e-7 }
 /// (m V^2/(2 Y R^3))^(-1/8) (Contact Mechanics, 1985, 11.4), by a mean pressure of 3 Y; it falls with V^(-1/4).
 TEST(Study, RestitutionFallsWithTheFourthRootOfTheVelocity) {
   const TemporaryFolder folder;
-  const std::string out = (folder.path() / "study").string();
-  const auto path = folder.write("scene = \"" + std::string(RICOCHET_SOURCE) + R"(/configs/rebound.toml"
+  const auto [outcome, out, rows] = computed("scene = \"" + std::string(RICOCHET_SOURCE) + R"(/configs/rebound.toml"
 methods = ["all_explicit"]
 quantities = ["energy_drift"]
 values = ["restitution", "peak_contact_force_n"]
@@ -357,10 +358,7 @@ protocol = "all_explicit"
 changes = { time.end_s = 1e-7, time.step_s = 4.4e-9 }
 refine = { time.end_s = 1e-7, time.step_s = 2.2e-9 }
 )",
-                                 "study.toml");
-  const auto outcome = study(path, out, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  const auto rows = rows_of(out);
+                                             folder);
   ASSERT_EQ(rows.size(), 3U);
   const double m = 7850.0 * std::acos(-1.0) * 0.005 * 0.005 * 0.01, y = 100e6, modulus = 200e9 / 0.91, r = 0.01;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -388,8 +386,7 @@ TEST(Study, ErrorsOfSolidsFallWithTheMesh) {
                          "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = { "
                          "left = 0.014, right = 0.014 }\n[time]\nend_s = 45e-6\n",
                      "solids.toml");
-  const std::string out = (folder.path() / "study").string();
-  const auto path = folder.write(R"(scene = "solids.toml"
+  const auto [outcome, out, rows] = computed(R"(scene = "solids.toml"
 methods = ["hughes_liu", "all_explicit"]
 quantities = ["contact_pressure", "rebound_velocity"]
 [[vary]]
@@ -401,10 +398,7 @@ protocol = "all_explicit"
 changes = { body.left.mesh.elements = [4, 4, 24], body.right.mesh.elements = [4, 4, 24], time.step_s = 1e-7 }
 refine = { body.left.mesh.elements = [6, 6, 36], body.right.mesh.elements = [6, 6, 36], time.step_s = 6e-8 }
 )",
-                                 "study.toml");
-  const auto outcome = study(path, out, folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.error;
-  const auto rows = rows_of(out);
+                                             folder);
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t m = 0; m < 2; ++m) {
     for (const char* error : {"error_contact_pressure", "error_rebound_velocity"})
