@@ -212,13 +212,13 @@ TEST(ShapeViewer, ABodyThatYieldsMayBeColouredByItsPlasticStrain) {
 
 TEST(ShapeViewer, ABodyThatIsHeatedMayBeColouredByTheRiseOfItsTemperature) {
   auto shapes = two_squares();
-  shapes.pieces[1].temperature_rise_k = {{0.0, 0.0}, {50.0, 25.0}};
+  shapes.pieces[0].temperature_rise_k = {{0.0, 0.0}, {50.0, 25.0}};
   const auto data = shape_viewer(shapes, {}, no_contact)->data;
   ASSERT_EQ(data["fields"].size(), 2U);
   EXPECT_EQ(data["fields"][1]["key"], "temperature_rise_k");
   EXPECT_EQ(data["fields"][1]["high"], 50.0);
   EXPECT_EQ(data["fields"][1]["unit"], "K");
-  EXPECT_THAT(unpacked<float>(data["pieces"][1]["temperature_rise_k"][1]), ElementsAre(50.0F, 25.0F));
+  EXPECT_THAT(unpacked<float>(data["pieces"][0]["temperature_rise_k"][1]), ElementsAre(50.0F, 25.0F));
 }
 
 }  // namespace
