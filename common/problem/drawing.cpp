@@ -9,6 +9,14 @@ void add(const BodyProblem& body, const std::vector<int>& nodes, DrawnMark& mark
   for (const int node : nodes) mark.places_m.push_back(body.mesh.position[fem::at(node)]);
 }
 
+/// The nodes that carry a rigid body lie inside it, where nobody looks for the contact.
+std::vector<int> seen_nodes(const Problem& problem, std::size_t contact, int body) {
+  const auto& of = problem.bodies[fem::at(body)];
+  if (of.mesh.rigid_nodes == 0) return contact_nodes(problem.contacts[contact], body);
+  const Contact& named = problem.scene.contacts[contact];
+  return fem::surface_nodes(of.mesh, named.first.body == of.name ? named.first.surface : named.second->surface);
+}
+
 /// Nodes of the surfaces that a list of each body names.
 template <class Entries>
 DrawnMark of_surfaces(const Problem& problem, DrawnMark::Kind kind, Entries Body::*entries) {
@@ -42,10 +50,10 @@ std::vector<DrawnBody> drawn_bodies(const Problem& problem) {
 std::vector<DrawnMark> drawn_marks(const Problem& problem) {
   using Kind = DrawnMark::Kind;
   std::vector<DrawnMark> marks;
-  for (const auto& contact : problem.contacts) {
-    marks.push_back({Kind::contact, contact.name, {}});
-    for (const int body : {contact.body_a, contact.body_b}) {
-      if (body >= 0) add(problem.bodies[fem::at(body)], contact_nodes(contact, body), marks.back());
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    marks.push_back({Kind::contact, problem.contacts[i].name, {}});
+    for (const int body : {problem.contacts[i].body_a, problem.contacts[i].body_b}) {
+      if (body >= 0) add(problem.bodies[fem::at(body)], seen_nodes(problem, i, body), marks.back());
     }
   }
   marks.push_back(of_surfaces(problem, Kind::support, &Body::supports));

@@ -104,6 +104,15 @@ TEST(ScenePage, MarksWhatHoldsOnNodes) {
   EXPECT_EQ(heights, expected);
 }
 
+/// The nodes that carry a rigid body lie inside it.
+TEST(ScenePage, MarksTheContactOfARigidBodyOnItsSurface) {
+  const auto rigid = test::replaced(test::replaced(blocks, "name = \"upper\"\n", "name = \"upper\"\nrigid = true\n"),
+                                    "lower = 1.0, upper = 2.0", "lower = 1.0");
+  auto heights = marked_heights(data_on(scene_page(problem_of(rigid), "")));
+  EXPECT_THAT(heights["contact"], ElementsAre(0.0F));
+  EXPECT_THAT(heights["interface of explicit and implicit elements"], ElementsAre(-1.0F));
+}
+
 TEST(ScenePage, SaysWhatTheSceneIsAndWhatIsNotDrawn) {
   const auto page = scene_page(problem_of(blocks), "2 < 3 windows\n");
   EXPECT_THAT(page, HasSubstr("2 &lt; 3 windows"));
