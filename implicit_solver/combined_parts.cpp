@@ -12,11 +12,10 @@ CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies, const MakeF
   }
 }
 
-double CombinedParts::turning_m() const {
+double CombinedParts::turning_m(std::size_t part) const {
   double largest_m = 0.0;
-  for (const auto& state : states)
-    if (state.frame)
-      for (const auto& x : state.part.mesh.position) largest_m = std::max(largest_m, x.lpNorm<Eigen::Infinity>());
+  if (states[part].frame)
+    for (const auto& x : states[part].part.mesh.position) largest_m = std::max(largest_m, x.lpNorm<Eigen::Infinity>());
   return largest_m;
 }
 

@@ -43,7 +43,7 @@ class CombinedParts {
   [[nodiscard]] bool keep_tangents() const { return keep_tangents_; }
   [[nodiscard]] Eigen::VectorXd displacement() const;
   /// The largest coordinate of a part in a frame, which turns with it [m]; 0 without one.
-  [[nodiscard]] double turning_m() const;
+  [[nodiscard]] double turning_m(std::size_t part) const;
   /// K_T of each part at a displacement [N/m]; they stay until the next call.
   [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;
   /// A matrix of each part, made one matrix.

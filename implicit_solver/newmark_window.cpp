@@ -137,16 +137,15 @@ void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
 /// balance, with contact forces found anew. The operator stays while it serves, and what its steps have shown of the
 /// difference to the tangent mends the next ones.
 void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
-  const double quarter = 0.25 * dt_ * dt_,
-               placed_m = std::max(parts_.displacement().lpNorm<Eigen::Infinity>(), parts_.turning_m());
+  const double quarter = 0.25 * dt_ * dt_;
   double before_n = std::numeric_limits<double>::infinity(), largest_n = find_imbalance(trial);
   steps_.clear();
   const int most = parts_.keep_tangents() ? most_improvements_by_one_tangent : most_improvements;
   for (int improvements = 0;; ++improvements) {
     const Eigen::VectorXd left = imbalance_with_contact();
     const double left_n = left.lpNorm<Eigen::Infinity>();
-    const double moved_m = std::max(placed_m, trial.increment.lpNorm<Eigen::Infinity>());
-    if (left_n <= std::max(balanced_share * largest_n, rounding_share * moved_m * solver_.stiffest_n_m())) break;
+    double moved_m = 0.0;
+    if (is_balanced(left, largest_n, trial, moved_m)) break;
     if (!std::isfinite(left_n) &&
         !steps_.empty()) {  // mended too far: from the last place again, by the operator alone
       steps_.clear();
@@ -176,6 +175,23 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
   }
   trial_linearised_at_ = solver_.linearised_at();
   forget();  // rhs_ is another
+}
+
+/// By the rounding of each part alone: a stiff one says nothing of what its partner may leave. `moved_m`: the largest
+/// number that is rounded.
+bool NewmarkWindow::is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
+                                double& moved_m) const {
+  bool balanced = true;
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    if (parts_.states[b].part.dofs() == 0) continue;
+    const double own_m = std::max({parts_.states[b].u.lpNorm<Eigen::Infinity>(),
+                                   parts_.segment(trial.increment, b).lpNorm<Eigen::Infinity>(), parts_.turning_m(b)});
+    const double rounded_n = rounding_share * own_m * solver_.stiffest_n_m(b);
+    balanced = balanced &&
+               parts_.segment(left, b).lpNorm<Eigen::Infinity>() <= std::max(balanced_share * largest_n, rounded_n);
+    moved_m = std::max(moved_m, own_m);
+  }
+  return balanced;
 }
 
 /// Broyden's method by its steps (Kelley: Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3): the

@@ -61,6 +61,8 @@ class NewmarkWindow {
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);
   void balance(std::int64_t window, WindowTrial& trial);
+  [[nodiscard]] bool is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
+                                 double& moved_m) const;
   double find_imbalance(const WindowTrial& trial);
   void mend(Eigen::VectorXd& step);
   bool shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n);

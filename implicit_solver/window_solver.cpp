@@ -90,9 +90,9 @@ void WindowSolver::add_interface_stiffness(double scale, fem::SparseMatrix& a) c
 fem::SparseMatrix WindowSolver::assemble(const Eigen::VectorXd& u, std::vector<bool>& active) {
   const double dt = dt_;
   tangents_ = parts_.tangents(u);
-  stiffest_n_m_ = 0.0;
+  stiffest_n_m_.clear();
   for (const fem::SparseMatrix* tangent : tangents_)
-    if (tangent->rows() > 0) stiffest_n_m_ = std::max(stiffest_n_m_, tangent->diagonal().maxCoeff());
+    stiffest_n_m_.push_back(tangent->rows() > 0 ? tangent->diagonal().maxCoeff() : 0.0);
   fem::SparseMatrix a = parts_.block_diagonal(tangents_);
   a *= 0.25 * dt * dt;
   active.resize(static_cast<std::size_t>(a.rows()));

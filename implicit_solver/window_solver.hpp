@@ -31,8 +31,8 @@ class WindowSolver {
   void linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart = nullptr);
   /// Where A was linearised last; empty if all elements keep their tangent.
   [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
-  /// The largest diagonal entry of K_T.
-  [[nodiscard]] double stiffest_n_m() const { return stiffest_n_m_; }
+  /// The largest diagonal entry of a part's K_T.
+  [[nodiscard]] double stiffest_n_m(std::size_t part) const { return stiffest_n_m_[part]; }
   /// b -= dt^2/4 K_T du of a constrained dof of a part.
   void subtract_moved(std::size_t part, int dof, double du, Eigen::VectorXd& b) const;
 
@@ -60,7 +60,7 @@ class WindowSolver {
   const Eigen::MatrixXd& interface_stiffness_;
   double dt_;
   std::vector<const fem::SparseMatrix*> tangents_;  ///< per part
-  double stiffest_n_m_ = 0.0;
+  std::vector<double> stiffest_n_m_;                ///< per part
   Eigen::VectorXd linearised_at_;
   std::optional<CondensedFactor> factor_;
   std::vector<int> root_;
