@@ -18,7 +18,7 @@ namespace ricochet::scene {
 /// other, a node that would hang twice, and a piece that no tie joins to the others.
 void tie_pieces(const Scene& scene, const Body& body, fem::Mesh& mesh);
 
-/// Of a body that is rigid: appends few nodes (Mesh::rigid_nodes) whose affine motion all others follow, so that
+/// Gives a rigid body few nodes more (Mesh::rigid_nodes), whose affine motion all others follow, so that
 ///   u(x) = b + A x,   M = m / (n + 1) of each,   K = V D of the homogeneous strain,
 /// n being the number of components in which it moves freely: the others, which supports, prescribed motion or the
 /// axis of symmetry hold anywhere, are those of one node. With carriers at the corners of a regular simplex, stretched

@@ -106,12 +106,14 @@ void make_rigid(const Scene& scene, const Body& spec, BodyProblem& body) {
 
 void stiffen_rigid(Problem& problem) {
   constexpr double longer = 2.0;  // than the step of the finest element, which bounds that of its body from below
+  const auto is_rigid = [](const BodyProblem& body) { return body.mesh.rigid_nodes > 0; };
+  if (std::none_of(problem.bodies.begin(), problem.bodies.end(), is_rigid)) return;  // the rest assembles all others
   double finest_s = std::numeric_limits<double>::infinity();
   for (const BodyProblem& body : problem.bodies)
-    if (body.mesh.rigid_nodes == 0)
+    if (!is_rigid(body))
       finest_s = std::min(finest_s, element_bound_time_step(body, std::vector<bool>(body.mesh.elements.size(), true)));
   for (BodyProblem& body : problem.bodies) {
-    if (body.mesh.rigid_nodes == 0) continue;
+    if (!is_rigid(body)) continue;
     const double own_s = critical_time_step(body, std::vector<bool>(body.mesh.elements.size(), true), true, 0.0);
     const double factor = std::isfinite(own_s) ? std::pow(own_s / (longer * finest_s), 2) : 1.0;
     if (!(factor > 1.0)) continue;
