@@ -147,7 +147,8 @@ std::vector<std::string> Scene::quantities_with_bars() const {
     for (const std::string& name : contact_names()) quantities.push_back(of_contact + ("/" + name));
   }
   if (!contacts.empty()) quantities.emplace_back("plateau_stress_pa");
-  if (contacts.size() == 1 && bodies.size() <= 2) quantities.emplace_back("restitution");
+  const bool all_touch = contacts.size() == 1 && bodies.size() == (contacts.front().second ? 2 : 1);
+  if (all_touch && foreign_bodies.empty()) quantities.emplace_back("restitution");
   for (const Body& body : bodies) quantities.push_back("rebound_velocity_" + body.name + "_m_s");
   return quantities;
 }

@@ -28,7 +28,7 @@ void add_contact_values(const Json& contact, const std::string& suffix, Values& 
 
 }  // namespace
 
-Values values_of(const std::string& folder) {
+Values values_of(const std::string& folder, const scene::Scene& scene) {
   const std::string of_velocity = "velocity_mean_";
   const Json summary = report::read_summary(folder + "/summary.json");
   Values values;
@@ -38,16 +38,16 @@ Values values_of(const std::string& folder) {
   if (const auto stress = report::number(summary, "plateau_stress_pa")) values["plateau_stress_pa"] = *stress;
   const auto history = report::read_history(folder + "/history.csv");
   double before_m_s = 0.0, after_m_s = 0.0;  // of the second body relative to the first
-  int bodies = 0;
   for (std::size_t c = 0; c < history.names.size(); ++c) {
     const auto& name = history.names[c];
     if (name.rfind(of_velocity, 0) != 0 || history.columns[c].empty()) continue;
     values["rebound_velocity_" + name.substr(of_velocity.size())] = history.columns[c].back();
     before_m_s = history.columns[c].front() - before_m_s;
     after_m_s = history.columns[c].back() - after_m_s;
-    ++bodies;
   }
-  if (bodies <= 2 && contacts.empty() && report::number(summary, "separation_time_s") && before_m_s != 0.0)
+  const auto known = scene.quantities_with_bars();
+  const bool has_restitution = std::find(known.begin(), known.end(), "restitution") != known.end();
+  if (has_restitution && report::number(summary, "separation_time_s") && before_m_s != 0.0)
     values["restitution"] = -after_m_s / before_m_s;
   return values;
 }
@@ -68,7 +68,7 @@ Companion Companions::compute(const std::string& what, const std::vector<Overrid
   Companion companion{what, run.error(), 0.0, {}};
   if (!run.failed()) {
     companion.wall_s = run.costs().front().wall_s;
-    companion.values = values_of(run.folder() + "/1");
+    companion.values = values_of(run.folder() + "/1", scene_);
   }
   return all_.emplace_back(std::move(companion));
 }

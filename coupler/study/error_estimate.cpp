@@ -122,7 +122,7 @@ std::string line_of(const std::string& name, double value, const ErrorBar& bar) 
 /// The run's own values, before any companion.
 std::map<std::string, QuantityLevels> levels_of(const std::string& folder, const scene::Scene& scene, double step_s) {
   std::map<std::string, QuantityLevels> all;
-  for (const auto& [name, value] : values_of(folder)) {
+  for (const auto& [name, value] : values_of(folder, scene)) {
     auto& levels = all[name];
     levels.run = value;
     levels.hybrid = scene.coupling.protocol.layout == scene::Layout::hybrid;

@@ -67,7 +67,7 @@ void Study::prepare_rows() {
 void Study::measure(StudyRow& row) const {
   const auto& reference = reference_of(references_, row.settings).seen;
   row.seen = row.run.observation();
-  if (!file_.values.empty()) row.values = values_of(row.run.folder() + "/1");
+  if (!file_.values.empty()) row.values = values_of(row.run.folder() + "/1", row.run.problem().scene);
   for (std::size_t q = 0; q < file_.quantities.size(); ++q) {
     row.errors[q] = error_of(file_.quantities[q], *row.seen, reference);
   }

@@ -242,6 +242,14 @@ TEST(Accuracy, IsRefusedByNameBeforeAnythingRuns) {
   expect("run", asking(bars_of(1), "contact_impuls_n_s = 0.1"), "accuracy.relative_error: found \"contact_impuls_n_s\"",
          "did you mean \"contact_impulse_n_s\"");
   expect("run", asking(bars_of(1), "contact_impulse_n_s = 1.5"), "accuracy.relative_error", "1.5");
+  const std::string apart = R"([[body]]
+name = "apart"
+material = { youngs_modulus_pa = 2e11, density_kg_m3 = 8000.0 }
+mesh = { start_m = -9.0, length_m = 1.0, elements = 9 }
+[[body]]
+name = "left")";
+  expect("run", asking(replaced(bars_of(1), "[[body]]\nname = \"left\"", apart), "restitution = 0.1"),
+         "accuracy.relative_error: found \"restitution\"", "\"rebound_velocity_apart_m_s\"");
   expect("run", asking(bars_of(1), "peak_contact_force_n = 0.1"),
          "accuracy: found \"peak_contact_force_n\" of a flat impact", "allowed: contact_impulse_n_s");
   expect("run", asking(without_step(bars_of(1)), "contact_impulse_n_s = 1e-4"), "within 0.01 % on this mesh",

@@ -36,7 +36,7 @@ std::vector<Drawn> columns_of(const Json& study) {
                    fmt::format("RMS of the difference of the {} from the reference, over its contact period.", history),
                    title, ""});
   }
-  for (const auto& value : texts(study, "values"))
+  for (const auto& value : told_values(study))
     all.push_back({"value_" + value, "Magnitude of " + value, "As the runs have it.", value, ""});
   for (const auto& quantity : texts(study, "quantities")) {
     const bool drift = quantity == "energy_drift";

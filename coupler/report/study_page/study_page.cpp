@@ -72,7 +72,7 @@ std::vector<std::pair<std::string, std::string>> shown_columns(const Json& study
                                       {"repeats", "repeats"}}) {
     columns.emplace_back(column, title);
   }
-  for (const auto& value : texts(study, "values")) columns.emplace_back("value_" + value, value);
+  for (const auto& value : told_values(study)) columns.emplace_back("value_" + value, value);
   return columns;
 }
 

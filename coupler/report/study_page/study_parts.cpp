@@ -38,6 +38,10 @@ std::vector<std::string> texts(const Json& study, const char* key) {
   return study.at(key).get<std::vector<std::string>>();
 }
 
+std::vector<std::string> told_values(const Json& study) {
+  return study.contains("values") ? texts(study, "values") : std::vector<std::string>();
+}
+
 std::string words(const std::string& name) {
   const auto slash = name.find('/');
   std::string quantity = name.substr(0, slash);

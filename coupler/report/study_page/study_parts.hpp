@@ -15,6 +15,9 @@ inline constexpr int panel_width = 415;
 /// A list of texts; throws Json::exception if there is none of that name.
 [[nodiscard]] std::vector<std::string> texts(const Json& study, const char* key);
 
+/// The values that a study tells of its runs; none in one from before there were any.
+[[nodiscard]] std::vector<std::string> told_values(const Json& study);
+
 /// "peak_force" as "peak force".
 [[nodiscard]] std::string words(const std::string& name);
 /// Letters, digits and underscores alone, another one for every name: what a chart goes by in the page and as a file.

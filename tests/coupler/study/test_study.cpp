@@ -589,7 +589,7 @@ TEST(StudyMeasures, AHistorysRmsIsThatOfEquation29) {
 }
 
 const std::string drawn_study = R"({"study": "/there/s.toml", "scene": "a.toml", "methods": ["kim", "all_implicit"],
-  "parameters": ["x.y"], "axes": ["x.y"], "along": "", "along_together": [], "quantities": [], "values": [], "repeats": 3, "version": "1",
+  "parameters": ["x.y"], "axes": ["x.y"], "along": "", "along_together": [], "quantities": [], "repeats": 3, "version": "1",
   "references": [], "histories": null,
   "published": [{"methods": ["kim"], "over": "all_implicit", "at": {"x.y": "2"}, "time_ratio": 0.614, "source": "T<2>"}]})";
 
