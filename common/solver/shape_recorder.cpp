@@ -31,7 +31,7 @@ bool uneven(const scene::ContactGeometry& contact) {
 }
 bool turns(const scene::Body& body) { return body.large_rotation; }
 
-/// Of an element of a part that yields: what its plastic strain takes off the stress, the equivalent one, and by how
+/// An element of a part that yields has what its plastic strain takes off the stress, the equivalent one, and by how
 /// much it is hotter than at the start.
 Eigen::Index numbers_of_plastic(const BodyState& state) {
   return state.plastic ? state.plastic->components + (state.plastic->heats() ? 2 : 1) : 0;
