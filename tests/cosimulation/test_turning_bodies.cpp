@@ -243,6 +243,45 @@ TEST(SpinningDisc, ThatLandsSlipsAndTakesItsMomentumFromItsSpin) {
   }
 }
 
+/// A disc that is let go on a plane inclined by 30 degrees, in a field of 1e5 m/s^2, rolling at 20 m/s or at rest.
+std::string disc_on_an_incline(double friction, double speed_m_s, const std::string& protocol) {
+  constexpr double field_m_s2 = 1e5;
+  std::string text = spinning_disc(-speed_m_s / 0.01, friction, protocol);
+  text = replaced(
+      text, "[0.0, -5.0]",
+      fmt::format("[{}, 0.0]\ngravity_m_s2 = [{}, {}]", speed_m_s, 0.5 * field_m_s2, -std::sqrt(0.75) * field_m_s2));
+  if (protocol == "all_implicit") text = replaced(text, "safety_factor = 0.8", "step_s = 1e-7");
+  return replaced(text, "end_s = 4e-5", "end_s = 1e-3") +
+         "[output]\nprobes_every_s = 2e-5\n[[output.probe]]\nname = \"middle\"\nbody = \"disc\"\nat_m = [0.0, 0.01]\n";
+}
+
+/// With friction enough it rolls: it gains 2/3 g sin 30, as a solid cylinder does, and friction is a third of what
+/// pulls it down. With less it slips, and gains g (sin 30 - mu cos 30). Its rim of 64 edges rolls over each.
+TEST(RollingDisc, GainsSpeedAsASolidCylinderOnAnIncline) {
+  const TemporaryFolder folder;
+  (void)folder.write(whole_disc_msh("disc", 0.0, 0.01, 0.01, 16), "disc.msh");
+  const double sine = 0.5, cosine = std::sqrt(0.75), weight_n = 7850.0 * std::numbers::pi * 1e-4 * 1e5;
+  const auto rolls = [&](const std::string& protocol, double friction, double speed_m_s, double gain_m_s2, double off) {
+    const RunResult run =
+        run_text(disc_on_an_incline(friction, speed_m_s, protocol), folder, fmt::format("{}{}", protocol, friction));
+    const History probes = read_history(run.folder + "/probes.csv");
+    const auto& t = probes.at("time_s");
+    for (std::size_t n = 5; n < t.size(); n += 5) {
+      const double way_m = speed_m_s * t[n] + 0.5 * gain_m_s2 * t[n] * t[n];
+      EXPECT_NEAR(probes.at("middle.displacement_x_m")[n] / way_m, 1.0, off) << protocol << ' ' << friction << ' ' << n;
+    }
+    const double end_s = run.column("time_s").back();
+    EXPECT_NEAR(run.last("contact_impulse_n_s") / (weight_n * cosine * end_s), 1.0, 0.05) << protocol << ": it hops";
+    EXPECT_LT(at_most(run, "momentum_error_max"), 1e-11) << protocol;
+    EXPECT_LT(at_most(run, "angular_momentum_error_max"), 1e-6) << protocol;
+    EXPECT_LT(at_most(run, "energy_error_max"), 1e-3) << protocol;
+    return run.last("friction_impulse_n_s") / (weight_n * sine * end_s);
+  };
+  EXPECT_NEAR(rolls("all_explicit", 0.5, 20.0, 2.0 / 3.0 * 1e5 * sine, 0.01), 1.0 / 3.0, 0.015);
+  EXPECT_NEAR(rolls("all_implicit", 0.5, 20.0, 2.0 / 3.0 * 1e5 * sine, 0.01), 1.0 / 3.0, 0.015);
+  EXPECT_NEAR(rolls("all_explicit", 0.1, 0.0, 1e5 * (sine - 0.1 * cosine), 2e-3), 0.1 * cosine / sine, 0.01);
+}
+
 /// The half of a ball that strikes a rigid plane askew, with top spin and with back spin.
 std::string spinning_ball(const std::string& protocol, double spin_rad_s) {
   std::string text = with_key(with_absolute_meshes(config_text("oblique_ball")), "time", "end_s", "80e-6");
