@@ -113,9 +113,8 @@ std::optional<double> probe_error(const std::string& column, const Observation& 
 
 std::optional<double> contact_error(const std::string& quantity, const ContactObservation& run,
                                     const ContactObservation& reference) {
-  if (quantity == "contact_pressure")
-    return history_error(run.contact_pressure_pa, reference.contact_pressure_pa, reference.contact_pressure_pa,
-                         reference);
+  if (quantity == "contact_force")
+    return history_error(run.contact_force_n, reference.contact_force_n, reference.contact_force_n, reference);
   if (quantity == "friction_force") return friction_error(&ContactObservation::friction_force_n, run, reference);
   if (quantity == "friction_force_b") return friction_error(&ContactObservation::friction_force_b_n, run, reference);
   if (quantity == "peak_force")
@@ -233,6 +232,7 @@ Observation exact_impact(const scene::Problem& problem) {
   exact.contact_end_s = end_s;
   exact.contact_pressure_pa = {{begin_s, begin_s, end_s, end_s}, {0.0, theory->stress_pa, theory->stress_pa, 0.0}};
   exact.principal_stress_pa = exact.contact_pressure_pa;
+  exact.contact_force_n = {exact.contact_pressure_pa.time_s, {0.0, force_n, force_n, 0.0}};
   exact.peak_force_n = force_n;
   exact.separation_time_s = end_s;
   for (int b = 0; b < 2; ++b) {
@@ -250,8 +250,8 @@ Observation exact_impact(const scene::Problem& problem) {
 }
 
 std::vector<std::string> quantity_names(const MeasuredScene& scene) {
-  std::vector<std::string> names{"contact_pressure", "principal_stress", "friction_force", "peak_force",
-                                 "separation_time",  "rebound_velocity", "energy_drift"};
+  std::vector<std::string> names{"contact_force",   "principal_stress", "friction_force", "peak_force",
+                                 "separation_time", "rebound_velocity", "energy_drift"};
   if (scene.solid) names.insert(names.begin() + 3, "friction_force_b");
   return names;
 }
@@ -260,7 +260,7 @@ std::vector<std::string> more_quantity_names(const MeasuredScene& scene) {
   std::vector<std::string> names;
   for (const auto& contact : scene.contacts) {
     for (const char* quantity :
-         {"contact_pressure", "friction_force", "friction_force_b", "peak_force", "separation_time"}) {
+         {"contact_force", "friction_force", "friction_force_b", "peak_force", "separation_time"}) {
       if (scene.solid || quantity != std::string("friction_force_b"))
         names.push_back(fmt::format("{}/{}", quantity, contact));
     }

@@ -20,7 +20,7 @@ struct Curve {
 
 /// What is said of one contact, or of all together.
 struct ContactObservation {
-  Curve contact_pressure_pa;                ///< mean over the contact surface, positive in compression
+  Curve contact_pressure_pa;                ///< mean over closed pairs, positive in compression
   Curve contact_force_n, friction_force_n;  ///< sums over all pairs; forces and pressure are means over windows
   Curve friction_force_b_n;                 ///< of solids
   double contact_begin_s = 0.0, contact_end_s = 0.0;  ///< of the windows of first and last force; equal: there was none
@@ -53,7 +53,7 @@ struct MeasuredScene {
 };
 
 /// Names of the quantities of a whole scene, as a study file lists them:
-///   contact_pressure, principal_stress  RMS over the reference's contact period of the difference of the histories,
+///   contact_force, principal_stress  RMS over the reference's contact period of the difference of the histories,
 ///     over the reference's plateau: its mean from 15 % to 65 % of that period (principal stress: Eq. 29)
 ///   friction_force  the same of the friction force, over the plateau of the reference's contact force; of solids
 ///     friction_force_b, too, along the binormal

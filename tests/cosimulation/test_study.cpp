@@ -125,11 +125,11 @@ exact = "impedance_theory"
     const auto &coarse = rows[m], &fine = rows[3 + m], &too_long = rows[6 + m];
     EXPECT_EQ(coarse.at("status"), "done");
     EXPECT_EQ(coarse.at("repeats"), "2");
-    for (const char* quantity : {"error_contact_pressure", "error_principal_stress", "error_energy_drift"}) {
+    for (const char* quantity : {"error_contact_force", "error_principal_stress", "error_energy_drift"}) {
       EXPECT_LT(number(fine, quantity), 0.75 * number(coarse, quantity)) << fine.at("method") << " " << quantity;
     }
     // A jump that is met within one step is an RMS error of sqrt(step / period) at most.
-    EXPECT_LT(number(coarse, "error_contact_pressure"), 0.5);
+    EXPECT_LT(number(coarse, "error_contact_force"), 0.5);
     EXPECT_LT(number(fine, "error_rebound_velocity"), 0.03);
     EXPECT_LT(number(fine, "error_separation_time"), 0.02);
     EXPECT_LE(number(coarse, "wall_min_s"), number(coarse, "wall_s"));
@@ -143,7 +143,7 @@ exact = "impedance_theory"
       EXPECT_THAT(too_long.at("error"), HasSubstr("critical time step"));
     }
   }
-  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("contact_pressure_wall_s"));
+  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("contact_force_wall_s"));
   fs::remove(out + "/report.html");
   fs::remove_all(out + "/runs");
   const auto again = run_command({ricochet_binary(), "report", out}, folder.path().string());
@@ -298,7 +298,7 @@ TEST(Study, AReferenceThatFollowsAVariedKeyScalesWithIt) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "study").string();
   const auto path = folder.write(study_text(R"(methods = ["hughes_liu", "all_implicit", "all_explicit"]
-quantities = ["contact_pressure", "rebound_velocity"]
+quantities = ["contact_force", "rebound_velocity"]
 along = "body.left.initial_velocity_m_s"
 [[vary]]
 )" + twice_as_fast + R"([histories]
@@ -319,8 +319,8 @@ refine = { time.step_s = 2.7825e-7 }
   ASSERT_EQ(rows.size(), 6U);
   for (std::size_t m = 0; m < 3; ++m) {
     const auto &slow = rows[m], &fast = rows[3 + m];
-    EXPECT_LT(number(slow, "error_contact_pressure"), 0.4) << "of a reference at another speed it would be 0.5 or more";
-    for (const char* relative : {"error_contact_pressure", "error_rebound_velocity"})
+    EXPECT_LT(number(slow, "error_contact_force"), 0.4) << "of a reference at another speed it would be 0.5 or more";
+    for (const char* relative : {"error_contact_force", "error_rebound_velocity"})
       EXPECT_NEAR(number(fast, relative), number(slow, relative), 1e-5 * number(slow, relative)) << slow.at("method");
     for (const char* absolute : {"rms_compared", "rms_reference"}) {
       EXPECT_NEAR(number(fast, absolute), 2.0 * number(slow, absolute), 2e-5 * number(slow, absolute));
@@ -388,7 +388,7 @@ TEST(Study, ErrorsOfSolidsFallWithTheMesh) {
                      "solids.toml");
   const auto [outcome, out, rows] = computed(R"(scene = "solids.toml"
 methods = ["hughes_liu", "all_explicit"]
-quantities = ["contact_pressure", "rebound_velocity"]
+quantities = ["contact_force", "rebound_velocity"]
 [[vary]]
 body.left.mesh.elements = [[1, 1, 6], [2, 2, 12]]
 body.right.mesh.elements = [[1, 1, 6], [2, 2, 12]]
@@ -401,7 +401,7 @@ refine = { body.left.mesh.elements = [6, 6, 36], body.right.mesh.elements = [6, 
                                              folder);
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t m = 0; m < 2; ++m) {
-    for (const char* error : {"error_contact_pressure", "error_rebound_velocity"})
+    for (const char* error : {"error_contact_force", "error_rebound_velocity"})
       EXPECT_LT(number(rows[2 + m], error), 0.6 * number(rows[m], error)) << error;
   }
 }

@@ -368,7 +368,7 @@ TEST(StudyMeasures, ErrorsOfHandMadeHistories) {
   const auto reference = plateau(1.0), run = plateau(1.25);
   EXPECT_EQ(reference.contact_begin_s, 1.0);
   EXPECT_EQ(reference.contact_end_s, 11.0);
-  EXPECT_NEAR(*error_of("contact_pressure", run, reference), 0.25, 1e-12) << "the same difference at all times";
+  EXPECT_NEAR(*error_of("contact_force", run, reference), 0.25, 1e-12) << "the same difference at all times";
   EXPECT_NEAR(*error_of("principal_stress", run, reference), 0.25, 1e-12) << "relative to |plateau|";
   EXPECT_NEAR(*error_of("peak_force", run, reference), 0.25, 1e-12);
   // a zigzag between -0.05 and 0.05, whose mean square is a third of 0.05^2, over a contact force of 2
@@ -403,15 +403,15 @@ TEST(StudyMeasures, OfAContactAreThoseOfItsColumnsAndItsSummary) {
   };
   const auto reference = seen(2.0, 0.5), run = seen(3.0, 0.25);
   ASSERT_EQ(run.contacts.size(), 2U);
-  EXPECT_EQ(*error_of("contact_pressure", run, reference), 0.0);
-  EXPECT_EQ(*error_of("contact_pressure/one", run, reference), 0.0);
-  EXPECT_NEAR(*error_of("contact_pressure/two", run, reference), 0.5, 0.1) << "of the plateau 2";
+  EXPECT_EQ(*error_of("contact_force", run, reference), 0.0);
+  EXPECT_EQ(*error_of("contact_force/one", run, reference), 0.0);
+  EXPECT_NEAR(*error_of("contact_force/two", run, reference), 0.5, 0.1) << "of the plateau 2";
   EXPECT_NEAR(*error_of("peak_force/two", run, reference), 0.5, 1e-12);
   EXPECT_FALSE(error_of("peak_force/one", run, reference)) << "its summary says nothing";
   EXPECT_NEAR(*error_of("separation_time/two", run, reference), 0.1 / 3.0, 1e-12);
   EXPECT_NEAR(*error_of("friction_force_b/two", run, reference), 0.125, 0.02) << "0.25 of the contact force 2";
   EXPECT_EQ(*error_of("friction_force_b", run, reference), 0.0);
-  EXPECT_FALSE(error_of("contact_pressure/three", run, reference)) << "no such contact";
+  EXPECT_FALSE(error_of("contact_force/three", run, reference)) << "no such contact";
   EXPECT_EQ(history_of("contact_pressure/two", run).at(1.0), 3.0);
   EXPECT_GT(*rms_difference("contact_pressure/two", run, reference), 0.5);
   EXPECT_EQ(*rms_difference("principal_stress", run, reference), 0.0);
@@ -454,10 +454,10 @@ TEST(StudyMeasures, AProbeIsComparedOverItsWholeRun) {
 TEST(StudyMeasures, RmsOfARampIsExact) {
   Observation reference, run;
   reference.contact_end_s = run.contact_end_s = 3.0;
-  reference.contact_pressure_pa = {{0.0, 3.0}, {2.0, 2.0}};
-  run.contact_pressure_pa = {{-1.0, 1.0, 2.0, 7.0}, {2.0, 2.0, 2.0, 12.0}};  // 2 (t - 2) above from t = 2 on
+  reference.contact_force_n = {{0.0, 3.0}, {2.0, 2.0}};
+  run.contact_force_n = {{-1.0, 1.0, 2.0, 7.0}, {2.0, 2.0, 2.0, 12.0}};  // 2 (t - 2) above from t = 2 on
   // integral of 4 s^2 over 0..1, over 3, is 4/9
-  EXPECT_NEAR(*error_of("contact_pressure", run, reference), std::sqrt(4.0 / 9.0) / 2.0, 1e-6);
+  EXPECT_NEAR(*error_of("contact_force", run, reference), std::sqrt(4.0 / 9.0) / 2.0, 1e-6);
 }
 
 TEST(StudyMeasures, AStressThatIsNowhereWhileAForceActsIsNotThere) {
@@ -469,7 +469,7 @@ TEST(StudyMeasures, AStressThatIsNowhereWhileAForceActsIsNotThere) {
   const auto seen = observe(history, nlohmann::ordered_json::object());
   EXPECT_TRUE(seen.principal_stress_pa.time_s.empty());
   EXPECT_FALSE(error_of("principal_stress", seen, plateau(1.0)));
-  EXPECT_TRUE(error_of("contact_pressure", seen, plateau(1.0)));
+  EXPECT_TRUE(error_of("contact_force", seen, plateau(1.0)));
 }
 
 TEST(StudyMeasures, WhatIsNotThereHasNoError) {
@@ -478,12 +478,12 @@ TEST(StudyMeasures, WhatIsNotThereHasNoError) {
   none.separation_time_s.reset();
   EXPECT_EQ(none.contact_begin_s, none.contact_end_s);
   EXPECT_FALSE(error_of("separation_time", none, reference));
-  EXPECT_FALSE(error_of("contact_pressure", reference, none)) << "a reference without contact";
+  EXPECT_FALSE(error_of("contact_force", reference, none)) << "a reference without contact";
   auto smooth = reference;
   for (double& force : smooth.friction_force_n.value) force = 0.0;
   EXPECT_FALSE(error_of("friction_force", reference, smooth)) << "a reference without friction";
   EXPECT_TRUE(error_of("friction_force", smooth, reference));
-  EXPECT_NEAR(*error_of("contact_pressure", none, reference), 1.0, 1e-12);
+  EXPECT_NEAR(*error_of("contact_force", none, reference), 1.0, 1e-12);
 }
 
 TEST(ExactImpact, OfTwoBarsIsThatOfTheScenesHead) {
@@ -492,6 +492,7 @@ TEST(ExactImpact, OfTwoBarsIsThatOfTheScenesHead) {
   EXPECT_NEAR(*exact.separation_time_s, 148.393e-6, 1e-9);
   EXPECT_NEAR(*exact.peak_force_n, 1.33453e5, 1.0);
   EXPECT_NEAR(exact.contact_pressure_pa.at(1e-4) * 6.4516e-4, 1.33453e5, 1.0);
+  EXPECT_NEAR(exact.contact_force_n.at(1e-4), 1.33453e5, 1.0);
   EXPECT_EQ(exact.contact_pressure_pa.at(4e-5), 0.0);
   EXPECT_EQ(exact.contact_pressure_pa.at(1.6e-4), 0.0);
   EXPECT_EQ(exact.principal_stress_pa.at(1e-4), exact.contact_pressure_pa.at(1e-4))
