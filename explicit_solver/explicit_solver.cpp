@@ -69,7 +69,10 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   if (local) heart.emplace(setup_.progress).begin("finding local steps and what contact forces move in them");
   stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
   stepping_->answer(output);
-  reporting_.begin(problem_, states_, setup_, spec_->name, contact() ? &contact()->surface() : nullptr, true);
+  solver::PressedSurface pressing;
+  if (contact()) pressing = contact()->pressed();
+  if (ranks_) pressing.forces = nullptr;
+  reporting_.begin(problem_, states_, setup_, spec_->name, pressing, true);
 }
 
 void ExplicitSolver::tell(Order order, std::int64_t window, int substep) {

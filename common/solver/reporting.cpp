@@ -11,14 +11,14 @@ void Reporting::describe(const scene::Problem& problem, const std::vector<BodySt
 }
 
 void Reporting::begin(const scene::Problem& problem, const std::vector<BodyState>& states,
-                      const participant::Setup& setup, const std::string& participant, const ContactSurface* surface,
+                      const participant::Setup& setup, const std::string& participant, PressedSurface pressing,
                       bool windows_are_cheap) {
   setup_ = &setup;
-  surface_ = surface;
+  surface_ = pressing.surface;
   separation_ = SeparationWatch(setup.separation_windows);
-  model_watch_ = ModelWatch(problem, states, surface, windows_are_cheap);
+  model_watch_ = ModelWatch(problem, states, surface_, windows_are_cheap);
   outline_ = WatchedOutline(problem, states);
-  shapes_.emplace(problem, states, setup, participant);
+  shapes_.emplace(problem, states, setup, participant, pressing);
 }
 
 void Reporting::note(std::int64_t window, const std::vector<BodyState>& states,

@@ -45,8 +45,9 @@ double temperature_rise_k(const BodyState& state, int element) {
 }  // namespace
 
 ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states,
-                             const participant::Setup& setup, std::string participant)
+                             const participant::Setup& setup, std::string participant, PressedSurface pressing)
     : states_(states),
+      pressing_(pressing),
       participant_(std::move(participant)),
       model_(problem.scene.model),
       clock_(&setup.clock),
@@ -100,8 +101,11 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
     if (keep[fem::at(dof / components)]) drawn.kept_dof.push_back(dof);
   }
   const auto of_plastic = drawn.element.size() * static_cast<std::size_t>(numbers_of_plastic(state));
-  const std::size_t of_frame = state.frame ? numbers_of_frame : 0;
-  for (auto& kept : drawn.kept) kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + of_plastic + of_frame));
+  const std::size_t of_contact = pressing_.forces ? drawn.cells.size() : 0,
+                    of_frame = state.frame ? numbers_of_frame : 0;
+  for (auto& kept : drawn.kept)
+    kept.resize(static_cast<Eigen::Index>(drawn.kept_dof.size() + of_plastic + of_contact + of_frame));
+  for (auto* per_dof : {&drawn.load_n, &drawn.area_m2}) per_dof->resize(pressing_.forces ? state.part.dofs() : 0);
   return drawn;
 }
 
@@ -130,7 +134,47 @@ void ShapeRecorder::archive(Archive& a) {
   }
 }
 
+/// Forces of the pairs and their areas by the rows of their gaps: on both surfaces, whichever carries the rows.
+void ShapeRecorder::press() {
+  for (auto& part : parts_) {
+    part.load_n.setZero();
+    part.area_m2.setZero();
+  }
+  const auto& pairs = pressing_.surface->pairs;
+  for (std::size_t i = 0; i < std::min(pairs.size(), pressing_.forces->size()); ++i) {
+    for (const auto& entry : pairs[i].normal.entries) {
+      auto& part = parts_[static_cast<std::size_t>(entry.part)];
+      part.load_n[entry.dof] += entry.coefficient * (*pressing_.forces)[i].normal;
+      part.area_m2[entry.dof] += entry.coefficient * pairs[i].area_m2;
+    }
+  }
+}
+
+/// Mean over the nodes of a cell that have rows, of the face of a solid over all of its nodes, or 0.
+double ShapeRecorder::pressure_pa(const Drawn& part, std::size_t cell) const {
+  const int components = fem::components(model_);
+  double sum_pa = 0.0;
+  int pressed = 0;
+  for (const int i : part.cells[cell]) {
+    if (i < 0) continue;
+    const int first = part.node[fem::at(i)] * components;
+    const double area_m2 = part.area_m2.segment(first, components).norm();
+    if (area_m2 > 0.0) {
+      sum_pa += part.load_n.segment(first, components).norm() / area_m2;
+      ++pressed;
+    } else if (model_ == fem::Model::solid) {
+      return 0.0;
+    }
+  }
+  return pressed > 0 ? sum_pa / pressed : 0.0;
+}
+
+Eigen::Index ShapeRecorder::first_pressure(std::size_t part) const {
+  return std::ssize(parts_[part].kept_dof) + std::ssize(parts_[part].element) * numbers_of_plastic(states_[part]);
+}
+
 void ShapeRecorder::keep(std::int64_t window) {
+  if (pressing_.forces && !parts_.empty()) press();
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     auto& part = parts_[p];
     auto& values = part.kept[windows_.size()];
@@ -140,6 +184,8 @@ void ShapeRecorder::keep(std::int64_t window) {
       const fem::RigidMotion motion = states_[p].frame->fit(states_[p].u).motion;
       values.tail<numbers_of_frame>() << motion.rotation.reshaped(), motion.to_m - motion.from_m;
     }
+    for (std::size_t cell = 0; pressing_.forces && cell < part.cells.size(); ++cell)
+      values[first_pressure(p) + static_cast<Eigen::Index>(cell)] = pressure_pa(part, cell);
     if (!states_[p].plastic) continue;
     auto next = static_cast<Eigen::Index>(part.kept_dof.size());
     const int components = states_[p].plastic->components;
@@ -187,7 +233,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
   const auto& mesh_part = states_[part].part;
   const int components = fem::components(model_);
   const bool yields = states_[part].plastic != nullptr, heats = yields && states_[part].plastic->heats();
-  std::string displacements, stresses, plastic_strains, temperature_rises;
+  std::string displacements, stresses, plastic_strains, temperature_rises, pressures;
   for (std::size_t w = 0; w < windows_.size(); ++w) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
     for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
@@ -199,7 +245,7 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
                                     frame.tail<3>()};
       states_[part].frame->straining(u, motion, straining);
     }
-    std::vector<float> displacement, stress, plastic_strain, temperature_rise;
+    std::vector<float> displacement, stress, plastic_strain, temperature_rise, pressure;
     displacement.reserve(drawn.node.size() * static_cast<std::size_t>(components));
     for (const int node : drawn.node) {
       for (int c = 0; c < components; ++c) displacement.push_back(static_cast<float>(u[node * components + c]));
@@ -221,7 +267,10 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
     }
+    for (std::size_t cell = 0; pressing_.forces && cell < drawn.cells.size(); ++cell)
+      pressure.push_back(static_cast<float>(drawn.kept[w][first_pressure(part) + static_cast<Eigen::Index>(cell)]));
     displacements.append(w == 0 ? "" : ",\n").append(packed(displacement));
+    pressures.append(w == 0 ? "" : ",\n").append(packed(pressure));
     stresses.append(w == 0 ? "" : ",\n").append(packed(stress));
     plastic_strains.append(w == 0 ? "" : ",\n").append(packed(plastic_strain));
     temperature_rises.append(w == 0 ? "" : ",\n").append(packed(temperature_rise));
@@ -231,10 +280,11 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
   const auto& v = drawn.velocity_m_s;
   return fmt::format(
       "{{\"name\": \"{}\", \"strip_m\": {:.9g}, \"initial_velocity_m_s\": [{:.9g}, {:.9g}, {:.9g}],\n\"node\": {},\n"
-      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}{}}}",
+      "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}{}{}}}",
       drawn.name, drawn.strip_m, v[0], v[1], v[2], packed(drawn.body_node), packed(drawn.position_m), packed(cells),
       displacements, stresses, yields ? fmt::format(",\n\"plastic_strain\": [{}]", plastic_strains) : "",
-      heats ? fmt::format(",\n\"temperature_rise_k\": [{}]", temperature_rises) : "");
+      heats ? fmt::format(",\n\"temperature_rise_k\": [{}]", temperature_rises) : "",
+      pressing_.forces ? fmt::format(",\n\"contact_pressure_pa\": [{}]", pressures) : "");
 }
 
 }  // namespace ricochet::solver

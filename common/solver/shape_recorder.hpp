@@ -8,6 +8,7 @@
 #include "common/base/archive.hpp"
 #include "common/base/window_clock.hpp"
 #include "common/body/body_state.hpp"
+#include "common/contact/contact_surface.hpp"
 #include "common/fem/seen_cells.hpp"
 #include "common/participant/participant.hpp"
 
@@ -24,9 +25,10 @@ class ShapeRecorder {
   /// Windows kept; one more when this many are there: then every second goes, and half as many are kept from there on.
   static constexpr std::size_t most_windows = 8;
 
-  /// Keeps nothing if `setup` has no output directory. `states` must outlive this object unmoved.
+  /// Keeps nothing if `setup` has no output directory. `states` must outlive this object unmoved, and so must
+  /// `pressing`, of who enforces the contact of these parts.
   ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
-                std::string participant);
+                std::string participant, PressedSurface pressing);
   ShapeRecorder(const ShapeRecorder&) = delete;
   ShapeRecorder& operator=(const ShapeRecorder&) = delete;
   /// Writes what there is of a run that did not come to its end.
@@ -54,16 +56,22 @@ class ShapeRecorder {
     std::vector<int> element;               ///< of the part, per cell
     std::vector<int> kept_dof;              ///< of all nodes of these elements
     /// Displacement of those and, of a part that yields, what its plastic strain takes off the stress of each cell's
-    /// element, the equivalent plastic strain and the rise of temperature; of a part that turns also its frame.
+    /// element, the equivalent plastic strain and the rise of temperature; of who enforces the contact its pressure on
+    /// each cell; of a part that turns also its frame.
     std::array<Eigen::VectorXd, most_windows + 1> kept;
+    Eigen::VectorXd load_n, area_m2;  ///< contact forces and areas of the present window, per dof of the part
   };
   [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body, fem::SeenCells&& seen) const;
   void keep(std::int64_t window);
   void write();
+  void press();
+  [[nodiscard]] double pressure_pa(const Drawn& part, std::size_t cell) const;
+  [[nodiscard]] Eigen::Index first_pressure(std::size_t part) const;
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::string text_of(std::size_t part) const;
 
   const std::vector<BodyState>& states_;
+  PressedSurface pressing_;
   std::string path_, participant_;
   fem::Model model_ = fem::Model::bar;
   const WindowClock* clock_;

@@ -41,7 +41,7 @@ void ReducedSolver::initialize(const participant::Setup& setup, LinkOutput& outp
     parts_.emplace_back(states_[b], problem_.scene.partition.reduced_modes.at(states_[b].name),
                         reporting_.probed_dofs(b, problem_.scene.components()));
   set_step();
-  reporting_.begin(problem_, states_, setup_, spec_->name, nullptr, true);
+  reporting_.begin(problem_, states_, setup_, spec_->name, {}, true);
   answer(false, output);
 }
 

@@ -1,7 +1,12 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
@@ -63,6 +68,34 @@ TEST_P(PictureOfProtocols, IsOfTheFieldsOfTheRun) {
 INSTANTIATE_TEST_SUITE_P(Protocols, PictureOfProtocols,
                          testing::Values("hughes_liu", "prakash_hjelmstad", "fixed_point", "all_implicit",
                                          "all_explicit"));
+
+/// The largest of each kept window, of the picture of the contact's owner and of its fields. Plates press evenly.
+TEST(BodiesPicture, HasTheContactPressureOfTheFields) {
+  const TemporaryFolder folder;
+  for (const auto& [protocol, owner] : {std::pair{"hughes_liu", "implicit"}, {"all_explicit", "explicit"}}) {
+    const std::string text =
+        with_protocol(with_key(config_text("sticking_plates"), "output", "fields_every", "1"), protocol);
+    const RunResult run = run_text(text, folder, protocol);
+    const auto shapes = shapes_of(run, owner);
+    const auto windows = shapes.at("windows").get<std::vector<int>>();
+    int pressed = 0;
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+      double expected_pa = 0.0;
+      for (const double pa :
+           vtu_array(fmt::format("{}/fields/{}_{:08}.vtu", run.folder, owner, windows[w]), "contact_pressure"))
+        expected_pa = std::max(expected_pa, pa);  // of a node without a row it is not a number
+      for (const auto& body : shapes.at("bodies")) {
+        const auto found = floats(body.at("contact_pressure_pa")[w]);
+        EXPECT_NEAR(*std::max_element(found.begin(), found.end()), expected_pa, 1e-6 * expected_pa)
+            << protocol << windows[w];
+      }
+      pressed += expected_pa > 0.0;
+    }
+    EXPECT_GE(pressed, 2) << protocol;
+    EXPECT_THAT(file_text(run.folder + "/report.html"), testing::HasSubstr("\"name\":\"contact pressure\""))
+        << protocol;
+  }
+}
 
 TEST(BodiesPicture, OfARunThatFailsShowsItUpToThere) {
   const TemporaryFolder folder;

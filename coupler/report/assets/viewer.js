@@ -36,7 +36,9 @@ class Shape {
     };
     for (const piece of this.bodies.pieces) {
       for (let cell = 0; cell < piece.cell.length / 4; ++cell) {
-        const corners = this.bodies.corners(piece, time, cell), colour = this.bodies.colour(piece, time, cell);
+        let corners = this.bodies.corners(piece, time, cell);
+        if (!this.bodies.shows(piece)) corners = corners.map(() => corners[0]);  // without an area nothing is drawn
+        const colour = this.bodies.colour(piece, time, cell);
         for (const mirror of this.mirrors) {
           for (let i = 2; i < corners.length; ++i)
             for (const k of [0, i - 1, i]) put(face, corners[k], mirror, colour);
@@ -158,6 +160,7 @@ class Viewer {
       element(view, "button", { textContent: `Contact ${contact.name}`, className: "contact",
         onclick: () => this.lookAt(contact.centre, 1.5 * contact.size) });
     if (solid) this.addSection();
+    if (solid && !this.bodies.kinds && this.bodies.bodies.length > 1) this.addBodies();
     element(view, "button", { textContent: "Save picture", onclick: () => this.save() });
     this.addLegend();
   }
@@ -185,6 +188,15 @@ class Viewer {
     };
     axis.onchange = at.oninput = cut;
     at.disabled = true;
+  }
+  // A body hides the surface of the other one that it presses.
+  addBodies() {
+    const label = element(element(this.place, "div", { className: "controls" }), "label", { textContent: "Bodies " });
+    const choice = element(label, "select", { className: "bodies", onchange: () => {
+      this.bodies.shown = choice.selectedIndex - 1;
+      this.showTime(this.time);
+    } });
+    for (const name of ["all", ...this.bodies.bodies.map((body) => body.name)]) element(choice, "option", { textContent: name });
   }
   addLegend() {
     const { kinds, fields } = this.bodies;

@@ -34,7 +34,7 @@ class Box {
 // The numbers of the page: places and stresses of each piece at each of the kept times.
 class Bodies {
   constructor(data) {
-    Object.assign(this, { kinds: null, marks: [], fields: [] }, data);
+    Object.assign(this, { kinds: null, marks: [], fields: [], shown: -1 }, data);
     this.solid = data.model === "solid";
     this.components = data.model === "bar" ? 1 : this.solid ? 3 : 2;
     for (const piece of this.pieces) {
@@ -57,6 +57,8 @@ class Bodies {
     this.colours = (this.kinds?.map((kind) => kind.colour) ?? this.hex).map((hex) =>
       [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
   }
+  // One body alone, or all.
+  shows(piece) { return this.shown < 0 || piece.body === this.shown; }
   node(piece, time, i) { return this.point(piece.place[time], i); }
   point(place, i) {
     const n = this.components;

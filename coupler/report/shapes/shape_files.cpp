@@ -93,7 +93,8 @@ ShapePiece piece_of(const Json& json, const ShapeFile& file) {
     piece.stress_pa.emplace_back(stress.begin(), stress.end());
   }
   for (const auto& [key, values] : {std::pair{"plastic_strain", &ShapePiece::plastic_strain},
-                                    {"temperature_rise_k", &ShapePiece::temperature_rise_k}}) {
+                                    {"temperature_rise_k", &ShapePiece::temperature_rise_k},
+                                    {"contact_pressure_pa", &ShapePiece::contact_pressure_pa}}) {
     const auto found = json.find(key);
     if (found == json.end()) continue;
     if (found->size() != file.windows.size()) refuse_shapes(file.path, "fields of another number of windows");
@@ -160,13 +161,14 @@ ShapePiece at_windows(ShapePiece&& piece, const std::vector<std::int64_t>& has,
   ShapePiece result = std::move(piece);
   auto displacement = std::exchange(result.displacement, {});
   auto stress = std::exchange(result.stress_pa, {}), strain = std::exchange(result.plastic_strain, {}),
-       rise = std::exchange(result.temperature_rise_k, {});
+       rise = std::exchange(result.temperature_rise_k, {}), pressure = std::exchange(result.contact_pressure_pa, {});
   for (const auto window : wanted) {
     const auto i = static_cast<std::size_t>(std::find(has.begin(), has.end(), window) - has.begin());
     result.displacement.push_back(std::move(displacement[i]));
     result.stress_pa.push_back(std::move(stress[i]));
     if (!strain.empty()) result.plastic_strain.push_back(std::move(strain[i]));
     if (!rise.empty()) result.temperature_rise_k.push_back(std::move(rise[i]));
+    if (!pressure.empty()) result.contact_pressure_pa.push_back(std::move(pressure[i]));
   }
   return result;
 }

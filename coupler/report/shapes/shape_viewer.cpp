@@ -62,7 +62,8 @@ std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, s
 }
 
 /// cells_data and "place": a window's components of each node as float32; "stress" and, of a body that yields,
-/// "plastic_strain", where that heats it "temperature_rise_k": a window's float32 of each cell.
+/// "plastic_strain", where that heats it "temperature_rise_k", of who enforces the contact "contact_pressure_pa": a
+/// window's float32 of each cell.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
   Json data = cells_data(piece, looks);
@@ -81,6 +82,7 @@ Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<Ce
   add("stress", &ShapePiece::stress_pa);
   add("plastic_strain", &ShapePiece::plastic_strain);
   add("temperature_rise_k", &ShapePiece::temperature_rise_k);
+  add("contact_pressure_pa", &ShapePiece::contact_pressure_pa);
   return data;
 }
 
@@ -100,18 +102,18 @@ Json data_of(const Shapes& shapes, const Magnification& magnification, const Col
                             {"factor", unit.factor},
                             {"unit", unit.name}});
   const auto offer = [&](const char* key, CellValues values, const char* name, double factor, const char* unit_name) {
-    if (std::all_of(shapes.pieces.begin(), shapes.pieces.end(),
-                    [&](const ShapePiece& piece) { return (piece.*values).empty(); }))
-      return;
+    const ColourScale own = colour_scale(shapes, values);
+    if (own.largest == 0.0) return;
     data["fields"].push_back({{"key", key},
                               {"name", name},
                               {"signed", false},
-                              {"high", colour_scale(shapes, values).high},
+                              {"high", own.high},
                               {"factor", factor},
                               {"unit", unit_name}});
   };
   offer("plastic_strain", &ShapePiece::plastic_strain, "equivalent plastic strain", 100.0, "%");
   offer("temperature_rise_k", &ShapePiece::temperature_rise_k, "rise of temperature", 1.0, "K");
+  offer("contact_pressure_pa", &ShapePiece::contact_pressure_pa, "contact pressure", unit.factor, unit.name.c_str());
   for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
   for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
   for (std::size_t p = 0; p < shapes.pieces.size(); ++p)

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -34,8 +35,8 @@ struct Recorded {
     setup.clock = 0.1;
     setup.output_directory = folder.path().string();
   }
-  [[nodiscard]] std::unique_ptr<ShapeRecorder> recorder() const {
-    return std::make_unique<ShapeRecorder>(scene.problem, scene.states, setup, "mine");
+  [[nodiscard]] std::unique_ptr<ShapeRecorder> recorder(PressedSurface pressing = {}) const {
+    return std::make_unique<ShapeRecorder>(scene.problem, scene.states, setup, "mine", pressing);
   }
   [[nodiscard]] std::string path() const { return (folder.path() / "mine.shapes.json").string(); }
   [[nodiscard]] Json file() const { return Json::parse(std::ifstream(path())); }
@@ -148,6 +149,24 @@ TEST(ShapeRecorder, OfABodyThatIsHeatedKeepsTheRiseOfItsTemperature) {
   EXPECT_THAT(rise, Each(20.0F));
   EXPECT_THAT(numbers<float>(bodies[0]["plastic_strain"][0]), Each(0.125F));
   EXPECT_FALSE(bodies[1].contains("temperature_rise_k")) << "it is elastic";
+}
+
+// Two blocks of 2 x 3 faces that press each other evenly: on both surfaces, and nowhere else.
+TEST(ShapeRecorder, OfWhoEnforcesTheContactKeepsItsPressureOnBothSurfaces) {
+  Recorded run(scene::blocks + "[coupling]\nprotocol = \"all_explicit\"\n");
+  const ContactSurface surface(run.scene.problem, run.scene.states);
+  std::vector<PairForce> forces(surface.pairs.size());
+  auto recorder = run.recorder({&surface, &forces});
+  recorder->note(0);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i].normal = 2e6 * surface.pairs[i].area_m2;
+  recorder->finish(1);
+  for (const auto& body : run.file()["bodies"]) {
+    EXPECT_THAT(numbers<float>(body["contact_pressure_pa"][0]), Each(0.0F));
+    const auto pressure = numbers<float>(body["contact_pressure_pa"][1]);
+    EXPECT_EQ(pressure.size(), numbers<int>(body["cell"]).size() / 4);
+    EXPECT_EQ(std::count_if(pressure.begin(), pressure.end(), [](float pa) { return pa > 0.0F; }), 6) << body["name"];
+    EXPECT_FLOAT_EQ(*std::max_element(pressure.begin(), pressure.end()), 2e6F);
+  }
 }
 
 TEST(ShapeRecorder, WhereAMeshRepeatsDrawsTheImageOfANode) {

@@ -79,17 +79,33 @@ async function expectKindsAndMarks(page) {
     `the legend has ${named.join(", ")}`);
 }
 
-// A body that yields is coloured by its plastic strain, too.
+// A body that yields is coloured by its plastic strain, too, and bodies that press each other by that pressure.
 async function expectFields(page) {
   const fields = page.locator("select.field");
   expect(await fields.count() === await page.evaluate(() => (bodyViewer.bodies.fields.length > 1 ? 1 : 0)), "no choice of colours");
   if (!(await fields.count())) return;
+  const offered = await fields.locator("option").allInnerTexts();
   const time = page.getByLabel("time", { exact: true });
   await time.fill(await time.getAttribute("max"));  // at the start there is neither
   const before = await pictureOf(page);
-  await fields.selectOption("equivalent plastic strain");
-  expect((await pictureOf(page)).hash !== before.hash, "plastic strain has the colours of stress");
-  expect((await page.locator(".legend").innerText()).includes("equivalent plastic strain [%]"), "the legend is that of stress");
+  for (const [name, unit] of [["equivalent plastic strain", "%"], ["contact pressure", ".?Pa"]].filter(([name]) => offered.includes(name))) {
+    await fields.selectOption(name);
+    expect((await pictureOf(page)).hash !== before.hash, `${name} has the colours of stress`);
+    expect(new RegExp(`${name} \\[${unit}\\]`).test(await page.locator(".legend").innerText()), "the legend is that of stress");
+  }
+}
+
+// One body alone shows the surface that the other one hides.
+async function expectOneBody(page) {
+  const choice = page.locator("select.bodies"), all = await pictureOf(page);
+  if (!(await choice.count())) return;
+  for (const name of (await choice.locator("option").allInnerTexts()).slice(1)) {
+    await choice.selectOption(name);
+    const one = await pictureOf(page);
+    expect(one.hash !== all.hash && one.drawn > 0.002 && one.drawn < all.drawn, `"${name}" alone: ${JSON.stringify(one)}`);
+  }
+  await choice.selectOption("all");
+  expect((await pictureOf(page)).hash === all.hash, "not all bodies are back");
 }
 
 // The bodies are seen, and answer to a drag, to buttons, to the pointer and to the time; a telephone shows the page, too.
@@ -125,6 +141,7 @@ async function expectDeformedBodies(page) {
     expect((await pictureOf(page)).hash !== first.hash, "the section cuts nothing");
     await section.selectOption("none");
   }
+  await expectOneBody(page);
   if (await page.evaluate(() => bodyViewer.bodies.kinds)) {
     await expectKindsAndMarks(page);
   } else {

@@ -119,6 +119,8 @@ TEST_F(ShapeFiles, WrongOnesAreNamed) {
   EXPECT_THAT(refused("plastic_strain", Json({"", ""})), HasSubstr("\"plastic_strain\" holds 0 numbers, expected 1"));
   EXPECT_THAT(refused("temperature_rise_k", Json({"", ""})),
               HasSubstr("\"temperature_rise_k\" holds 0 numbers, expected 1"));
+  EXPECT_THAT(refused("contact_pressure_pa", Json({"", ""})),
+              HasSubstr("\"contact_pressure_pa\" holds 0 numbers, expected 1"));
 }
 
 TEST_F(ShapeFiles, OfAnotherRunAreNamed) {

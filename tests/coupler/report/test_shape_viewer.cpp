@@ -221,5 +221,17 @@ TEST(ShapeViewer, ABodyThatIsHeatedMayBeColouredByTheRiseOfItsTemperature) {
   EXPECT_THAT(unpacked<float>(data["pieces"][0]["temperature_rise_k"][1]), ElementsAre(50.0F, 25.0F));
 }
 
+TEST(ShapeViewer, BodiesThatPressEachOtherMayBeColouredByTheContactPressure) {
+  auto shapes = two_squares();
+  shapes.pieces[0].contact_pressure_pa = {{0.0, 0.0}, {0.0, 0.0}};
+  EXPECT_EQ(shape_viewer(shapes, {}, no_contact)->data["fields"].size(), 1U) << "nothing is pressed";
+  shapes.pieces[0].contact_pressure_pa[1] = {4e6, 0.0};
+  const auto data = shape_viewer(shapes, {}, no_contact)->data;
+  ASSERT_EQ(data["fields"].size(), 2U);
+  EXPECT_EQ(data["fields"][1]["key"], "contact_pressure_pa");
+  EXPECT_EQ(data["fields"][1]["high"], 4e6);
+  EXPECT_THAT(unpacked<float>(data["pieces"][0]["contact_pressure_pa"][1]), ElementsAre(4e6F, 0.0F));
+}
+
 }  // namespace
 }  // namespace ricochet::report
