@@ -104,12 +104,8 @@ Json data_of(const Shapes& shapes, const Magnification& magnification, const Col
   const auto offer = [&](const char* key, CellValues values, const char* name, double factor, const char* unit_name) {
     const ColourScale own = colour_scale(shapes, values);
     if (own.largest == 0.0) return;
-    data["fields"].push_back({{"key", key},
-                              {"name", name},
-                              {"signed", false},
-                              {"high", own.high},
-                              {"factor", factor},
-                              {"unit", unit_name}});
+    data["fields"].push_back(
+        {{"key", key}, {"name", name}, {"signed", false}, {"high", own.high}, {"factor", factor}, {"unit", unit_name}});
   };
   offer("plastic_strain", &ShapePiece::plastic_strain, "equivalent plastic strain", 100.0, "%");
   offer("temperature_rise_k", &ShapePiece::temperature_rise_k, "rise of temperature", 1.0, "K");
