@@ -15,11 +15,11 @@
 namespace ricochet::solver {
 
 /// Keeps the displacements of a participant's elements at a few windows, evenly spaced over the run however long it
-/// becomes, and writes them with the stress of what can be seen to DIRECTORY/NAME.shapes.json, from which `ricochet
-/// report` draws the deformed bodies. Stresses are reckoned at the end, and for those windows alone: while the run goes
-/// on, a window costs a copy of u at most. It is a picture only: if it cannot be written, a line on stderr says so and
-/// nothing fails; in a folder that is not there (on another machine) it does not try. The file says how many cells
-/// there are, and has none, if they are more than SeenCells::most.
+/// becomes, and writes them with the stress and the contact pressure of what can be seen to DIRECTORY/NAME.shapes.json,
+/// from which `ricochet report` draws the deformed bodies. Stresses are reckoned at the end, and for those windows
+/// alone: while the run goes on, a window costs a copy of u at most. It is a picture only: if it cannot be written, a
+/// line on stderr says so and nothing fails; in a folder that is not there (on another machine) it does not try. The
+/// file says how many cells there are, and has none, if they are more than SeenCells::most.
 class ShapeRecorder {
  public:
   /// Windows kept; one more when this many are there: then every second goes, and half as many are kept from there on.

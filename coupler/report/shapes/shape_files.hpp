@@ -20,9 +20,8 @@ struct ShapePiece {
   std::vector<std::vector<Place>> displacement;       ///< per window, per node
   std::vector<std::vector<double>> stress_pa;         ///< per window, per cell: von Mises, axial of a bar
   std::vector<std::vector<double>> plastic_strain{};  ///< the same, equivalent; empty: of a body that does not yield
-  std::vector<std::vector<double>> temperature_rise_k{};  ///< the same since the start; empty: plastic work heats none
-  std::vector<std::vector<double>>
-      contact_pressure_pa{};  ///< the same; empty: another participant enforces the contact
+  std::vector<std::vector<double>> temperature_rise_k{};   ///< the same since the start; empty: plastic work heats none
+  std::vector<std::vector<double>> contact_pressure_pa{};  ///< the same; empty: somebody else enforces the contact
 };
 
 /// The elements of a run's bodies, deformed, at the windows that all who drew them kept.
