@@ -66,7 +66,9 @@ class ExplicitContact {
   /// Contact quantities at the present displacement (principal stress and energies included).
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   /// See participant::Participant::contact_forces.
-  [[nodiscard]] solver::PressedSurface pressed() const { return {&surface_, &state_.mean_forces}; }
+  [[nodiscard]] solver::PressedSurface pressed(const std::vector<solver::BodyState>& states) const {
+    return {&surface_, &state_.mean_forces, &states};
+  }
   [[nodiscard]] std::vector<fem::ContactFields> fields(const std::vector<solver::BodyState>& states) const {
     return surface_.nodal_fields(states, state_.mean_forces);
   }

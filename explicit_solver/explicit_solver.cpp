@@ -70,8 +70,7 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
   stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
   stepping_->answer(output);
   solver::PressedSurface pressing;
-  if (contact()) pressing = contact()->pressed();
-  if (ranks_) pressing.forces = nullptr;
+  if (contact()) pressing = contact()->pressed(stepped());
   reporting_.begin(problem_, states_, setup_, spec_->name, pressing, true);
 }
 

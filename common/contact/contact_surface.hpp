@@ -80,10 +80,12 @@ struct ContactSurface {
                                      const ContactImpulses& impulses, std::optional<std::size_t> contact) const;
 };
 
-/// A contact and the forces of its pairs in the last window; null where somebody else enforces it.
+/// A contact, the forces of its pairs in the last window, and the parts that its rows number; null where somebody else
+/// enforces it.
 struct PressedSurface {
   const ContactSurface* surface = nullptr;
   const std::vector<PairForce>* forces = nullptr;
+  const std::vector<BodyState>* parts = nullptr;
 };
 
 /// Contact status after a window: gaps, separation, and whether `until_separated_plus_s` of the setup has passed.

@@ -24,8 +24,8 @@ class Reporting {
  public:
   /// Adds the columns of `axial_stress` and `probes` to the description.
   void describe(const scene::Problem& problem, const std::vector<BodyState>& states, participant::Description& d);
-  /// Before the first window. `pressing`: of who enforces the contact; it must outlive this object unmoved, its forces
-  /// null where the parts of the surface are others than `states`. `windows_are_cheap`: see ModelWatch.
+  /// Before the first window. `pressing`: of who enforces the contact; what it names must outlive this object unmoved.
+  /// `windows_are_cheap`: see ModelWatch.
   void begin(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
              const std::string& participant, PressedSurface pressing, bool windows_are_cheap);
 

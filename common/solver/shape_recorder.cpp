@@ -68,9 +68,15 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
     too_many_cells_ = count;
     return;
   }
-  for (std::size_t p = 0; p < states.size(); ++p)
+  for (std::size_t p = 0; p < states.size(); ++p) {
     parts_.push_back(
         drawn_part(states[p], problem.bodies[static_cast<std::size_t>(states[p].body)], std::move(seen[p])));
+    if (!pressing.parts) continue;
+    const auto& all = states[p].part.body_node;
+    for (const int node : (*pressing.parts)[p].part.body_node)
+      parts_.back().pressed_node.push_back(
+          static_cast<int>(std::lower_bound(all.begin(), all.end(), node) - all.begin()));
+  }
 }
 
 ShapeRecorder::~ShapeRecorder() { write(); }
@@ -140,12 +146,14 @@ void ShapeRecorder::press() {
     part.load_n.setZero();
     part.area_m2.setZero();
   }
+  const int components = fem::components(model_);
   const auto& pairs = pressing_.surface->pairs;
   for (std::size_t i = 0; i < std::min(pairs.size(), pressing_.forces->size()); ++i) {
     for (const auto& entry : pairs[i].normal.entries) {
       auto& part = parts_[static_cast<std::size_t>(entry.part)];
-      part.load_n[entry.dof] += entry.coefficient * (*pressing_.forces)[i].normal;
-      part.area_m2[entry.dof] += entry.coefficient * pairs[i].area_m2;
+      const int dof = part.pressed_node[fem::at(entry.dof / components)] * components + entry.dof % components;
+      part.load_n[dof] += entry.coefficient * (*pressing_.forces)[i].normal;
+      part.area_m2[dof] += entry.coefficient * pairs[i].area_m2;
     }
   }
 }

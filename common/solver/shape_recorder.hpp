@@ -26,7 +26,7 @@ class ShapeRecorder {
   static constexpr std::size_t most_windows = 8;
 
   /// Keeps nothing if `setup` has no output directory. `states` must outlive this object unmoved, and so must
-  /// `pressing`, of who enforces the contact of these parts.
+  /// what `pressing` names, of who enforces the contact. Its parts have nodes of `states`, some or all.
   ShapeRecorder(const scene::Problem& problem, const std::vector<BodyState>& states, const participant::Setup& setup,
                 std::string participant, PressedSurface pressing);
   ShapeRecorder(const ShapeRecorder&) = delete;
@@ -60,6 +60,7 @@ class ShapeRecorder {
     /// each cell; of a part that turns also its frame.
     std::array<Eigen::VectorXd, most_windows + 1> kept;
     Eigen::VectorXd load_n, area_m2;  ///< contact forces and areas of the present window, per dof of the part
+    std::vector<int> pressed_node;    ///< of the part, per node that rows of the contact number
   };
   [[nodiscard]] Drawn drawn_part(const BodyState& state, const scene::BodyProblem& body, fem::SeenCells&& seen) const;
   void keep(std::int64_t window);

@@ -116,7 +116,9 @@ class ImplicitContact {
 
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
   /// See participant::Participant::contact_forces.
-  [[nodiscard]] solver::PressedSurface pressed() const { return {&surface_, &state_.mean_forces}; }
+  [[nodiscard]] solver::PressedSurface pressed(const std::vector<solver::BodyState>& states) const {
+    return {&surface_, &state_.mean_forces, &states};
+  }
   [[nodiscard]] std::vector<fem::ContactFields> fields(const std::vector<solver::BodyState>& states) const {
     return surface_.nodal_fields(states, state_.mean_forces);
   }

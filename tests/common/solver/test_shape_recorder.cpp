@@ -156,7 +156,7 @@ TEST(ShapeRecorder, OfWhoEnforcesTheContactKeepsItsPressureOnBothSurfaces) {
   Recorded run(scene::blocks + "[coupling]\nprotocol = \"all_explicit\"\n");
   const ContactSurface surface(run.scene.problem, run.scene.states);
   std::vector<PairForce> forces(surface.pairs.size());
-  auto recorder = run.recorder({&surface, &forces});
+  auto recorder = run.recorder({&surface, &forces, &run.scene.states});
   recorder->note(0);
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i].normal = 2e6 * surface.pairs[i].area_m2;
   recorder->finish(1);
