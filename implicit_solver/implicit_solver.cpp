@@ -87,8 +87,8 @@ void ImplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     heart.begin("assembling");
     set_up_windows(&heart);
   }
-  reporting_.begin(problem_, states_, setup_, spec_->name, contact_ ? contact_->pressed(states_) : solver::PressedSurface{},
-                   false);
+  reporting_.begin(problem_, states_, setup_, spec_->name,
+                   contact_ ? contact_->pressed(states_) : solver::PressedSurface{}, false);
   put_output(output);
 }
 
