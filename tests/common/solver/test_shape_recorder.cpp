@@ -160,7 +160,8 @@ TEST(ShapeRecorder, OfWhoEnforcesTheContactKeepsItsPressureOnBothSurfaces) {
   recorder->note(0);
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i].normal = 2e6 * surface.pairs[i].area_m2;
   recorder->finish(1);
-  for (const auto& body : run.file()["bodies"]) {
+  const Json bodies = run.file()["bodies"];
+  for (const auto& body : bodies) {
     EXPECT_THAT(numbers<float>(body["contact_pressure_pa"][0]), Each(0.0F));
     const auto pressure = numbers<float>(body["contact_pressure_pa"][1]);
     EXPECT_EQ(pressure.size(), numbers<int>(body["cell"]).size() / 4);
