@@ -116,16 +116,24 @@ std::vector<fem::ContactFields> ContactSurface::nodal_fields(const std::vector<B
   return fields;
 }
 
+std::vector<int> nodes_in_whole(const fem::Part& own, const fem::Part& whole) {
+  std::vector<int> nodes;
+  for (const int node : own.body_node) {  // ascending in both
+    const auto at = std::lower_bound(whole.body_node.begin(), whole.body_node.end(), node);
+    nodes.push_back(static_cast<int>(at - whole.body_node.begin()));
+  }
+  return nodes;
+}
+
 std::vector<fem::ContactFields> of_whole_parts(const std::vector<fem::ContactFields>& fields,
                                                const std::vector<BodyState>& parts,
                                                const std::vector<BodyState>& whole) {
   std::vector<fem::ContactFields> result;
   for (std::size_t p = 0; p < whole.size(); ++p) {
     auto& of = result.emplace_back(no_fields(whole[p].part));
-    const auto &own = parts[p].part.body_node, &all = whole[p].part.body_node;
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const auto to = std::lower_bound(all.begin(), all.end(), own[i]) - all.begin();
-      const auto from = static_cast<Eigen::Index>(i);
+    const auto node = nodes_in_whole(parts[p].part, whole[p].part);
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const Eigen::Index to = node[i], from = static_cast<Eigen::Index>(i);
       of.force_n.segment<3>(3 * to) = fields[p].force_n.segment<3>(3 * from);
       of.pressure_pa[to] = fields[p].pressure_pa[from];
       of.gap_m[to] = fields[p].gap_m[from];

@@ -71,11 +71,7 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
   for (std::size_t p = 0; p < states.size(); ++p) {
     parts_.push_back(
         drawn_part(states[p], problem.bodies[static_cast<std::size_t>(states[p].body)], std::move(seen[p])));
-    if (!pressing.parts) continue;
-    const auto& all = states[p].part.body_node;
-    for (const int node : (*pressing.parts)[p].part.body_node)
-      parts_.back().pressed_node.push_back(
-          static_cast<int>(std::lower_bound(all.begin(), all.end(), node) - all.begin()));
+    if (pressing.parts) parts_.back().pressed_node = nodes_in_whole((*pressing.parts)[p].part, states[p].part);
   }
 }
 
@@ -148,7 +144,7 @@ void ShapeRecorder::press() {
   }
   const int components = fem::components(model_);
   const auto& pairs = pressing_.surface->pairs;
-  for (std::size_t i = 0; i < std::min(pairs.size(), pressing_.forces->size()); ++i) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (const auto& entry : pairs[i].normal.entries) {
       auto& part = parts_[static_cast<std::size_t>(entry.part)];
       const int dof = part.pressed_node[fem::at(entry.dof / components)] * components + entry.dof % components;

@@ -98,7 +98,12 @@ async function expectFields(page) {
 // One body alone shows the surface that the other one hides.
 async function expectOneBody(page) {
   const choice = page.locator("select.bodies"), all = await pictureOf(page);
-  if (!(await choice.count())) return;
+  const wanted = await page.evaluate(() => {
+    const { solid, kinds, bodies } = bodyViewer.bodies;
+    return solid && !kinds && bodies.length > 1;
+  });
+  expect((await choice.count()) === (wanted ? 1 : 0), "no choice of bodies, or one too many");
+  if (!wanted) return;
   for (const name of (await choice.locator("option").allInnerTexts()).slice(1)) {
     await choice.selectOption(name);
     const one = await pictureOf(page);
