@@ -13,12 +13,12 @@ std::vector<int> with(std::vector<int> nodes, const std::vector<int>& more) {
 }  // namespace
 
 LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s)
-    : LinearElements(state),
+    : state_(&state),
       steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
-      front_(state, with(driven, steps_.reached())) {}
+      elements_(material_force(state, with(driven, steps_.reached()))) {}
 
-void LocalForce::evaluate(double, Eigen::VectorXd& u, Eigen::VectorXd& force) {
-  front_.multiply(*state_, u, force);
+void LocalForce::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  elements_->evaluate(step_s, u, force);
   steps_.spread(force);
 }
 
@@ -27,10 +27,11 @@ bool LocalForce::spreads(int dof) const {
 }
 
 double LocalForce::stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force, double half_work_j) const {
-  if (!steps_.any()) return half_work_j;
-  Eigen::VectorXd elements(u.size());
-  state_->stiffness.multiply(u, elements);
-  return half_work_j + 0.5 * u.dot(elements - force);
+  if (!steps_.any()) return elements_->stored(u, force, half_work_j);
+  Eigen::VectorXd unspread(u.size());
+  state_->stiffness.multiply(u, unspread);
+  if (state_->plastic) unspread -= state_->plastic->force_n;
+  return elements_->stored(u, unspread, half_work_j + 0.5 * u.dot(unspread - force));
 }
 
 MakeForce local_force(double window_s) {

@@ -21,6 +21,7 @@ struct LocalStepsPlan {
   std::vector<int> nodes;         ///< by the steps that they take in a window: 1, 2, 4, ...
   double extra_rows = 0.0;        ///< that a window multiplies beside the whole stiffness, over all rows
   double longest_window_s = 0.0;  ///< that the coarsest node bears as one step
+  std::string jump{};             ///< a warning of held nodes whose velocity jumps among small steps, or none
 };
 struct BodyPlan {
   std::string name;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "common/base/error.hpp"
@@ -11,6 +12,9 @@
 
 namespace ricochet::scene {
 namespace {
+
+/// Of the largest velocity: a smaller jump is that of a ramp in pieces.
+constexpr double told_jump = 0.2;
 
 void refuse_absorbing(const Problem& problem, const BodyProblem& body, const fem::LocalSteps& steps) {
   const int components = fem::components(body.section.model);
@@ -25,13 +29,59 @@ void refuse_absorbing(const Problem& problem, const BodyProblem& body, const fem
   }
 }
 
+/// Velocities of a piecewise linear motion up to `end_s`: before its first time v_0, then of each piece, then 0 [m/s].
+std::vector<double> velocities(const Amplitude& amplitude, double displacement_m, double v_0, double end_s) {
+  const auto& time_s = amplitude.time_s;
+  std::vector<double> found{v_0};
+  for (std::size_t i = 0; i < time_s.size() && time_s[i] < end_s; ++i) {
+    const bool last = i + 1 == time_s.size();
+    const double factors = last ? 0.0 : amplitude.factor[i + 1] - amplitude.factor[i];
+    found.push_back(last ? 0.0 : displacement_m * factors / (time_s[i + 1] - time_s[i]));
+  }
+  return found;
+}
+
+/// Held nodes among small steps move from one window to the next: elements of theirs take a velocity that jumps as a
+/// blow, and ring.
+std::string jump_among_small_steps(const Problem& problem, const ParticipantPart& part, const fem::LocalSteps& steps) {
+  const BodyProblem& body = problem.bodies[at(part.body)];
+  const Body& spec = problem.scene.bodies[at(part.body)];
+  const int components = fem::components(body.section.model);
+  const Eigen::VectorXd& v = body.initial_velocity_m_s;
+  double fastest = v.cwiseAbs().maxCoeff(), largest = 0.0;
+  int where = 0;
+  for (int dof = 0; dof < part.part.dofs(); ++dof) {
+    const int node = dof / components;
+    if (!body.fixed_dof[at(dof)] || !steps.steps_locally(node)) continue;
+    double jump = 0.0, around = 0.0;
+    for (fem::SparseMatrix::InnerIterator it(part.part.stiffness, dof); it; ++it)
+      if (const auto other = static_cast<int>(it.col()); other % components == dof % components)
+        if (std::abs(v[other]) > std::abs(around)) around = v[other];
+    std::vector<double> own{around, 0.0};
+    if (const int motion = body.prescribed_index[at(dof)]; motion >= 0)
+      own = velocities(spec.prescribed[at(motion)].amplitude, body.prescribed_displacement_m[dof], around,
+                       problem.scene.time.end_s);
+    for (std::size_t i = 0; i + 1 < own.size(); ++i) jump = std::max(jump, std::abs(own[i + 1] - own[i]));
+    for (const double speed : own) fastest = std::max(fastest, std::abs(speed));
+    if (jump <= largest) continue;
+    largest = jump;
+    where = node;
+  }
+  if (largest <= told_jump * fastest) return "";
+  return fmt::format(
+      "the velocity of body \"{}\" jumps by {:.3g} m/s at the held node at {}, among elements that take several steps "
+      "in a window: their stress rings; let the motion grow over some windows, or make these elements coarser",
+      body.name, largest, fem::place_text(body.mesh.model, body.mesh.position[at(where)]));
+}
+
 }  // namespace
 
 LocalStepsPlan plan_local_steps(const Problem& problem, const ParticipantPart& part) {
   const BodyProblem& body = problem.bodies[at(part.body)];
   const fem::LocalSteps steps = local_steps(body, part.part, problem.clock.size_s());
   if (steps.any()) refuse_absorbing(problem, body, steps);
-  return {body.name, steps.nodes_by_level(), extra_rows(problem, part.body, steps), steps.longest_window_s()};
+  return {body.name, steps.nodes_by_level(), extra_rows(problem, part.body, steps), steps.longest_window_s(),
+          jump_among_small_steps(problem, part, steps)};
 }
 
 void check_local_steps(const Problem& problem, Plan& plan) {
@@ -39,6 +89,7 @@ void check_local_steps(const Problem& problem, Plan& plan) {
   double longest_s = 0.0;
   for (const LocalStepsPlan& body : plan.local_steps) {
     longest_s = std::max(longest_s, body.longest_window_s);
+    if (!body.jump.empty()) plan.warnings.push_back(body.jump);
     std::string nodes;
     for (std::size_t level = 0; level < body.nodes.size(); ++level)
       nodes += fmt::format("{}{} take {}", level == 0 ? "" : ", ", body.nodes[level], 1LL << level);

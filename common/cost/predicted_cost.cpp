@@ -251,8 +251,10 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
 bool bears_local_steps(const scene::Problem& problem) {
   const auto& scene = problem.scene;
   const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == scene::Enforcement::penalty;
-  return scene::linear(problem) && scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 &&
-         !penalty && !scene.massless_contact();
+  const bool turns =
+      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) { return body.large_rotation; });
+  return !turns && scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 && !penalty &&
+         !scene.massless_contact();
 }
 
 /// The products of windows of the scene's steps with local steps; where those are all that every element takes none.

@@ -1,4 +1,9 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
 
 #include "tests/support/graded_bar.hpp"
 
@@ -44,6 +49,73 @@ TEST(LocalSteps, AreThoseOfAllExplicitWhereEveryElementBearsTheStep) {
              all = run_text(bar.text("all_explicit", step_s), b);
   EXPECT_EQ(local.column("contact_force_n"), all.column("contact_force_n"));
   EXPECT_EQ(local.column("energy_strain_j"), all.column("energy_strain_j"));
+}
+
+/// A bar at rest whose fine end, its finest element `ratio` times shorter than the other end's, is pushed in by 20 m/s
+/// at once, or within 20 us. Behind the front stress is rho c v.
+struct PushedBar {
+  int ratio, elements;
+  bool at_once;
+
+  [[nodiscard]] std::string text(const std::string& protocol) const {
+    const GradedBar bar{ratio, elements};
+    std::string pushed = "time_s = [0.0, 2e-4], factor = [0.0, 1.0]";
+    if (!at_once) {
+      std::string times = "0.0", factors = "0.0";
+      for (int i = 1; i <= 20; ++i) {
+        times += fmt::format(", {}", i * 1e-6);
+        factors += fmt::format(", {}", 0.05 * (i / 20.0) * (i / 20.0));
+      }
+      pushed = fmt::format("time_s = [{}, 2e-4], factor = [{}, 0.95]", times, factors);
+    }
+    std::string text = replaced(bar.text(protocol, bar.step_s() / (protocol == "all_explicit" ? 5.0 * ratio : 5.0)),
+                                "[contact]\nsurfaces = [\"bar.start\", \"rigid_plane\"]\n", "");
+    text = replaced(text, "youngs_modulus_pa = 1e9", "youngs_modulus_pa = 25e9");  // c = 5000 m/s
+    text = replaced(text, "end_s = 3e-3", "end_s = 150e-6");
+    text = replaced(text, "initial_velocity_m_s = [-1.0]",
+                    "prescribed = [{ surface = \"start\", component = \"x\", displacement_m = 4e-3, amplitude = { " +
+                        pushed + " } }]");
+    return text + "[[output.probe]]\nname = \"near\"\nbody = \"bar\"\nat_m = [0.0005]\n";
+  }
+  /// Standard deviation of the stress near the pushed end over its mean, from 50 us on, and that mean over rho c v.
+  [[nodiscard]] std::pair<double, double> ringing(const std::string& protocol, const TemporaryFolder& folder) const {
+    const RunResult run = run_text(text(protocol), folder, protocol + (at_once ? "_at_once" : "_ramp"));
+    const History probes = read_history(run.folder + "/probes.csv");
+    double sum = 0.0, squares = 0.0, n = 0.0;
+    for (std::size_t i = 0; i < probes.at("time_s").size(); ++i) {
+      if (probes.at("time_s")[i] < 50e-6) continue;
+      const double stress = probes.at("near.stress_xx_pa")[i] / -(1000.0 * 5000.0 * 20.0);
+      sum += stress;
+      squares += stress * stress;
+      n += 1.0;
+    }
+    return {std::sqrt(squares / n - sum / n * sum / n) / (sum / n), sum / n};
+  }
+};
+
+TEST(LocalSteps, RingWhereAHeldNodeAmongThemTakesAVelocityAtOnce) {
+  const TemporaryFolder folder;
+  const PushedBar at_once{4, 200, true}, ramp{4, 200, false};
+  const auto [local, mean] = at_once.ringing("local_explicit", folder);
+  EXPECT_GT(local, 0.15);
+  EXPECT_NEAR(mean, 1.0, 0.01) << "it rings about the right stress";
+  EXPECT_LT(at_once.ringing("all_explicit", folder).first, 0.06);
+  EXPECT_LT(ramp.ringing("local_explicit", folder).first, 0.02);
+  const auto warned = [&](const PushedBar& bar) {
+    return run_command({ricochet_binary(), "check", folder.write(bar.text("local_explicit"))}, folder.path().string());
+  };
+  EXPECT_THAT(warned(at_once).error + warned(at_once).out,
+              HasSubstr("the velocity of body \"bar\" jumps by 20 m/s at the held node at"));
+  EXPECT_THAT(warned(ramp).error + warned(ramp).out, testing::Not(HasSubstr("jumps")));
+}
+
+TEST(LocalSteps, StopTheRunWhereAFinerBarIsPushedInAtOnce) {
+  const TemporaryFolder folder;
+  const auto outcome =
+      run_command({ricochet_binary(), "run", folder.write(PushedBar{16, 300, true}.text("local_explicit"))},
+                  folder.path().string());
+  EXPECT_EQ(outcome.code, 3) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("energy balance has grown"));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST_P(PlasticWave, HasThePlateauAndThePlasticWorkOfTheory) {
 
 INSTANTIATE_TEST_SUITE_P(Protocols, PlasticWave,
                          testing::Values("hughes_liu", "kim", "kim_predicted", "fixed_point", "prakash_hjelmstad",
-                                         "all_implicit", "all_explicit"),
+                                         "all_implicit", "all_explicit", "local_explicit"),
                          [](const auto& info) { return std::string(info.param); });
 
 /// A bar whose two ends move as given: all of its elements are strained alike, slowly. Without hardening there is but
@@ -162,6 +162,26 @@ TEST(PlasticWave, IsFoundWhereWindowsAreMuchLongerThanElementsAre) {
       EXPECT_NEAR(run.last("plastic_work_j") / Plateau{}.work_j(run.last("time_s")), 1.0, 0.05);
     }
   }
+}
+
+/// The front passes elements that take 16 steps in a window, where it sets out, and such that take one.
+TEST(PlasticWave, IsThatOfAllExplicitInLocalSteps) {
+  const TemporaryFolder folder;
+  const Plateau plateau;
+  const Impact local{.protocol = "local_explicit", .elements = 300, .finer = 16.0};
+  std::string text = scene_of(local);
+  EXPECT_THAT(run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string()).out,
+              HasSubstr(" take 16"));
+  const RunResult run = run_text(text, folder, "local");
+  const std::string all = replaced(with_protocol(text, "all_explicit"), fmt::format("step_s = {:.17g}", local.step_s()),
+                                   "safety_factor = 0.9");
+  const RunResult fine = run_text(all, folder, "all");
+  EXPECT_GT(fine.summary.at("windows").get<int>(), 10 * run.summary.at("windows").get<int>());
+  EXPECT_NEAR(run.mean("contact_pressure_mean_pa", 0.05e-3, 0.14e-3) / plateau.stress_pa, 1.0, 5e-3);
+  EXPECT_NEAR(run.last("plastic_work_j") / plateau.work_j(run.last("time_s")), 1.0, 5e-3);
+  EXPECT_NEAR(run.last("plastic_work_j") / fine.last("plastic_work_j"), 1.0, 2e-3);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  EXPECT_LT(largest_error(run), 1e-2) << "as elastic bars: at the blow";
 }
 
 /// The explicit side has the same elements as a baseline without an interface, at the same places.

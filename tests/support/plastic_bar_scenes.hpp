@@ -21,6 +21,14 @@ struct Impact {
   double end_s = 0.15e-3, hardening = hardening_pa;
   std::string implicit = "0.1", coupling = "", contact = "", participants = "", more = "";
   std::string law = "";  ///< further keys of its plasticity
+  double finer = 1.0;    ///< the last element is so much shorter than the first
+
+  /// 0.9 of what the first element bears.
+  [[nodiscard]] double step_s() const {
+    if (finer == 1.0) return 0.9 / elements / sound_m_s;
+    const double q = std::pow(finer, -1.0 / (elements - 1));
+    return 0.9 * (1.0 - q) / (1.0 - std::pow(q, elements)) / sound_m_s;
+  }
 };
 
 inline std::string scene_of(const Impact& impact) {
@@ -31,7 +39,7 @@ inline std::string scene_of(const Impact& impact) {
 [[body]]
 name = "rod"
 material = {{ youngs_modulus_pa = {}, density_kg_m3 = {}, plasticity = {{ yield_stress_pa = {}, hardening_pa = {}{} }} }}
-mesh = {{ length_m = 1.0, elements = {} }}
+mesh = {{ length_m = 1.0, elements = {}, grading = {} }}
 area_m2 = {}
 initial_velocity_m_s = [{}]
 [contact]
@@ -42,8 +50,8 @@ end_s = {}
 [coupling]
 protocol = "{}"
 {}{}{})",
-                     young_pa, density, yield_pa, impact.hardening, impact.law, impact.elements, area_m2, speed_m_s,
-                     impact.contact, partition, 0.9 / impact.elements / sound_m_s, impact.end_s, impact.protocol,
+                     young_pa, density, yield_pa, impact.hardening, impact.law, impact.elements, 1.0 / impact.finer,
+                     area_m2, speed_m_s, impact.contact, partition, impact.step_s(), impact.end_s, impact.protocol,
                      impact.coupling, impact.participants, impact.more);
 }
 

@@ -48,6 +48,18 @@ TEST(LocalStepsPlan, SaysHowManyNodesTakeHowManySteps) {
   EXPECT_TRUE(plan.warnings.empty());
 }
 
+/// A body that flies against a support of its own, too.
+TEST(LocalStepsPlan, WarnsOfASupportThatStopsSmallStepsAtOnce) {
+  const std::string alone =
+      replaced(replaced(graded_bars, ", right = 0.0635", ""), "surfaces = [\"left.end\", \"right.start\"]",
+               "surfaces = [\"left.start\", \"rigid_plane\"]");
+  const std::string held =
+      replaced(alone, "grading = 100.0 }", "grading = 100.0 }\nsupport = [{ surface = \"start\", fixed = [\"x\"] }]");
+  EXPECT_TRUE(plan_with_local_steps(alone).warnings.empty());
+  EXPECT_THAT(plan_with_local_steps(held).warnings,
+              Contains(AllOf(HasSubstr("body \"right\" jumps by"), HasSubstr("several steps in a window"))));
+}
+
 TEST(LocalStepsPlan, RefusesWhatItCannotDoByName) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
       {replaced(graded_bars, "step_s = 2.226e-6\n", ""), {"time", "no step_s, which \"local_explicit\" needs"}},
