@@ -315,8 +315,9 @@ void ExplicitContact::restore(const State& state) {
   if (inside_small_steps()) spread_forces();
 }
 
-const ContactRecord& ExplicitContact::report(const std::vector<BodyState>& states) {
+const ContactRecord& ExplicitContact::report(const std::vector<BodyState>& states, double unspread_j) {
   surface_.report(states, state_.mean_forces, state_, report_);
+  if (inside_small_steps()) report_.energy_contact_j += unspread_j;
   return report_;
 }
 

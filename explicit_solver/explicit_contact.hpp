@@ -63,8 +63,9 @@ class ExplicitContact {
   /// Once state.v is v_n: velocity of massless nodes, and the energy that closing and opening made back to the others.
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
-  /// Contact quantities at the present displacement (principal stress and energies included).
-  [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states);
+  /// Contact quantities at the present displacement (principal stress and energies included). Of forces that press
+  /// inside small steps the work counts with `unspread_j` (InternalForce::unspread).
+  [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states, double unspread_j = 0.0);
   /// See participant::Participant::contact_forces.
   [[nodiscard]] solver::PressedSurface pressed(const std::vector<solver::BodyState>& states) const {
     return {&surface_, &state_.mean_forces, &states};

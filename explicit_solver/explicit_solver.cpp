@@ -147,6 +147,7 @@ void ExplicitSolver::take_totals() {
     };
     if (!std::all_of(states_.begin(), states_.end(), finite)) reported();
   }
+  unspread_work_j_ = 0.0;
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (!ranks_ || gathered_ == window_) solver::require_finite(state, state.u, window_);
@@ -154,14 +155,16 @@ void ExplicitSolver::take_totals() {
     const auto& internal = stepping_->internal(b);
     set_totals(part_sums(state, internal), dt, state);
     double& strain_j = state.totals.energy_strain_j;
-    strain_j = stepping_->force(b).stored(state.u, internal, strain_j);
+    const auto unspread = stepping_->force(b).unspread(state.u, internal);
+    strain_j = stepping_->force(b).stored(state.u, internal, strain_j + unspread.half_work_j);
+    unspread_work_j_ += unspread.work_j;
   }
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {
   take_totals();
   solver::record_bodies(states_, row);
-  if (auto* c = contact()) append_quantities(c->report(stepped()), row);
+  if (auto* c = contact()) append_quantities(c->report(stepped(), unspread_work_j_), row);
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {

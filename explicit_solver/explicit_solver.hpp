@@ -89,6 +89,7 @@ class ExplicitSolver : public participant::Participant {
   MakeForce make_force_;
   std::vector<solver::BodyState> states_;            ///< whole parts
   std::vector<solver::BodyState>* share_ = nullptr;  ///< of ranks, from `initialize` on: what this one steps
+  double unspread_work_j_ = 0.0;                     ///< of all parts, as last reported
   std::int64_t gathered_ = -1;                       ///< of ranks: the window whose motion states_ has
   std::optional<Stepping> stepping_;                 ///< from `initialize` on
   participant::Setup setup_;

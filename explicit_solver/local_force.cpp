@@ -15,23 +15,61 @@ std::vector<int> with(std::vector<int> nodes, const std::vector<int>& more) {
 LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s)
     : state_(&state),
       steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
-      elements_(material_force(state, with(driven, steps_.reached()))) {}
+      elements_(material_force(state, with(driven, steps_.reached()))) {
+  if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, state.u, state.plastic->force_n});
+}
 
 void LocalForce::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   elements_->evaluate(step_s, u, force);
   steps_.spread(force);
+  if (flow_) flow_->u = u;
+}
+
+void LocalForce::settle() {
+  elements_->settle();
+  if (flow_) note_flow();
+}
+
+void LocalForce::note_flow() {
+  if (const auto& plastic = *state_->plastic; plastic.work_j != flow_->plastic_work_j) {
+    Eigen::VectorXd& spread = flow_->force;
+    spread -= plastic.force_n;
+    flow_->work_j -= 0.5 * (flow_->u + flow_->u_before).dot(spread);
+    steps_.spread(spread);
+    flow_->work_j += 0.5 * (flow_->u + flow_->u_before).dot(spread);
+    flow_->force = plastic.force_n;
+    flow_->plastic_work_j = plastic.work_j;
+  }
+  flow_->u_before.swap(flow_->u);
 }
 
 bool LocalForce::spreads(int dof) const {
   return steps_.any() && steps_.steps_locally(dof / fem::components(state_->part.mesh.model));
 }
 
-double LocalForce::stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force, double half_work_j) const {
-  if (!steps_.any()) return elements_->stored(u, force, half_work_j);
-  Eigen::VectorXd unspread(u.size());
-  state_->stiffness.multiply(u, unspread);
-  if (state_->plastic) unspread -= state_->plastic->force_n;
-  return elements_->stored(u, unspread, half_work_j + 0.5 * u.dot(unspread - force));
+LocalForce::Unspread LocalForce::unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force) {
+  if (!steps_.any()) return {};
+  Eigen::VectorXd elements(u.size());
+  state_->stiffness.multiply(u, elements);
+  if (!flow_) {
+    const double left_out_j = 0.5 * u.dot(elements - force);
+    return {left_out_j, left_out_j};
+  }
+  const Eigen::VectorXd& plastic = state_->plastic->force_n;
+  Eigen::VectorXd spread = plastic;
+  steps_.spread(spread);
+  const double left_out_j = 0.5 * u.dot(elements - plastic - force);
+  return {left_out_j, left_out_j - 0.5 * u.dot(plastic - spread) + flow_->work_j};
+}
+
+void LocalForce::archive(Archive& a) {
+  elements_->archive(a);
+  if (!flow_) return;
+  a(flow_->work_j);
+  if (!a.reading()) return;
+  flow_->u_before = state_->u;
+  flow_->force = state_->plastic->force_n;
+  flow_->plastic_work_j = state_->plastic->work_j;
 }
 
 MakeForce local_force(double window_s) {

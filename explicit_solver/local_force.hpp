@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/fem/local_steps.hpp"
@@ -18,23 +19,37 @@ class LocalForce final : public solver::InternalForce {
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }
-  void settle() override { elements_->settle(); }
+  void settle() override;
   void go_back() override { elements_->go_back(); }
   [[nodiscard]] const std::vector<solver::Rows>& rows() const override { return elements_->rows(); }
   void reach_all() override { elements_->reach_all(); }
   void spread(Eigen::VectorXd& force) override { steps_.spread(force); }
   [[nodiscard]] bool spreads(int dof) const override;
   [[nodiscard]] bool linear() const override { return elements_->linear(); }
-  /// Of the elements at u, which is u . P(u)/2 and not u . S P(u)/2.
+  /// Central difference with S P keeps 1/2 v . M v + 1/2 u . S K u. With the force F of plastic strain, P = K u - F,
+  /// the energy of the elements and their plastic work are more than that by
+  ///   1/2 u . (1 - S) K u - u . (1 - S) F + sum over windows of 1/2 (u_n + u_n+1) . (1 - S) (F_n+1 - F_n).
+  [[nodiscard]] Unspread unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force) override;
   [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
-                              double half_work_j) const override;
+                              double half_work_j) const override {
+    return elements_->stored(u, force, half_work_j);
+  }
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) override { return elements_->tangent(u); }
-  void archive(Archive& a) override { elements_->archive(a); }
+  void archive(Archive& a) override;
 
  private:
+  /// Of elements that yield.
+  struct Flow {
+    double work_j = 0.0;                 ///< the sum over windows
+    double plastic_work_j = 0.0;         ///< PlasticState::work_j of the last window
+    Eigen::VectorXd u, u_before, force;  ///< of the last evaluation; of the last window; F of it
+  };
+  void note_flow();
+
   const solver::BodyState* state_;
   fem::LocalSteps steps_;
   std::unique_ptr<solver::InternalForce> elements_;
+  std::optional<Flow> flow_;
 };
 
 /// Of windows of one size.

@@ -46,6 +46,11 @@ class InternalForce {
   /// f acts inside the small steps, and S is not 1 (fem::LocalSteps).
   virtual void spread(Eigen::VectorXd& force);
   [[nodiscard]] virtual bool spreads(int dof) const;
+  /// What S leaves out [J]: of u . P(u)/2, with S P(u) in `force`, and of the work of the steps so far.
+  struct Unspread {
+    double half_work_j = 0.0, work_j = 0.0;
+  };
+  [[nodiscard]] virtual Unspread unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force);
 
   /// Whether P(u + d) = P(u) + K d. Then a trial may be corrected by what the change of a force moves, alone.
   [[nodiscard]] virtual bool linear() const = 0;
@@ -84,6 +89,7 @@ inline void InternalForce::go_back() {}
 inline void InternalForce::reach_all() {}
 inline void InternalForce::spread(Eigen::VectorXd&) {}
 inline bool InternalForce::spreads(int) const { return false; }
+inline InternalForce::Unspread InternalForce::unspread(const Eigen::VectorXd&, const Eigen::VectorXd&) { return {}; }
 inline bool InternalForce::keeps_tangent() const { return linear(); }
 inline void InternalForce::archive(Archive&) {}
 

@@ -41,6 +41,20 @@ TEST(LocalSteps, KeepTheMomentumOfTetrahedraWithSupportsAmongThem) {
   EXPECT_LT(run.largest("energy_error"), 1e-6);
 }
 
+/// What presses inside small steps is in the elements: the book of contact has what is gone, not what is stored.
+TEST(LocalSteps, BookWhatContactCosts) {
+  const TemporaryFolder folder;
+  const std::string text =
+      replaced(with_absolute_meshes(config_text("two_balls")), "[partition]\nrule = \"auto\"\n", "");
+  const RunResult run = run_text(with_protocol(text, "local_explicit"), folder);
+  const double first = run.column("energy_kinetic_j").front();
+  for (std::size_t n = 0; n < run.column("time_s").size(); ++n) {
+    const auto at = [&](const char* name) { return run.column(name)[n]; };
+    ASSERT_NEAR((at("energy_kinetic_j") + at("energy_strain_j") - at("energy_contact_j")) / first, 1.0, 1e-12) << n;
+    ASSERT_NEAR(at("energy_contact_j") / first, 0.0, 1e-4) << n;
+  }
+}
+
 TEST(LocalSteps, AreThoseOfAllExplicitWhereEveryElementBearsTheStep) {
   const TemporaryFolder a, b;
   const GradedBar bar{2, 100};
