@@ -9,6 +9,7 @@
 #include "common/check/check_switch.hpp"
 #include "common/cost/machine_speed.hpp"
 #include "common/cost/node_graph.hpp"
+#include "common/cost/nonlinear_cost.hpp"
 #include "common/cost/reduced_cost.hpp"
 #include "common/cost/rewrites.hpp"
 #include "common/fem/vtk_output.hpp"
@@ -122,8 +123,10 @@ class Predictor {
       const double reached = moves_everywhere(problem_.scene.bodies[at(index)])
                                  ? 1.0
                                  : reached_share(share.graph, driven_nodes(problem_, index), steps);
-      of_step +=
-          (reached + share.products - 1.0) * product_s(share) + slowness_ * explicit_unknown_s * share.unknowns();
+      const scene::Body& spec = problem_.scene.bodies[at(index)];
+      of_step += (reached + spreads(spec) * (share.products - 1.0)) * product_s(share);
+      of_step += slowness_ *
+                 (explicit_unknown_s * share.unknowns() + nonlinear_step_s(spec, share.elements(), share.unknowns()));
       of_window += output_s(share, explicit_row_unknown_s);
     }
     if (contact) {
@@ -136,9 +139,11 @@ class Predictor {
   /// `interface`: unknowns shared with others; `windows` of a run.
   [[nodiscard]] double implicit_window_s(const std::vector<Share>& shares, double entries, double interface,
                                          double windows) const {
-    double of_window = slowness_ * implicit_s, roots = interface;
+    double of_window = slowness_ * implicit_s, roots = interface, times = 1.0;
     for (const Share& share : shares)
-      of_window += slowness_ * implicit_unknown_s * share.unknowns() + output_s(share, implicit_row_unknown_s);
+      times = std::max(times, solves(problem_.scene.bodies[at(static_cast<int>(share.body - problem_.bodies.data()))]));
+    for (const Share& share : shares)
+      of_window += slowness_ * times * implicit_unknown_s * share.unknowns() + output_s(share, implicit_row_unknown_s);
     for (int body = 0; body < static_cast<int>(problem_.bodies.size()); ++body)
       roots += static_cast<double>(scene::contact_nodes(problem_.contacts, body).size()) * problem_.scene.components();
     const double solve_s = solve_of_entries_s(entries);
@@ -149,7 +154,7 @@ class Predictor {
       of_window +=
           slowness_ * rewrites_[i] * (rewrite_s(i) + (dense ? compliance_s(i, roots - interface) : 0.0)) / windows;
     // A root whose dense inverse costs more is none (WindowSolver).
-    return of_window + slowness_ * (solve_s + std::min(solve_s, root_entry_s * roots * roots));
+    return of_window + slowness_ * times * (solve_s + std::min(solve_s, root_entry_s * roots * roots));
   }
 
  private:
@@ -247,16 +252,6 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 
-/// Whether the scene could run under `local_explicit` with its own step.
-bool bears_local_steps(const scene::Problem& problem) {
-  const auto& scene = problem.scene;
-  const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == scene::Enforcement::penalty;
-  const bool turns =
-      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) { return body.large_rotation; });
-  return !turns && scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 && !penalty &&
-         !scene.massless_contact();
-}
-
 /// The products of windows of the scene's steps with local steps; where those are all that every element takes none.
 void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std::vector<Share>& whole) {
   for (std::size_t b = 0; b < whole.size(); ++b) {
@@ -342,7 +337,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   }
   if (scene.coupling.protocol.local_steps) {
     cost.local_explicit_s = cost.stepping_s();
-  } else if (bears_local_steps(problem)) {
+  } else if (scene::takes_local_steps(problem)) {
     add_local_steps(problem, plan, whole);
     cost.local_explicit_s = cost.windows * (of_coupler_s + predictor.explicit_window_s(whole, cost.windows, 1.0, true));
   }

@@ -36,8 +36,8 @@ struct PredictedCost {
 };
 
 /// Counts of what a window does, from the scene, times what each takes. K u is measured on a sample of the scene's own
-/// elements as if no body yielded or turned; the rest are figures of the machine of docs/speed.md times
-/// `speed.slowness`. `end_s`: of the run [s]. `contact_s`: per contact how long the bodies touch; without it until the
+/// elements; the rest are figures of the machine of docs/speed.md times `speed.slowness`. Bodies that may yield do so
+/// in every window. `end_s`: of the run [s]. `contact_s`: per contact how long the bodies touch; without it until the
 /// end. Throws std::bad_alloc.
 [[nodiscard]] PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
                                          const MachineSpeed& speed, const std::vector<double>& contact_s = {});

@@ -22,4 +22,13 @@ double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps
   return (inside ? 2.0 : 1.0) * steps.extra_rows();
 }
 
+bool takes_local_steps(const Problem& problem) {
+  const Scene& scene = problem.scene;
+  const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == Enforcement::penalty;
+  const bool turns =
+      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& body) { return body.large_rotation; });
+  return !turns && scene.time.step_s && scene.time.changes.empty() && scene.coupling.substeps == 1 && !penalty &&
+         !scene.massless_contact();
+}
+
 }  // namespace ricochet::scene

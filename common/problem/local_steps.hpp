@@ -13,4 +13,7 @@ namespace ricochet::scene {
 /// for contact forces that act inside the small steps.
 [[nodiscard]] double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps);
 
+/// Whether the scene could run under `local_explicit` with its own step.
+[[nodiscard]] bool takes_local_steps(const Problem& problem);
+
 }  // namespace ricochet::scene

@@ -68,7 +68,7 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   if (scene.time.until_separated_plus_s && expected_end_s(problem) == scene.time.end_s)
     text += "; fewer steps if the bodies part before time.end_s";
   if (scene.coupling.protocol.iterated) text += "; with one iteration a step";
-  if (!scene::linear(problem)) text += "; of bodies that neither yield nor turn: these take longer";
+  if (scene::yields(problem)) text += "; as if bodies that may yield did so in every step";
   const auto layout = scene.coupling.protocol.layout;
   if (layout != scene::Layout::all_implicit)
     text += fmt::format("\n  all_implicit would take {:.2g} s, {:.2g} times as long", cost.all_implicit_s,

@@ -46,6 +46,25 @@ TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
   EXPECT_GE(cost_of(bars).all_explicit_s, flies) << "gravity moves all of it";
 }
 
+/// The price of yield and turn in docs/limits.md: an implicit window takes many solves, an explicit step little more.
+TEST(PredictedCost, CountsTheSolvesOfBodiesThatYieldOrTurn) {
+  const PredictedCost linear = cost_of(scene_of("rounded_striker"));
+  auto yielding = scene_of("rounded_striker");
+  for (auto& body : yielding.bodies) body.material.plasticity = fem::Plasticity{2e9, 1e10};
+  auto turning = scene_of("oblique_ball");
+  const PredictedCost still = cost_of(turning);
+  for (auto& body : turning.bodies) body.large_rotation = true;
+  for (const auto& [with, without] : {std::pair{cost_of(yielding), linear}, std::pair{cost_of(turning), still}}) {
+    EXPECT_GT(with.all_implicit_s, 5 * without.all_implicit_s);
+    EXPECT_GT(with.all_explicit_s, without.all_explicit_s);
+    EXPECT_LT(with.all_explicit_s, 10 * without.all_explicit_s);
+  }
+  EXPECT_GT(cost_of(yielding).local_explicit_s, linear.local_explicit_s);
+  EXPECT_LT(cost_of(yielding).local_explicit_s, cost_of(yielding).stepping_s()) << "as measured: docs/studies.md";
+  EXPECT_GT(linear.local_explicit_s, 0.0);
+  EXPECT_EQ(cost_of(turning).local_explicit_s, 0.0) << "refused";
+}
+
 TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
   auto scene = scene_of("rounded_striker");
   scene.coupling.protocol = scene::protocol_traits("all_explicit");
