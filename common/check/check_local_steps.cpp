@@ -15,6 +15,8 @@ namespace {
 
 /// Of the largest velocity: a smaller jump is that of a ramp in pieces.
 constexpr double told_jump = 0.2;
+/// Of the longest window that was found: levels of another one are scaled anew.
+constexpr double takes = 0.9;
 
 void refuse_absorbing(const Problem& problem, const BodyProblem& body, const fem::LocalSteps& steps) {
   const int components = fem::components(body.section.model);
@@ -104,7 +106,7 @@ void check_local_steps(const Problem& problem, Plan& plan) {
     throw ConfigError(fmt::format(
         "{}: found {:.6g} s, too long for every element; allowed with \"local_explicit\": {:.3g} or less, a step that "
         "the coarse elements take",
-        problem.scene.where("time.step_s"), step_s, longest_s));
+        problem.scene.where("time.step_s"), step_s, takes * longest_s));
 }
 
 }  // namespace ricochet::scene

@@ -136,7 +136,11 @@ bool LocalSteps::bears(const StiffnessProduct& stiffness, const Eigen::VectorXd&
     stiffness.multiply(u, force);
     spread(force);
   };
-  if (max_frequency_squared(times, mass, components_, fixed, 1e-3) > most) return false;
+  try {
+    if (max_frequency_squared(times, mass, components_, fixed, 1e-3) > most) return false;
+  } catch (const SolverError&) {
+    return false;  // so far from it that numbers overflow
+  }
   const auto below = [&](const Eigen::VectorXd& u, Eigen::VectorXd& force) {
     times(u, force);
     for (Eigen::Index i = 0; i < u.size(); ++i) force[i] = most * mass[i / components_] * u[i] - force[i];

@@ -36,14 +36,14 @@ INSTANTIATE_TEST_SUITE_P(
                                "[0.0, 0.0, -0.01]"}),
     [](const auto& tested) { return tested.param.name; });
 
-/// The longest window that the coarsest node bears as one step, which `check` tells to who asks for more.
+/// The longest window that the coarsest node bears as one step, of which `check` grants 0.9 to who asks for more.
 double longest_window_s(const GradedBody& body, const TemporaryFolder& folder) {
   const Outcome refusal = check_text(body.text("local_explicit", 1e-2), folder);
   EXPECT_EQ(refusal.code, 2);
   std::smatch found;
   EXPECT_TRUE(std::regex_search(refusal.error, found, std::regex("\"local_explicit\": ([-+.e0-9]+) or less")))
       << refusal.error;
-  return found.empty() ? 0.0 : std::stod(found[1]);
+  return found.empty() ? 0.0 : std::stod(found[1]) / 0.9;
 }
 
 int rows_with(const std::string& verdict, const GradedBody& body, const std::string& protocol, double longest_s,

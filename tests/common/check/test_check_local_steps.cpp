@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/check/check.hpp"
+#include "common/scene/loaders.hpp"
 #include "tests/common/scene/scene_text.hpp"
 
 namespace ricochet::scene {
@@ -60,11 +61,32 @@ TEST(LocalStepsPlan, WarnsOfASupportThatStopsSmallStepsAtOnce) {
               Contains(AllOf(HasSubstr("body \"right\" jumps by"), HasSubstr("several steps in a window"))));
 }
 
+TEST(LocalStepsPlan, AllowsAStepThatItTakes) {
+  Scene scene = load_scene(RICOCHET_SOURCE "/configs/two_balls.toml");
+  scene.coupling.protocol = protocol_traits("local_explicit");
+  scene.participants = participants_of(scene, {});
+  const auto refusal_of = [&scene](double step_s) -> std::string {
+    scene.time.step_s = step_s;
+    try {
+      (void)plan(build_problem(scene));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const std::string error = refusal_of(3e-5), allowed = "allowed with \"local_explicit\": ";
+  ASSERT_THAT(error, HasSubstr(allowed));
+  const double step_s = std::stod(error.substr(error.find(allowed) + allowed.size()));
+  EXPECT_GT(step_s, 2e-7);
+  EXPECT_EQ(refusal_of(step_s), "accepted");
+}
+
 TEST(LocalStepsPlan, RefusesWhatItCannotDoByName) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
       {replaced(graded_bars, "step_s = 2.226e-6\n", ""), {"time", "no step_s, which \"local_explicit\" needs"}},
       {replaced(graded_bars, "step_s = 2.226e-6", "step_s = 1e-4"),
        {"time.step_s", "too long for every element", "or less"}},
+      {replaced(graded_bars, "step_s = 2.226e-6", "step_s = 1.9e-4"), {"time.step_s", "too long for every element"}},
       {replaced(graded_bars, "end_s = 200e-6", "changes = [{ from_s = 1e-5, step_s = 1e-6 }]\nend_s = 200e-6"),
        {"changes", "under \"local_explicit\"", "\"all_explicit\""}},
       {replaced(graded_bars, "surfaces", "enforcement = \"penalty\"\npenalty_pa_m = 1e13\nsurfaces"),

@@ -50,8 +50,7 @@ TEST_P(Config, PlansWithoutAWarningUnderEveryStableProtocol) {
     // could do with that step.
     const bool automatic = scene.partition.rule == PartitionRule::automatic && !protocol.local_steps;
     // These take the answer of the start for all windows (docs/protocols.md).
-    const bool elastic_only =
-        protocol.name == "belytschko_mullen" || protocol.name == "gravouil_combescure" || protocol.local_steps;
+    const bool elastic_only = protocol.name == "belytschko_mullen" || protocol.name == "gravouil_combescure";
     const bool yields = std::ranges::any_of(scene.bodies, [](const Body& body) { return body.yields(); });
     if ((protocol.layout == Layout::all_explicit && (automatic || !scene.partition.reduced_modes.empty())) ||
         (yields && elastic_only)) {
