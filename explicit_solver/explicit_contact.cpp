@@ -168,6 +168,19 @@ void ExplicitContact::spread_forces() {
     if (!spread_[b].isZero(0.0)) through_[b]->spread(spread_[b]);
 }
 
+double ExplicitContact::unspread_j(const std::vector<BodyState>& states) const {
+  double work_j = 0.0;
+  for (std::size_t i = 0; i < pairs(); ++i) {
+    const auto& pair = surface_.pairs[i];
+    const Force& force = state_.forces[i];
+    work_j += force.normal * pair.normal.times(displacement_of(states)) +
+              force.tangential[0] * pair.tangent.times(displacement_of(states)) +
+              force.tangential[1] * pair.binormal.times(displacement_of(states));
+  }
+  for (std::size_t b = 0; b < states.size(); ++b) work_j -= spread_[b].dot(states[b].u);
+  return 0.5 * work_j;
+}
+
 void ExplicitContact::add_reactions(std::size_t part, const BodyState& state, Eigen::VectorXd& external) const {
   if (!inside_small_steps()) return;
   for (const auto& c : state.constrained) external[c.dof] -= spread_[part][c.dof];
@@ -317,7 +330,7 @@ void ExplicitContact::restore(const State& state) {
 
 const ContactRecord& ExplicitContact::report(const std::vector<BodyState>& states, double unspread_j) {
   surface_.report(states, state_.mean_forces, state_, report_);
-  if (inside_small_steps()) report_.energy_contact_j += unspread_j;
+  report_.energy_contact_j += unspread_j;
   return report_;
 }
 

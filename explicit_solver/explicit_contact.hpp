@@ -63,8 +63,13 @@ class ExplicitContact {
   /// Once state.v is v_n: velocity of massless nodes, and the energy that closing and opening made back to the others.
   void finish(std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& u_before);
 
-  /// Contact quantities at the present displacement (principal stress and energies included). Of forces that press
-  /// inside small steps the work counts with `unspread_j` (InternalForce::unspread).
+  /// Whether forces act inside small steps of the part.
+  [[nodiscard]] bool inside_small_steps() const { return !through_.empty(); }
+  /// 1/2 u . (1 - S) N^T r of all parts, r the forces of the pairs and N their rows: what small steps leave out of
+  /// the work of forces that press slowly [J].
+  [[nodiscard]] double unspread_j(const std::vector<solver::BodyState>& states) const;
+  /// Contact quantities at the present displacement (principal stress and energies included). `unspread_j` joins the
+  /// work of the forces.
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states, double unspread_j = 0.0);
   /// See participant::Participant::contact_forces.
   [[nodiscard]] solver::PressedSurface pressed(const std::vector<solver::BodyState>& states) const {
@@ -107,7 +112,6 @@ class ExplicitContact {
   void find_free_motion(const std::vector<solver::BodyState>& states, Rate rate);
   void find_known_normals(const std::vector<solver::BodyState>& states, double acting_time);
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
-  [[nodiscard]] bool inside_small_steps() const { return !through_.empty(); }
   [[nodiscard]] solver::RootProblem::Solution last_forces(double acting_time) const;
   void spread_forces();
   [[nodiscard]] const solver::RootProblem::Solution& solution(double acting_time);

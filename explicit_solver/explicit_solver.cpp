@@ -161,10 +161,22 @@ void ExplicitSolver::take_totals() {
   }
 }
 
+/// Where contact alone acts inside small steps all that they leave out of the work is its own, else what its forces
+/// leave out [J].
+double ExplicitSolver::unspread_of_contact_j() {
+  const auto* const c = contact();
+  if (!c->inside_small_steps()) return 0.0;
+  const auto driven = [](const solver::BodyState& state) {
+    return !state.external.zero() || std::any_of(state.constrained.begin(), state.constrained.end(),
+                                                 [](const auto& given) { return given.amplitude != nullptr; });
+  };
+  return std::any_of(states_.begin(), states_.end(), driven) ? c->unspread_j(states_) : unspread_work_j_;
+}
+
 void ExplicitSolver::record(std::vector<double>& row) {
   take_totals();
   solver::record_bodies(states_, row);
-  if (auto* c = contact()) append_quantities(c->report(stepped(), unspread_work_j_), row);
+  if (auto* c = contact()) append_quantities(c->report(stepped(), unspread_of_contact_j()), row);
 }
 
 ExplicitSolver::State ExplicitSolver::state() const {

@@ -80,6 +80,7 @@ class ExplicitSolver : public participant::Participant {
   const std::vector<solver::BodyState>& reported();
   void tell(Order order, std::int64_t window = 0, int substep = 0);
   void take_totals();
+  [[nodiscard]] double unspread_of_contact_j();
   void update_status();
 
   scene::Problem problem_;
@@ -89,7 +90,7 @@ class ExplicitSolver : public participant::Participant {
   MakeForce make_force_;
   std::vector<solver::BodyState> states_;            ///< whole parts
   std::vector<solver::BodyState>* share_ = nullptr;  ///< of ranks, from `initialize` on: what this one steps
-  double unspread_work_j_ = 0.0;                     ///< of all parts, as last reported
+  double unspread_work_j_ = 0.0;                     ///< of all parts, of the present totals (InternalForce::unspread)
   std::int64_t gathered_ = -1;                       ///< of ranks: the window whose motion states_ has
   std::optional<Stepping> stepping_;                 ///< from `initialize` on
   participant::Setup setup_;

@@ -16,6 +16,13 @@ LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& d
     : state_(&state),
       steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
       elements_(material_force(state, with(driven, steps_.reached()))) {
+  if (steps_.any() && !state.u.isZero(0.0)) {
+    Eigen::VectorXd force(state.u.size());
+    state.stiffness.multiply(state.u, force);
+    start_j_ = 0.5 * state.u.dot(force);
+    steps_.spread(force);
+    start_j_ -= 0.5 * state.u.dot(force);
+  }
   if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, state.u, state.plastic->force_n});
 }
 
@@ -51,15 +58,16 @@ LocalForce::Unspread LocalForce::unspread(const Eigen::VectorXd& u, const Eigen:
   if (!steps_.any()) return {};
   Eigen::VectorXd elements(u.size());
   state_->stiffness.multiply(u, elements);
-  if (!flow_) {
-    const double left_out_j = 0.5 * u.dot(elements - force);
-    return {left_out_j, left_out_j};
-  }
+  if (flow_) elements -= state_->plastic->force_n;
+  Unspread found;
+  found.half_work_j = 0.5 * u.dot(elements - force);
+  found.work_j = found.half_work_j - start_j_;
+  if (!flow_) return found;
   const Eigen::VectorXd& plastic = state_->plastic->force_n;
   Eigen::VectorXd spread = plastic;
   steps_.spread(spread);
-  const double left_out_j = 0.5 * u.dot(elements - plastic - force);
-  return {left_out_j, left_out_j - 0.5 * u.dot(plastic - spread) + flow_->work_j};
+  found.work_j += flow_->work_j - 0.5 * u.dot(plastic - spread);
+  return found;
 }
 
 void LocalForce::archive(Archive& a) {

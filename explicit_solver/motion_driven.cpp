@@ -29,8 +29,16 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
   if (contact_) settle_at_start();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     forces_.push_back(make_force(states_[b], driven_nodes(b)));
+    left_out_loads_.push_back(states_[b].external);
     states_[b].external.transform([&](Eigen::VectorXd& load) { forces_[b]->spread(load); });
+    left_out_loads_[b].transform([&](Eigen::VectorXd& load) {
+      Eigen::VectorXd spread = load;
+      forces_[b]->spread(spread);
+      load -= spread;
+      loads_inside_ = loads_inside_ || !load.isZero(0.0);
+    });
   }
+  if (!loads_inside_) left_out_loads_.clear();
   if (contact_) contact_->act_through(forces_, states_);
 }
 
@@ -148,6 +156,7 @@ bool MotionDriven::accept(std::int64_t window) {
   }
   if (contact_) contact_->finish(states_, u_before_);
   account();
+  if (loads_inside_) account_left_out_loads(time_s);
   keep_trial_forces();
   return true;
 }
@@ -210,6 +219,18 @@ void MotionDriven::account() {
         dt(), [&](int dof) { return 0.5 * (before[dof] + after[dof]); },
         [&](int dof) { return u[dof] - u_before[dof]; }, [&](int dof) { return 0.5 * (u[dof] + u_before[dof]); });
     account_interface(b);
+  }
+}
+
+/// Loads do f . du, of which the work inside small steps has S f . du.
+void MotionDriven::account_left_out_loads(double time_s) {
+  for (std::size_t b = 0; b < states_.size(); ++b) {
+    auto& state = states_[b];
+    if (state.external.zero()) continue;
+    Eigen::VectorXd before(state.part.dofs()), after(state.part.dofs());
+    left_out_loads_[b].at(time_s - dt(), before);
+    left_out_loads_[b].at(time_s, after);
+    state.totals.energy_external_j += 0.5 * (before + after).dot(state.u - trials_[b].u);
   }
 }
 

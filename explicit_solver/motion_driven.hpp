@@ -82,6 +82,7 @@ class MotionDriven {
   void half_a_step(std::size_t part);
   void set_shared_velocity(std::size_t part);
   void account();
+  void account_left_out_loads(double time_s);
   void account_interface(std::size_t part);
   void keep_trial_forces();
 
@@ -93,6 +94,8 @@ class MotionDriven {
   std::vector<Trial> trials_;
   std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_
   std::vector<Eigen::VectorXd*> trial_u_;
+  std::vector<scene::ExternalForce> left_out_loads_;  ///< per part: f - S f; empty if that is 0
+  bool loads_inside_ = false;                         ///< any of them is not 0
   bool predicted_ = false;
   bool answered_with_trial_ = false;  ///< the last link output is of the trial
 };

@@ -46,7 +46,8 @@ class InternalForce {
   /// f acts inside the small steps, and S is not 1 (fem::LocalSteps).
   virtual void spread(Eigen::VectorXd& force);
   [[nodiscard]] virtual bool spreads(int dof) const;
-  /// What S leaves out [J]: of u . P(u)/2, with S P(u) in `force`, and of the work of the steps so far.
+  /// What S leaves out [J]: of u . P(u)/2, with S P(u) in `force`, and of the work of the forces inside the small steps
+  /// so far.
   struct Unspread {
     double half_work_j = 0.0, work_j = 0.0;
   };

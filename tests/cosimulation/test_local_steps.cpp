@@ -55,6 +55,22 @@ TEST(LocalSteps, BookWhatContactCosts) {
   }
 }
 
+/// A load on the fine end does f . du, and what it gives is in the bar.
+TEST(LocalSteps, BookTheWorkOfLoadsInsideThem) {
+  const TemporaryFolder folder;
+  const GradedBar bar{16, 300};
+  std::string text = replaced(bar.text("local_explicit", bar.step_s()),
+                              "[contact]\nsurfaces = [\"bar.start\", \"rigid_plane\"]\n", "");
+  text =
+      replaced(text, "initial_velocity_m_s = [-1.0]",
+               "traction = [{ surface = \"start\", traction_pa = [1e6], amplitude = { time_s = [0.0, 5e-4], factor = "
+               "[0.0, 1.0] } }]");
+  const RunResult run = run_text(replaced(text, "end_s = 3e-3", "end_s = 5e-4"), folder);
+  EXPECT_GT(run.last("energy_external_j"), 0.0);
+  EXPECT_LT(std::abs(run.last("energy_error")), 5e-4);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+}
+
 TEST(LocalSteps, AreThoseOfAllExplicitWhereEveryElementBearsTheStep) {
   const TemporaryFolder a, b;
   const GradedBar bar{2, 100};
