@@ -27,8 +27,7 @@ class LocalForce final : public solver::InternalForce {
   [[nodiscard]] bool spreads(int dof) const override;
   [[nodiscard]] bool linear() const override { return elements_->linear(); }
   /// Central difference with S P keeps 1/2 v . M v + 1/2 u . S K u. With the force F of plastic strain, P = K u - F,
-  /// the energy of the elements and their plastic work are more than that by
-  /// (of what the run begins with)
+  /// the energy of the elements and their plastic work are more than that, but for what the run begins with, by
   ///   1/2 u . (1 - S) K u - u . (1 - S) F + sum over windows of 1/2 (u_n + u_n+1) . (1 - S) (F_n+1 - F_n).
   [[nodiscard]] Unspread unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force) override;
   [[nodiscard]] double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,

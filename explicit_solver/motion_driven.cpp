@@ -227,10 +227,11 @@ void MotionDriven::account_left_out_loads(double time_s) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (state.external.zero()) continue;
-    Eigen::VectorXd before(state.part.dofs()), after(state.part.dofs());
-    left_out_loads_[b].at(time_s - dt(), before);
-    left_out_loads_[b].at(time_s, after);
-    state.totals.energy_external_j += 0.5 * (before + after).dot(state.u - trials_[b].u);
+    for (const double at_s : {time_s - dt(), time_s}) {
+      left_out_load_.resize(state.part.dofs());
+      left_out_loads_[b].at(at_s, left_out_load_);
+      state.totals.energy_external_j += 0.5 * left_out_load_.dot(state.u - trials_[b].u);
+    }
   }
 }
 

@@ -95,6 +95,7 @@ class MotionDriven {
   std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_
   std::vector<Eigen::VectorXd*> trial_u_;
   std::vector<scene::ExternalForce> left_out_loads_;  ///< per part: f - S f; empty if that is 0
+  Eigen::VectorXd left_out_load_;                     ///< of one of them, at one time
   bool loads_inside_ = false;                         ///< any of them is not 0
   bool predicted_ = false;
   bool answered_with_trial_ = false;  ///< the last link output is of the trial

@@ -71,27 +71,33 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   solution_.states = last.states;
   solution_.iterations = 0;
   newton(window);
-  // Of a node that two contacts hold along one direction the matrix is singular; sweeps do not mind.
+  // Of a node that two contacts hold along one direction the matrix is singular, or so but for rounding, and forces are
+  // not numbers, or nowhere near; sweeps do not mind where they begin elsewhere.
   if (!solution_.force.allFinite()) {
     solution_.force = last.force;
     compliance_.times(solution_.force, motion_);
   }
   solution_.residual = residual(window);
-  if (solution_.residual > converged_residual) {
-    gauss_seidel(window);
-    solution_.residual = residual(window);
-  }
-  if (solution_.residual > converged_residual) {
-    Solution swept = solution_;
-    newton(window);
-    solution_.residual = residual(window);
-    if (!(solution_.residual <= swept.residual)) {
-      swept.iterations = solution_.iterations;
-      solution_ = std::move(swept);
-    }
+  if (solution_.residual > converged_residual) fall_back(window);
+  if (solution_.residual > residual_to_stop) {
+    solution_.force = last.force;
+    fall_back(window);
   }
   finish();
   return solution_;
+}
+
+/// Sweeps and, where these stay above round-off, Newton's method from there.
+void RootProblem::fall_back(const Window& window) {
+  gauss_seidel(window);
+  solution_.residual = residual(window);
+  if (solution_.residual <= converged_residual) return;
+  Solution swept = solution_;
+  newton(window);
+  solution_.residual = residual(window);
+  if (solution_.force.allFinite() && solution_.residual <= swept.residual) return;
+  swept.iterations = solution_.iterations;
+  solution_ = std::move(swept);
 }
 
 /// From the present forces and states, until neither changes; for a stated number of times.

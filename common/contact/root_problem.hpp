@@ -80,6 +80,7 @@ class RootProblem {
   void newton(const Window& window);
   [[nodiscard]] bool find_rows(const Window& window);
   [[nodiscard]] bool update_states(const Window& window);
+  void fall_back(const Window& window);
   void gauss_seidel(const Window& window);
   void states_of_forces();
   [[nodiscard]] double residual(const Window& window) const;

@@ -208,7 +208,8 @@ class Corner : public testing::TestWithParam<const char*> {};
 
 /// The floor's n is -y and its t is x, the wall's are x and y.
 TEST_P(Corner, GivesTheBlockTheImpulsesOfFloorAndWall) {
-  for (const auto& [of_floor, of_wall] : {std::pair{0.3, 0.1}, {0.3, 0.3}, {0.0, 0.2}, {0.0, 0.0}}) {
+  for (const auto& [of_floor, of_wall] :
+       {std::pair{0.3, 0.1}, {0.3, 0.3}, {0.2, 0.3}, {0.3, 0.2}, {0.0, 0.2}, {0.0, 0.0}}) {
     SCOPED_TRACE(fmt::format("{} {}", of_floor, of_wall));
     const TemporaryFolder folder;
     const RunResult r = run_text(corner(GetParam(), of_floor, of_wall), folder);
