@@ -46,23 +46,21 @@ TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
   EXPECT_GE(cost_of(bars).all_explicit_s, flies) << "gravity moves all of it";
 }
 
-/// The price of yield and turn in docs/limits.md: an implicit window takes many solves, an explicit step little more.
+/// The price of yield and turn in docs/limits.md. What an explicit step takes is measured here and now, and not
+/// compared.
 TEST(PredictedCost, CountsTheSolvesOfBodiesThatYieldOrTurn) {
   const PredictedCost linear = cost_of(scene_of("rounded_striker"));
   auto yielding = scene_of("rounded_striker");
   for (auto& body : yielding.bodies) body.material.plasticity = fem::Plasticity{2e9, 1e10};
+  const PredictedCost yields = cost_of(yielding);
+  EXPECT_GT(yields.all_implicit_s, 5 * linear.all_implicit_s);
+  EXPECT_GT(yields.local_explicit_s, 0.0);
   auto turning = scene_of("oblique_ball");
   const PredictedCost still = cost_of(turning);
   for (auto& body : turning.bodies) body.large_rotation = true;
-  for (const auto& [with, without] : {std::pair{cost_of(yielding), linear}, std::pair{cost_of(turning), still}}) {
-    EXPECT_GT(with.all_implicit_s, 5 * without.all_implicit_s);
-    EXPECT_GT(with.all_explicit_s, without.all_explicit_s);
-    EXPECT_LT(with.all_explicit_s, 10 * without.all_explicit_s);
-  }
-  EXPECT_GT(cost_of(yielding).local_explicit_s, linear.local_explicit_s);
-  EXPECT_LT(cost_of(yielding).local_explicit_s, cost_of(yielding).stepping_s()) << "as measured: docs/studies.md";
-  EXPECT_GT(linear.local_explicit_s, 0.0);
-  EXPECT_EQ(cost_of(turning).local_explicit_s, 0.0) << "refused";
+  const PredictedCost turns = cost_of(turning);
+  EXPECT_GT(turns.all_implicit_s, 5 * still.all_implicit_s);
+  EXPECT_EQ(turns.local_explicit_s, 0.0) << "refused";
 }
 
 TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
