@@ -13,9 +13,9 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of the largest velocity: a smaller jump is that of a ramp in pieces.
+/// A jump by a smaller share of the largest velocity is that of a ramp in pieces.
 constexpr double told_jump = 0.2;
-/// Of the longest window that was found: levels of another one are scaled anew.
+/// The share that is granted of the longest window found: levels of another one are scaled anew.
 constexpr double takes = 0.9;
 
 void refuse_absorbing(const Problem& problem, const BodyProblem& body, const fem::LocalSteps& steps) {
@@ -40,6 +40,7 @@ std::vector<double> velocities(const Amplitude& amplitude, double displacement_m
     const double factors = last ? 0.0 : amplitude.factor[i + 1] - amplitude.factor[i];
     found.push_back(last ? 0.0 : displacement_m * factors / (time_s[i + 1] - time_s[i]));
   }
+  if (time_s.empty()) found.push_back(0.0);  // held from the start on
   return found;
 }
 

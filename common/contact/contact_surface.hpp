@@ -94,7 +94,7 @@ struct PressedSurface {
                                                         std::int64_t window, const participant::Setup& setup,
                                                         SeparationWatch& separation);
 
-/// What the nodes of one process' part are in the whole part, whose nodes include them.
+/// Numbers that the nodes of one process' part have in the whole part, whose nodes include them.
 [[nodiscard]] std::vector<int> nodes_in_whole(const fem::Part& own, const fem::Part& whole);
 
 /// Fields of the parts of some processes as those of the whole parts, whose nodes include theirs.

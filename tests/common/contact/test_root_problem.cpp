@@ -61,6 +61,35 @@ TEST(RootProblem, SolvesTheComplementarityProblemOfRandomCompliances) {
   }
 }
 
+/// A corner in a floor and a wall: what is normal to one is along the other. The matrix of a corner that sticks to both
+/// is singular, or by rounding nearly so.
+TEST(RootProblem, SolvesACornerThatTwoContactsHoldAlongOneDirection) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const Eigen::Index n = 4;  // pairs: of two nodes each the floor's and the wall's
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Eigen::MatrixXd half = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return uniform(random); });
+    const Eigen::MatrixXd own = half * half.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * n, n);  // normal, then tangential
+    for (Eigen::Index node = 0; node < 2; ++node) {
+      rows(2 * node, 2 * node) = rows(n + 2 * node + 1, 2 * node) = 1.0;
+      rows(2 * node + 1, 2 * node + 1) = rows(n + 2 * node, 2 * node + 1) = 1.0;
+    }
+    Eigen::MatrixXd compliance = rows * own * rows.transpose();
+    for (double& entry : compliance.reshaped()) entry *= 1.0 + 2e-16 * uniform(random);
+    std::vector<RootProblem::PairLaw> laws(n, {1.0, 0.2});
+    laws[1].friction_coefficient = laws[3].friction_coefficient = 0.1 + 0.3 * std::abs(uniform(random));
+    RootProblem root(scene::Contact{}, compliance, laws, 1e-3);
+    const Eigen::VectorXd motion = Eigen::VectorXd::NullaryExpr(n, [&] { return uniform(random) - 0.5; });
+    const Eigen::VectorXd free = rows * motion;
+    Eigen::VectorXd slip = Eigen::VectorXd::Zero(2 * n);
+    slip.head(n) = free.tail(n);
+    const auto& found = root.solve(free.head(n), slip, Eigen::VectorXd::Zero(2 * n), root.open());
+    ASSERT_TRUE(found.force.allFinite()) << trial;
+    ASSERT_LE(found.residual, 1e-3) << trial;
+  }
+}
+
 TEST(RootProblem, FrictionStaysInTheConeAndOpposesTheSlip) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 200; ++trial) {
