@@ -16,6 +16,7 @@ LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& d
     : state_(&state),
       steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
       elements_(material_force(state, with(driven, steps_.reached()))) {
+  steps_.compute_with(state.parallel);
   if (steps_.any() && !state.u.isZero(0.0)) {
     Eigen::VectorXd force(state.u.size());
     state.stiffness.multiply(state.u, force);

@@ -10,6 +10,7 @@
 #include "common/cost/machine_speed.hpp"
 #include "common/cost/node_graph.hpp"
 #include "common/cost/nonlinear_cost.hpp"
+#include "common/cost/reached.hpp"
 #include "common/cost/reduced_cost.hpp"
 #include "common/cost/rewrites.hpp"
 #include "common/fem/vtk_output.hpp"
@@ -84,30 +85,6 @@ double solve_of_entries_s(double entries) {
   return entries * ((1.0 - in_memory) * cached_entry_s + in_memory * entry_s);
 }
 
-/// What moves a body from the start on: contact, interface, loads, prescribed motion.
-std::vector<int> driven_nodes(const scene::Problem& problem, int index) {
-  const scene::BodyProblem& body = problem.bodies[at(index)];
-  const scene::Body& spec = problem.scene.bodies[at(index)];
-  std::vector<int> nodes = scene::contact_nodes(problem.contacts, index);
-  const auto add_surface = [&](const std::string& surface) {
-    const auto more = fem::surface_nodes(body.mesh, surface);
-    nodes.insert(nodes.end(), more.begin(), more.end());
-  };
-  for (const auto& traction : spec.tractions) add_surface(traction.surface);
-  for (const auto& prescribed : spec.prescribed) add_surface(prescribed.surface);
-  for (const auto& support : spec.supports) add_surface(support.surface);
-  for (int node = 0; node < static_cast<int>(body.implicit_node.size()); ++node)
-    if (body.implicit_node[at(node)]) nodes.push_back(node);
-  return nodes;
-}
-
-bool moves_everywhere(const scene::Body& spec) {
-  const auto any = [](const std::vector<double>& values) {
-    return std::any_of(values.begin(), values.end(), [](double x) { return x != 0.0; });
-  };
-  return any(spec.gravity_m_s2) || any(spec.initial_displacement_start_m) || any(spec.initial_displacement_end_m);
-}
-
 /// What the participants of a scene, or of a baseline on it, take.
 class Predictor {
  public:
@@ -120,9 +97,7 @@ class Predictor {
     double of_step = slowness_ * explicit_s, of_window = 0.0;
     for (const Share& share : shares) {
       const int index = static_cast<int>(share.body - problem_.bodies.data());
-      const double reached = moves_everywhere(problem_.scene.bodies[at(index)])
-                                 ? 1.0
-                                 : reached_share(share.graph, driven_nodes(problem_, index), steps);
+      const double reached = reached_share(problem_, index, share.graph, steps);
       const scene::Body& spec = problem_.scene.bodies[at(index)];
       of_step += (reached + spreads(spec) * (share.products - 1.0)) * product_s(share);
       of_step += slowness_ *
@@ -269,6 +244,18 @@ void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std
   }
 }
 
+/// Before the first window each unknown of the contact is pushed, for what it moves within the small steps [s].
+double unit_forces_s(const scene::Problem& problem, const std::vector<Share>& shares) {
+  const double directions = problem.scene.friction() ? problem.scene.components() : 1.0;
+  double time_s = 0.0;
+  for (const Share& share : shares) {
+    const int index = static_cast<int>(share.body - problem.bodies.data());
+    const auto nodes = static_cast<double>(scene::contact_nodes(problem.contacts, index).size());
+    if (share.products > 1.0) time_s += directions * nodes * (share.products - 1.0) * product_s(share);
+  }
+  return time_s;
+}
+
 }  // namespace
 
 PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& plan, double end_s,
@@ -305,7 +292,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       cost.setup_s = std::max(cost.setup_s, slowness * (setup_s(shares, {}) + modes_s));
     } else {
       if (scene.coupling.protocol.local_steps) add_local_steps(problem, plan, shares);
-      cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}));
+      cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}) + unit_forces_s(problem, shares));
       const double substeps = spec.substeps;
       window_s =
           predictor.explicit_window_s(shares, substeps * cost.windows, substeps, !scene.coupling.protocol.coupled());

@@ -148,6 +148,10 @@ bool LocalSteps::bears(const StiffnessProduct& stiffness, const Eigen::VectorXd&
   return frequency_squared_at_least(below, mass, components_, fixed, products) <= most * (1.0 + 1e-9);
 }
 
+void LocalSteps::compute_with(const std::shared_ptr<Parallel>& parallel) {
+  for (Level& level : levels_) level.stiffness.compute_with(parallel);
+}
+
 void LocalSteps::spread(Eigen::VectorXd& force) {
   if (any()) step(0, force);
 }

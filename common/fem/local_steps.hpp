@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
+#include "common/base/parallel.hpp"
 #include "common/fem/part.hpp"
 #include "common/fem/stiffness_product.hpp"
 
@@ -28,6 +30,9 @@ class LocalSteps {
   enum class Levels { borne, expected };
   LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components, double window_s,
              Levels levels = Levels::borne);
+
+  /// From here on computes with these threads, to the same bits.
+  void compute_with(const std::shared_ptr<Parallel>& parallel);
 
   [[nodiscard]] bool any() const { return !levels_.empty(); }
   /// force = S force [N].

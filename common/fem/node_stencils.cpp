@@ -94,11 +94,6 @@ NodeStencils::NodeStencils(const SparseMatrix& stiffness) {
     coefficient_.insert(coefficient_.end(), rows.coefficient.begin(), rows.coefficient.end());
     begin_.push_back(static_cast<int>(distance_.size()));
   }
-  for (first_to_last_ = 0; first_to_last_ < nodes(); ++first_to_last_) {
-    const int last_block = begin_[at(stencil_[at(first_to_last_)]) + 1] - 1;  // distances ascend
-    const bool empty = last_block < begin_[at(stencil_[at(first_to_last_)])];
-    if (first_to_last_ + (empty ? 0 : distance_[at(last_block)] / 3) >= nodes() - 1) break;
-  }
 }
 
 template <bool more>
@@ -120,9 +115,16 @@ template <bool more>
 
 [[gnu::always_inline]] inline void NodeStencils::multiply_nodes(const double* u, double* result, int first, int end,
                                                                 const double* follows) const {
-  int node = first;
-  for (; node < std::min(end, first_to_last_); ++node) multiply_node<true>(u, result, node, follows);
-  for (; node < end; ++node) multiply_node<false>(u, result, node, follows);
+  for (int node = first; node < end; ++node) {
+    const int stencil = stencil_[at(node)], blocks = begin_[at(stencil) + 1];
+    const int furthest = blocks > begin_[at(stencil)] ? std::max(0, distance_[at(blocks - 1)]) : 0;  // they ascend
+    const bool last = 3 * node + furthest >= 3 * (nodes() - 1);  // nothing follows the last node's
+    if (last) {
+      multiply_node<false>(u, result, node, follows);
+    } else {
+      multiply_node<true>(u, result, node, follows);
+    }
+  }
 }
 
 #if defined(__x86_64__) && !defined(__AVX2__)

@@ -37,7 +37,6 @@ class NodeStencils {
   std::vector<int> stencil_;   ///< of each node
   std::vector<int> begin_{0};  ///< blocks of stencil s: begin_[s] .. begin_[s + 1]
   std::vector<int> distance_;  ///< per block: from the node's first dof to the neighbour's
-  int first_to_last_ = 0;      ///< first node that has the last one as a neighbour: nothing follows that one
   std::vector<StencilBlock> coefficient_;  ///< per block
 };
 

@@ -50,9 +50,20 @@ axial_stress_every = 3
   return with_protocol_of_two_steps(text, protocol);
 }
 
+/// Where they touch their elements are half as large and take two steps in one.
+std::string with_small_steps() {
+  const std::string lower = "start_m = -0.018,", upper = "start_m = 0,";
+  const auto refined = [](const char* from, const char* to, const std::string& mesh) {
+    return fmt::format("refine = [{{ from_m = [0.0, 0.0, {}], to_m = [0.009, 0.009, {}], ratio = 2 }}], {}", from, to,
+                       mesh);
+  };
+  const std::string text = with_key(blocks("local_explicit"), "time", "step_s", "1.6e-7");
+  return replaced(replaced(text, lower, refined("-0.003", "0.0", lower)), upper, refined("0.0", "0.003", upper));
+}
+
 std::string with_threads(const Case& c, int threads) {
   std::string text = c.text;
-  if (c.protocol != "all_explicit")
+  if (!c.protocol.ends_with("_explicit"))
     text += fmt::format("[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\nthreads = {}\n", threads);
   return text + fmt::format("[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [{}]\nthreads = {}\n",
                             c.bodies, threads);
@@ -81,6 +92,9 @@ std::vector<Case> of(std::string (*scene)(const std::string&), const std::string
 }
 
 INSTANTIATE_TEST_SUITE_P(Cylinders, AnyNumberOfThreads, testing::ValuesIn(of(cylinders, R"("steel", "carbide")")),
+                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(BlocksWithSmallSteps, AnyNumberOfThreads,
+                         testing::Values(Case{"local_explicit", with_small_steps(), R"("lower", "upper")"}),
                          name_of_case);
 INSTANTIATE_TEST_SUITE_P(Blocks, AnyNumberOfThreads, testing::ValuesIn(of(blocks, R"("lower", "upper")")),
                          name_of_case);
