@@ -187,6 +187,19 @@ TEST(Pages, NoSentenceBeginsWithOfWhoWhatOrSo) {
     EXPECT_THAT(all(file_text((root / file).string()), word), testing::IsEmpty()) << file;
 }
 
+/// A row without a head above it, as behind an empty line, is shown as text with bars.
+TEST(Pages, EveryTableHasAHead) {
+  for (const auto& page : pages()) {
+    std::istringstream lines(prose_of(page_text(page)));
+    std::string above;
+    bool begins = false;  // the line above is the first of a table
+    for (std::string line; std::getline(lines, line); above = line) {
+      EXPECT_TRUE(!begins || line.rfind("|--", 0) == 0) << page << ": " << above;
+      begins = line.rfind('|', 0) == 0 && above.rfind('|', 0) != 0;
+    }
+  }
+}
+
 /// docs/how_it_works.md: `file.cpp` | `Class::function`, in a row of a table or as `file.cpp`: `function`.
 TEST(HowItWorks, EveryFunctionStandsInTheFileNamed) {
   const std::string text = page_text("docs/how_it_works.md");
