@@ -34,9 +34,9 @@ class NodeStencils {
   void multiply_nodes(const double* u, double* result, int first, int end, const double* follows) const;
   void multiply_nodes_by_avx2(const double* u, double* result, int first, int end, const double* follows) const;
 
-  std::vector<int> stencil_;   ///< of each node
-  std::vector<int> begin_{0};  ///< blocks of stencil s: begin_[s] .. begin_[s + 1]
-  std::vector<int> distance_;  ///< per block: from the node's first dof to the neighbour's
+  std::vector<int> stencil_;               ///< of each node
+  std::vector<int> begin_{0};              ///< blocks of stencil s: begin_[s] .. begin_[s + 1]
+  std::vector<int> distance_;              ///< per block: from the node's first dof to the neighbour's
   std::vector<StencilBlock> coefficient_;  ///< per block
 };
 

@@ -8,6 +8,7 @@
 #include "common/fem/inp_file.hpp"
 #include "common/fem/refine.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/outline.hpp"
 #include "common/scene/reader.hpp"
 
 namespace ricochet::scene {
@@ -115,6 +116,7 @@ fem::Mesh piece_mesh(const Scene& scene, const Body& body, const MeshPiece& piec
   } catch (const ConfigError& error) {
     throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
   }
+  if (has_outside(body)) mesh.surfaces.try_emplace(outside_surface, boundary_faces(mesh));
   refine(scene, key, piece, mesh);
   put_in_place(piece.place, mesh);
   return mesh;

@@ -15,23 +15,8 @@ namespace {
 
 /// Share of the shortest edge that an overlap must exceed.
 constexpr double tolerated_share = 0.01;
-
-/// In the order of their nodes.
-std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh) {
-  std::map<fem::Face, std::pair<int, fem::Face>> count;
-  for (const auto& element : mesh.elements) {
-    for (fem::Face face : fem::traits(element.kind).faces) {
-      for (int& node : face) node = element[at(node)];
-      auto& entry = count.insert({fem::sorted(face), {0, face}}).first->second;
-      ++entry.first;
-    }
-  }
-  const fem::FacesBetweenSizes inside(mesh);
-  std::vector<fem::Face> faces;
-  for (const auto& [nodes, entry] : count)
-    if (entry.first == 1 && !inside.has(entry.second)) faces.push_back(entry.second);
-  return faces;
-}
+/// The same where a contact has facets and edges between its nodes, and of a penalty, into which bodies sink.
+constexpr double share_beside_contact = 0.25, share_beside_penalty = 1.0;
 
 double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d along = b - a;
@@ -57,6 +42,22 @@ double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
 }
 
 }  // namespace
+
+std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh) {
+  std::map<fem::Face, std::pair<int, fem::Face>> count;
+  for (const auto& element : mesh.elements) {
+    for (fem::Face face : fem::traits(element.kind).faces) {
+      for (int& node : face) node = element[at(node)];
+      auto& entry = count.insert({fem::sorted(face), {0, face}}).first->second;
+      ++entry.first;
+    }
+  }
+  const fem::FacesBetweenSizes inside(mesh);
+  std::vector<fem::Face> faces;
+  for (const auto& [nodes, entry] : count)
+    if (entry.first == 1 && !inside.has(entry.second)) faces.push_back(entry.second);
+  return faces;
+}
 
 Outline outline_of(const fem::Mesh& mesh) {
   Outline outline;
@@ -87,6 +88,19 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
     for (int j = i + 1; j < bodies; ++j)
       if (!touch(i, j)) pairs.push_back({i, j});
   return pairs;
+}
+
+std::vector<const ContactGeometry*> contacts_of_turning_bodies(const Problem& problem) {
+  const auto turns = [&](int body) {
+    return body >= 0 && problem.scene.body(problem.bodies[at(body)].name).large_rotation;
+  };
+  std::vector<const ContactGeometry*> contacts;
+  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+    const ContactGeometry& contact = problem.contacts[i];
+    if ((turns(contact.body_a) || turns(contact.body_b)) && problem.scene.contacts[i].nose_radius_m == 0.0)
+      contacts.push_back(&contact);
+  }
+  return contacts;
 }
 
 Shape::Shape(const BodyProblem& body) : outline_(outline_of(body.mesh)) {
@@ -156,7 +170,27 @@ void Shape::add_points_within(const Shape& other, Overlap& worst) const {
   for (const auto& [i, j, k] : outline_.triangles) add((x_[at(i)] + x_[at(j)] + x_[at(k)]) / 3.0);
 }
 
-Shape::Overlap Shape::overlap(const Shape& other) const {
+Shape::Overlap Shape::reach(const Eigen::Vector3d& direction) const {
+  const auto furthest = std::max_element(
+      x_.begin(), x_.end(), [&](const auto& x, const auto& y) { return x.dot(direction) < y.dot(direction); });
+  return {furthest->dot(direction), *furthest};
+}
+
+/// Looks for a direction along which all of one comes before all of the other, as there is one between convex bodies
+/// that are apart: the difference of the places that overlap most along the last one is mirrored (Chung, Wang 1996).
+bool Shape::plane_between(const Shape& other, double tolerance_m) const {
+  constexpr int tries = 20;
+  Eigen::Vector3d direction = (other.low_ + other.high_ - low_ - high_).normalized();
+  for (int i = 0; i < tries; ++i) {
+    const Eigen::Vector3d apart = other.reach(-direction).place - reach(direction).place;
+    const double gap_m = apart.dot(direction);
+    if (gap_m >= -tolerance_m) return true;
+    direction -= 2.0 * gap_m / apart.squaredNorm() * apart;
+  }
+  return false;
+}
+
+Shape::Overlap Shape::overlap(const Shape& other, double tolerance_m) const {
   Overlap worst;
   if (!boxes_meet(other)) return worst;
   const int first = std::max(first_axis_, other.first_axis_);
@@ -167,6 +201,7 @@ Shape::Overlap Shape::overlap(const Shape& other) const {
     worst.place[first] = 0.5 * (from + to);
     return worst;
   }
+  if (plane_between(other, tolerance_m)) return worst;
   add_points_within(other, worst);
   other.add_points_within(*this, worst);
   return worst;
@@ -174,6 +209,11 @@ Shape::Overlap Shape::overlap(const Shape& other) const {
 
 double overlap_tolerance(const Shape& a, const Shape& b) {
   return tolerated_share * std::min(a.shortest_edge(), b.shortest_edge());
+}
+
+double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law) {
+  const bool sinks = law.enforcement == Enforcement::penalty;
+  return (sinks ? share_beside_penalty : share_beside_contact) * std::min(a.shortest_edge(), b.shortest_edge());
 }
 
 }  // namespace ricochet::scene

@@ -5,8 +5,11 @@
 
 #include "common/problem/problem.hpp"
 
-/// Whether bodies overlap that no contact holds apart.
+/// Whether bodies overlap where no contact holds them apart.
 namespace ricochet::scene {
+
+/// Faces that belong to one element only, in the order of their nodes; none between elements of different size.
+[[nodiscard]] std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh);
 
 /// Nodes and faces of a mesh that belong to one element only.
 struct Outline {
@@ -21,6 +24,9 @@ struct BodyPair {
 };
 /// All pairs of bodies but those of a contact.
 [[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
+/// The contacts of bodies that turn: what lies beside their surfaces may meet, too. None with a nose, which the mesh
+/// does not have.
+[[nodiscard]] std::vector<const ContactGeometry*> contacts_of_turning_bodies(const Problem& problem);
 
 /// A body where it has got to. Bars and meshes that repeat across are intervals along the axis.
 class Shape {
@@ -44,11 +50,14 @@ class Shape {
     Eigen::Vector3d place{0.0, 0.0, 0.0};
   };
   /// Largest depth at which a node or the middle of an edge (of a solid: of a triangle) of either lies within the
-  /// other.
-  [[nodiscard]] Overlap overlap(const Shape& other) const;
+  /// other; none where it is known to be no more than `tolerance_m`.
+  [[nodiscard]] Overlap overlap(const Shape& other, double tolerance_m = 0.0) const;
+  /// How far it reaches along a direction of length 1, and the place that does [m].
+  [[nodiscard]] Overlap reach(const Eigen::Vector3d& direction) const;
 
  private:
   [[nodiscard]] bool boxes_meet(const Shape& other) const;
+  [[nodiscard]] bool plane_between(const Shape& other, double tolerance_m) const;
   /// How deep a place lies within; <= 0 outside.
   [[nodiscard]] double depth(const Eigen::Vector3d& place) const;
   [[nodiscard]] double depth_in_solid(const Eigen::Vector3d& place) const;
@@ -63,5 +72,7 @@ class Shape {
 
 /// Depth of an overlap from which on it is one, and no round-off or rim of bodies that touch [m].
 [[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b);
+/// The same of bodies with a contact of this law, which holds nodes apart, and not all that is between them.
+[[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law);
 
 }  // namespace ricochet::scene

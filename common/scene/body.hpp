@@ -146,6 +146,10 @@ struct Body {
   [[nodiscard]] bool heats() const;
 };
 
+/// The surface of all of a body's faces that no element shares; of one that turns, whose every side may touch.
+inline constexpr const char* outside_surface = "outside";
+[[nodiscard]] inline bool has_outside(const Body& body) { return body.large_rotation && !body.of_pieces(); }
+
 /// A body that is a program of somebody else's alone: of it the scene knows where it is joined to one of its own, not
 /// mesh, material, supports and loads. The nodes that it shares with that body are nodes of that body's mesh.
 struct ForeignBody {

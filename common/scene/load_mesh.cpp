@@ -211,6 +211,7 @@ std::vector<std::string> surface_names(Model model, const Body& body) {
     for (const std::string& surface : surfaces_of(model, *mesh))
       names.push_back(piece.name.empty() ? surface : piece.name + "." + surface);
   }
+  if (has_outside(body)) names.emplace_back(outside_surface);
   return names;
 }
 

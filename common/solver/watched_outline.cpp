@@ -8,10 +8,12 @@ namespace ricochet::solver {
 
 WatchedOutline::WatchedOutline(const scene::Problem& problem, const std::vector<BodyState>& states) {
   const auto pairs = scene::pairs_without_contact(problem);
+  const auto contacts = scene::contacts_of_turning_bodies(problem);
   for (std::size_t part = 0; part < states.size(); ++part) {
     const int body = states[part].body;
     const bool watched =
-        std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == body || p.second == body; });
+        std::any_of(pairs.begin(), pairs.end(), [&](const auto& p) { return p.first == body || p.second == body; }) ||
+        std::any_of(contacts.begin(), contacts.end(), [&](auto* c) { return c->body_a == body || c->body_b == body; });
     if (!watched) continue;
     const auto outline = scene::outline_of(problem.bodies[static_cast<std::size_t>(body)].mesh);
     const auto& own = states[part].part.body_node;

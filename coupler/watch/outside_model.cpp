@@ -135,10 +135,12 @@ std::vector<std::string> OutsideModel::update(const std::vector<Link>& links, st
          .first_place_m = numbers(overlap.place),
          .looks = 1,
          .wrong = true,
-         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at {}, t = {:.6g} s, with no "
-                             "contact between them",
-                             overlap.body, overlap.other, overlap.depth_m,
-                             fem::place_text(problem_.scene.model, overlap.place), overlap.time_s)},
+         .text = fmt::format("bodies '{}' and '{}' overlap by {:.3g} m at {}, t = {:.6g} s, {}", overlap.body,
+                             overlap.other, overlap.depth_m, fem::place_text(problem_.scene.model, overlap.place),
+                             overlap.time_s,
+                             overlap.beside_contact ? "beside the surfaces that the contact names: what may touch has "
+                                                      "to belong to them"
+                                                    : "with no contact between them")},
         news);
   }
   last_update_s_ = problem_.clock.time_s(window);

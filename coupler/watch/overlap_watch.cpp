@@ -24,9 +24,10 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& values) {
 
 }  // namespace
 
-OverlapWatch::OverlapWatch(const scene::Problem& problem)
-    : problem_(problem), pairs_(scene::pairs_without_contact(problem)) {
-  if (pairs_.empty()) return;
+OverlapWatch::OverlapWatch(const scene::Problem& problem) : problem_(problem) {
+  const auto apart = scene::pairs_without_contact(problem);
+  const auto contacts = scene::contacts_of_turning_bodies(problem);
+  if (apart.empty() && contacts.empty()) return;
   for (const auto& body : problem.bodies) {
     Body watched{body.name, scene::Shape(body), {}, {}, {}};
     const std::size_t nodes = watched.shape.outline().nodes.size();
@@ -40,6 +41,25 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem)
     watched.now = watched.before;
     bodies_.push_back(std::move(watched));
   }
+  const auto shape = [&](int body) -> const scene::Shape& { return bodies_[fem::at(body)].shape; };
+  for (const auto& pair : apart)
+    pairs_.push_back({pair.first, pair.second, scene::overlap_tolerance(shape(pair.first), shape(pair.second)),
+                      Eigen::Vector3d::Zero(), false});
+  for (const scene::ContactGeometry* contact : contacts) {
+    const int a = contact->body_a, b = contact->body_b >= 0 ? contact->body_b : a;
+    const double tolerance_m = scene::overlap_tolerance(shape(a), shape(b), problem.scene.contact_law());
+    if (b != a) {
+      pairs_.push_back({a, b, tolerance_m, contact->lifted_m, true});
+      continue;
+    }
+    const auto& pair = contact->pairs.front();
+    const double offset_m = contact->normal.dot(problem.bodies[fem::at(a)].mesh.position[fem::at(pair.node_a)]);
+    planes_.push_back({a, contact->normal, offset_m + pair.gap0_m, tolerance_m});
+  }
+}
+
+bool OverlapWatch::Body::all_told() const {
+  return std::all_of(told.begin(), told.end(), [](bool node) { return node; });
 }
 
 void OverlapWatch::Body::archive(Archive& a) {
@@ -55,16 +75,19 @@ void OverlapWatch::archive(Archive& a) {
 
 void OverlapWatch::take(const Link& link) {
   const auto& told = link.outline();
+  const auto& names = link.description().bodies;
+  std::vector<std::vector<Body>::iterator> bodies;
+  for (const auto& name : names)
+    bodies.push_back(std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.name == name; }));
   for (int row = 0; row < told.rows; ++row) {
     const double* values = &told.data[static_cast<std::size_t>(row * told.columns)];
-    const auto& name = link.description().bodies[static_cast<std::size_t>(values[0])];
-    const auto body = std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.name == name; });
+    const auto body = bodies[static_cast<std::size_t>(values[0])];
     const auto& nodes = body->shape.outline().nodes;
-    const auto node = std::find(nodes.begin(), nodes.end(), values[1]);
-    if (node == nodes.end()) {
+    const auto node = std::lower_bound(nodes.begin(), nodes.end(), values[1]);
+    if (node == nodes.end() || *node != values[1]) {
       throw ProtocolError(
           fmt::format("participant '{}' named node {} of body '{}' in 'outline', which is not on its outline",
-                      link.name(), values[1], name));
+                      link.name(), values[1], body->name));
     }
     const auto at = static_cast<std::size_t>(node - nodes.begin());
     body->told[at] = true;
@@ -72,10 +95,10 @@ void OverlapWatch::take(const Link& link) {
   }
 }
 
-void OverlapWatch::move(Body& body, double share) {
+void OverlapWatch::move(Body& body, double share, const Eigen::Vector3d& lifted_m) {
   std::vector<Eigen::Vector3d> displacement(body.now.size());
   for (std::size_t i = 0; i < displacement.size(); ++i)
-    displacement[i] = body.before[i] + share * (body.now[i] - body.before[i]);
+    displacement[i] = body.before[i] + share * (body.now[i] - body.before[i]) + lifted_m;
   body.shape.move(displacement);
 }
 
@@ -85,18 +108,17 @@ int OverlapWatch::steps(const Body& a, const Body& b) const {
   return 1 + static_cast<int>(std::min(most_steps, moved.norm() / (step_share * thin_m)));
 }
 
-scene::Shape::Overlap OverlapWatch::overlap_at(Body& a, Body& b, double share) {
+scene::Shape::Overlap OverlapWatch::overlap_at(const Pair& pair, double share) {
+  Body &a = bodies_[fem::at(pair.first)], &b = bodies_[fem::at(pair.second)];
   move(a, share);
-  move(b, share);
-  return a.shape.overlap(b.shape);
+  move(b, share, pair.lifted_m);
+  return a.shape.overlap(b.shape, pair.tolerance_m);
 }
 
 /// Share of the way since the last look; above 1 if they are apart all the way.
-double OverlapWatch::first_overlap(Body& a, Body& b) const {
-  const auto overlapped = [&](double share) {
-    return overlap_at(a, b, share).depth_m > scene::overlap_tolerance(a.shape, b.shape);
-  };
-  const int count = steps(a, b);
+double OverlapWatch::first_overlap(const Pair& pair) {
+  const auto overlapped = [&](double share) { return overlap_at(pair, share).depth_m > pair.tolerance_m; };
+  const int count = steps(bodies_[fem::at(pair.first)], bodies_[fem::at(pair.second)]);
   for (int step = 1; step <= count; ++step) {
     double apart = static_cast<double>(step - 1) / count, share = static_cast<double>(step) / count;
     if (!overlapped(share)) continue;
@@ -106,22 +128,38 @@ double OverlapWatch::first_overlap(Body& a, Body& b) const {
   return 2.0;
 }
 
+double OverlapWatch::time_s(std::int64_t window, double share) const {
+  const double begin_s = problem_.clock.time_s(last_window_);
+  return begin_s + share * (problem_.clock.time_s(window) - begin_s);
+}
+
+void OverlapWatch::look_at(const Pair& pair, std::int64_t window, std::vector<Found>& found) {
+  const Body &a = bodies_[fem::at(pair.first)], &b = bodies_[fem::at(pair.second)];
+  if (!a.all_told() || !b.all_told()) return;
+  const double share = first_overlap(pair);
+  if (share > 1.0) return;
+  const auto overlap = overlap_at(pair, share);
+  found.push_back({a.name, b.name, pair.beside_contact, overlap.depth_m, time_s(window, share), time_s(window, 0.0),
+                   overlap.place});
+}
+
+/// Nothing flies through a half-space, so the end of the way is enough; so well is its instant known.
+void OverlapWatch::look_at(const Plane& plane, std::int64_t window, std::vector<Found>& found) {
+  Body& body = bodies_[fem::at(plane.body)];
+  if (!body.all_told()) return;
+  move(body, 1.0);
+  const auto deepest = body.shape.reach(plane.normal);
+  const double depth_m = deepest.depth_m - plane.offset_m;
+  if (!(depth_m > plane.tolerance_m)) return;
+  found.push_back({body.name, "rigid_plane", true, depth_m, time_s(window, 1.0), time_s(window, 0.0), deepest.place});
+}
+
 std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& links, std::int64_t window) {
   std::vector<Found> found;
-  if (pairs_.empty()) return found;
+  if (bodies_.empty()) return found;
   for (const auto& link : links) take(link);
-  const auto all_told = [](const Body& body) {
-    return std::all_of(body.told.begin(), body.told.end(), [](bool told) { return told; });
-  };
-  for (const auto& pair : pairs_) {
-    auto &a = bodies_[static_cast<std::size_t>(pair.first)], &b = bodies_[static_cast<std::size_t>(pair.second)];
-    if (!all_told(a) || !all_told(b)) continue;
-    const double share = first_overlap(a, b);
-    if (share > 1.0) continue;
-    const auto overlap = overlap_at(a, b, share);
-    const double begin_s = problem_.clock.time_s(last_window_), end_s = problem_.clock.time_s(window);
-    found.push_back({a.name, b.name, overlap.depth_m, begin_s + share * (end_s - begin_s), begin_s, overlap.place});
-  }
+  for (const auto& pair : pairs_) look_at(pair, window, found);
+  for (const auto& plane : planes_) look_at(plane, window, found);
   for (auto& body : bodies_) body.before = body.now;
   last_window_ = window;
   return found;

@@ -10,9 +10,10 @@
 
 namespace ricochet::coupler {
 
-/// Whether bodies overlap that have no contact between them, or have passed through one another since the last look: on
+/// Whether bodies overlap where no contact holds them apart, or have passed through one another since the last look: on
 /// the straight way of every outline node from where it was to where it is, in steps that no body is thin enough to be
-/// missed in. A body that not all participants tell the outline of is not watched.
+/// missed in. Watched are bodies that have no contact between them, and such as turn, of which other places may meet
+/// than the contact's surfaces, rigid planes among them. A body that not all participants tell the outline of is not.
 class OverlapWatch {
  public:
   /// `problem` must outlive it.
@@ -20,13 +21,14 @@ class OverlapWatch {
 
   struct Found {
     std::string body, other;
+    bool beside_contact = false;  ///< of the two, which have one
     double depth_m = 0.0, time_s = 0.0,
            within_s = 0.0;  ///< within_s: end of the last window that is known to be without
     Eigen::Vector3d place{0.0, 0.0, 0.0};
   };
   /// What the links have told last, at the end of this window.
   std::vector<Found> update(const std::vector<Link>& links, std::int64_t window);
-  [[nodiscard]] bool watches() const { return !pairs_.empty(); }
+  [[nodiscard]] bool watches() const { return !bodies_.empty(); }
   void archive(Archive& a);
 
  private:
@@ -36,17 +38,34 @@ class OverlapWatch {
     std::vector<bool> told;  ///< per node of the outline
     std::vector<Eigen::Vector3d> before, now;
 
+    [[nodiscard]] bool all_told() const;
     void archive(Archive& a);
   };
+  struct Pair {
+    int first = 0, second = 0;  ///< indices into bodies_
+    double tolerance_m = 0.0;
+    Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};  ///< ContactGeometry's: the second body is off its mesh
+    bool beside_contact = false;
+  };
+  /// A rigid one: outside are places x with normal . x < offset.
+  struct Plane {
+    int body = 0;
+    Eigen::Vector3d normal;
+    double offset_m = 0.0, tolerance_m = 0.0;
+  };
   void take(const Link& link);
+  void look_at(const Pair& pair, std::int64_t window, std::vector<Found>& found);
+  void look_at(const Plane& plane, std::int64_t window, std::vector<Found>& found);
+  [[nodiscard]] double time_s(std::int64_t window, double share) const;
   /// Moves a body to a share of the way since the last look.
-  static void move(Body& body, double share);
+  static void move(Body& body, double share, const Eigen::Vector3d& lifted_m = {0.0, 0.0, 0.0});
   [[nodiscard]] int steps(const Body& a, const Body& b) const;
-  static scene::Shape::Overlap overlap_at(Body& a, Body& b, double share);
-  [[nodiscard]] double first_overlap(Body& a, Body& b) const;
+  scene::Shape::Overlap overlap_at(const Pair& pair, double share);
+  [[nodiscard]] double first_overlap(const Pair& pair);
 
   const scene::Problem& problem_;
-  std::vector<scene::BodyPair> pairs_;
+  std::vector<Pair> pairs_;
+  std::vector<Plane> planes_;
   std::vector<Body> bodies_;
   std::int64_t last_window_ = 0;
 };

@@ -1,0 +1,107 @@
+// Bodies that turn touch by any of their sides: the surface "outside" of all of them, and what is said of the others.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tests/support/run.hpp"
+
+namespace ricochet::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A brick of 20 mm in flight, which lands on the corner of its sides "inner" and "end".
+std::string landing(const std::string& protocol, const std::string& brick_surface, bool on_plane) {
+  const std::string table = on_plane ? "" : R"([[body]]
+name = "table"
+material = "steel_a36"
+mesh = { length_m = 0.01, start_m = -0.01, height_m = 0.05, elements = [20, 4], place = { moved_m = [-0.03, 0.0] } }
+[[body.support]]
+surface = "start"
+fixed = ["x", "y"]
+)";
+  const std::string contact = on_plane ? fmt::format(R"(["brick.{}", "rigid_plane"]
+rigid_place_m = [0.0, 0.0]
+normal = [0.0, -1.0])",
+                                                     brick_surface)
+                                       : fmt::format(R"(["table.end", "brick.{}"])", brick_surface);
+  return fmt::format(R"(model = "plane_strain"
+[[body]]
+name = "brick"
+large_rotation = true
+material = "steel_a36"
+initial_velocity_m_s = [1.0, -2.0]
+initial_angular_velocity_rad_s = 200.0
+mesh = {{ length_m = 0.02, height_m = 0.02, elements = [8, 8], place = {{ turned_deg = 80.0, moved_m = [0.0, 0.002] }} }}
+{}[contact]
+surfaces = {}
+friction_coefficient = 0.3
+[partition]
+implicit_length_m = {{ brick = 0.002{} }}
+[time]
+step_s = 1.2e-7
+end_s = 2e-3
+[coupling]
+protocol = "{}"
+[output]
+history_every = 40
+)",
+                     table, contact, on_plane ? "" : ", table = 0.003", protocol);
+}
+
+/// Height of that corner, half a diagonal from the middle, above plane and table.
+double corner_m(double time_s) {
+  const double angle = (135.0 + 80.0) * std::numbers::pi / 180.0 + 200.0 * time_s, half = 0.01 * std::sqrt(2.0);
+  const double middle_m =
+      0.002 + 0.01 * (std::sin(80.0 * std::numbers::pi / 180.0) + std::cos(80.0 * std::numbers::pi / 180.0));
+  return middle_m - 2.0 * time_s + half * std::sin(angle);
+}
+
+class Landing : public testing::TestWithParam<std::string> {};
+
+TEST_P(Landing, OnASideThatNoContactNamesStopsTheRun) {
+  for (const bool on_plane : {false, true}) {
+    const TemporaryFolder folder;
+    const RunResult run = run_file(folder.write(landing(GetParam(), "start", on_plane)), folder);
+    EXPECT_EQ(run.outcome.code, 6) << on_plane << run.outcome.error;
+    EXPECT_THAT(run.outcome.error,
+                HasSubstr(fmt::format("bodies 'brick' and '{}' overlap by", on_plane ? "rigid_plane" : "table")));
+    EXPECT_THAT(run.outcome.error, HasSubstr("beside the surfaces that the contact names"));
+    const auto& found = run.summary.at("outside_model").at(0);
+    EXPECT_EQ(found.at("kind"), "overlap");
+    const double depth_m = -corner_m(found.at("first_s").get<double>());
+    EXPECT_GT(depth_m, 0.25 * 2.5e-3 - 2e-6) << "a quarter of an edge";
+    EXPECT_LT(depth_m, 0.25 * 2.5e-3 + 5e-5) << "within one look";
+    EXPECT_LE(run.summary.at("valid_until_s").get<double>(), found.at("first_s").get<double>());
+    EXPECT_EQ(run.largest("contact_force_n"), 0.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Brick, Landing, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
+                         [](const auto& test) { return test.param; });
+
+TEST(LandingOutside, IsFeltAlikeByEveryMethodOnPlaneAndTable) {
+  for (const bool on_plane : {false, true}) {
+    double impulse_n_s = 0.0;
+    for (const std::string protocol : {"all_explicit", "hughes_liu", "all_implicit"}) {
+      const TemporaryFolder folder;
+      const RunResult run = run_text(landing(protocol, "outside", on_plane), folder);
+      const double own_n_s = run.summary.at("contact_impulse_n_s").get<double>();
+      if (impulse_n_s == 0.0) impulse_n_s = own_n_s;
+      EXPECT_GT(own_n_s, 0.5 * 3.14 * 2.0) << "half of what the brick brings";
+      EXPECT_NEAR(own_n_s / impulse_n_s, 1.0, 5e-3) << protocol << on_plane;
+      EXPECT_LT(run.summary.at("angular_momentum_error_max").get<double>(), 1e-3);
+    }
+  }
+}
+
+TEST(LandingOutside, IsASurfaceOfBodiesThatTurnAlone) {
+  const std::string text = replaced(landing("hughes_liu", "outside", false), "\"table.end\"", "\"table.outside\"");
+  EXPECT_THAT(check_refusal(text), HasSubstr("found \"table.outside\""));
+}
+
+}  // namespace
+}  // namespace ricochet::test
