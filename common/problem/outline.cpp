@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/columns.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -32,13 +32,6 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
   if (second >= 0.0 && third >= 0.0 && second + third <= normal.squaredNorm())
     return std::abs(from_a.dot(normal)) / normal.norm();
   return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
-}
-
-/// The angle that a triangle is seen under, over 4 pi, with the sign of its direction (van Oosterom, Strackee 1983).
-double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(a.dot(b.cross(c)), denominator) / (2.0 * std::numbers::pi);
 }
 
 }  // namespace
@@ -90,15 +83,12 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
   return pairs;
 }
 
-std::vector<const ContactGeometry*> contacts_of_turning_bodies(const Problem& problem) {
-  const auto turns = [&](int body) {
-    return body >= 0 && problem.scene.body(problem.bodies[at(body)].name).large_rotation;
-  };
+std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   std::vector<const ContactGeometry*> contacts;
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const ContactGeometry& contact = problem.contacts[i];
-    if ((turns(contact.body_a) || turns(contact.body_b)) && problem.scene.contacts[i].nose_radius_m == 0.0)
-      contacts.push_back(&contact);
+    const bool turns = problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
+    if ((turns || contact.sliding) && problem.scene.contacts[i].nose_radius_m == 0.0) contacts.push_back(&contact);
   }
   return contacts;
 }
@@ -135,18 +125,20 @@ bool Shape::boxes_meet(const Shape& other) const {
   return true;
 }
 
-double Shape::depth_in_solid(const Eigen::Vector3d& p) const {
-  double turns = 0.0, nearest = std::numeric_limits<double>::infinity();
-  for (const auto& [i, j, k] : outline_.triangles) {
-    const Eigen::Vector3d &a = x_[at(i)], &b = x_[at(j)], &c = x_[at(k)];
-    nearest = std::min(nearest, distance_to_triangle(p, a, b, c));
-    turns += solid_angle(a - p, b - p, c - p);
+/// A place that is `tolerance_m` deep has all within that around it.
+double Shape::depth_in_solid(const Columns& columns, const Eigen::Vector3d& p, double tolerance_m) const {
+  for (int side = 0; side < 7; ++side) {
+    Eigen::Vector3d beside = p;
+    if (side > 0) beside[(side - 1) / 2] += side % 2 == 0 ? tolerance_m : -tolerance_m;
+    if (!columns.within(beside)) return 0.0;
   }
-  return turns > 0.5 ? nearest : -nearest;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [i, j, k] : outline_.triangles)
+    nearest = std::min(nearest, distance_to_triangle(p, x_[at(i)], x_[at(j)], x_[at(k)]));
+  return nearest;
 }
 
 double Shape::depth(const Eigen::Vector3d& p) const {
-  if (!outline_.triangles.empty()) return depth_in_solid(p);
   bool inside = false;
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& edge : outline_.edges) {
@@ -158,11 +150,14 @@ double Shape::depth(const Eigen::Vector3d& p) const {
   return inside ? nearest : -nearest;
 }
 
-void Shape::add_points_within(const Shape& other, Overlap& worst) const {
+void Shape::add_points_within(const Shape& other, double tolerance_m, Overlap& worst) const {
+  const bool solid = !other.outline_.triangles.empty();
+  const Columns columns(other.outline_.triangles, other.x_, other.low_, other.high_, other.shortest_edge_m_);
   const auto add = [&](const Eigen::Vector3d& place) {
     for (int axis = 0; axis <= last_axis_; ++axis)
       if (place[axis] <= other.low_[axis] || place[axis] >= other.high_[axis]) return;
-    const double depth_m = other.depth(place);
+    const double depth_m =
+        solid ? other.depth_in_solid(columns, place, std::max(tolerance_m, worst.depth_m)) : other.depth(place);
     if (depth_m > worst.depth_m) worst = {depth_m, place};
   };
   for (const auto& x : x_) add(x);
@@ -202,8 +197,8 @@ Shape::Overlap Shape::overlap(const Shape& other, double tolerance_m) const {
     return worst;
   }
   if (plane_between(other, tolerance_m)) return worst;
-  add_points_within(other, worst);
-  other.add_points_within(*this, worst);
+  add_points_within(other, tolerance_m, worst);
+  other.add_points_within(*this, tolerance_m, worst);
   return worst;
 }
 

@@ -24,9 +24,11 @@ struct BodyPair {
 };
 /// All pairs of bodies but those of a contact.
 [[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
-/// The contacts of bodies that turn: what lies beside their surfaces may meet, too. None with a nose, which the mesh
-/// does not have.
-[[nodiscard]] std::vector<const ContactGeometry*> contacts_of_turning_bodies(const Problem& problem);
+/// The contacts of bodies that turn or slide along each other: what lies beside their surfaces may meet, too. None with
+/// a nose, which the mesh does not have.
+[[nodiscard]] std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem);
+
+class Columns;
 
 /// A body where it has got to. Bars and meshes that repeat across are intervals along the axis.
 class Shape {
@@ -58,10 +60,11 @@ class Shape {
  private:
   [[nodiscard]] bool boxes_meet(const Shape& other) const;
   [[nodiscard]] bool plane_between(const Shape& other, double tolerance_m) const;
-  /// How deep a place lies within; <= 0 outside.
+  /// How deep a place lies within, in the plane; <= 0 outside.
   [[nodiscard]] double depth(const Eigen::Vector3d& place) const;
-  [[nodiscard]] double depth_in_solid(const Eigen::Vector3d& place) const;
-  void add_points_within(const Shape& other, Overlap& worst) const;
+  /// The same of a solid; 0 where it is less than `tolerance_m`.
+  [[nodiscard]] double depth_in_solid(const Columns& columns, const Eigen::Vector3d& place, double tolerance_m) const;
+  void add_points_within(const Shape& other, double tolerance_m, Overlap& worst) const;
 
   Outline outline_;
   int first_axis_ = 0, last_axis_ = 1;  ///< coordinates that count

@@ -8,7 +8,7 @@ namespace ricochet::solver {
 
 WatchedOutline::WatchedOutline(const scene::Problem& problem, const std::vector<BodyState>& states) {
   const auto pairs = scene::pairs_without_contact(problem);
-  const auto contacts = scene::contacts_of_turning_bodies(problem);
+  const auto contacts = scene::contacts_to_watch(problem);
   for (std::size_t part = 0; part < states.size(); ++part) {
     const int body = states[part].body;
     const bool watched =

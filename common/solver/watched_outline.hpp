@@ -7,8 +7,8 @@
 
 namespace ricochet::solver {
 
-/// The outline nodes of this participant's bodies that others could meet without a contact: what the coupler, which
-/// alone knows all bodies, watches. None where every two bodies have a contact between them.
+/// The outline nodes of this participant's bodies that others could meet where no contact holds them apart: what the
+/// coupler, which alone knows all bodies, watches.
 class WatchedOutline {
  public:
   WatchedOutline() = default;  ///< nothing

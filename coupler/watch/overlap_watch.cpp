@@ -26,7 +26,7 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& values) {
 
 OverlapWatch::OverlapWatch(const scene::Problem& problem) : problem_(problem) {
   const auto apart = scene::pairs_without_contact(problem);
-  const auto contacts = scene::contacts_of_turning_bodies(problem);
+  const auto contacts = scene::contacts_to_watch(problem);
   if (apart.empty() && contacts.empty()) return;
   for (const auto& body : problem.bodies) {
     Body watched{body.name, scene::Shape(body), {}, {}, {}};

@@ -1,4 +1,5 @@
-// Bodies that turn touch by any of their sides: the surface "outside" of all of them, and what is said of the others.
+// Bodies that turn or slide may touch by sides that their contact does not name: what is said of it, and the surface
+// "outside" of all sides.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -101,6 +102,61 @@ TEST(LandingOutside, IsFeltAlikeByEveryMethodOnPlaneAndTable) {
 TEST(LandingOutside, IsASurfaceOfBodiesThatTurnAlone) {
   const std::string text = replaced(landing("hughes_liu", "outside", false), "\"table.end\"", "\"table.outside\"");
   EXPECT_THAT(check_refusal(text), HasSubstr("found \"table.outside\""));
+}
+
+/// A block slides on a floor by 10 mm to a wall, which is a piece of the floor's body.
+TEST(SlidingBlock, ThatMeetsAWallThatNoContactNamesStopsTheRun) {
+  const std::string block = "surfaces = [\"block.start\", \"room.floor.end\"]";
+  const auto text = [&](const std::string& contacts) {
+    return R"(model = "plane_strain"
+[[body]]
+name = "block"
+material = "steel_a36"
+mesh = { length_m = 0.01, height_m = 0.01, elements = [4, 4] }
+initial_velocity_m_s = [10.0, -0.01]
+[[body]]
+name = "room"
+material = "steel_a36"
+[[body.mesh.piece]]
+name = "floor"
+length_m = 0.01
+start_m = -0.01
+height_m = 0.05
+elements = [20, 4]
+[[body.mesh.piece]]
+name = "wall"
+length_m = 0.02
+height_m = 0.01
+elements = [4, 8]
+[body.mesh.piece.place]
+moved_m = [0.02, 0.0]
+[[body.mesh.tie]]
+surfaces = ["floor.end", "wall.start"]
+[[body.support]]
+surface = "floor.start"
+fixed = ["x", "y"]
+)" + contacts +
+           R"([partition]
+implicit_length_m = { block = 0.0, room = 0.0 }
+[time]
+step_s = 1e-7
+end_s = 1.5e-3
+[output]
+history_every = 10
+)";
+  };
+  const TemporaryFolder folder;
+  const RunResult run = run_file(folder.write(text("[contact]\n" + block + "\n")), folder);
+  EXPECT_EQ(run.outcome.code, 6) << run.outcome.error;
+  EXPECT_THAT(run.outcome.error, HasSubstr("bodies 'block' and 'room' overlap by 0.000625 m"));
+  EXPECT_NEAR(run.summary.at("outside_model").at(0).at("first_s").get<double>(), 1.0625e-3, 2e-6)
+      << "10 mm, and a quarter of an edge";
+  const TemporaryFolder other;
+  const RunResult stopped =
+      run_text(text("[[contact]]\nname = \"below\"\n" + block +
+                    "\n[[contact]]\nname = \"beside\"\nsurfaces = [\"block.outer\", \"room.wall.inner\"]\n"),
+               other);
+  EXPECT_GT(stopped.largest("contact_force_n/beside"), 0.0);
 }
 
 }  // namespace
