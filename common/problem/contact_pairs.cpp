@@ -254,15 +254,16 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   const auto numbers = [&](const Eigen::Vector3d& x) {
     return fmt::format("({:.4g})", fmt::join(x.data(), x.data() + context.scene.components(), ", "));
   };
+  geometry.turns = context.scene.body(a.body->name).large_rotation || context.scene.body(b.body->name).large_rotation;
   if (a.normal.dot(b.normal) >= 0.0)
     context.refuse(fmt::format("outward normals {} and {}", numbers(a.normal), numbers(b.normal)),
-                   "surfaces that face each other");
+                   std::string("surfaces that face each other") +
+                       (geometry.turns ? ", or of a body that turns all sides at once, \"outside\"" : ""));
   const fem::Mesh& mesh_a = a.body->mesh;
   geometry.touch_normal = a.normal;
   geometry.lifted_m = context.contact.initial_gap_m * geometry.named_normal;
   if (geometry.second_named_first) geometry.lifted_m *= -1.0;
   geometry.shift_m = geometry.lifted_m;
-  geometry.turns = context.scene.body(a.body->name).large_rotation || context.scene.body(b.body->name).large_rotation;
   geometry.flat = flat_and_parallel(a, b) && !geometry.turns;
   geometry.pairs = matching_pairs(context, a, b);
   for (auto& pair : geometry.pairs)

@@ -176,6 +176,7 @@ Shape::Overlap Shape::reach(const Eigen::Vector3d& direction) const {
 bool Shape::plane_between(const Shape& other, double tolerance_m) const {
   constexpr int tries = 20;
   Eigen::Vector3d direction = (other.low_ + other.high_ - low_ - high_).normalized();
+  if (direction.isZero(0.0)) return false;
   for (int i = 0; i < tries; ++i) {
     const Eigen::Vector3d apart = other.reach(-direction).place - reach(direction).place;
     const double gap_m = apart.dot(direction);

@@ -149,11 +149,13 @@ std::string verdict_of(const std::string& name, double asked, Json& quantities) 
   if (found == quantities.end()) return wanted + ": not a result of this run\n";
   auto& entry = found.value();
   const auto bar = report::number(entry, "total");
-  const double share = bar ? *bar / std::abs(entry.at("value").get<double>()) : 0.0;
-  const bool reached = bar && share <= asked;
+  const double value = std::abs(entry.at("value").get<double>());
+  const double share = bar && value > 0.0 ? *bar / value : 0.0;
+  const bool reached = bar && value > 0.0 && share <= asked;
   entry["asked"] = asked;
   entry["reached"] = reached;
   if (!bar) return wanted + ": its bar is unknown\n";
+  if (value == 0.0) return wanted + ": not reached, its value of 0 has no relative error\n";
   return fmt::format("{}: {}, its bar is {:.2g} %\n", wanted, reached ? "reached" : "not reached", 100.0 * share);
 }
 

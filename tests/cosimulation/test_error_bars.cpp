@@ -107,6 +107,17 @@ TEST(ErrorBars, HaveTheKeysOfTheirPageAndNoOther) {
   }
 }
 
+TEST(ErrorBars, OfNothingAreNotRelative) {
+  const TemporaryFolder folder;  // the bars meet later, and one is at rest until then
+  const std::string flight =
+      replaced(with_key(with_protocol(bars_of(1), "kim"), "time", "end_s", "2e-5"), "[-5.13588]", "[0.0]");
+  const auto run = estimated(flight + "[accuracy]\nrelative_error = { rebound_velocity_right_m_s = 0.1 }\n", folder);
+  ASSERT_EQ(run.outcome.code, 0) << run.outcome.error;
+  EXPECT_THAT(run.outcome.out,
+              HasSubstr("rebound_velocity_right_m_s within 10 %: not reached, its value of 0 has no relative error"));
+  EXPECT_FALSE(run.bar("rebound_velocity_right_m_s").at("reached").get<bool>());
+}
+
 TEST(ErrorBars, OfABaselineHaveNoCoupling) {
   const TemporaryFolder folder;
   const auto run = estimated(with_protocol(bars_of(2), "all_explicit"), folder);

@@ -104,6 +104,11 @@ TEST(LandingOutside, IsASurfaceOfBodiesThatTurnAlone) {
   EXPECT_THAT(check_refusal(text), HasSubstr("found \"table.outside\""));
 }
 
+TEST(LandingOutside, IsWhatIsSaidOfASideThatFacesAway) {
+  const std::string text = replaced(landing("hughes_liu", "start", false), "brick.start", "brick.end");
+  EXPECT_THAT(check_refusal(text), HasSubstr("or of a body that turns all sides at once, \"outside\""));
+}
+
 /// A block slides on a floor by 10 mm to a wall, which is a piece of the floor's body.
 TEST(SlidingBlock, ThatMeetsAWallThatNoContactNamesStopsTheRun) {
   const std::string block = "surfaces = [\"block.start\", \"room.floor.end\"]";

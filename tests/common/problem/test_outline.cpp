@@ -51,6 +51,8 @@ TEST(Overlap, OfABodyWithinAnotherCounts) {
   }
   small.move(shrink);
   EXPECT_NEAR(lower.overlap(small).depth_m, 0.1, 1e-3);
+  EXPECT_LT((lower.low() + lower.high() - small.low() - small.high()).norm(), 1e-15) << "with one middle";
+  EXPECT_GT(lower.overlap(small, 0.05).depth_m, 0.09);
 }
 
 TEST(Overlap, KnowsRoundThatBoxesDoNot) {
