@@ -9,6 +9,7 @@
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/columns.hpp"
+#include "common/surface/mortar.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -87,7 +88,7 @@ std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   std::vector<const ContactGeometry*> contacts;
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const ContactGeometry& contact = problem.contacts[i];
-    const bool turns = problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
+    const bool turns = contact.turns || problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
     if ((turns || contact.sliding) && problem.scene.contacts[i].nose_radius_m == 0.0) contacts.push_back(&contact);
   }
   return contacts;
@@ -207,9 +208,33 @@ double overlap_tolerance(const Shape& a, const Shape& b) {
   return tolerated_share * std::min(a.shortest_edge(), b.shortest_edge());
 }
 
-double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law) {
+namespace {
+
+/// How far the smooth surface through their nodes, which contact goes by, is from the faces in their middles.
+double furthest_from_smooth(const std::vector<surface::SurfaceFace>& faces) {
+  double furthest_m = 0.0;
+  for (const surface::SurfaceFace& face : faces) {
+    surface::ShapeValues middle = surface::ShapeValues::Zero();
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    const double weight = 1.0 / static_cast<double>(face.node.size());
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      middle[static_cast<Eigen::Index>(i)] = weight;
+      place += weight * face.x[i];
+    }
+    furthest_m = std::max(furthest_m, (surface::place_at(face, middle) - place).norm());
+  }
+  return furthest_m;
+}
+
+}  // namespace
+
+double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law, const ContactGeometry& contact) {
   const bool sinks = law.enforcement == Enforcement::penalty;
-  return (sinks ? share_beside_penalty : share_beside_contact) * std::min(a.shortest_edge(), b.shortest_edge());
+  double tolerance_m =
+      (sinks ? share_beside_penalty : share_beside_contact) * std::min(a.shortest_edge(), b.shortest_edge());
+  if (contact.sliding)
+    tolerance_m += furthest_from_smooth(contact.sliding->first) + furthest_from_smooth(contact.sliding->second.faces());
+  return tolerance_m;
 }
 
 }  // namespace ricochet::scene

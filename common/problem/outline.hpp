@@ -75,7 +75,8 @@ class Shape {
 
 /// Depth of an overlap from which on it is one, and no round-off or rim of bodies that touch [m].
 [[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b);
-/// The same of bodies with a contact of this law, which holds nodes apart, and not all that is between them.
-[[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law);
+/// The same of bodies with a contact, which holds nodes of smooth surfaces apart, and not all that is between them.
+[[nodiscard]] double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law,
+                                       const ContactGeometry& contact);
 
 }  // namespace ricochet::scene

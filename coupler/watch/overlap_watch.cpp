@@ -47,7 +47,7 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem) : problem_(problem) {
                       Eigen::Vector3d::Zero(), false});
   for (const scene::ContactGeometry* contact : contacts) {
     const int a = contact->body_a, b = contact->body_b >= 0 ? contact->body_b : a;
-    const double tolerance_m = scene::overlap_tolerance(shape(a), shape(b), problem.scene.contact_law());
+    const double tolerance_m = scene::overlap_tolerance(shape(a), shape(b), problem.scene.contact_law(), *contact);
     if (b != a) {
       pairs_.push_back({a, b, tolerance_m, contact->lifted_m, true});
       continue;

@@ -80,16 +80,19 @@ TEST_P(CoreInBore, CarriesThePressure) {
           contact_of("core.round", "block.hole", bore_first) + time_and_protocol(2e-6, 1.5 * ramp_s, "all_implicit"),
       folder);
   const auto of = [&](const char* column) { return run.mean(column, 1.05 * ramp_s, 1.5 * ramp_s); };
+  // Facets of 15 degrees carry it, too, and are a third of a fine edge off the circle without being taken for bodies
+  // that overlap.
+  const double times = facets.bore < 16 ? 6.0 : 1.0;
   // The force of a quarter circle acts along its mean normal.
-  EXPECT_NEAR(of("contact_force_n") / (std::sqrt(2.0) * pressure_pa * radius_m), 1.0, 3e-3);
-  EXPECT_NEAR(of("contact_pressure_mean_pa") / pressure_pa, 1.0, 2e-3);
-  EXPECT_NEAR(of("contact_pressure_max_pa") / pressure_pa, 1.0, 0.03);
+  EXPECT_NEAR(of("contact_force_n") / (std::sqrt(2.0) * pressure_pa * radius_m), 1.0, times * 3e-3);
+  EXPECT_NEAR(of("contact_pressure_mean_pa") / pressure_pa, 1.0, times * 2e-3);
+  EXPECT_NEAR(of("contact_pressure_max_pa") / pressure_pa, 1.0, times * 0.03);
   EXPECT_EQ(of("pairs_open"), 0.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Facets, CoreInBore,
                          testing::Combine(testing::Values(Facets{16, 16}, Facets{16, 24}, Facets{24, 16},
-                                                          Facets{16, 40}, Facets{40, 16}),
+                                                          Facets{16, 40}, Facets{40, 16}, Facets{64, 6}),
                                           testing::Bool()),
                          [](const auto& test) {
                            const Facets facets = std::get<0>(test.param);
