@@ -1,9 +1,8 @@
 #include "common/fem/seen_cells.hpp"
 
 #include <algorithm>
-#include <utility>
 
-#include "common/fem/hanging_nodes.hpp"
+#include "common/fem/boundary.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -14,36 +13,6 @@ struct SeenCell {
   int element = 0;
 };
 
-/// A face of a solid, with its element: equal sorted nodes make two of them one face inside the body.
-struct SolidFace {
-  Face sorted, face;
-  int element = 0;
-};
-
-/// Faces that belong to one element alone, element by element.
-std::vector<SolidFace> surface_of(const Mesh& mesh) {
-  std::vector<SolidFace> faces;
-  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    const auto& element = mesh.elements[at(e)];
-    for (const auto& local : traits(element.kind).faces) {
-      Face face = local;
-      for (int& node : face) node = element[at(node)];
-      faces.push_back({sorted(face), face, e});
-    }
-  }
-  std::sort(faces.begin(), faces.end(), [](const SolidFace& a, const SolidFace& b) {
-    return std::pair(a.sorted, a.element) < std::pair(b.sorted, b.element);
-  });
-  const FacesBetweenSizes inside(mesh);
-  std::vector<SolidFace> surface;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const bool twin_before = i > 0 && faces[i - 1].sorted == faces[i].sorted;
-    const bool twin_after = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
-    if (!twin_before && !twin_after && !inside.has(faces[i].face)) surface.push_back(faces[i]);
-  }
-  return surface;
-}
-
 std::vector<SeenCell> cells_of(const Mesh& mesh) {
   std::vector<SeenCell> cells;
   const auto add = [&cells](const auto& nodes, int element) {
@@ -51,7 +20,7 @@ std::vector<SeenCell> cells_of(const Mesh& mesh) {
     std::copy(nodes.begin(), nodes.end(), cells.back().nodes.begin());
   };
   if (mesh.model == Model::solid) {
-    for (const auto& face : surface_of(mesh)) add(face.face, face.element);
+    for (const auto& face : boundary_faces(mesh)) add(face.face, face.element);
   } else {
     for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) add(mesh.elements[at(e)], e);
   }

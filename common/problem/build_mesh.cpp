@@ -5,10 +5,10 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
+#include "common/fem/boundary.hpp"
 #include "common/fem/inp_file.hpp"
 #include "common/fem/refine.hpp"
 #include "common/problem/build.hpp"
-#include "common/problem/outline.hpp"
 #include "common/scene/reader.hpp"
 
 namespace ricochet::scene {
@@ -116,7 +116,9 @@ fem::Mesh piece_mesh(const Scene& scene, const Body& body, const MeshPiece& piec
   } catch (const ConfigError& error) {
     throw ConfigError(fmt::format("{}: {}", scene.where(key), error.what()));
   }
-  if (has_outside(body)) mesh.surfaces.try_emplace(outside_surface, boundary_faces(mesh));
+  if (has_outside(body) && !mesh.surfaces.contains(outside_surface)) {
+    for (const auto& [face, element] : fem::boundary_faces(mesh)) mesh.surfaces[outside_surface].push_back(face);
+  }
   refine(scene, key, piece, mesh);
   put_in_place(piece.place, mesh);
   return mesh;

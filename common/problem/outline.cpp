@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
-#include "common/fem/hanging_nodes.hpp"
+#include "common/fem/boundary.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/columns.hpp"
 #include "common/surface/mortar.hpp"
@@ -37,32 +36,16 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
 
 }  // namespace
 
-std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh) {
-  std::map<fem::Face, std::pair<int, fem::Face>> count;
-  for (const auto& element : mesh.elements) {
-    for (fem::Face face : fem::traits(element.kind).faces) {
-      for (int& node : face) node = element[at(node)];
-      auto& entry = count.insert({fem::sorted(face), {0, face}}).first->second;
-      ++entry.first;
-    }
-  }
-  const fem::FacesBetweenSizes inside(mesh);
-  std::vector<fem::Face> faces;
-  for (const auto& [nodes, entry] : count)
-    if (entry.first == 1 && !inside.has(entry.second)) faces.push_back(entry.second);
-  return faces;
-}
-
 Outline outline_of(const fem::Mesh& mesh) {
   Outline outline;
-  const std::vector<fem::Face> faces = boundary_faces(mesh);
-  for (const fem::Face& face : faces) outline.nodes.insert(outline.nodes.end(), face.begin(), face.end());
+  const auto faces = fem::boundary_faces(mesh);
+  for (const auto& [face, element] : faces) outline.nodes.insert(outline.nodes.end(), face.begin(), face.end());
   std::sort(outline.nodes.begin(), outline.nodes.end());
   outline.nodes.erase(std::unique(outline.nodes.begin(), outline.nodes.end()), outline.nodes.end());
   const auto index = [&](int node) {
     return static_cast<int>(std::lower_bound(outline.nodes.begin(), outline.nodes.end(), node) - outline.nodes.begin());
   };
-  for (const fem::Face& face : faces) {
+  for (const auto& [face, element] : faces) {
     if (face.size() == 2) outline.edges.push_back({index(face[0]), index(face[1])});
     for (std::size_t i = 2; i < face.size(); ++i)
       outline.triangles.push_back({index(face[0]), index(face[i - 1]), index(face[i])});

@@ -8,9 +8,6 @@
 /// Whether bodies overlap where no contact holds them apart.
 namespace ricochet::scene {
 
-/// Faces that belong to one element only, in the order of their nodes; none between elements of different size.
-[[nodiscard]] std::vector<fem::Face> boundary_faces(const fem::Mesh& mesh);
-
 /// Nodes and faces of a mesh that belong to one element only.
 struct Outline {
   std::vector<int> nodes;                     ///< of the mesh, ascending
