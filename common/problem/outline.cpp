@@ -68,11 +68,23 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
 }
 
 std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
+  const auto bodies = [&](std::size_t i) {
+    return std::minmax({problem.contacts[i].body_a, problem.contacts[i].body_b});
+  };
+  const auto lies_by_its_mesh = [&](std::size_t i) {
+    for (std::size_t other = 0; other < problem.contacts.size(); ++other) {
+      if (bodies(other) != bodies(i)) continue;
+      const Contact& spec = problem.scene.contacts[other];
+      if (spec.nose_radius_m > 0.0 || (other != i && spec.initial_gap_m != problem.scene.contacts[i].initial_gap_m))
+        return false;
+    }
+    return true;
+  };
   std::vector<const ContactGeometry*> contacts;
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const ContactGeometry& contact = problem.contacts[i];
     const bool turns = contact.turns || problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
-    if ((turns || contact.sliding) && problem.scene.contacts[i].nose_radius_m == 0.0) contacts.push_back(&contact);
+    if ((turns || contact.sliding) && lies_by_its_mesh(i)) contacts.push_back(&contact);
   }
   return contacts;
 }
@@ -149,10 +161,9 @@ void Shape::add_points_within(const Shape& other, double tolerance_m, Overlap& w
   for (const auto& [i, j, k] : outline_.triangles) add((x_[at(i)] + x_[at(j)] + x_[at(k)]) / 3.0);
 }
 
-Shape::Overlap Shape::reach(const Eigen::Vector3d& direction) const {
-  const auto furthest = std::max_element(
-      x_.begin(), x_.end(), [&](const auto& x, const auto& y) { return x.dot(direction) < y.dot(direction); });
-  return {furthest->dot(direction), *furthest};
+const Eigen::Vector3d& Shape::furthest(const Eigen::Vector3d& direction) const {
+  return *std::max_element(x_.begin(), x_.end(),
+                           [&](const auto& x, const auto& y) { return x.dot(direction) < y.dot(direction); });
 }
 
 /// Looks for a direction along which all of one comes before all of the other, as there is one between convex bodies
@@ -162,7 +173,7 @@ bool Shape::plane_between(const Shape& other, double tolerance_m) const {
   Eigen::Vector3d direction = (other.low_ + other.high_ - low_ - high_).normalized();
   if (direction.isZero(0.0)) return false;
   for (int i = 0; i < tries; ++i) {
-    const Eigen::Vector3d apart = other.reach(-direction).place - reach(direction).place;
+    const Eigen::Vector3d apart = other.furthest(-direction) - furthest(direction);
     const double gap_m = apart.dot(direction);
     if (gap_m >= -tolerance_m) return true;
     direction -= 2.0 * gap_m / apart.squaredNorm() * apart;

@@ -21,8 +21,8 @@ struct BodyPair {
 };
 /// All pairs of bodies but those of a contact.
 [[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
-/// The contacts of bodies that turn or slide along each other: what lies beside their surfaces may meet, too. None with
-/// a nose, which the mesh does not have.
+/// The contacts of bodies that turn or slide along each other: what lies beside their surfaces may meet, too. None of
+/// bodies with a contact with a nose, which the mesh does not have, or with contacts of different initial gaps.
 [[nodiscard]] std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem);
 
 class Columns;
@@ -51,8 +51,8 @@ class Shape {
   /// Largest depth at which a node or the middle of an edge (of a solid: of a triangle) of either lies within the
   /// other; none where it is known to be no more than `tolerance_m`.
   [[nodiscard]] Overlap overlap(const Shape& other, double tolerance_m = 0.0) const;
-  /// How far it reaches along a direction of length 1, and the place that does [m].
-  [[nodiscard]] Overlap reach(const Eigen::Vector3d& direction) const;
+  /// The place that is furthest along a direction [m].
+  [[nodiscard]] const Eigen::Vector3d& furthest(const Eigen::Vector3d& direction) const;
 
  private:
   [[nodiscard]] bool boxes_meet(const Shape& other) const;

@@ -49,7 +49,14 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem) : problem_(problem) {
     const int a = contact->body_a, b = contact->body_b >= 0 ? contact->body_b : a;
     const double tolerance_m = scene::overlap_tolerance(shape(a), shape(b), problem.scene.contact_law(), *contact);
     if (b != a) {
-      pairs_.push_back({a, b, tolerance_m, contact->lifted_m, true});
+      const auto same = std::find_if(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
+        return std::minmax({pair.first, pair.second}) == std::minmax({a, b});
+      });
+      if (same == pairs_.end()) {
+        pairs_.push_back({a, b, tolerance_m, contact->lifted_m, true});
+      } else {  // facets of one contact lie beside the other
+        same->tolerance_m = std::max(same->tolerance_m, tolerance_m);
+      }
       continue;
     }
     const auto& pair = contact->pairs.front();
@@ -143,15 +150,15 @@ void OverlapWatch::look_at(const Pair& pair, std::int64_t window, std::vector<Fo
                    overlap.place});
 }
 
-/// Nothing flies through a half-space, so the end of the way is enough; so well is its instant known.
+/// Nothing flies through a half-space, so the end of the way is enough. When it came there is known to one look.
 void OverlapWatch::look_at(const Plane& plane, std::int64_t window, std::vector<Found>& found) {
   Body& body = bodies_[fem::at(plane.body)];
   if (!body.all_told()) return;
   move(body, 1.0);
-  const auto deepest = body.shape.reach(plane.normal);
-  const double depth_m = deepest.depth_m - plane.offset_m;
+  const Eigen::Vector3d& deepest = body.shape.furthest(plane.normal);
+  const double depth_m = deepest.dot(plane.normal) - plane.offset_m;
   if (!(depth_m > plane.tolerance_m)) return;
-  found.push_back({body.name, "rigid_plane", true, depth_m, time_s(window, 1.0), time_s(window, 0.0), deepest.place});
+  found.push_back({body.name, "rigid_plane", true, depth_m, time_s(window, 1.0), time_s(window, 0.0), deepest});
 }
 
 std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& links, std::int64_t window) {

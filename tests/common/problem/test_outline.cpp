@@ -113,6 +113,20 @@ TEST(PairsWithoutContact, AreAllButTheContactsOne) {
   EXPECT_EQ(pairs_without_contact(problem).size(), 3U);
 }
 
+TEST(ContactsToWatch, AreNoneOfBodiesThatLieApartFromTheirMeshes) {
+  Problem problem = plates_problem();
+  problem.contacts.front().turns = true;
+  EXPECT_EQ(contacts_to_watch(problem).size(), 1U);
+  problem.contacts.push_back(problem.contacts.front());
+  problem.scene.contacts.push_back(problem.scene.contacts.front());
+  EXPECT_EQ(contacts_to_watch(problem).size(), 2U);
+  problem.scene.contacts.back().initial_gap_m = 1e-3;
+  EXPECT_TRUE(contacts_to_watch(problem).empty());
+  problem.scene.contacts.back() = problem.scene.contacts.front();
+  problem.scene.contacts.back().nose_radius_m = 1.0;
+  EXPECT_TRUE(contacts_to_watch(problem).empty()) << "another contact of the two has a nose";
+}
+
 std::string refusal(const std::string& text) {
   try {
     (void)plan(build_problem(load_text(text)));
