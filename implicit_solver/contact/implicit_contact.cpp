@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
+
+#include "implicit_solver/contact/kept_columns.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -22,6 +25,10 @@ namespace {
 /// Rows written by a mortar have many degrees of freedom each, too many for the root, while the compliance of so many
 /// rows may be small enough for a solve each.
 constexpr int most_columns = 800;
+/// Columns of S^-1 that are kept, and the numbers in them [256 MB]. Each is a solve, while a window of friction takes
+/// some thirty of them: those of three hundred forces, of some eight hundred degrees of freedom, pay within thirty
+/// windows.
+constexpr Eigen::Index most_kept_columns = 2400, most_kept_numbers = 32'000'000;
 }  // namespace
 
 ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactSurface surface,
@@ -160,13 +167,25 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
     return;
   }
   const double scale = kappa() * 0.25 * dt * dt;
-  response_.product = [this, scale, solve = std::move(solve), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
-                          const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
-    forces.noalias() = response_.rows.transpose() * x;
-    forces *= scale;
-    solve(forces, motion);
-    y.noalias() = response_.rows * motion;
+  const auto of_rows = [this, scale](SolveFor of_dofs) {
+    return [this, scale, of_dofs = std::move(of_dofs), forces = Eigen::VectorXd(), motion = Eigen::VectorXd()](
+               const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
+      forces.noalias() = response_.rows.transpose() * x;
+      forces *= scale;
+      of_dofs(forces, motion);
+      y.noalias() = response_.rows * motion;
+    };
   };
+  if (has_columns()) {
+    response_.product = of_rows(std::move(solve));
+  } else {
+    // S^-1 outlives the rows, whose own columns belong to one set of them: whoever takes the product takes it with
+    // none.
+    const auto dofs = std::ssize(root_dofs_), most = std::min(most_kept_columns, most_kept_numbers / dofs);
+    const auto kept = std::make_shared<KeptColumns>(std::move(solve), dofs, most / 2, most);
+    response_.product = KeptColumns(of_rows([kept](const auto& forces, auto& motion) { (*kept)(forces, motion); }),
+                                    rows(), most / 8, most / 4);
+  }
   if (has_columns()) {
     start(columns_of_products(rows()));
   } else {
