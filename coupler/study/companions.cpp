@@ -22,6 +22,12 @@ void add_contact_values(const Json& contact, const std::string& suffix, Values& 
   for (const char* key : {"peak_contact_force_n", "contact_impulse_n_s", "separation_time_s"}) {
     if (const auto value = report::number(contact, key)) values[key + suffix] = *value;
   }
+  const double pressing_n_s = report::number(contact, "contact_impulse_n_s").value_or(0.0);
+  for (const char* along : {"", "_b"}) {
+    const auto friction_n_s = report::number(contact, fmt::format("friction_impulse{}_n_s", along));
+    if (friction_n_s && *friction_n_s != 0.0 && pressing_n_s > 0.0)
+      values[fmt::format("impulse_ratio{}{}", along, suffix)] = *friction_n_s / pressing_n_s;
+  }
   const auto first = report::number(contact, "first_contact_s"), last = report::number(contact, "separation_time_s");
   if (first && last) values["contact_duration_s" + suffix] = *last - *first;
 }

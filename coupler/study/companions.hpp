@@ -14,9 +14,10 @@ namespace ricochet::coupler {
 using Values = std::map<std::string, double>;
 
 /// The quantities of the run of a scene in a folder that have error bars: peak force, impulse, duration and separation
-/// of the contact, "QUANTITY/CONTACT" of each of several, mean interface stress, mean velocity of each body at the end;
-/// of one or two bodies that have separated "restitution", their relative velocity along the normal at the end over
-/// that of the start, turned round.
+/// of the contact, with friction "impulse_ratio", its impulse along the tangent over that of the contact, of solids
+/// "impulse_ratio_b" along the binormal, "QUANTITY/CONTACT" of each of several, mean interface stress, mean velocity of
+/// each body at the end; of one or two bodies that have separated "restitution", their relative velocity along the
+/// normal at the end over that of the start, turned round.
 [[nodiscard]] Values values_of(const std::string& folder, const scene::Scene& scene);
 
 /// The bar of a quantity is never below this: begin and end of a contact are each known to a window.

@@ -185,10 +185,25 @@ Json described(const PublishedRatio& ratio) {
           {"source", ratio.source}};
 }
 
+Json described(const StudyAxis& axis) {
+  Json at = Json::object();
+  for (const auto& [text, number] : axis.at) at[text] = number;
+  return {{"title", axis.title}, {"at", at}};
+}
+
+Json described(const Measurement& one) {
+  return {{"value", one.value},
+          {"at", one.at},
+          {"measured", one.measured},
+          {"error", one.error > 0.0 ? Json(one.error) : Json(nullptr)},
+          {"source", one.source}};
+}
+
 Json Study::description() const {
-  Json references = Json::array(), published = Json::array(), axes = Json::array();
+  Json references = Json::array(), published = Json::array(), axes = Json::array(), measured = Json::array();
   for (const auto& reference : references_) references.push_back(described(file_, reference));
   for (const auto& ratio : file_.published) published.push_back(described(ratio));
+  for (const auto& one : file_.measurements) measured.push_back(described(one));
   Json together = Json::array();
   for (const auto& variation : file_.variations) {
     for (const auto& key : telling_keys(variation))
@@ -204,12 +219,14 @@ Json Study::description() const {
           {"axes", axes},
           {"along", file_.along},
           {"along_together", together},
+          {"axis", file_.axis ? described(*file_.axis) : Json(nullptr)},
           {"quantities", file_.quantities},
           {"values", file_.values},
           {"repeats", file_.repeats},
           {"references", references},
           {"histories", described(file_.histories)},
           {"published", published},
+          {"measured", measured},
           {"version", RICOCHET_VERSION}};
 }
 

@@ -28,12 +28,14 @@ constexpr int most_repeats = 1000;
 const scene::Schema& study_schema() {
   static const scene::Schema tables{
       {"study",
-       {"scene", "methods", "method", "vary", "quantities", "values", "repeats", "reference", "along", "histories",
-        "published"}},
+       {"scene", "methods", "method", "vary", "quantities", "values", "repeats", "reference", "along", "axis",
+        "histories", "published", "measured"}},
       {"method", {"name", "protocol", "changes"}},
       {"reference", {"exact", "protocol", "changes", "refine", "follow"}},
       {"histories", {"quantity", "over_pa", "over_name", "compare_to"}},
       {"published", {"methods", "over", "at", "time_ratio", "source"}},
+      {"axis", {"title", "at"}},
+      {"measured", {"value", "at", "measured", "error", "source"}},
   };
   return tables;
 }
@@ -202,16 +204,23 @@ HistoriesSpec load_histories(TableReader& root, const StudyFile& study, const Me
   return histories;
 }
 
-/// A key that is varied, with one of its values.
-void check_setting(const TableReader& reader, const StudyFile& study, const Override& setting) {
+/// Texts of the values of a varied key, each once, in the file's order.
+std::vector<std::string> values_of_key(const StudyFile& study, const std::string& key) {
   std::vector<std::string> values;
   for (const auto& variation : study.variations) {
     for (const auto& settings : variation.settings) {
       for (const auto& known : settings) {
-        if (known.key == setting.key) values.push_back(text_of(known));
+        const std::string text = text_of(known);
+        if (known.key == key && std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
       }
     }
   }
+  return values;
+}
+
+/// A key that is varied, with one of its values.
+void check_setting(const TableReader& reader, const StudyFile& study, const Override& setting) {
+  const auto values = values_of_key(study, setting.key);
   const auto keys = varied_keys(study);
   if (values.empty())
     reader.refuse("at", fmt::format("\"{}\"{}", setting.key, did_you_mean(setting.key, keys)), scene::one_of(keys));
@@ -230,6 +239,34 @@ std::vector<PublishedRatio> load_published(TableReader& root, const StudyFile& s
     entry.at = load_changes(reader, "at");
     for (const auto& setting : entry.at) check_setting(reader, study, setting);
     entry.time_ratio = reader.number("time_ratio", scene::above(0.0));
+    entry.source = reader.text("source");
+    reader.finish();
+  }
+  return all;
+}
+
+std::optional<StudyAxis> load_axis(TableReader& root, const StudyFile& study) {
+  root.only_if(!study.along.empty(), "axis", "along");
+  if (!root.has("axis")) return {};
+  auto reader = root.table("axis", "axis");
+  StudyAxis axis;
+  axis.title = reader.text("title");
+  const auto values = values_of_key(study, study.along);
+  const auto numbers = reader.numbers("at", scene::any_number(), values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) axis.at.emplace_back(values[i], numbers[i]);
+  reader.finish();
+  return axis;
+}
+
+std::vector<Measurement> load_measured(TableReader& root, const StudyFile& study) {
+  root.only_if(study.axis.has_value(), "measured", "axis");
+  std::vector<Measurement> all;
+  for (auto& reader : root.tables("measured", "measured")) {
+    auto& entry = all.emplace_back();
+    entry.value = reader.word("value", study.values);
+    entry.at = reader.numbers("at", scene::any_number(), 0);
+    entry.measured = reader.numbers("measured", scene::any_number(), entry.at.size());
+    entry.error = reader.number("error", scene::above(0.0), 0.0);
     entry.source = reader.text("source");
     reader.finish();
   }
@@ -264,8 +301,10 @@ StudyFile load_study(const std::string& path) {
   study.repeats = root.integer("repeats", 1, most_repeats, study.repeats);
   study.reference = load_reference(root.table("reference", "reference"), study);
   if (root.has("along")) study.along = root.word("along", varied_keys(study));
+  study.axis = load_axis(root, study);
   study.histories = load_histories(root, study, measured);
   study.published = load_published(root, study);
+  study.measurements = load_measured(root, study);
   root.finish();
   return study;
 }

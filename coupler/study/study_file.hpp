@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/scene/variant.hpp"
@@ -46,6 +48,20 @@ struct PublishedRatio {
   std::string source;
 };
 
+/// What stands for the values of `along` on the axis of the charts over it.
+struct StudyAxis {
+  std::string title;                               ///< with its unit
+  std::vector<std::pair<std::string, double>> at;  ///< text of each value of `along`, and its number
+};
+
+/// What somebody has measured of one of the study's values, over the axis.
+struct Measurement {
+  std::string value;
+  std::vector<double> at, measured;
+  double error = 0.0;  ///< of each; 0: not known
+  std::string source;
+};
+
 /// A study file, see docs/studies.md.
 struct StudyFile {
   std::string path, scene;  ///< absolute
@@ -57,8 +73,10 @@ struct StudyFile {
   int repeats = 1;
   ReferenceSpec reference;
   std::string along;  ///< varied key over which errors and times are drawn; empty: none
+  std::optional<StudyAxis> axis;
   HistoriesSpec histories;
   std::vector<PublishedRatio> published;
+  std::vector<Measurement> measurements;
 };
 
 /// Reads a study file strictly: a key, value or scene key that does not exist is a ConfigError with file, line, key,

@@ -91,6 +91,7 @@ std::vector<Case> by_law() {
     add("fully_implicit", contact("kim_impact", "multiplier_update", "\"fully_implicit\""), 400);
     add("trapezoidal", contact("kim_impact", "multiplier_update", "\"trapezoidal_reset\""), 400);
     add("curved", with_absolute_meshes(config_text("two_balls")), 430);
+    if (protocol == "hughes_liu") add("solids_that_slide", with_absolute_meshes(config_text("alumina_ball")), 160);
     add("solids_with_unequal_meshes", with_absolute_meshes(config_text("oblique_ball")), 160);
   }
   return cases;

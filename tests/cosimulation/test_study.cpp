@@ -348,6 +348,9 @@ methods = ["all_explicit"]
 quantities = ["energy_drift"]
 values = ["restitution", "peak_contact_force_n"]
 along = "body.striker.initial_velocity_m_s"
+axis = { title = "speed [m/s]", at = [0.1, 1, 10] }
+measured = [{ value = "restitution", at = [0.37], measured = [0.4375], error = 0.0625, source = "somebody" },
+            { value = "restitution", at = [0.73], measured = [0.371], source = "somebody else" }]
 [[vary]]
 body.striker.initial_velocity_m_s = [[0.0, -0.1], [0.0, -1.0], [0.0, -10.0]]
 [[vary]]
@@ -368,7 +371,13 @@ refine = { time.end_s = 1e-7, time.step_s = 2.2e-9 }
   }
   const double fallen = number(rows[2], "value_restitution") / number(rows[0], "value_restitution");
   EXPECT_NEAR(std::log(fallen) / std::log(100.0), -0.25, 0.01);
-  EXPECT_THAT(file_text(out + "/report.html"), HasSubstr("Magnitude of restitution"));
+  const auto page = file_text(out + "/report.html");
+  EXPECT_THAT(page, HasSubstr("Magnitude of restitution"));
+  EXPECT_THAT(page, HasSubstr("speed [m/s]"));
+  EXPECT_THAT(page, HasSubstr("◇ measured: somebody. △ measured: somebody else."));
+  EXPECT_THAT(page, HasSubstr(R"({"at":0.37,"value":0.4375,"sign":"◇","source":"somebody","low":0.375,"high":0.5})"));
+  EXPECT_THAT(page, HasSubstr(R"({"at":0.73,"value":0.371,"sign":"△","source":"somebody else"})"));
+  EXPECT_THAT(page, HasSubstr(R"([0.1,)")) << "the runs stand at the axis' numbers";
 }
 
 // Of solids: a key with one entry for each direction is varied, and errors fall with the mesh.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "coupler/report/assets/assets.hpp"
 #include "coupler/report/parts/text.hpp"
@@ -20,7 +22,34 @@ constexpr double many = 30.0;
 /// A column of results.csv to be drawn.
 struct Drawn {
   std::string column, heading, note, title, quantity;
+  Json measured =
+      Json::array();  ///< points, each with "at", "value", "sign" and "source", of an error with "low" and "high"
 };
+
+/// Signs of measured points, in the order of their sources.
+constexpr std::array<const char*, 4> signs{"\u25c7", "\u25b3", "\u25a1", "\u2715"};
+
+Json part_of(const Json& study, const char* key) { return study.contains(key) ? study.at(key) : Json(nullptr); }
+
+/// What was measured of one of the study's values, drawn and told beside it.
+void add_measured(const Json& study, const std::string& value, Drawn& drawn_column) {
+  std::size_t sources = 0;
+  for (const auto& one : part_of(study, "measured")) {
+    if (one.at("value") != value) continue;
+    const auto* sign = signs.at(sources++ % signs.size());
+    const auto source = one.at("source").get<std::string>();
+    drawn_column.note += fmt::format(" {} measured: {}.", sign, source);
+    for (std::size_t i = 0; i < one.at("at").size(); ++i) {
+      const double is = one.at("measured")[i];
+      Json point{{"at", one.at("at")[i]}, {"value", is}, {"sign", sign}, {"source", source}};
+      if (one.at("error").is_number()) {
+        point["low"] = is - one.at("error").get<double>();
+        point["high"] = is + one.at("error").get<double>();
+      }
+      drawn_column.measured.push_back(point);
+    }
+  }
+}
 
 std::vector<Drawn> columns_of(const Json& study) {
   std::vector<Drawn> all;
@@ -36,8 +65,10 @@ std::vector<Drawn> columns_of(const Json& study) {
                    fmt::format("RMS of the difference of the {} from the reference, over its contact period.", history),
                    title, ""});
   }
-  for (const auto& value : told_values(study))
+  for (const auto& value : told_values(study)) {
     all.push_back({"value_" + value, "Magnitude of " + value, "As the runs have it.", value, ""});
+    add_measured(study, value, all.back());
+  }
   for (const auto& quantity : texts(study, "quantities")) {
     const bool drift = quantity == "energy_drift";
     all.push_back({"error_" + quantity, drift ? "Energy drift" : "Error of the " + words(quantity),
@@ -58,8 +89,26 @@ bool logarithmic(const Json& points) {
   return most > many * least;
 }
 
+Json points_with(const Json& points, const char* key) {
+  Json found = Json::array();
+  for (const auto& point : points)
+    if (point.contains(key)) found.push_back(point);
+  return found;
+}
+
+/// The horizontal encoding: numbers of the study's own axis, or the values of its key one beside the other.
+Json across(const Json& axis, const std::string& along) {
+  if (!axis.is_null()) return {{"field", "at"}, {"type", "quantitative"}, {"title", axis.at("title")}};
+  return {{"field", "at"},
+          {"type", "ordinal"},
+          {"sort", nullptr},
+          {"title", along},
+          {"axis", {{"labelAngle", 0}, {"labelOverlap", true}}}};
+}
+
 Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column, std::size_t number_of_panel) {
   const auto along = study.at("along").get<std::string>();
+  const auto axis = part_of(study, "axis");
   const auto methods = texts(study, "methods");
   const auto looks = looks_of(methods);
   Chart chart;
@@ -68,7 +117,10 @@ Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column,
   chart.columns = {"at", "value", "method"};
   for (const auto* row : panel.rows) {
     const auto value = number(*row, drawn_column.column);
-    if (value && *value != 0.0) chart.rows.push_back({row->at(along), drawn(std::abs(*value)), row->at("method")});
+    if (!value || *value == 0.0) continue;
+    const auto& at = row->at(along);
+    chart.rows.push_back(
+        {axis.is_null() ? Json(at) : axis.at("at").at(at), drawn(std::abs(*value)), row->at("method")});
   }
   const bool log = logarithmic(chart.rows);
   const Json scale = log ? Json({{"type", "log"}, {"nice", false}, {"padding", 12}}) : Json({{"zero", true}});
@@ -76,7 +128,10 @@ Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column,
   chart.spec = without_empty_layers(fill_json(
       asset("along.json"), {{"description", Json(drawn_column.heading + " along " + along + ": " + panel.title).dump()},
                             {"width", Json(panel_width).dump()},
-                            {"at_title", Json(along).dump()},
+                            {"at", across(axis, along).dump()},
+                            {"at_title", (axis.is_null() ? Json(along) : axis.at("title")).dump()},
+                            {"error_bars", points_with(drawn_column.measured, "low").dump()},
+                            {"measured", drawn_column.measured.dump()},
                             {"value_title", Json(drawn_column.title).dump()},
                             {"scale", scale.dump()},
                             {"format", log ? "\".1~e\"" : "\".6~g\""},

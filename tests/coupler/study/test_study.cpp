@@ -114,9 +114,31 @@ TEST(StudyFile, ReadsWhatIsDrawnAndComparedBesides) {
   EXPECT_EQ(study.histories.quantity, "contact_pressure");
   EXPECT_EQ(study.histories.over_pa, 2e8);
   EXPECT_EQ(study.histories.compare_to, "all_implicit");
+  EXPECT_FALSE(study.axis.has_value());
   ASSERT_EQ(study.published.size(), 1U);
   EXPECT_THAT(study.published[0].methods, ElementsAre("kim", "soft"));
   EXPECT_EQ(text_of(study.published[0].at[0]), "1e-06");
+}
+
+const std::string axis_and_measured = R"(along = "time.step_s"
+values = ["restitution"]
+axis = { title = "step [us]", at = [2, 1] }
+measured = [{ value = "restitution", at = [1.5, 1.1], measured = [0.5, 0.6], error = 0.1, source = "somebody" }]
+)";
+
+TEST(StudyFile, ReadsAnAxisAndWhatWasMeasuredOverIt) {
+  const test::TemporaryFolder folder;
+  const std::string along = "along = \"time.step_s\"\n";
+  const auto study = load_study(folder.write(test::replaced(good_study(), along, axis_and_measured), "study.toml"));
+  ASSERT_TRUE(study.axis.has_value());
+  EXPECT_EQ(study.axis->title, "step [us]");
+  EXPECT_THAT(study.axis->at, ElementsAre(testing::Pair("2e-06", 2.0), testing::Pair("1e-06", 1.0)));
+  ASSERT_EQ(study.measurements.size(), 1U);
+  EXPECT_EQ(study.measurements[0].value, "restitution");
+  EXPECT_THAT(study.measurements[0].at, ElementsAre(1.5, 1.1));
+  EXPECT_THAT(study.measurements[0].measured, ElementsAre(0.5, 0.6));
+  EXPECT_EQ(study.measurements[0].error, 0.1);
+  EXPECT_EQ(study.measurements[0].source, "somebody");
 }
 
 TEST(StudyFile, OfAKeyThatIsSetTwiceTheLastValueCountsAndAnEmptyTextTakesItBack) {
@@ -292,6 +314,33 @@ INSTANTIATE_TEST_SUITE_P(
               "along = \"time.stepp_s\"",
               4,
               {"did you mean \"time.step_s\"?"}},
+        Wrong{"axis_of_other_values",
+              "along = \"time.step_s\"",
+              "along = \"time.step_s\"\naxis = { title = \"x\", at = [1, 2, 3] }",
+              5,
+              {"axis.at", "2 numbers"}},
+        Wrong{"axis_without_along",
+              "along = \"time.step_s\"",
+              "axis = { title = \"x\", at = [1, 2] }",
+              4,
+              {"axis", "only with along"}},
+        Wrong{"measured_without_axis",
+              "along = \"time.step_s\"",
+              "along = \"time.step_s\"\nmeasured = [{ value = \"restitution\" }]",
+              5,
+              {"measured", "only with axis"}},
+        Wrong{"measured_what_is_not_told",
+              "along = \"time.step_s\"",
+              "along = \"time.step_s\"\naxis = { title = \"x\", at = [1, 2] }\nvalues = [\"restitution\"]\n"
+              "measured = [{ value = \"restitutio\", at = [1], measured = [1], source = \"s\" }]",
+              7,
+              {"measured[0].value", "did you mean \"restitution\"?"}},
+        Wrong{"measured_too_little",
+              "along = \"time.step_s\"",
+              "along = \"time.step_s\"\naxis = { title = \"x\", at = [1, 2] }\nvalues = [\"restitution\"]\n"
+              "measured = [{ value = \"restitution\", at = [1, 2], measured = [1], source = \"s\" }]",
+              7,
+              {"measured[0].measured", "2 numbers"}},
         Wrong{"tells_nothing",
               "along = \"time.step_s\"",
               "values = [\"restituton\"]",
