@@ -85,5 +85,35 @@ protocol = "all_explicit"
               testing::HasSubstr("a normal into surface \"lower.lower_cap\""));
 }
 
+/// A brick flies along a table's face, past its rim: below the face it is beside the table, not in it.
+TEST(CurvedContact, ABodyBesideAnotherDoesNotOverlapIt) {
+  const SceneFolder folder;
+  const std::string scene = R"(model = "solid"
+[[body]]
+name = "table"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { start_m = -0.01, length_m = 0.01, height_m = 0.02, width_m = 0.02, elements = [4, 4, 2] }
+[[body]]
+name = "brick"
+large_rotation = true
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.25, density_kg_m3 = 1000.0 }
+mesh = { length_m = 0.01, height_m = 0.01, width_m = 0.01, elements = [3, 3, 3], place = { moved_m = [0.021, 0.002, Z] } }
+initial_velocity_m_s = [-1.0, 0.0, 0.0]
+[contact]
+surfaces = ["brick.outside", "table.end"]
+normal = [0.0, 0.0, -1.0]
+[time]
+safety_factor = 0.8
+end_s = 6e-5
+[coupling]
+protocol = "all_explicit"
+)";
+  for (const char* below : {"-0.0005", "-0.005", "-0.008"})
+    EXPECT_THAT(refusal(replaced(scene, "Z", below), folder), testing::HasSubstr("lie nowhere opposite each other"));
+  for (const char* above : {"0.0", "1e-4"}) EXPECT_EQ(refusal(replaced(scene, "Z", above), folder), "accepted");
+  const std::string in_it = replaced(replaced(scene, "0.021, 0.002", "0.012, 0.002"), "Z", "-0.005");
+  EXPECT_THAT(refusal(in_it, folder), testing::HasSubstr("bodies that overlap by 0.005 m"));
+}
+
 }  // namespace
 }  // namespace ricochet::scene
