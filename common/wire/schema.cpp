@@ -89,7 +89,8 @@ std::vector<Field> accepted_window() {
       {field<&Body::outline, Body>(
            "outline", "m",
            "rows x (2 + components): index into `bodies`, node of that body's mesh, displacement, for nodes of the "
-           "outlines of bodies that others could meet where no contact holds them apart; 0 rows: not asked for records, "
+           "outlines of bodies that others could meet where no contact holds them apart; 0 rows: not asked for "
+           "records, "
            "or does not tell"),
        field<&Body::pairs_closed, Body>("pairs_closed", "", "contact owner: closed contact pairs"),
        field<&Body::gap_min_m, Body>("gap_min_m", "m", "contact owner: smallest gap of all pairs"),

@@ -378,6 +378,7 @@ refine = { time.end_s = 1e-7, time.step_s = 2.2e-9 }
   EXPECT_THAT(page, HasSubstr(R"({"at":0.37,"value":0.4375,"sign":"◇","source":"somebody","low":0.375,"high":0.5})"));
   EXPECT_THAT(page, HasSubstr(R"({"at":0.73,"value":0.371,"sign":"△","source":"somebody else"})"));
   EXPECT_THAT(page, HasSubstr(R"([0.1,)")) << "the runs stand at the axis' numbers";
+  EXPECT_THAT(page, HasSubstr(R"("title":"speed [m/s]","scale":{"type":"log","nice":false,"padding":12})"));
 }
 
 // Of solids: a key with one entry for each direction is varied, and errors fall with the mesh.

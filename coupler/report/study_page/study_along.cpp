@@ -98,7 +98,18 @@ Json points_with(const Json& points, const char* key) {
 
 /// The horizontal encoding: numbers of the study's own axis, or the values of its key one beside the other.
 Json across(const Json& axis, const std::string& along) {
-  if (!axis.is_null()) return {{"field", "at"}, {"type", "quantitative"}, {"title", axis.at("title")}};
+  if (!axis.is_null()) {
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    for (const auto& [text, at] : axis.at("at").items()) {
+      least = std::min(least, at.get<double>());
+      most = std::max(most, at.get<double>());
+    }
+    const bool log = least > 0.0 && most > many * least;
+    return {{"field", "at"},
+            {"type", "quantitative"},
+            {"title", axis.at("title")},
+            {"scale", {{"type", log ? "log" : "linear"}, {"nice", !log}, {"padding", 12}}}};
+  }
   return {{"field", "at"},
           {"type", "ordinal"},
           {"sort", nullptr},
