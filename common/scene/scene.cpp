@@ -146,10 +146,11 @@ std::vector<std::string> Scene::quantities_with_bars() const {
     quantities.emplace_back(of_contact);
     for (const std::string& name : contact_names()) quantities.push_back(of_contact + ("/" + name));
   }
-  for (const std::string of_friction : {"impulse_ratio", "impulse_ratio_b"}) {
-    if (!friction() || (of_friction.back() == 'b' && model != Model::solid)) continue;
-    quantities.push_back(of_friction);
-    for (const std::string& name : contact_names()) quantities.push_back(of_friction + "/" + name);
+  for (const char* of_friction : {"impulse_ratio", "impulse_ratio_b"}) {
+    if (!friction()) continue;
+    quantities.emplace_back(of_friction);
+    for (const std::string& name : contact_names()) quantities.push_back(of_friction + ("/" + name));
+    if (model != Model::solid) break;
   }
   if (!contacts.empty()) quantities.emplace_back("plateau_stress_pa");
   const bool all_touch = contacts.size() == 1 && bodies.size() == (contacts.front().second ? 2 : 1);

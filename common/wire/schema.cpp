@@ -90,8 +90,7 @@ std::vector<Field> accepted_window() {
            "outline", "m",
            "rows x (2 + components): index into `bodies`, node of that body's mesh, displacement, for nodes of the "
            "outlines of bodies that others could meet where no contact holds them apart; 0 rows: not asked for "
-           "records, "
-           "or does not tell"),
+           "records, or does not tell"),
        field<&Body::pairs_closed, Body>("pairs_closed", "", "contact owner: closed contact pairs"),
        field<&Body::gap_min_m, Body>("gap_min_m", "m", "contact owner: smallest gap of all pairs"),
        field<&Body::gap_rate_min_m_s, Body>("gap_rate_min_m_s", "m/s",

@@ -79,19 +79,17 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
   };
   if (has_columns()) {
     response_.product = of_rows(std::move(solve));
-  } else {
-    // S^-1 outlives the rows, whose own columns belong to one set of them: whoever takes the product takes it with
-    // none.
-    const auto dofs = std::ssize(root_dofs_), most = std::min(most_kept_columns, most_kept_numbers / dofs);
-    const auto kept = std::make_shared<KeptColumns>(std::move(solve), dofs, most / 2, most);
-    response_.product = KeptColumns(of_rows([kept](const auto& forces, auto& motion) { (*kept)(forces, motion); }),
-                                    rows(), most / 8, most / 4);
-  }
-  if (has_columns()) {
     start(columns_of_products(rows()));
-  } else {
-    start({response_.product, bound_of_couplings(states)});
+    return;
   }
+  const auto dofs = std::ssize(root_dofs_),
+             most = std::min(most_kept_columns, most_kept_numbers / std::max(dofs, std::ptrdiff_t{1}));
+  // The columns of S^-1 outlive the rows, and all copies of the product share them. Those of the pairs belong to one
+  // set of rows: a copy that new rows take begins without any.
+  const auto kept = std::make_shared<KeptColumns>(std::move(solve), dofs, most / 2, most);
+  response_.product = KeptColumns(of_rows([kept](const auto& forces, auto& motion) { (*kept)(forces, motion); }),
+                                  rows(), most / 8, most / 4);
+  start({response_.product, bound_of_couplings(states)});
 }
 
 /// Part and its own number of a combined one.

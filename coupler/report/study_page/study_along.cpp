@@ -22,8 +22,8 @@ constexpr double many = 30.0;
 /// A column of results.csv to be drawn.
 struct Drawn {
   std::string column, heading, note, title, quantity;
-  Json measured =
-      Json::array();  ///< points, each with "at", "value", "sign" and "source", of an error with "low" and "high"
+  /// Points, each with "at", "value", "sign" and "source", one with an error with "low" and "high".
+  Json measured = Json::array();
 };
 
 /// Signs of measured points, in the order of their sources.
@@ -40,7 +40,7 @@ void add_measured(const Json& study, const std::string& value, Drawn& drawn_colu
     const auto source = one.at("source").get<std::string>();
     drawn_column.note += fmt::format(" {} measured: {}.", sign, source);
     for (std::size_t i = 0; i < one.at("at").size(); ++i) {
-      const double is = one.at("measured")[i];
+      const double is = std::abs(one.at("measured")[i].get<double>());  // like the runs' values
       Json point{{"at", one.at("at")[i]}, {"value", is}, {"sign", sign}, {"source", source}};
       if (one.at("error").is_number()) {
         point["low"] = is - one.at("error").get<double>();
