@@ -109,6 +109,7 @@ TEST(Names, OfAFieldOfAWindowThatNoRunHasIsNamedAfterAKill) {
   const TemporaryFolder folder;
   FaultRun run(folder, with_key(bars(all_windows), "checkpoint", "every_windows", "300"));
   ASSERT_NO_FATAL_FAILURE(run.reach(few_windows));
+  ASSERT_TRUE(wait_until([&] { return !checkpoints_in(run.out()).empty(); }, 20.0)) << "its disk may be slower";
   kill(run.coupler().pid(), SIGKILL);
   run.coupler().wait(10.0);
   ASSERT_TRUE(run.participants_gone(10.0));
