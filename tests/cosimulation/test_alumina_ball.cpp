@@ -9,8 +9,7 @@ namespace ricochet::test {
 namespace {
 
 /// As the study of the same name has them: J_t/J_n by the ball's velocity and by its angular velocity. The two ways
-/// lie up to 0.014 apart where the ball slips throughout, and the friction coefficient that the paper found there
-/// between them.
+/// lie up to 0.014 apart where the ball slips throughout.
 struct Measured {
   double degrees, ratio, error;
 };
