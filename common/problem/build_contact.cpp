@@ -12,8 +12,6 @@ namespace ricochet::scene {
 namespace {
 
 constexpr double depth_tolerance = 1e-9;  ///< of the size of the first body
-/// Chords of curved surfaces may cut each other by this share of the shortest edge.
-constexpr double chord_tolerance = 0.05;
 
 double size_of(const fem::Mesh& mesh) {
   Eigen::Vector3d low = mesh.position[0], high = low;
@@ -61,11 +59,7 @@ int index_of(const std::vector<BodyProblem>& bodies, const BodyProblem* body) {
 
 /// A body that turns may touch by an edge of its surface, and only nodes of the one that carries the rows are felt.
 bool may_touch_by_edge(const ContactContext& context, const ContactSide& side) {
-  if (!context.scene.body(side.body->name).large_rotation) return false;
-  const std::vector<surface::SurfaceFace> faces = faces_of(side);
-  return std::any_of(faces.begin(), faces.end(), [](const surface::SurfaceFace& face) {
-    return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
-  });
+  return context.scene.body(side.body->name).large_rotation && surface::has_edges(faces_of(side));
 }
 
 bool is_rigid(const ContactSide& side) { return side.body->mesh.rigid_nodes > 0; }

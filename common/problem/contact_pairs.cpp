@@ -110,12 +110,13 @@ std::vector<ContactPair> mortar_pairs(const Contact& contact, const fem::Mesh& m
 std::optional<surface::Touch> touch_in_flight(const surface::ContactMesh& mesh, const Eigen::Vector3d& start_m,
                                               const Eigen::Vector3d& velocity) {
   constexpr int most_moves = 1000;
-  const double move_m = 0.25 * mesh.edge_m, chords_m = 0.05 * mesh.edge_m;
-  // No deeper gets a body by one move; what is deeper lies beside the other body, not in it.
-  const auto deepest_m = [&](const Eigen::Vector3d& normal) {
-    return chords_m + move_m * std::abs(velocity.normalized().dot(normal));
-  };
   if (velocity.isZero(0.0)) return std::nullopt;
+  const double move_m = 0.25 * mesh.edge_m;
+  const Eigen::Vector3d way = velocity.normalized();
+  // One move takes a body no deeper; one that is deeper lies beside the other, not in it.
+  const auto deepest_m = [&](const Eigen::Vector3d& normal) {
+    return chord_tolerance * mesh.edge_m + move_m * std::abs(way.dot(normal));
+  };
   Eigen::Vector3d shift = start_m;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_moves; ++i) {
@@ -124,7 +125,7 @@ std::optional<surface::Touch> touch_in_flight(const surface::ContactMesh& mesh, 
     if (touch && touch->gap_m < mesh.edge_m && touch->gap_m > -deepest_m(touch->normal)) return touch;
     if (apart_m > nearest_m + mesh.edge_m) return std::nullopt;  // they fly past
     nearest_m = std::min(nearest_m, apart_m);
-    shift += std::max(apart_m, move_m) * velocity.normalized();
+    shift += std::max(apart_m, move_m) * way;
   }
   return std::nullopt;
 }

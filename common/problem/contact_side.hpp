@@ -14,6 +14,8 @@
 namespace ricochet::scene {
 
 inline constexpr double flat_tolerance = 1e-6;  ///< of the shortest edge; also of a unit normal
+/// Chords of curved surfaces may cut each other by this share of the shortest edge.
+inline constexpr double chord_tolerance = 0.05;
 inline constexpr double patch_angle = std::numbers::pi / 4.0;
 
 /// What is being built: for the texts of errors and the keys of the contact.

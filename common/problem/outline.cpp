@@ -92,15 +92,10 @@ std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
 }
 
 std::vector<std::string> edges_that_may_cross(const Problem& problem) {
-  const auto has_edges = [](const std::vector<surface::SurfaceFace>& faces) {
-    return std::any_of(faces.begin(), faces.end(), [](const surface::SurfaceFace& face) {
-      return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
-    });
-  };
   std::vector<std::string> bodies;
   for (const ContactGeometry& contact : problem.contacts) {
     if (problem.scene.model != Model::solid || !contact.turns || !contact.sliding || contact.body_b < 0) continue;
-    if (has_edges(contact.sliding->first) && has_edges(contact.sliding->second.faces()))
+    if (surface::has_edges(contact.sliding->first) && surface::has_edges(contact.sliding->second.faces()))
       bodies.push_back(fmt::format("'{}' and '{}'", problem.bodies[at(contact.body_a)].name,
                                    problem.bodies[at(contact.body_b)].name));
   }

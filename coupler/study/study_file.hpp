@@ -48,13 +48,13 @@ struct PublishedRatio {
   std::string source;
 };
 
-/// What stands for the values of `along` on the axis of the charts over it.
+/// Numbers that stand for the values of `along` on the axis of the charts over it.
 struct StudyAxis {
   std::string title;                               ///< with its unit
   std::vector<std::pair<std::string, double>> at;  ///< text of each value of `along`, and its number
 };
 
-/// What somebody has measured of one of the study's values, over the axis.
+/// Measurements of one of the study's values, over the axis.
 struct Measurement {
   std::string value;
   std::vector<double> at, measured;

@@ -13,7 +13,7 @@ namespace ricochet::implicit_solver {
 /// computes the same bits.
 class KeptColumns {
  public:
-  /// Of more forces than `most_pushed` the product is asked; at most `most_kept` columns, twice that number or more.
+  /// `product` is asked for more forces than `most_pushed`. At most `most_kept` columns are kept, no fewer than those.
   KeptColumns(SolveFor product, Eigen::Index size, Eigen::Index most_pushed, Eigen::Index most_kept);
   void operator()(const Eigen::VectorXd& forces, Eigen::VectorXd& motion);
 

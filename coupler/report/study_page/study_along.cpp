@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "coupler/report/assets/assets.hpp"
@@ -29,12 +28,10 @@ struct Drawn {
 /// Signs of measured points, in the order of their sources.
 constexpr std::array<const char*, 4> signs{"\u25c7", "\u25b3", "\u25a1", "\u2715"};
 
-Json part_of(const Json& study, const char* key) { return study.contains(key) ? study.at(key) : Json(nullptr); }
-
-/// What was measured of one of the study's values, drawn and told beside it.
+/// Draws and tells beside a value what was measured of it.
 void add_measured(const Json& study, const std::string& value, Drawn& drawn_column) {
   std::size_t sources = 0;
-  for (const auto& one : part_of(study, "measured")) {
+  for (const auto& one : study.value("measured", Json::array())) {
     if (one.at("value") != value) continue;
     const auto* sign = signs.at(sources++ % signs.size());
     const auto source = one.at("source").get<std::string>();
@@ -80,13 +77,10 @@ std::vector<Drawn> columns_of(const Json& study) {
   return all;
 }
 
-bool logarithmic(const Json& points) {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
-  for (const auto& point : points) {
-    least = std::min(least, point[1].get<double>());
-    most = std::max(most, point[1].get<double>());
-  }
-  return most > many * least;
+bool logarithmic(const std::vector<double>& values) {
+  if (values.empty()) return false;
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return *least > 0.0 && *most > many * *least;
 }
 
 Json points_with(const Json& points, const char* key) {
@@ -99,12 +93,9 @@ Json points_with(const Json& points, const char* key) {
 /// The horizontal encoding: numbers of the study's own axis, or the values of its key one beside the other.
 Json across(const Json& axis, const std::string& along) {
   if (!axis.is_null()) {
-    double least = std::numeric_limits<double>::infinity(), most = 0.0;
-    for (const auto& [text, at] : axis.at("at").items()) {
-      least = std::min(least, at.get<double>());
-      most = std::max(most, at.get<double>());
-    }
-    const bool log = least > 0.0 && most > many * least;
+    std::vector<double> numbers;
+    for (const auto& [text, number] : axis.at("at").items()) numbers.push_back(number);
+    const bool log = logarithmic(numbers);
     return {{"field", "at"},
             {"type", "quantitative"},
             {"title", axis.at("title")},
@@ -119,21 +110,24 @@ Json across(const Json& axis, const std::string& along) {
 
 Chart chart_of(const Json& study, const Panel& panel, const Drawn& drawn_column, std::size_t number_of_panel) {
   const auto along = study.at("along").get<std::string>();
-  const auto axis = part_of(study, "axis");
+  const auto axis = study.value("axis", Json());
   const auto methods = texts(study, "methods");
   const auto looks = looks_of(methods);
   Chart chart;
   chart.id = identifier(fmt::format("along_{}_{}", drawn_column.column, number_of_panel));
   chart.title = panel.title;
   chart.columns = {"at", "value", "method"};
+  std::vector<double> values;
   for (const auto* row : panel.rows) {
     const auto value = number(*row, drawn_column.column);
     if (!value || *value == 0.0) continue;
     const auto& at = row->at(along);
-    chart.rows.push_back(
-        {axis.is_null() ? Json(at) : axis.at("at").at(at), drawn(std::abs(*value)), row->at("method")});
+    // A method that does not vary the key has no place on an axis of numbers.
+    if (!axis.is_null() && !axis.at("at").contains(at)) continue;
+    values.push_back(std::abs(*value));
+    chart.rows.push_back({axis.is_null() ? Json(at) : axis.at("at").at(at), drawn(values.back()), row->at("method")});
   }
-  const bool log = logarithmic(chart.rows);
+  const bool log = logarithmic(values);
   const Json scale = log ? Json({{"type", "log"}, {"nice", false}, {"padding", 12}}) : Json({{"zero", true}});
   const auto rule = drawn_column.quantity.empty() ? Json::array() : reference_rule(study, drawn_column.quantity);
   chart.spec = without_empty_layers(fill_json(
