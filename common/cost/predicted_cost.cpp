@@ -180,16 +180,12 @@ FactorSize factor_of(const std::vector<Share>& shares) {
   return factor;
 }
 
-/// Of a participant's file of fields.
-double field_bytes(const std::vector<Share>& shares) {
-  double nodes = 0.0, elements = 0.0, corners = 0.0;
-  for (const Share& share : shares) {
-    nodes += share.graph.nodes();
-    elements += share.elements();
-    for (std::size_t e = 0; e < share.owned.size(); ++e)
-      if (share.owned[e]) corners += static_cast<double>(share.body->mesh.elements[e].size());
-  }
-  return fem::vtu_bytes(nodes, elements, corners);
+/// Of the file of its fields.
+double field_bytes(const Share& share) {
+  double corners = 0.0;
+  for (std::size_t e = 0; e < share.owned.size(); ++e)
+    if (share.owned[e]) corners += static_cast<double>(share.body->mesh.elements[e].size());
+  return fem::vtu_bytes(share.graph.nodes(), share.elements(), corners);
 }
 
 /// Of a participant, until it is initialized: its elements, their stiffness and, of the implicit one, the factor [s].
@@ -272,7 +268,8 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
     const auto& spec = scene.participants[p];
     const double interface = plan.participants[p].interface_nodes * scene.components();
     auto shares = shares_of(problem, spec);
-    cost.field_bytes += field_bytes(shares);
+    for (const Share& share : shares) cost.field_bytes += field_bytes(share);
+    cost.field_files += static_cast<double>(shares.size());
     double window_s = 0.0;
     if (spec.role == Role::implicit_solver) {
       const FactorSize factor = factor_of(shares);

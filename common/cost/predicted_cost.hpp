@@ -27,6 +27,7 @@ struct PredictedCost {
   double window_s = 0.0;      ///< mean time from window to window
   double factor_bytes = 0.0;  ///< of the implicit participant and of modes, at the start
   double field_bytes = 0.0;   ///< of one time of fields, all participants' files together
+  double field_files = 0.0;   ///< that many they are
   double setup_s = 0.0;       ///< of the participant that takes longest, before the first window
   double all_implicit_s = 0.0, all_explicit_s = 0.0;  ///< stepping of the baselines to the same end
   double all_explicit_step_s = 0.0;                   ///< the scene's, or what all elements together allow

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -17,8 +16,6 @@ namespace ricochet::fem {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is declared little-endian and written as it lies");
-
-using Parts = std::vector<PartFields>;
 
 /// One DataArray: its length in bytes as UInt64, then the values, encoded in one go.
 template <class Number>
@@ -33,36 +30,28 @@ std::string data_array(std::string_view type, std::string_view name, int width, 
 }
 
 /// Nodal vectors as the three components VTK wants.
-std::string nodal_vectors(std::string_view name, const Parts& parts, const Eigen::VectorXd* PartFields::*field) {
+std::string nodal_vectors(std::string_view name, const Part& part, const Eigen::VectorXd& field) {
   std::vector<double> values;
-  for (const PartFields& of : parts) {
-    const int width = components(of.part->mesh.model);
-    for (int node = 0; node < of.part->nodes(); ++node) {
-      for (int c = 0; c < 3; ++c) values.push_back(c < width ? (*(of.*field))[node * width + c] : 0.0);
-    }
+  const int width = components(part.mesh.model);
+  for (int node = 0; node < part.nodes(); ++node) {
+    for (int c = 0; c < 3; ++c) values.push_back(c < width ? field[node * width + c] : 0.0);
   }
   return data_array("Float64", name, 3, values);
 }
 
-std::string points(const Parts& parts) {
+std::string points(const Part& part) {
   std::vector<double> values;
-  for (const PartFields& of : parts) {
-    for (const Eigen::Vector3d& x : of.part->mesh.position) values.insert(values.end(), x.begin(), x.end());
-  }
+  for (const Eigen::Vector3d& x : part.mesh.position) values.insert(values.end(), x.begin(), x.end());
   return "<Points>\n" + data_array("Float64", "Points", 3, values) + "</Points>\n";
 }
 
-std::string cells(const Parts& parts) {
+std::string cells(const Part& part) {
   std::vector<std::int32_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
-  std::int32_t first_node = 0;
-  for (const PartFields& of : parts) {
-    for (const auto& element : of.part->mesh.elements) {
-      for (const int node : element) connectivity.push_back(first_node + node);
-      offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
-      types.push_back(traits(element.kind).vtk_type);
-    }
-    first_node += of.part->nodes();
+  for (const auto& element : part.mesh.elements) {
+    connectivity.insert(connectivity.end(), element.begin(), element.end());
+    offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
+    types.push_back(traits(element.kind).vtk_type);
   }
   return "<Cells>\n" + data_array("Int32", "connectivity", 1, connectivity) +
          data_array("Int32", "offsets", 1, offsets) + data_array("UInt8", "types", 1, types) + "</Cells>\n";
@@ -113,94 +102,60 @@ struct Stresses {
   }
 };
 
-std::string stresses(const Parts& parts) {
+std::string stresses(const PartFields& of) {
+  const auto compliance_of = [&](const Material& material) -> Eigen::MatrixXd {
+    return elasticity(of.part->section.model, material).inverse();
+  };
+  std::vector<Eigen::MatrixXd> compliance{compliance_of(of.part->material)};
+  for (const Material& material : of.part->mesh.materials) compliance.push_back(compliance_of(material));
   Stresses all;
-  for (const PartFields& of : parts) {
-    const auto compliance_of = [&](const Material& material) -> Eigen::MatrixXd {
-      return elasticity(of.part->section.model, material).inverse();
-    };
-    std::vector<Eigen::MatrixXd> compliance{compliance_of(of.part->material)};
-    for (const Material& material : of.part->mesh.materials) compliance.push_back(compliance_of(material));
-    for (int e = 0; e < static_cast<int>(of.part->mesh.elements.size()); ++e)
-      all.append(of, e, compliance[at(1 + material_index(of.part->mesh, e))]);
-  }
+  for (int e = 0; e < static_cast<int>(of.part->mesh.elements.size()); ++e)
+    all.append(of, e, compliance[at(1 + material_index(of.part->mesh, e))]);
   return all.text();
 }
 
-/// One number per element of the parts that yield, `elsewhere` in all others; empty where no part has it.
-std::string plastic_values(const char* name, const Parts& parts, Eigen::VectorXd PlasticStrain::*values,
-                           double elsewhere) {
-  std::vector<double> all;
-  bool any = false;
-  for (const PartFields& of : parts) {
-    const bool own = of.plastic && (of.plastic->*values).size() > 0;
-    any = any || own;
-    for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(of.part->mesh.elements.size()); ++e)
-      all.push_back(own ? (of.plastic->*values)[e] : elsewhere);
-  }
-  return any ? data_array("Float64", name, 1, all) : "";
+template <class Numbers>
+std::string scalars(const char* name, const Numbers& values) {
+  return data_array("Float64", name, 1, std::vector<double>(values.begin(), values.end()));
 }
 
-std::string plastic_arrays(const Parts& parts) {
-  return plastic_values("equivalent_plastic_strain", parts, &PlasticStrain::equivalent, 0.0) +
-         plastic_values("temperature", parts, &PlasticStrain::temperature_k, std::numeric_limits<double>::quiet_NaN());
+std::string plastic_arrays(const PlasticStrain* plastic) {
+  if (!plastic) return "";
+  return scalars("equivalent_plastic_strain", plastic->equivalent) +
+         (plastic->temperature_k.size() > 0 ? scalars("temperature", plastic->temperature_k) : "");
 }
 
-std::string element_numbers(const Parts& parts) {
-  std::vector<std::int32_t> body, element;
-  for (const PartFields& of : parts) {
-    const auto& of_body = of.part->body_element;
-    body.insert(body.end(), of_body.size(), of.body);
-    element.insert(element.end(), of_body.begin(), of_body.end());
-  }
-  return data_array("Int32", "body", 1, body) + data_array("Int32", "element", 1, element);
+std::string element_numbers(const PartFields& of) {
+  const auto& elements = of.part->body_element;
+  return data_array("Int32", "body", 1, std::vector<std::int32_t>(elements.size(), of.body)) +
+         data_array("Int32", "element", 1, std::vector<std::int32_t>(elements.begin(), elements.end()));
 }
 
-std::string contact_arrays(const std::vector<ContactFields>& contact) {
-  if (contact.empty()) return "";
-  std::vector<double> force_n, pressure_pa, gap_m;
-  std::vector<std::int32_t> state;
-  for (const ContactFields& of : contact) {
-    force_n.insert(force_n.end(), of.force_n.begin(), of.force_n.end());
-    pressure_pa.insert(pressure_pa.end(), of.pressure_pa.begin(), of.pressure_pa.end());
-    gap_m.insert(gap_m.end(), of.gap_m.begin(), of.gap_m.end());
-    state.insert(state.end(), of.state.begin(), of.state.end());
-  }
-  return data_array("Float64", "contact_force", 3, force_n) +
-         data_array("Float64", "contact_pressure", 1, pressure_pa) + data_array("Float64", "contact_gap", 1, gap_m) +
-         data_array("Int32", "contact_state", 1, state);
-}
-
-void check_sizes(const Parts& parts, const std::vector<ContactFields>& contact) {
-  if (parts.empty() || (!contact.empty() && contact.size() != parts.size()))
-    throw std::invalid_argument("write_vtu: one part at least, and contact of each part or of none");
-  for (const PartFields& of : parts) {
-    for (const auto* field : {of.displacement, of.velocity, of.acceleration}) {
-      if (of.part->mesh.model != parts[0].part->mesh.model || field == nullptr || field->size() != of.part->dofs())
-        throw std::invalid_argument("write_vtu: model or vector length of " + of.part->body + " does not fit");
-    }
-  }
+std::string contact_arrays(const ContactFields* contact) {
+  if (!contact) return "";
+  const std::vector<double> force_n(contact->force_n.begin(), contact->force_n.end());
+  return data_array("Float64", "contact_force", 3, force_n) + scalars("contact_pressure", contact->pressure_pa) +
+         scalars("contact_gap", contact->gap_m) + data_array("Int32", "contact_state", 1, contact->state);
 }
 
 }  // namespace
 
-void write_vtu(const std::string& path, const Parts& parts, const std::vector<ContactFields>& contact) {
-  check_sizes(parts, contact);
-  std::size_t nodes = 0, elements = 0;
-  for (const PartFields& of : parts) {
-    nodes += of.part->mesh.position.size();
-    elements += of.part->mesh.elements.size();
+void write_vtu(const std::string& path, const PartFields& of, const ContactFields* contact) {
+  const Part& part = *of.part;
+  for (const auto* field : {of.displacement, of.velocity, of.acceleration}) {
+    if (field == nullptr || field->size() != part.dofs())
+      throw std::invalid_argument("write_vtu: a vector's length does not fit " + part.body);
   }
   std::string text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<UnstructuredGrid>\n";
-  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, elements);
-  text += points(parts) + cells(parts);
-  text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", parts, &PartFields::displacement) +
-          nodal_vectors("velocity", parts, &PartFields::velocity) +
-          nodal_vectors("acceleration", parts, &PartFields::acceleration) + contact_arrays(contact) + "</PointData>\n";
-  text += "<CellData>\n" + stresses(parts) + plastic_arrays(parts) + element_numbers(parts) +
+  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", part.nodes(), part.mesh.elements.size());
+  text += points(part) + cells(part);
+  text += "<PointData Vectors=\"displacement\">\n" + nodal_vectors("displacement", part, *of.displacement) +
+          nodal_vectors("velocity", part, *of.velocity) + nodal_vectors("acceleration", part, *of.acceleration) +
+          contact_arrays(contact) + "</PointData>\n";
+  text += "<CellData>\n" + stresses(of) + plastic_arrays(of.plastic) + element_numbers(of) +
           "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   write_atomically(path, text);
 }

@@ -17,7 +17,7 @@ struct PlasticStrain {
   Eigen::VectorXd temperature_k;  ///< per element; empty where plastic work does not heat the part
 };
 
-/// One part in a file; vectors node-major, one number per degree of freedom.
+/// What a file of a part holds; vectors node-major, one number per degree of freedom.
 struct PartFields {
   const Part* part = nullptr;
   const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
@@ -34,17 +34,15 @@ struct ContactFields {
   std::vector<std::int32_t> state;     ///< per node: 0 open, 1 stick, 2 slip, -1 where it carries no row
 };
 
-/// Writes one VTU piece (XML, inline base64, little-endian) atomically (temporary name, then rename), with the same
+/// Writes one part as VTU (XML, inline base64, little-endian) atomically (temporary name, then rename), with the same
 /// names in every model. Bar along x; axisymmetric (r, z) drawn as (x, y), with the hoop direction as zz.
-/// Point data: displacement [m], velocity [m/s], acceleration [m/s^2] (3 components each); with `contact`, one per
-/// part, also contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
+/// Point data: displacement [m], velocity [m/s], acceleration [m/s^2] (3 components each); with `contact` also
+/// contact_force [N] (3), contact_pressure [Pa], contact_gap [m] and contact_state.
 /// Cell data at the element centre: stress [Pa] and strain (xx, yy, zz, xy, yz, xz, as VTK orders a symmetric tensor;
 /// of a bar xx alone), von_mises [Pa], stress_principal_max/mid/min [Pa]; `body` (number in the scene), `element`
-/// (number in the body) and, where a part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K].
-/// Parts of one model (std::invalid_argument otherwise, and where lengths do not fit). Throws what write_atomically
-/// throws if the file cannot be written.
-void write_vtu(const std::string& path, const std::vector<PartFields>& parts,
-               const std::vector<ContactFields>& contact = {});
+/// (number in the body) and, where the part yields, `equivalent_plastic_strain`, where it is heated `temperature` [K].
+/// std::invalid_argument where lengths do not fit. Throws what write_atomically throws if the file cannot be written.
+void write_vtu(const std::string& path, const PartFields& part, const ContactFields* contact = nullptr);
 
 /// Bytes of such a file without contact, to some hundred: `corners` of all elements together.
 [[nodiscard]] double vtu_bytes(double nodes, double elements, double corners);

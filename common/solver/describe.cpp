@@ -119,25 +119,23 @@ fem::PlasticStrain plastic_strain(const BodyState& state) {
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
                   const std::vector<BodyState>& states, const std::vector<fem::ContactFields>& contact,
                   bool moved_by_link) {
-  std::vector<fem::PartFields> parts;
-  std::vector<Eigen::VectorXd> accelerations;
-  accelerations.reserve(states.size());
-  std::vector<fem::PlasticStrain> plastic;
-  plastic.reserve(states.size());
-  std::vector<Eigen::VectorXd> straining;
-  straining.reserve(states.size());
-  for (const auto& state : states) {
-    accelerations.push_back(state.a);
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto& state = states[b];
+    Eigen::VectorXd acceleration = state.a;
     for (const int dof : state.shared_dofs)
-      if (moved_by_link) accelerations.back()[dof] = std::numeric_limits<double>::quiet_NaN();
-    parts.push_back({&state.part, &state.u, &state.v, &accelerations.back()});
-    parts.back().body = state.body;
-    if (state.plastic) parts.back().plastic = &plastic.emplace_back(plastic_strain(state));
-    if (!state.frame) continue;
-    parts.back().straining = &straining.emplace_back(state.frame->straining(state.u));
-    parts.back().rotation = state.rotation();
+      if (moved_by_link) acceleration[dof] = std::numeric_limits<double>::quiet_NaN();
+    fem::PartFields part{&state.part, &state.u, &state.v, &acceleration};
+    part.body = state.body;
+    fem::PlasticStrain plastic;
+    if (state.plastic) part.plastic = &(plastic = plastic_strain(state));
+    Eigen::VectorXd straining;
+    if (state.frame) {
+      part.straining = &(straining = state.frame->straining(state.u));
+      part.rotation = state.rotation();
+    }
+    fem::write_vtu(fmt::format("{}/{}.{}_{:08}.vtu", directory, participant, state.name, window), part,
+                   contact.empty() ? nullptr : &contact[b]);
   }
-  fem::write_vtu(fmt::format("{}/{}_{:08}.vtu", directory, participant, window), parts, contact);
 }
 
 }  // namespace ricochet::solver

@@ -20,8 +20,8 @@ namespace ricochet::solver {
 /// Appends the body totals in the order of the columns of `describe`.
 void record_bodies(const std::vector<BodyState>& states, std::vector<double>& row);
 
-/// One VTU file `<directory>/<participant>_<window>.vtu` with all parts of a participant; `contact` of its owner, for
-/// each part, else none. Accelerations of shared nodes that the link moves (`moved_by_link`) are not a number: who
+/// One VTU file `<directory>/<participant>.<body>_<window>.vtu` for each body of a participant; `contact` of its owner,
+/// for each body, else none. Accelerations of shared nodes that the link moves (`moved_by_link`) are not a number: who
 /// integrates these nodes has them.
 void write_fields(const std::string& directory, const std::string& participant, std::int64_t window,
                   const std::vector<BodyState>& states, const std::vector<fem::ContactFields>& contact,

@@ -35,7 +35,7 @@ std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& 
   const auto& output = problem.scene.output;
   const double row_bytes = 20.0 * static_cast<double>(history_columns(history_shape(problem)).size());
   const double times = output.fields_every > 0 ? std::floor(cost.windows / output.fields_every) + 1.0 : 0.0;
-  const double files = times * static_cast<double>(cost.participants.size()), of_fields = times * cost.field_bytes;
+  const double files = times * cost.field_files, of_fields = times * cost.field_bytes;
   const double need_bytes = row_bytes * cost.windows / output.history_every + of_fields;
   std::string text = fmt::format("disk: about {}", bytes_text(need_bytes));
   if (files > 0.0) text += fmt::format(", of it {} in {:.0f} files of fields", bytes_text(of_fields), files);

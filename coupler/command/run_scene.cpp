@@ -188,7 +188,7 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
   auto executables = find_executables(problem.scene);
   const std::string stem = std::filesystem::path(given.path).stem().string();
   auto files = files_of_run(problem.scene);
-  if (!given.set.empty()) files.insert(files.end(), {changed_scene_name(given.path), "fields/" + stem + ".pvd"});
+  if (!given.set.empty()) files.push_back(changed_scene_name(given.path));
   const ResultsDirectory results(out.empty() ? "out/" + stem : out, files, {given.path});
   if (!given.set.empty()) {
     problem = load_problem(write_changed_scene(given.path, given.changes(), results.path()));

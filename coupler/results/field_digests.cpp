@@ -24,17 +24,18 @@ constexpr std::size_t hex_digits = 64;
 
 }  // namespace
 
-std::optional<std::int64_t> window_of_field(std::string_view file, std::string_view participant) {
+std::optional<FieldName> field_name(std::string_view file, std::string_view participant) {
   constexpr std::string_view tail = ".vtu";
   if (!file.starts_with(participant) || !file.ends_with(tail)) return std::nullopt;
   file.remove_prefix(participant.size());
-  if (file.size() <= 1 + tail.size() || file.front() != '_') return std::nullopt;
-  file.remove_prefix(1);
   file.remove_suffix(tail.size());
-  std::int64_t window = 0;
-  const auto [end, error] = std::from_chars(file.data(), file.data() + file.size(), window);
-  const bool number = error == std::errc() && end == file.data() + file.size() && file.front() != '-';
-  return number ? std::optional(window) : std::nullopt;
+  const auto before = file.rfind('_');
+  if (before == std::string_view::npos || before == 1 || (before > 1 && file.front() != '.')) return std::nullopt;
+  FieldName name{0, std::string(before == 0 ? "" : file.substr(1, before - 1))};
+  const auto number = file.substr(before + 1);
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), name.window);
+  const bool whole = error == std::errc() && end == number.data() + number.size() && number.front() != '-';
+  return whole && name.body.find('.') == std::string::npos ? std::optional(name) : std::nullopt;
 }
 
 FieldDigests::FieldDigests(std::string results, std::vector<std::string> participants)
@@ -54,8 +55,8 @@ std::string FieldDigests::lines_until(std::int64_t window) const {
   for (const auto& entry : fs::directory_iterator(results_ + "/fields", none)) {
     const auto file = entry.path().filename().string();
     for (const auto& participant : participants_) {
-      const auto of = window_of_field(file, participant);
-      if (of && *of > window_ && *of <= window) found.emplace_back(*of, file);
+      const auto of = field_name(file, participant);
+      if (of && of->window > window_ && of->window <= window) found.emplace_back(of->window, file);
     }
   }
   std::sort(found.begin(), found.end());

@@ -11,8 +11,15 @@
 
 namespace ricochet::coupler {
 
-/// Window of the snapshot "<participant>_<window>.vtu"; nothing if that is not the name of one.
-[[nodiscard]] std::optional<std::int64_t> window_of_field(std::string_view file, std::string_view participant);
+/// What the name of a file of fields says.
+struct FieldName {
+  std::int64_t window = 0;
+  std::string body;  ///< "": a participant that is not ours wrote all its bodies into one file
+};
+
+/// Of "<participant>.<body>_<window>.vtu" or "<participant>_<window>.vtu"; nothing if it is neither. (Names of
+/// participants and bodies have no dot.)
+[[nodiscard]] std::optional<FieldName> field_name(std::string_view file, std::string_view participant);
 
 /// The SHA-256 of every result field that a run has written, in the file `checkpoint/fields.sha256` of its results: one
 /// line each, in the order of the windows, as `sha256sum --check` reads them in the folder of the results.

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <filesystem>
@@ -123,7 +124,8 @@ void ResultsDirectory::go_on_from(std::int64_t window, const std::vector<std::st
   for (const auto& entry : fs::directory_iterator(file("fields"), ignored)) {
     const auto name = entry.path().filename().string();
     for (const auto& participant : participants) {
-      if (window_of_field(name, participant).value_or(-1) > window) later.push_back(entry.path());
+      const auto of = field_name(name, participant);
+      if (of && of->window > window) later.push_back(entry.path());
     }
   }
   for (const auto& path : later) fs::remove(path, ignored);
@@ -148,22 +150,61 @@ std::optional<LockHolder> lock_holder(const std::string& path) {
   return describe_holder(path, known ? holder_of_lock(status.st_ino) : 0);
 }
 
-void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,
-               const WindowClock& clock) {
-  std::map<std::pair<std::int64_t, std::size_t>, std::string> snapshots;
+namespace {
+
+/// A file of fields in its data set: the bodies in the order of the scene, their participants in that of the set.
+using Snapshot = std::map<std::pair<std::size_t, std::size_t>, std::string>;
+
+constexpr std::string_view vtk_head =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"{}\" version=\"{}\" byte_order=\"LittleEndian\">\n  <{}>\n";
+
+std::string vtm_text(const Snapshot& snapshot, const std::vector<std::string>& bodies,
+                     const std::vector<std::string>& participants) {
+  std::string text = fmt::format(vtk_head, "vtkMultiBlockDataSet", "1.0", "vtkMultiBlockDataSet");
+  std::size_t blocks = 0;
+  for (auto file = snapshot.begin(); file != snapshot.end();) {
+    const auto body = file->first.first;
+    text += fmt::format("    <Block index=\"{}\" name=\"{}\">\n", blocks++,
+                        body < bodies.size() ? bodies[body] : "all bodies");
+    for (std::size_t set = 0; file != snapshot.end() && file->first.first == body; ++file, ++set)
+      text += fmt::format("      <DataSet index=\"{}\" name=\"{}\" file=\"{}\"/>\n", set,
+                          participants[file->first.second], file->second);
+    text += "    </Block>\n";
+  }
+  return text + "  </vtkMultiBlockDataSet>\n</VTKFile>\n";
+}
+
+/// Whether it is `<name>_<window>.vtm`.
+bool is_collection(std::string_view file, const std::string& name) {
+  constexpr std::string_view tail = ".vtm";
+  if (!file.starts_with(name + "_") || !file.ends_with(tail)) return false;
+  const auto window = file.substr(name.size() + 1, file.size() - name.size() - 1 - tail.size());
+  return !window.empty() && window.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+}  // namespace
+
+void write_collection(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& bodies,
+                      const std::vector<std::string>& participants, const WindowClock& clock) {
+  std::map<std::int64_t, Snapshot> snapshots;
+  std::vector<fs::path> former;
   for (const auto& entry : fs::directory_iterator(results.file("fields"))) {
     const std::string file = entry.path().filename().string();
+    if (is_collection(file, name)) former.push_back(entry.path());
     for (std::size_t p = 0; p < participants.size(); ++p) {
-      if (const auto window = window_of_field(file, participants[p])) snapshots[{*window, p}] = file;
+      const auto of = field_name(file, participants[p]);
+      if (!of) continue;
+      const auto body = std::find(bodies.begin(), bodies.end(), of->body) - bodies.begin();
+      snapshots[of->window][{static_cast<std::size_t>(body), p}] = file;
     }
   }
+  for (const auto& path : former) fs::remove(path);
   if (snapshots.empty()) return;
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
-      "<Collection>\n";
-  for (const auto& [key, file] : snapshots) {
-    text += fmt::format("    <DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", clock.time_s(key.first),
-                        key.second, file);
+  std::string text = fmt::format(vtk_head, "Collection", "0.1", "Collection");
+  for (const auto& [window, snapshot] : snapshots) {
+    const auto file = fmt::format("{}_{:08}.vtm", name, window);
+    write_atomically(results.file("fields/" + file), vtm_text(snapshot, bodies, participants));
+    text += fmt::format("    <DataSet timestep=\"{:.17g}\" file=\"{}\"/>\n", clock.time_s(window), file);
   }
   write_atomically(results.file("fields/" + name + ".pvd"), text + "  </Collection>\n</VTKFile>\n");
 }

@@ -52,9 +52,11 @@ struct LockHolder {
 /// Nothing if nobody does.
 [[nodiscard]] std::optional<LockHolder> lock_holder(const std::string& path);
 
-/// Writes fields/<name>.pvd: the snapshots "<participant>_<window>.vtu" found in fields/, grouped by time, one part per
-/// participant in the given order. Does nothing if there are none.
-void write_pvd(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& participants,
-               const WindowClock& clock);
+/// Writes what opens the files of fields that lie in fields/ (`field_name`) as one data set a time, if there are any:
+/// fields/<name>_<window>.vtm has a block for each body, by its name and in the given order, with a data set for each
+/// participant that integrates some of it; fields/<name>.pvd has the times. A .vtm of another window, which a run that
+/// was resumed with another step left, is removed.
+void write_collection(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& bodies,
+                      const std::vector<std::string>& participants, const WindowClock& clock);
 
 }  // namespace ricochet::coupler

@@ -34,12 +34,19 @@ RunStatus status_of(const std::exception& error) {
 
 std::vector<std::string> files_of_run(const scene::Scene& scene) {
   const std::string stem = std::filesystem::path(scene.path).stem().string();
-  std::vector<std::string> names = {"history.csv", "axial_stress.csv",       "probes.csv", "summary.json", "trace.json",
-                                    "report.html", "fields/" + stem + ".pvd"};
+  std::vector<std::string> names = {"history.csv",
+                                    "axial_stress.csv",
+                                    "probes.csv",
+                                    "summary.json",
+                                    "trace.json",
+                                    "report.html",
+                                    "fields/" + stem + ".pvd",
+                                    "fields/" + stem + "_#.vtm"};
   for (const auto& participant : scene.participants) {
     names.push_back("logs/" + participant.name + ".log");
     names.push_back("keys/" + participant.name + ".key");
     names.push_back("fields/" + participant.name + "_#.vtu");
+    for (const auto& body : scene.bodies) names.push_back("fields/" + participant.name + "." + body.name + "_#.vtu");
     names.push_back("fields/" + participant.name + ".shapes.json");
   }
   const auto checkpoints = CheckpointFolder::names(participant_names(scene));

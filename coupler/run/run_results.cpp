@@ -160,7 +160,9 @@ void CoupledRun::write_files() {
 
 void CoupledRun::write_fields_and_trace() {
   const auto names = participant_names(scene_);
-  write_pvd(results_, std::filesystem::path(scene_.path).stem().string(), names, problem_.clock);
+  std::vector<std::string> bodies;
+  for (const auto& body : scene_.bodies) bodies.push_back(body.name);
+  write_collection(results_, std::filesystem::path(scene_.path).stem().string(), bodies, names, problem_.clock);
   const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   if (axial_stress_ && axial_stress_->told())

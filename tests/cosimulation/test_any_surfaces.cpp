@@ -130,8 +130,8 @@ RunResult bar_impact(const std::string& protocol, const TemporaryFolder& folder)
 double velocity_aside_m_s(const RunResult& run, const Turn& turn) {
   double largest = 0.0;
   for (const char* participant : {"explicit", "implicit"}) {
-    const std::string file = fmt::format("{}/fields/{}_00000020.vtu", run.folder, participant);
-    if (!std::filesystem::exists(file)) continue;
+    const auto file = field_files(run.folder, participant, 20);
+    if (file.empty()) continue;
     const auto v = vtu_array(file, "velocity");
     for (std::size_t i = 0; i < v.size(); i += 3) {
       const Vector3 axis = turn.of({0.0, 0.0, 1.0});

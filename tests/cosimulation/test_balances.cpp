@@ -177,7 +177,7 @@ TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
       "[time]\nsafety_factor = 0.5\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n[output]\nfields_every = "
       "1\n";
   const RunResult run = run_text(text, folder);
-  const std::string first = run.folder + "/fields/explicit_00000000.vtu";
+  const std::string first = run.folder + "/fields/explicit.striker_00000000.vtu";
   const auto position = vtu_array(first, "Points"), displacement = vtu_array(first, "displacement");
   double low = 1e9, high = -1e9, u_low = 0, u_high = 0;
   for (std::size_t i = 1; i < position.size(); i += 3) {

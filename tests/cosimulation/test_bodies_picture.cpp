@@ -44,10 +44,8 @@ TEST_P(PictureOfProtocols, IsOfTheFieldsOfTheRun) {
     if (windows.empty()) windows = kept;
     EXPECT_EQ(kept, windows) << name;
     for (std::size_t w = 0; w < kept.size(); ++w) {
-      char file[60];
-      std::snprintf(file, sizeof file, "/fields/%s_%08d.vtu", name.c_str(), kept[w]);
-      const auto u = vtu_array(run.folder + file, "displacement"),
-                 stress = vtu_component(run.folder + file, "stress", "xx");
+      const auto files = field_files(run.folder, name, kept[w]);
+      const auto u = vtu_array(files, "displacement"), stress = vtu_component(files, "stress", "xx");
       std::size_t nodes = 0, cells = 0;
       for (const auto& body : shapes.at("bodies")) {
         for (const float value : floats(body.at("displacement_m")[w]))
@@ -81,8 +79,7 @@ TEST(BodiesPicture, HasTheContactPressureOfTheFields) {
     int pressed = 0;
     for (std::size_t w = 0; w < windows.size(); ++w) {
       double expected_pa = 0.0;
-      for (const double pa :
-           vtu_array(fmt::format("{}/fields/{}_{:08}.vtu", run.folder, owner, windows[w]), "contact_pressure"))
+      for (const double pa : vtu_array(field_files(run.folder, owner, windows[w]), "contact_pressure"))
         expected_pa = std::max(expected_pa, pa);  // of a node without a row it is not a number
       for (const auto& body : shapes.at("bodies")) {
         const auto found = floats(body.at("contact_pressure_pa")[w]);

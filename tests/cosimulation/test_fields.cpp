@@ -10,11 +10,9 @@
 namespace ricochet::test {
 namespace {
 
-std::string field_of(const RunResult& run, const std::string& participant, int window) {
-  return fmt::format("{}/fields/{}_{:08}.vtu", run.folder, participant, window);
+std::vector<std::int32_t> states_in(const std::vector<std::string>& files) {
+  return vtu_array<std::int32_t>(files, "contact_state");
 }
-
-std::vector<std::int32_t> states_in(const std::string& path) { return vtu_array<std::int32_t>(path, "contact_state"); }
 
 class ContactFieldsOf : public testing::TestWithParam<const char*> {};
 
@@ -24,7 +22,7 @@ TEST_P(ContactFieldsOf, SlippingPlatesHaveTheExactPressureAndForcesInBalance) {
   const bool all_explicit = std::string(GetParam()) == "all_explicit";
   const RunResult run = run_text(
       with_key(with_protocol(config_text("slipping_plates"), GetParam()), "output", "fields_every", "20"), folder);
-  const std::string file = field_of(run, all_explicit ? "explicit" : "implicit", 100);
+  const auto file = field_files(run.folder, all_explicit ? "explicit" : "implicit", 100);
   const auto pressure = vtu_array(file, "contact_pressure"), gap = vtu_array(file, "contact_gap"),
              force = vtu_array(file, "contact_force");
   const auto state = states_in(file);
@@ -68,7 +66,7 @@ std::string falling_bar(const std::string& protocol) {
 
 /// Over gravity, node by node; those of shared nodes that the link moves are not a number.
 std::vector<double> accelerations(const RunResult& run, const char* participant, int window) {
-  const auto a = vtu_array(field_of(run, participant, window), "acceleration");
+  const auto a = vtu_array(field_files(run.folder, participant, window), "acceleration");
   std::vector<double> values;
   for (std::size_t n = 0; n < a.size(); n += 3) values.push_back(a[n] / -9.81);
   return values;
@@ -110,6 +108,31 @@ TEST(FreeFall, IsDisturbedByThePredictorOfHughesAndLiu) {
   const RunResult longer =
       run_text(replaced(falling_bar("hughes_liu"), "end_s = 2e-5", "end_s = 8.9e-5"), folder, "longer");
   EXPECT_NEAR(longer.last("energy_strain_j") / longer.last("energy_kinetic_j"), 2e-7, 1e-7) << "after 100 windows";
+}
+
+/// What VTK reads is what the run wrote: each body by its name, each participant that has some of it.
+TEST(Fields, AreReadByVtkAsOneDataSetATimeWithBodiesByName) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(with_key(config_text("two_bars"), "output", "fields_every", "1000"), folder);
+  const auto read = [&](int window) {
+    const auto file = fmt::format("{}/fields/scene_{:08}.vtm", run.folder, window);
+    const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/cosimulation/print_vtm.py", file},
+                                     folder.path().string(), 60.0);
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  EXPECT_EQ(read(0),
+            "left/explicit 16 15 0.0\nleft/implicit 6 5 0.0\nright/explicit 16 15 0.0\nright/implicit 6 5 0.0\n");
+  const int last = run.summary.at("windows").get<int>();
+  std::istringstream lines(read(last));
+  std::string name;
+  double nodes = 0, cells = 0, largest_m = 0, found_m = 0;
+  while (lines >> name >> nodes >> cells >> largest_m) found_m = std::max(found_m, largest_m);
+  double expected_m = 0.0;
+  for (const char* participant : {"explicit", "implicit"})
+    for (const double u : vtu_array(field_files(run.folder, participant, last), "displacement"))
+      expected_m = std::max(expected_m, std::abs(u));
+  EXPECT_NEAR(found_m / expected_m, 1.0, 1e-12);
 }
 
 }  // namespace

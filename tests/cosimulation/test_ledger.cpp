@@ -106,9 +106,8 @@ TEST(InterfaceDrift, IsThatOfTheDisplacementsWhereOnlyVelocitiesAreTied) {
   for (int window = 0; window <= run.summary.at("windows").get<int>(); ++window) {
     std::map<double, double> of_explicit;
     for (const std::string participant : {"explicit", "implicit"}) {
-      char name[40];
-      std::snprintf(name, sizeof name, "/fields/%s_%08d.vtu", participant.c_str(), window);
-      const auto x = vtu_array(run.folder + name, "Points"), u = vtu_array(run.folder + name, "displacement");
+      const auto files = field_files(run.folder, participant, window);
+      const auto x = vtu_array(files, "Points"), u = vtu_array(files, "displacement");
       for (std::size_t i = 0; i < x.size(); i += 3) {
         if (participant == "explicit")
           of_explicit[x[i]] = u[i];
@@ -131,10 +130,8 @@ TEST(Fields, TellTheVelocityOfSharedNodesFromEitherSide) {
     std::map<double, double> of_explicit;
     int shared = 0;
     for (const std::string participant : {"explicit", "implicit"}) {
-      char name[40];
-      std::snprintf(name, sizeof name, "/fields/%s_%08d.vtu", participant.c_str(),
-                    run.summary.at("windows").get<int>());
-      const auto x = vtu_array(run.folder + name, "Points"), v = vtu_array(run.folder + name, "velocity");
+      const auto files = field_files(run.folder, participant, run.summary.at("windows").get<int>());
+      const auto x = vtu_array(files, "Points"), v = vtu_array(files, "velocity");
       for (std::size_t i = 0; i < x.size(); i += 3) {
         if (participant == "explicit") of_explicit[x[i]] = v[i];
         if (participant == "explicit" || !of_explicit.count(x[i])) continue;

@@ -91,8 +91,7 @@ TEST_P(CyclicBar, DissipatesTheAreaOfItsLoop) {
   EXPECT_NEAR(run.last("equivalent_plastic_strain_max") / point.equivalent, 1.0, 2e-3);
   const double stress_pa = young_pa * (0.005 - point.plastic);
   EXPECT_NEAR(run.last("energy_strain_j") / (0.5 * stress_pa * stress_pa / young_pa * area_m2), 1.0, 1e-2);
-  const std::string fields = fmt::format("{}/fields/{}_00012500.vtu", run.folder,
-                                         std::string(protocol) == "all_explicit" ? "explicit" : "implicit");
+  const auto fields = field_files(run.folder, std::string(protocol) == "all_explicit" ? "explicit" : "implicit", 12500);
   for (const double stress : vtu_component(fields, "stress", "xx")) EXPECT_NEAR(stress / stress_pa, 1.0, 5e-3);
   for (const auto& [layer, stress] : read_history(run.folder + "/axial_stress.csv")) {
     if (layer == "time_s") continue;

@@ -209,7 +209,7 @@ fields_every = 400
       for (std::size_t n = 0; n < a.size(); ++n) ASSERT_NEAR(a[n], b[n], 1e-8 * plane.largest(name)) << name << n;
     }
     const auto fields = [&](const RunResult& run) {
-      return fmt::format("{}/fields/{}_00000400.vtu", run.folder, std::string(protocol).substr(4));
+      return field_files(run.folder, std::string(protocol).substr(4), 400);
     };
     const auto a = vtu_array(fields(plane), "von_mises"), b = vtu_array(fields(solid), "von_mises");
     ASSERT_EQ(a.size(), b.size());
@@ -375,7 +375,7 @@ TEST(PlasticBalls, HaveTheSameBytesFromAnyNumberOfThreads) {
 TEST(PlasticBalls, HaveFieldsWithinTheYieldSurface) {
   const TemporaryFolder folder;
   const RunResult run = run_text(balls("all_implicit", 20e-6) + "[output]\nfields_every = 400\n", folder);
-  const std::string fields = run.folder + "/fields/implicit_00000400.vtu";
+  const auto fields = field_files(run.folder, "implicit", 400);
   const auto equivalent = vtu_array(fields, "equivalent_plastic_strain"), stress = vtu_array(fields, "von_mises");
   const std::vector<double> r = vtu_component(fields, "stress", "xx"), z = vtu_component(fields, "stress", "yy"),
                             hoop = vtu_component(fields, "stress", "zz"), shear = vtu_component(fields, "stress", "xy");

@@ -22,8 +22,8 @@ double exact(double x, double t) {
 
 /// Trapezoidal integral over the nodes of one snapshot of one participant, which holds x from its smallest to largest
 /// node.
-double squared_error(const std::string& path, double t) {
-  const auto position = vtu_array(path, "Points"), displacement = vtu_array(path, "displacement");
+double squared_error(const std::vector<std::string>& files, double t) {
+  const auto position = vtu_array(files, "Points"), displacement = vtu_array(files, "displacement");
   double sum = 0.0;
   const auto at = [&](std::size_t i) {
     const double e = displacement[3 * i] - exact(position[3 * i], t);
@@ -40,10 +40,8 @@ double displacement_error(const RunResult& run, const std::vector<std::string>& 
                           int windows) {
   double sum = 0.0;
   for (int n = 1; n <= windows; ++n) {
-    char name[32];
-    std::snprintf(name, sizeof name, "_%08d.vtu", n);
     for (const auto& participant : participants)
-      sum += window_s * squared_error(run.folder + "/fields/" + participant + name, n * window_s);
+      sum += window_s * squared_error(field_files(run.folder, participant, n), n * window_s);
   }
   return std::sqrt(sum);
 }

@@ -156,7 +156,7 @@ double angular_momentum(const RunResult& run, const std::string& participant, in
     double x, y, width, height;
     int across, up;
   };
-  const std::string file = fmt::format("{}/fields/{}_{:08}.vtu", run.folder, participant, window);
+  const auto file = field_files(run.folder, participant, window);
   const auto u = vtu_array(file, "displacement"), v = vtu_array(file, "velocity");
   double sum = 0.0;
   std::size_t first = 0;  // of the body's nodes

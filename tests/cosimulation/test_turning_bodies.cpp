@@ -418,7 +418,7 @@ TEST(SpinningPlate, HasFieldsThatTurnWithIt) {
   ordered = replaced(ordered, "history_every = 40", "fields_every = 100000\nhistory_every = 40");
   const RunResult run = run_text(ordered, folder);
   const auto windows = run.summary.at("windows").get<int>();
-  const std::string fields = fmt::format("{}/fields/explicit_{:08}.vtu", run.folder, windows);
+  const auto fields = field_files(run.folder, "explicit", windows);
   const auto along = vtu_component(fields, "stress", "xx"), across = vtu_component(fields, "stress", "yy"),
              strain = vtu_component(fields, "strain", "xx"), von_mises = vtu_array(fields, "von_mises");
   double sum_along = 0.0, sum_across = 0.0, sum_strain = 0.0;

@@ -53,7 +53,7 @@ def of_run(build, scene, folder):
     for name in ("history.csv", "axial_stress.csv"):
         if (out / name).exists():
             yield name, digest((out / name).read_bytes())
-    fields = sorted(path for path in (out / "fields").glob("*") if path.suffix in (".vtu", ".pvd"))
+    fields = sorted(path for path in (out / "fields").glob("*") if path.suffix in (".vtu", ".vtm", ".pvd"))
     if fields:
         yield "fields", digest(b"".join(path.name.encode() + path.read_bytes() for path in fields))
     summary = {key: value for key, value in json.loads((out / "summary.json").read_text()).items() if key not in OF_THIS_RUN}

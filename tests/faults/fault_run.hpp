@@ -12,6 +12,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/same_results.hpp"
 #include "tests/support/scene_file.hpp"
 
 /// Runs that something bad happens to, and what must be true of every one of them afterwards.
@@ -78,10 +79,7 @@ class FaultRun {
   }
   /// Waits until a window (a multiple of `fields_every`) is computed.
   void reach(int window) {
-    std::string number = std::to_string(window);
-    number.insert(0, 8 - number.size(), '0');
-    const std::string snapshot = out_ + "/fields/implicit_" + number + ".vtu";
-    wait_until([&] { return std::filesystem::exists(snapshot) || !coupler_.running(); }, 60.0);
+    wait_until([&] { return !fields_of(out_, "implicit", window).empty() || !coupler_.running(); }, 60.0);
     ASSERT_TRUE(coupler_.running()) << error_text();
   }
   /// Waits until every participant has been started.
@@ -110,13 +108,14 @@ inline void expect_rows_of(const std::string& history, const std::string& undist
 
 /// Nothing half-written and nothing temporary lies in the results.
 inline void expect_whole_files(const std::string& out) {
-  const std::vector<std::string> kinds = {".csv", ".json", ".log", ".vtu", ".pvd", ".html", ".state", ".sha256"};
+  const std::vector<std::string> kinds = {".csv", ".json", ".log",   ".vtu",   ".vtm",
+                                          ".pvd", ".html", ".state", ".sha256"};
   for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
     if (entry.is_directory() || entry.path().filename() == ".ricochet-files") continue;
     const auto path = entry.path();
     EXPECT_THAT(kinds, testing::Contains(path.extension())) << path;
     EXPECT_TRUE(path.extension() != ".html" || file_text(path).find("</html>") != std::string::npos) << path;
-    const bool fields = path.extension() == ".vtu" || path.extension() == ".pvd";
+    const bool fields = path.extension() == ".vtu" || path.extension() == ".vtm" || path.extension() == ".pvd";
     EXPECT_TRUE(!fields || file_text(path).find("</VTKFile>") != std::string::npos) << path;
     EXPECT_TRUE(path.extension() != ".json" || nlohmann::json::accept(file_text(path))) << path;
   }

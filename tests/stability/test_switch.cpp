@@ -15,13 +15,12 @@ constexpr double area_m2 = 6.4516e-4, modulus_pa = 206.8e9, density_kg_m3 = 7844
 struct Bars {
   std::vector<double> x, u, v, mass, force;  ///< force: K u
 
-  Bars(const std::string& fields, int window) {
+  Bars(const std::string& results, int window) {
     std::map<double, std::pair<double, double>> nodes;  // shared nodes: the implicit side integrates them
     for (const std::string participant : {"explicit", "implicit"}) {
-      char name[40];
-      std::snprintf(name, sizeof name, "/%s_%08d.vtu", participant.c_str(), window);
-      const auto position = vtu_array(fields + name, "Points"), displacement = vtu_array(fields + name, "displacement"),
-                 velocity = vtu_array(fields + name, "velocity");
+      const auto files = field_files(results, participant, window);
+      const auto position = vtu_array(files, "Points"), displacement = vtu_array(files, "displacement"),
+                 velocity = vtu_array(files, "velocity");
       for (std::size_t i = 0; i < position.size(); i += 3) nodes[position[i]] = {displacement[i], velocity[i]};
     }
     for (const auto& [at, motion] : nodes) {
@@ -60,11 +59,11 @@ TEST(Switch, CostsNothingInTheStaggeredMetric) {
   const int switched =
       static_cast<int>(std::lround(run.summary.at("switches")[0].at("time_s").get<double>() / window_s));
   ASSERT_LT(switched + 10, run.summary.at("windows").get<int>());
-  const Bars before(run.folder + "/fields", switched);
+  const Bars before(run.folder, switched);
   ASSERT_EQ(before.x.size(), 42U);
   const double energy_j = before.staggered_energy_j(0.5);
   for (int window = switched + 1; window <= switched + 10; ++window) {
-    EXPECT_NEAR(Bars(run.folder + "/fields", window).staggered_energy_j(0.5), energy_j, 1e-10 * energy_j) << window;
+    EXPECT_NEAR(Bars(run.folder, window).staggered_energy_j(0.5), energy_j, 1e-10 * energy_j) << window;
   }
   // The other side: had it started with v_n in the place of v_{n+1/2}.
   const double wrong = std::abs(before.staggered_energy_j(0.0) - energy_j) / energy_j;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -47,6 +48,15 @@ inline void expect_same_results(const std::string& folder, const std::string& un
     EXPECT_TRUE(file_text(folder + "/fields/" + name) == file_text(undisturbed + "/fields/" + name))
         << "fields/" << name << " differs in " << folder;
   }
+}
+
+/// The files of fields that a participant wrote at a window, one for each of its bodies.
+inline std::vector<std::string> fields_of(const std::string& folder, const std::string& participant, int window) {
+  const std::string tail = fmt::format("_{:08}.vtu", window);
+  std::vector<std::string> paths;
+  for (const auto& name : names_in(folder + "/fields"))
+    if (name.starts_with(participant + ".") && name.ends_with(tail)) paths.push_back(folder + "/fields/" + name);
+  return paths;
 }
 
 /// Windows of the checkpoints in a folder of results, ascending.

@@ -19,74 +19,56 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Three distorted bodies of one model with a displacement and a velocity each, written to one file.
+/// Two elements of a distorted body with displacement and velocity, in a file.
 struct Written {
   explicit Written(Model model)
-      : model_(model), parts{sample::distorted_part(model), part_of(model, {1, 3}), part_of(model, {0})} {
-    for (const Part& part : parts) {
-      displacement.push_back(sample::nodal(part.mesh, [](const auto& x) {
-        return Eigen::Vector3d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0], x[2] * x[1]);
-      }));
-      velocity.push_back(
-          sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector3d(7.0 + x[0], -30.0, x[2]); }));
-      acceleration.push_back(-2.0 * velocity.back());
-    }
-    write_vtu(path(), fields(), contact());
+      : model_(model),
+        part(extract_part(sample::distorted_mesh(model), "body", sample::section(model), sample::steel,
+                          std::vector<int>{1, 3})) {
+    displacement = sample::nodal(part.mesh, [](const auto& x) {
+      return Eigen::Vector3d(1e-3 * x[0] + x[0] * x[1], 2e-3 * x[1] - x[0] * x[0], x[2] * x[1]);
+    });
+    velocity = sample::nodal(part.mesh, [](const auto& x) { return Eigen::Vector3d(7.0 + x[0], -30.0, x[2]); });
+    acceleration = -2.0 * velocity;
+    PartFields fields{&part, &displacement, &velocity, &acceleration};
+    fields.body = 3;
+    const auto at_nodes = contact();
+    write_vtu(path(), fields, &at_nodes);
   }
-  [[nodiscard]] std::vector<PartFields> fields() const {
-    std::vector<PartFields> all;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      all.push_back({&parts[p], &displacement[p], &velocity[p], &acceleration[p]});
-      all.back().body = 3 + static_cast<int>(p);
-    }
-    return all;
-  }
-  /// Numbers that tell node and part.
-  [[nodiscard]] std::vector<ContactFields> contact() const {
-    std::vector<ContactFields> all;
-    for (const Part& part : parts) {
-      const Eigen::Index nodes = part.nodes(), first = 1000 * static_cast<Eigen::Index>(all.size());
-      all.push_back({Eigen::VectorXd::LinSpaced(3 * nodes, static_cast<double>(first), static_cast<double>(first + 1)),
-                     Eigen::VectorXd::Constant(nodes, 1e6), Eigen::VectorXd::Constant(nodes, -1e-9),
-                     std::vector<std::int32_t>(static_cast<std::size_t>(nodes), 2)});
-    }
-    return all;
+  /// Forces that tell the node.
+  [[nodiscard]] ContactFields contact() const {
+    const Eigen::Index nodes = part.nodes();
+    return {Eigen::VectorXd::LinSpaced(3 * nodes, 1000.0, 1001.0), Eigen::VectorXd::Constant(nodes, 1e6),
+            Eigen::VectorXd::Constant(nodes, -1e-9), std::vector<std::int32_t>(static_cast<std::size_t>(nodes), 2)};
   }
   ~Written() { std::filesystem::remove(path()); }
   Written(const Written&) = delete;
   Written& operator=(const Written&) = delete;
 
   [[nodiscard]] std::string path() const { return sample::temporary_path(sample::name(model_) + ".vtu"); }
-  static Part part_of(Model model, const std::vector<int>& elements) {
-    return extract_part(sample::distorted_mesh(model), "other", sample::section(model), sample::steel, elements);
-  }
 
   Model model_;
-  std::vector<Part> parts;
-  std::vector<Eigen::VectorXd> displacement, velocity, acceleration;
+  Part part;
+  Eigen::VectorXd displacement, velocity, acceleration;
 };
 
-/// Values per cell of a function of a part's element and its displacement, over all bodies.
+/// Values per cell of a function of the stress in its middle.
 std::vector<double> per_cell(const Written& written, const std::function<double(const StressVector&)>& value) {
   std::vector<double> values;
-  for (std::size_t p = 0; p < written.parts.size(); ++p) {
-    const Part& part = written.parts[p];
-    for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-      const ElementVector u = element_displacement(part.mesh, e, written.displacement[p]);
-      values.push_back(
-          value(element_stress(part.section, part.material, element_geometry(part.mesh, e), u, NaturalPoint::Zero())));
-    }
+  const Part& part = written.part;
+  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
+    const ElementVector u = element_displacement(part.mesh, e, written.displacement);
+    values.push_back(
+        value(element_stress(part.section, part.material, element_geometry(part.mesh, e), u, NaturalPoint::Zero())));
   }
   return values;
 }
 
-std::vector<double> per_node(const Written& written, const std::vector<Eigen::VectorXd>& fields) {
+std::vector<double> per_node(const Written& written, const Eigen::VectorXd& field) {
   std::vector<double> values;
   const int width = components(written.model_);
-  for (std::size_t p = 0; p < written.parts.size(); ++p) {
-    for (int node = 0; node < written.parts[p].nodes(); ++node) {
-      for (int c = 0; c < 3; ++c) values.push_back(c < width ? fields[p][node * width + c] : 0.0);
-    }
+  for (int node = 0; node < written.part.nodes(); ++node) {
+    for (int c = 0; c < 3; ++c) values.push_back(c < width ? field[node * width + c] : 0.0);
   }
   return values;
 }
@@ -97,12 +79,11 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
   fields["displacement"] = per_node(written, written.displacement);
   fields["velocity"] = per_node(written, written.velocity);
   fields["acceleration"] = per_node(written, written.acceleration);
-  for (const ContactFields& of : written.contact()) {
-    fields["contact_force"].insert(fields["contact_force"].end(), of.force_n.begin(), of.force_n.end());
-    fields["contact_pressure"].insert(fields["contact_pressure"].end(), of.pressure_pa.begin(), of.pressure_pa.end());
-    fields["contact_gap"].insert(fields["contact_gap"].end(), of.gap_m.begin(), of.gap_m.end());
-    fields["contact_state"].insert(fields["contact_state"].end(), of.state.begin(), of.state.end());
-  }
+  const ContactFields contact = written.contact();
+  fields["contact_force"].assign(contact.force_n.begin(), contact.force_n.end());
+  fields["contact_pressure"].assign(contact.pressure_pa.begin(), contact.pressure_pa.end());
+  fields["contact_gap"].assign(contact.gap_m.begin(), contact.gap_m.end());
+  fields["contact_state"].assign(contact.state.begin(), contact.state.end());
   for (const auto* tensor : {"stress", "strain"}) {
     const Eigen::MatrixXd compliance = elasticity(model, sample::steel).inverse();
     for (Eigen::Index c = 0; c < 6; ++c) {
@@ -122,12 +103,8 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
     fields["stress_principal_" + principal[static_cast<std::size_t>(c)]] =
         per_cell(written, [c, model](const StressVector& s) { return principal_stresses(model, s)[c]; });
   }
-  for (std::size_t p = 0; p < written.parts.size(); ++p) {
-    for (const int element : written.parts[p].body_element) {
-      fields["body"].push_back(3.0 + static_cast<double>(p));
-      fields["element"].push_back(element);
-    }
-  }
+  fields["body"] = {3.0, 3.0};
+  fields["element"] = {1.0, 3.0};
   return fields;
 }
 
@@ -159,14 +136,8 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
       EXPECT_EQ(arrays.at(name), values) << sample::name(model) << " " << name;
     }
     std::vector<double> points, cells;
-    int first_node = 0;
-    for (const Part& part : written.parts) {
-      for (const Eigen::Vector3d& x : part.mesh.position) points.insert(points.end(), x.begin(), x.end());
-      for (const auto& element : part.mesh.elements) {
-        for (const int node : element) cells.push_back(first_node + node);
-      }
-      first_node += part.nodes();
-    }
+    for (const Eigen::Vector3d& x : written.part.mesh.position) points.insert(points.end(), x.begin(), x.end());
+    for (const auto& element : written.part.mesh.elements) cells.insert(cells.end(), element.begin(), element.end());
     EXPECT_EQ(arrays.at("points"), points);
     EXPECT_EQ(arrays.at(model == Model::bar ? "line" : model == Model::solid ? "hexahedron" : "quad"), cells);
   }
@@ -219,23 +190,17 @@ TEST(WriteVtu, SaysWhereItCannotWrite) {
   const Part part = sample::distorted_part(Model::bar);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(part.dofs());
   EXPECT_THAT(sample::message_of([&] {
-                write_vtu("/nonexistent/folder/a.vtu", {{&part, &zero, &zero, &zero}});
+                write_vtu("/nonexistent/folder/a.vtu", {&part, &zero, &zero, &zero});
               }),
               HasSubstr("cannot write /nonexistent/folder/a.vtu.part"));
 }
 
 TEST(WriteVtu, RefusesVectorsThatDoNotFit) {
   const Part part = sample::distorted_part(Model::bar);
-  const Part other = sample::distorted_part(Model::plane_strain);
   const Eigen::VectorXd fits = Eigen::VectorXd::Zero(part.dofs()), short_one = fits.head(2);
-  const Eigen::VectorXd other_zero = Eigen::VectorXd::Zero(other.dofs());
   const std::string path = sample::temporary_path("refused.vtu");
-  const PartFields whole{&part, &fits, &fits, &fits};
-  EXPECT_THROW(write_vtu(path, {{&part, &fits, &short_one, &fits}}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {{&part, &fits, &fits, nullptr}}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {whole, {&other, &other_zero, &other_zero, &other_zero}}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {}), std::invalid_argument);
-  EXPECT_THROW(write_vtu(path, {whole, whole}, {ContactFields{}}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {&part, &fits, &short_one, &fits}), std::invalid_argument);
+  EXPECT_THROW(write_vtu(path, {&part, &fits, &fits, nullptr}), std::invalid_argument);
 }
 
 }  // namespace

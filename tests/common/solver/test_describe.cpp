@@ -131,11 +131,12 @@ TEST(InterfaceMass, IsTakenNodeByNodeInTheOrderOfTheInterface) {
   EXPECT_EQ(right.totals.mass_kg, 8.0);
 }
 
-TEST(Fields, AreOneFilePerParticipantAndWindow) {
+TEST(Fields, AreOneFilePerBodyAndWindow) {
   const test::SceneStates scene(test::two_rods("all_explicit"));
   const test::TemporaryFolder folder;
   write_fields(folder.path().string(), "outside", 12, scene.states, {}, false);
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "outside_00000012.vtu"));
+  for (const auto& state : scene.states)
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / ("outside." + state.name + "_00000012.vtu")));
 }
 
 }  // namespace

@@ -146,27 +146,40 @@ TEST_F(ResultsTest, UnwritableFolderIsAConfigError) {
   EXPECT_THROW(ResultsDirectory results("/proc/nonexistent", {}), ConfigError);
 }
 
-TEST_F(ResultsTest, PvdGroupsParticipantsByTime) {
+TEST_F(ResultsTest, FieldsAreOneDataSetATimeWithBodiesByName) {
   const ResultsDirectory results(folder_, {});
-  for (const auto* name :
-       {"implicit_00000010.vtu", "explicit_00000010.vtu", "explicit_00000002.vtu", "explicit_x.vtu"}) {
+  for (const auto* name : {"implicit.b_00000010.vtu", "implicit.a_b_00000010.vtu", "explicit.b_00000010.vtu",
+                           "explicit.b_00000002.vtu", "explicit.b_x.vtu", "explicit.b.c_00000002.vtu", "explicit2.vtu",
+                           "own_00000002.vtu", "scene_00000003.vtm", "scene_mine.vtm"}) {
     touch(std::string("fields/") + name);
   }
-  write_pvd(results, "scene", {"explicit", "implicit"}, 0.5);
-  const std::string text = read(results.file("fields/scene.pvd"));
-  const auto first = text.find(R"(timestep="1" part="0" file="explicit_00000002.vtu")");
-  const auto second = text.find(R"(timestep="5" part="0" file="explicit_00000010.vtu")");
-  const auto third = text.find(R"(timestep="5" part="1" file="implicit_00000010.vtu")");
-  EXPECT_LT(first, second);
-  EXPECT_LT(second, third);
-  EXPECT_NE(third, std::string::npos);
-  EXPECT_EQ(text.find("explicit_x"), std::string::npos);
+  write_collection(results, "scene", {"b", "a_b"}, {"explicit", "implicit", "own"}, 0.5);
+  const auto index = read(results.file("fields/scene.pvd"));
+  EXPECT_THAT(index, HasSubstr("<DataSet timestep=\"1\" file=\"scene_00000002.vtm\"/>\n"
+                               "    <DataSet timestep=\"5\" file=\"scene_00000010.vtm\"/>\n  </Collection>"));
+  EXPECT_THAT(read(results.file("fields/scene_00000010.vtm")), HasSubstr(R"(    <Block index="0" name="b">
+      <DataSet index="0" name="explicit" file="explicit.b_00000010.vtu"/>
+      <DataSet index="1" name="implicit" file="implicit.b_00000010.vtu"/>
+    </Block>
+    <Block index="1" name="a_b">
+      <DataSet index="0" name="implicit" file="implicit.a_b_00000010.vtu"/>
+    </Block>
+)"));
+  EXPECT_THAT(read(results.file("fields/scene_00000002.vtm")), HasSubstr(R"(    <Block index="0" name="b">
+      <DataSet index="0" name="explicit" file="explicit.b_00000002.vtu"/>
+    </Block>
+    <Block index="1" name="all bodies">
+      <DataSet index="0" name="own" file="own_00000002.vtu"/>
+    </Block>
+)"));
+  EXPECT_FALSE(fs::exists(results.file("fields/scene_00000003.vtm"))) << "of a run with another step";
+  EXPECT_TRUE(fs::exists(results.file("fields/scene_mine.vtm")));
 }
 
 TEST_F(ResultsTest, NoSnapshotsNoPvdAndNoEmptyFolder) {
   {
     const ResultsDirectory results(folder_, {});
-    write_pvd(results, "scene", {"explicit"}, 0.5);
+    write_collection(results, "scene", {}, {"explicit"}, 0.5);
   }
   EXPECT_FALSE(fs::exists(folder_ + "/fields"));
 }
