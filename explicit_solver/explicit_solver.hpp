@@ -35,6 +35,7 @@ class ExplicitSolver : public participant::Participant {
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
   void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                        participant::LinkOutput& output) override;
+  void note_touch(bool closed) override { reporting_.note_touch(closed); }
   void accept() override;
   /// The next window but for what the shared nodes' displacement changes; driven by force, with the multiplier held.
   void work_ahead() override;

@@ -33,6 +33,7 @@ class ImplicitSolver : public participant::Participant {
                    participant::LinkOutput& output) override;
   void reconfigure(const participant::Setup& setup) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
+  void note_touch(bool closed) override { reporting_.note_touch(closed); }
   void accept() override;
   /// The next window's right-hand side and the elimination of everything but contact and shared nodes.
   void work_ahead() override;

@@ -164,6 +164,9 @@ class Participant {
   /// multiplier at its end, linear from the end of the one before. Capability "single_substep".
   virtual void advance_substep(std::int64_t window, int substep, const std::vector<double>& link_input,
                                LinkOutput& output);
+  /// Before `accept` of a whole window: whether contact was closed at the end of the window before, whoever enforces
+  /// it.
+  virtual void note_touch(bool /*closed*/) {}
   /// Makes the last trial final.
   virtual void accept() = 0;
   /// Called after an answer has been sent, while the others are at work: do now of the next window what does not depend

@@ -117,6 +117,7 @@ class Session {
   std::int64_t substep_ = 0, accepted_substep_ = 0;  ///< of the trial (0: whole window); of the window under way
   double timeout_s_ = -1.0;
   bool can_repeat_ = false, tried_ = false;  ///< tried: a trial window is not accepted yet
+  bool touching_ = false;                    ///< contact was closed before the window that is computed
   bool synchronised_ = false, accept_due_ = false, record_due_ = false, stress_due_ = false, probes_due_ = false,
        fields_due_ = false;  ///< put off
   bool moves_ = false;       ///< driven by force: answers displacement, velocity, acceleration

@@ -197,6 +197,7 @@ void Session::advance(const wire::Header& header, const wire::Advance& request, 
   const auto last = accepted_window_ + std::min(request.windows, setup_.last_window - accepted_window_);
   link_.receive(request.link_increment, request.link_absolute);
   substep_ = header.substep;
+  touching_ = request.touching;
   do {
     window_ = accepted_window_ + 1;
     if (substep_ == 0) {
@@ -208,7 +209,10 @@ void Session::advance(const wire::Header& header, const wire::Advance& request, 
     link_.send(output_.value, request.absolute_requested, reply.increment, reply.absolute);
     tried_ = true;
     if (request.accept_at_once) accept_trial();
-    if (request.windows > 1) finish_window();
+    if (request.windows > 1) {
+      finish_window();
+      touching_ = contact_.pairs_closed > 0;
+    }
   } while (request.accept_at_once && window_ < last && !contact_.finished);
   put_rates(reply);
   put_accepted_window(request.records_requested, reply);
@@ -230,6 +234,7 @@ void Session::accept_trial() {
   accepted_substep_ = whole ? 0 : substep_;
   if (!whole) return;
   accepted_window_ = window_;
+  participant_.note_touch(touching_);
   record_due_ = window_ % setup_.history_every == 0;
   stress_due_ = wants_axial_stress(window_);
   probes_due_ = wants_probes(window_);

@@ -33,6 +33,8 @@ class Reporting {
   [[nodiscard]] bool due(std::int64_t window) const { return model_watch_.due(window) || picture_due(window); }
   /// For who can do without a look at the model, where the states would cost more than windows do.
   [[nodiscard]] bool picture_due(std::int64_t window) const { return shapes_->due(window); }
+  /// See ShapeRecorder.
+  void note_touch(bool closed) { shapes_->note_touch(closed); }
   /// The motion at the start.
   void note_start() { shapes_->note(0); }
   /// After a window is accepted. `of_surface`: see ModelWatch::look.

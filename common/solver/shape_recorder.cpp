@@ -56,8 +56,12 @@ ShapeRecorder::ShapeRecorder(const scene::Problem& problem, const std::vector<Bo
       uneven_(std::any_of(problem.contacts.begin(), problem.contacts.end(), uneven) ||
               std::any_of(problem.scene.bodies.begin(), problem.scene.bodies.end(), turns)) {
   if (setup.output_directory.empty()) return;
+  for (const auto& contact : problem.contacts) {
+    const auto name = [&](int body) { return body < 0 ? "" : problem.bodies[fem::at(body)].name; };
+    touching_bodies_.push_back(fmt::format("[\"{}\", \"{}\"]", name(contact.body_a), name(contact.body_b)));
+  }
   path_ = setup.output_directory + "/" + participant_ + ".shapes.json";
-  windows_.reserve(most_windows + 1);
+  for (auto* series : {&run_, &touching_}) series->windows.reserve(series->most + 1);
   std::vector<fem::SeenCells> seen;
   std::size_t count = 0;
   for (const auto& state : states) {
@@ -112,28 +116,50 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
 }
 
 void ShapeRecorder::note(std::int64_t window) {
-  if (!due(window)) return;
-  if (!windows_.empty() && windows_.back() == window) {
-    windows_.pop_back();  // the start may be synchronised more than once
-  } else if (windows_.size() == most_windows) {
-    every_ *= 2;
-    for (std::size_t i = 0; 2 * i < most_windows; ++i) {
-      windows_[i] = windows_[2 * i];
-      for (auto& part : parts_) part.kept[i].swap(part.kept[2 * i]);
+  if (path_.empty()) return;
+  note(run_, window, window);
+  if (touches_) note(touching_, touched_ - 1, window);
+}
+
+void ShapeRecorder::note(Series& series, std::int64_t count, std::int64_t window) {
+  auto& windows = series.windows;
+  if (count % series.every != 0) return;
+  if (!windows.empty() && windows.back() == window) {
+    windows.pop_back();  // the start may be synchronised more than once
+  } else if (windows.size() == series.most) {
+    series.every *= 2;
+    for (std::size_t i = 0; 2 * i < series.most; ++i) {
+      windows[i] = windows[2 * i];
+      for (auto& part : parts_) part.kept[series.first + i].swap(part.kept[series.first + 2 * i]);
     }
-    windows_.resize(most_windows / 2);
-    if (window % every_ != 0) return;
+    windows.resize(series.most / 2);
+    if (count % series.every != 0) return;
   }
-  keep(window);
+  keep(series, window);
 }
 
 void ShapeRecorder::archive(Archive& a) {
-  a.any_size(windows_);
-  a(every_);
-  if (windows_.size() > most_windows || every_ < 1) a.refuse("more shapes than are kept");
-  for (auto& part : parts_) {
-    for (std::size_t w = 0; w < windows_.size(); ++w) a(part.kept[w]);
+  a(touched_);
+  for (auto* series : {&run_, &touching_}) {
+    a.any_size(series->windows);
+    a(series->every);
+    if (series->windows.size() > series->most || series->every < 1) a.refuse("more shapes than are kept");
+    for (auto& part : parts_) {
+      for (std::size_t w = 0; w < series->windows.size(); ++w) a(part.kept[series->first + w]);
+    }
   }
+}
+
+/// In the order of the windows, each once.
+std::vector<ShapeRecorder::Kept> ShapeRecorder::kept() const {
+  std::vector<Kept> all;
+  for (const auto* series : {&run_, &touching_}) {
+    for (std::size_t w = 0; w < series->windows.size(); ++w) all.push_back({series->windows[w], series->first + w});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Kept& a, const Kept& b) { return a.window < b.window; });
+  const auto same = [](const Kept& a, const Kept& b) { return a.window == b.window; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  return all;
 }
 
 /// Forces of the pairs and their areas by the rows of their gaps: on both surfaces, whichever carries the rows.
@@ -177,11 +203,11 @@ Eigen::Index ShapeRecorder::first_pressure(std::size_t part) const {
   return std::ssize(parts_[part].kept_dof) + std::ssize(parts_[part].element) * numbers_of_plastic(states_[part]);
 }
 
-void ShapeRecorder::keep(std::int64_t window) {
+void ShapeRecorder::keep(Series& series, std::int64_t window) {
   if (pressing_.forces && !parts_.empty()) press();
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     auto& part = parts_[p];
-    auto& values = part.kept[windows_.size()];
+    auto& values = part.kept[series.first + series.windows.size()];
     for (std::size_t i = 0; i < part.kept_dof.size(); ++i)
       values[static_cast<Eigen::Index>(i)] = states_[p].u[part.kept_dof[i]];
     if (states_[p].frame) {
@@ -200,20 +226,21 @@ void ShapeRecorder::keep(std::int64_t window) {
       next += numbers_of_plastic(states_[p]);
     }
   }
-  windows_.push_back(window);
+  series.windows.push_back(window);
 }
 
 void ShapeRecorder::finish(std::int64_t window) {
   if (path_.empty()) return;
-  if (!windows_.empty() && windows_.back() == window) windows_.pop_back();
-  keep(window);
+  if (!run_.windows.empty() && run_.windows.back() == window) run_.windows.pop_back();
+  keep(run_, window);
   write();
 }
 
 void ShapeRecorder::write() {
   const std::string path = std::exchange(path_, "");
   try {
-    if (path.empty() || windows_.empty() || !std::filesystem::exists(std::filesystem::path(path).parent_path())) return;
+    if (path.empty() || run_.windows.empty() || !std::filesystem::exists(std::filesystem::path(path).parent_path()))
+      return;
     write_atomically(path, text());
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: no picture of its elements in report.html: {}\n", participant_, error.what());
@@ -221,30 +248,36 @@ void ShapeRecorder::write() {
 }
 
 std::string ShapeRecorder::text() const {
+  const auto all = kept();
+  std::vector<std::int64_t> windows;
   std::vector<std::string> times;
-  for (const auto window : windows_) times.push_back(fmt::format("{:.17g}", clock_->time_s(window)));
+  for (const auto& [window, slot] : all) {
+    windows.push_back(window);
+    times.push_back(fmt::format("{:.17g}", clock_->time_s(window)));
+  }
   std::string bodies;
-  for (std::size_t p = 0; p < parts_.size(); ++p) bodies.append(p == 0 ? "\n" : ",\n").append(text_of(p));
+  for (std::size_t p = 0; p < parts_.size(); ++p) bodies.append(p == 0 ? "\n" : ",\n").append(text_of(p, all));
   return fmt::format(
       "{{\"format\": \"ricochet shapes 2\", \"model\": \"{}\", \"largest_window_s\": {:.17g}, \"nose\": {}, "
-      "\"uneven\": {}, \"windows\": [{}], \"times_s\": [{}], \"too_many_cells\": {}, \"bodies\": [{}]}}\n",
-      fem::model_name(model_), clock_->largest_size_s(), nose_, uneven_, fmt::join(windows_, ", "),
-      fmt::join(times, ", "), too_many_cells_, bodies);
+      "\"uneven\": {}, \"touching\": [{}], \"windows\": [{}], \"times_s\": [{}], \"too_many_cells\": {}, \"bodies\": "
+      "[{}]}}\n",
+      fem::model_name(model_), clock_->largest_size_s(), nose_, uneven_, fmt::join(touching_bodies_, ", "),
+      fmt::join(windows, ", "), fmt::join(times, ", "), too_many_cells_, bodies);
 }
 
-std::string ShapeRecorder::text_of(std::size_t part) const {
+std::string ShapeRecorder::text_of(std::size_t part, const std::vector<Kept>& kept) const {
   const auto& drawn = parts_[part];
   const auto& mesh_part = states_[part].part;
   const int components = fem::components(model_);
   const bool yields = states_[part].plastic != nullptr, heats = yields && states_[part].plastic->heats();
-  std::string displacements, stresses, plastic_strains, temperature_rises, pressures;
-  for (std::size_t w = 0; w < windows_.size(); ++w) {
+  std::vector<std::string> displacements, stresses, plastic_strains, temperature_rises, pressures;
+  for (const auto& [window, slot] : kept) {
+    const Eigen::VectorXd& values = drawn.kept[slot];
     Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh_part.dofs());
-    for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i)
-      u[drawn.kept_dof[i]] = drawn.kept[w][static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < drawn.kept_dof.size(); ++i) u[drawn.kept_dof[i]] = values[static_cast<Eigen::Index>(i)];
     Eigen::VectorXd straining = u;
     if (states_[part].frame) {
-      const auto frame = drawn.kept[w].tail<numbers_of_frame>();
+      const auto frame = values.tail<numbers_of_frame>();
       const fem::RigidMotion motion{Eigen::Matrix3d(frame.head<9>().reshaped(3, 3)), Eigen::Vector3d::Zero(),
                                     frame.tail<3>()};
       states_[part].frame->straining(u, motion, straining);
@@ -264,31 +297,34 @@ std::string ShapeRecorder::text_of(std::size_t part) const {
       if (yields) {
         const Eigen::Index at =
             std::ssize(drawn.kept_dof) + numbers_of_plastic(states_[part]) * static_cast<Eigen::Index>(i);
-        tensor -= drawn.kept[w].segment(at, tensor.size());
-        plastic_strain.push_back(static_cast<float>(drawn.kept[w][at + tensor.size()]));
-        if (heats) temperature_rise.push_back(static_cast<float>(drawn.kept[w][at + tensor.size() + 1]));
+        tensor -= values.segment(at, tensor.size());
+        plastic_strain.push_back(static_cast<float>(values[at + tensor.size()]));
+        if (heats) temperature_rise.push_back(static_cast<float>(values[at + tensor.size() + 1]));
       }
       stress.push_back(
           static_cast<float>(model_ == fem::Model::bar ? tensor[0] : fem::von_mises_stress(model_, tensor)));
     }
     for (std::size_t cell = 0; pressing_.forces && cell < drawn.cells.size(); ++cell)
-      pressure.push_back(static_cast<float>(drawn.kept[w][first_pressure(part) + static_cast<Eigen::Index>(cell)]));
-    displacements.append(w == 0 ? "" : ",\n").append(packed(displacement));
-    pressures.append(w == 0 ? "" : ",\n").append(packed(pressure));
-    stresses.append(w == 0 ? "" : ",\n").append(packed(stress));
-    plastic_strains.append(w == 0 ? "" : ",\n").append(packed(plastic_strain));
-    temperature_rises.append(w == 0 ? "" : ",\n").append(packed(temperature_rise));
+      pressure.push_back(static_cast<float>(values[first_pressure(part) + static_cast<Eigen::Index>(cell)]));
+    displacements.push_back(packed(displacement));
+    pressures.push_back(packed(pressure));
+    stresses.push_back(packed(stress));
+    plastic_strains.push_back(packed(plastic_strain));
+    temperature_rises.push_back(packed(temperature_rise));
   }
   std::vector<int> cells;
   for (const auto& cell : drawn.cells) cells.insert(cells.end(), cell.begin(), cell.end());
   const auto& v = drawn.velocity_m_s;
+  const auto more = [](const char* key, const std::vector<std::string>& values, bool told) {
+    return told ? fmt::format(",\n\"{}\": [{}]", key, fmt::join(values, ",\n")) : "";
+  };
   return fmt::format(
       "{{\"name\": \"{}\", \"strip_m\": {:.9g}, \"initial_velocity_m_s\": [{:.9g}, {:.9g}, {:.9g}],\n\"node\": {},\n"
       "\"position_m\": {},\n\"cell\": {},\n\"displacement_m\": [{}],\n\"stress_pa\": [{}]{}{}{}}}",
       drawn.name, drawn.strip_m, v[0], v[1], v[2], packed(drawn.body_node), packed(drawn.position_m), packed(cells),
-      displacements, stresses, yields ? fmt::format(",\n\"plastic_strain\": [{}]", plastic_strains) : "",
-      heats ? fmt::format(",\n\"temperature_rise_k\": [{}]", temperature_rises) : "",
-      pressing_.forces ? fmt::format(",\n\"contact_pressure_pa\": [{}]", pressures) : "");
+      fmt::join(displacements, ",\n"), fmt::join(stresses, ",\n"), more("plastic_strain", plastic_strains, yields),
+      more("temperature_rise_k", temperature_rises, heats),
+      more("contact_pressure_pa", pressures, pressing_.forces != nullptr));
 }
 
 }  // namespace ricochet::solver

@@ -179,6 +179,7 @@ struct Advance {
   Array link_increment;  ///< change of the link input since the last accepted window [m or N]
   Array link_absolute;   ///< the same, absolute; 0 rows unless resynchronising
   bool accept_at_once = false, absolute_requested = false, records_requested = false;
+  bool touching = false;  ///< as the contact's owner told it of the last window
 };
 
 /// Rows that were not sent before.

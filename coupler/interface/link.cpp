@@ -171,6 +171,7 @@ void Link::post_advance(const Step& step, const std::vector<double>& input, Acce
   request.accept_at_once = acceptance == Acceptance::at_once;
   request.absolute_requested = absolute_requested_ = step.absolute;
   request.records_requested = step.records;
+  request.touching = step.touching;
   request.link_increment.resize(static_cast<int>(rows_.nodes()), rows_.components());
   for (std::size_t i = 0; i < input.size(); ++i) {
     const double increment = input[i] - received_input_[i];

@@ -19,6 +19,7 @@ struct Step {
   bool records = false;              ///< bring the history rows collected so far
   std::int64_t substep = 0;          ///< the one step within the window that is meant; 0: the whole window
   bool ends_window = true;           ///< false: more substeps of this window follow
+  bool touching = false;             ///< contact pairs were closed at the end of the last window
 };
 
 enum class Acceptance { trial, at_once };

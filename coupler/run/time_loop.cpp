@@ -50,6 +50,7 @@ void TimeLoop::run() {
 Step TimeLoop::next_step() {
   Step step;
   step.accepted_window = window_;
+  step.touching = coupling_.contact().pairs_closed > 0;
   step.windows = settings_.coupled ? 1 : std::min(chunk_, settings_.last_window - window_);
   if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
   if (settings_.stop_every > 0)

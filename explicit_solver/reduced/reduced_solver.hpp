@@ -25,6 +25,7 @@ class ReducedSolver : public participant::Participant {
                    participant::LinkOutput& output) override;
   void reconfigure(const participant::Setup& setup) override;
   void advance(std::int64_t window, const std::vector<double>& link_input, participant::LinkOutput& output) override;
+  void note_touch(bool closed) override { reporting_.note_touch(closed); }
   void accept() override;
   [[nodiscard]] participant::ContactStatus contact_status() const override { return reporting_.contact_status(); }
   void record(std::vector<double>& row) override;

@@ -67,6 +67,24 @@ INSTANTIATE_TEST_SUITE_P(Protocols, PictureOfProtocols,
                          testing::Values("hughes_liu", "prakash_hjelmstad", "fixed_point", "all_implicit",
                                          "all_explicit"));
 
+/// A flight 200 times as long as the impact, which would fall between windows that are spread evenly over the run.
+TEST_P(PictureOfProtocols, ShowsAnImpactAfterALongFlight) {
+  const TemporaryFolder folder;
+  const std::string text =
+      replaced(with_protocol(config_text("two_bars"), GetParam()), "[contact]\n", "[contact]\ninitial_gap_m = 0.5\n");
+  const RunResult run = run_text(with_key(text, "time", "end_s", "0.0512"), folder);
+  const auto& force = run.column("contact_force_n");
+  for (const auto& process : run.summary.at("processes")) {
+    const auto name = process.at("name").get<std::string>();
+    if (name == "coupler") continue;
+    int in_contact = 0;
+    const auto shapes = shapes_of(run, name);
+    for (const auto& window : shapes.at("windows")) in_contact += force.at(window.get<std::size_t>()) > 0.0;
+    EXPECT_GE(in_contact, 3) << name;
+    EXPECT_EQ(shapes.at("touching"), nlohmann::json::parse(R"([["left", "right"]])"));
+  }
+}
+
 /// The largest of each kept window, of the picture of the contact's owner and of its fields. Plates press evenly.
 TEST(BodiesPicture, HasTheContactPressureOfTheFields) {
   const TemporaryFolder folder;

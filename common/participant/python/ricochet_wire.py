@@ -33,7 +33,7 @@ FIELDS = {  # every message of docs/wire.md
     "reconfigure": "window_size_s:float interface_stiffness:array",
     "reconfigured": "",
     "advance": "windows:integer link_increment:array link_absolute:array accept_at_once:boolean "
-               "absolute_requested:boolean records_requested:boolean",
+               "absolute_requested:boolean records_requested:boolean touching:boolean",
     "advanced": "increment:array absolute:array velocity_m_s:array acceleration_m_s2:array " + ANSWER,
     "accept": "records_requested:boolean",
     "accepted": ANSWER,

@@ -94,16 +94,42 @@ class Bodies {
     const { name, factor, unit } = this.field;
     return `${body}: ${name} ${(this.value(piece, time, cell) * factor).toPrecision(4)} ${unit}`;
   }
-  // Where two bodies come near each other: {name, centre, size, time}, at the first time they do.
+  // Contacts of the scene, or pairs of bodies of one that has not run: {name, centre, size, time}, where they press
+  // each other most or, if they do not, at the first time at which they come near each other.
   contacts() {
-    const found = [];
-    for (let a = 0; a < this.bodies.length && found.length < 12; ++a) {
-      for (let b = a + 1; b < this.bodies.length; ++b) {
-        const place = this.contactOf(a, b);
-        if (place) found.push({ name: `${this.bodies[a].name} – ${this.bodies[b].name}`, ...place });
-      }
+    const found = new Map();
+    for (const [a, b] of this.touching ?? this.bodies.flatMap((_, a) => this.bodies.slice(0, a).map((_, b) => [b, a]))) {
+      const name = [a, b].filter((body) => body >= 0).map((body) => this.bodies[body].name).join(" – ");
+      const place = this.pressedPlace(a, b) ?? (a >= 0 && b >= 0 ? this.contactOf(a, b) : null);
+      if (place && found.size < 12) found.set(name, { name, ...place });
     }
-    return found;
+    return [...found.values()];
+  }
+  // Nodes of the cells of a body that are pressed at a time, those near a box, and the largest pressure.
+  pressed(body, time, near = null) {
+    const box = new Box();
+    let most = 0;
+    for (const piece of this.pieces) {
+      if (piece.body !== body || !piece.contact_pressure_pa) continue;
+      piece.contact_pressure_pa[time].forEach((pressure, cell) => {
+        const corners = pressure > 0 ? this.corners(piece, time, cell) : [];
+        if (near && corners.some((x) => near.distance(x) > 0.02 * this.box.size)) return;
+        corners.forEach((x) => box.include(x));
+        most = Math.max(most, pressure);
+      });
+    }
+    return { box, most };
+  }
+  pressedPlace(a, b) {
+    if (!this.fields.some(({ key }) => key === "contact_pressure_pa")) return null;
+    let best = { most: 0 };
+    for (const time of this.times.keys()) {
+      const whole = this.pressed(a, time).box, other = b >= 0 ? this.pressed(b, time).box : null;
+      if (whole.empty || other?.empty) continue;
+      const { box, most } = this.pressed(a, time, other);
+      if (most > best.most) best = { most, time, centre: box.centre, size: Math.max(box.size, 0.05 * this.box.size) };
+    }
+    return best.most > 0 ? best : null;
   }
   contactOf(a, b) {
     const near = 0.02 * this.box.size;

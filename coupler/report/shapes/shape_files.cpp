@@ -25,6 +25,7 @@ struct ShapeFile {
   std::string path, model;
   double largest_window_s = 0;
   bool nose = false, uneven = false;
+  std::vector<std::array<std::string, 2>> touching;
   std::vector<std::int64_t> windows;
   std::vector<double> times_s;  ///< at their ends
   std::vector<Shapes::Body> bodies;
@@ -115,6 +116,7 @@ ShapeFile read_shape_file(const std::string& path) {
   file.largest_window_s = json.at("largest_window_s").get<double>();
   file.nose = json.at("nose").get<bool>();
   file.uneven = json.at("uneven").get<bool>();
+  file.touching = json.value("touching", decltype(file.touching)());  // none in files of former versions
   file.windows = json.at("windows").get<std::vector<std::int64_t>>();
   file.times_s = json.at("times_s").get<std::vector<double>>();
   if (file.times_s.size() != file.windows.size()) refuse_shapes(path, "times of another number of windows");
@@ -179,6 +181,7 @@ Shapes merged_shapes(std::vector<ShapeFile>&& files) {
   shapes.largest_window_s = files.front().largest_window_s;
   shapes.nose = files.front().nose;
   shapes.uneven = files.front().uneven;
+  shapes.touching = files.front().touching;
   const auto windows = common_windows(files);
   const auto& of_first = files.front().windows;
   for (const auto window : windows)

@@ -35,6 +35,7 @@ struct Shapes {
   bool nose = false;    ///< the contact has a rounded nose, which is no part of the mesh
   bool uneven = false;  ///< gaps of the meshes differ over a contact, or its bodies slide
   std::vector<Body> bodies;
+  std::vector<std::array<std::string, 2>> touching;  ///< bodies of each contact; "": what is rigid
   double largest_window_s = 0;
   std::vector<double> times_s;  ///< ascending
   std::vector<ShapePiece> pieces;

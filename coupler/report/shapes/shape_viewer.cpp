@@ -86,10 +86,17 @@ Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<Ce
   return data;
 }
 
+/// -1: what is rigid, or not drawn.
+int index_of(const Shapes& shapes, const std::string& body) {
+  const auto found =
+      std::find_if(shapes.bodies.begin(), shapes.bodies.end(), [&](const auto& b) { return b.name == body; });
+  return found == shapes.bodies.end() ? -1 : static_cast<int>(found - shapes.bodies.begin());
+}
+
 std::string stress_name(const Shapes& shapes) { return shapes.model == "bar" ? "axial stress" : "von Mises stress"; }
 
 /// "fields": what cells may be coloured by, the first at the beginning; "key" is that of the pieces, "factor" turns a
-/// value into its unit.
+/// value into its unit. "touching": indices of the bodies of each contact.
 Json data_of(const Shapes& shapes, const Magnification& magnification, const ColourScale& scale) {
   const auto looks = cell_looks(shapes);
   const auto unit = display_unit(scale.high, "Pa");
@@ -112,6 +119,8 @@ Json data_of(const Shapes& shapes, const Magnification& magnification, const Col
   offer("contact_pressure_pa", &ShapePiece::contact_pressure_pa, "contact pressure", unit.factor, unit.name.c_str());
   for (const double time_s : shapes.times_s) data["times"].push_back(quantity(time_s, "s", 4));
   for (const auto& body : shapes.bodies) data["bodies"].push_back({{"name", body.name}, {"strip_m", body.strip_m}});
+  for (const auto& names : shapes.touching)
+    data["touching"].push_back({index_of(shapes, names[0]), index_of(shapes, names[1])});
   for (std::size_t p = 0; p < shapes.pieces.size(); ++p)
     data["pieces"].push_back(data_of(shapes, shapes.pieces[p], looks[p], magnification));
   return data;

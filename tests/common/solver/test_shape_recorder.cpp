@@ -104,6 +104,26 @@ TEST(ShapeRecorder, KeepsEvenlySpacedWindowsHoweverManyComeAndTheLast) {
   }
 }
 
+TEST(ShapeRecorder, KeepsMoreWindowsWhileBodiesTouch) {
+  for (const auto& [end, kept] : {std::pair<int, Json>{500, {0, 128, 256, 384, 500, 512, 640, 768, 896, 1000}},
+                                  {502, {0, 128, 256, 384, 500, 501, 502, 512, 640, 768, 896, 1000}},
+                                  {600, {0, 128, 256, 384, 500, 512, 532, 564, 596, 640, 768, 896, 1000}},
+                                  {512, {0, 128, 256, 384, 500, 504, 508, 512, 640, 768, 896, 1000}}}) {
+    Recorded run(test::rod(2));
+    auto recorder = run.recorder();
+    for (int window = 0; window <= 1000; ++window) {
+      run.displace([&](const Eigen::Vector3d&) { return Eigen::Vector3d(window, 0, 0); });
+      if (window > 0) recorder->note_touch(window >= 500 && window <= end);
+      recorder->note(window);
+    }
+    recorder->finish(1000);
+    const auto file = run.file();
+    ASSERT_EQ(file["windows"], kept) << end;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      EXPECT_THAT(numbers<float>(file["bodies"][0]["displacement_m"][i]), Each(kept[i].get<float>())) << end;
+  }
+}
+
 // Uniaxial tension of 1e9 Pa * 1e-3 in z, with the contraction that leaves the sides free.
 TEST(ShapeRecorder, OfSolidsKeepsTheSurfaceWithItsVonMisesStress) {
   Recorded run(scene::blocks + "[coupling]\nprotocol = \"all_explicit\"\n");

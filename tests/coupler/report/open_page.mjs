@@ -95,6 +95,17 @@ async function expectFields(page) {
   }
 }
 
+// Every contact of the scene whose bodies press each other has a button, one with a rigid obstacle, too.
+async function expectContacts(page) {
+  const { names, wanted, pressed } = await page.evaluate(() => {
+    const { bodies, touching, fields } = bodyViewer.bodies, told = touching ?? [];
+    return { names: bodyViewer.bodies.contacts().map((contact) => contact.name),
+      wanted: [...new Set(told.map((pair) => pair.filter((b) => b >= 0).map((b) => bodies[b].name).join(" – ")))],
+      pressed: fields.some((field) => field.key === "contact_pressure_pa") };
+  });
+  if (pressed) expect(wanted.length > 0 && names.join() === wanted.join(), `contacts ${wanted} have the buttons ${names}`);
+}
+
 // One body alone shows the surface that the other one hides.
 async function expectOneBody(page) {
   const choice = page.locator("select.bodies"), all = await pictureOf(page);
@@ -147,6 +158,7 @@ async function expectDeformedBodies(page) {
     await section.selectOption("none");
   }
   await expectOneBody(page);
+  await expectContacts(page);
   if (await page.evaluate(() => bodyViewer.bodies.kinds)) {
     await expectKindsAndMarks(page);
   } else {
