@@ -91,7 +91,10 @@ ShapeRecorder::Drawn ShapeRecorder::drawn_part(const BodyState& state, const sce
   for (Eigen::Index dof = 0; dof < body.initial_velocity_m_s.size(); ++dof)
     drawn.velocity_m_s[dof % components] += body.initial_velocity_m_s[dof];
   drawn.velocity_m_s /= static_cast<double>(body.mesh.position.size());
+  std::vector<bool> hanging(mesh.position.size(), false);
+  for (const auto& node : mesh.hanging) hanging[fem::at(node.node)] = true;
   for (std::size_t i = 0; i < seen.node.size(); ++i) {
+    drawn.hangs.push_back(hanging[fem::at(seen.node[i])]);
     const int body_node = state.part.body_node[fem::at(seen.node[i])];
     drawn.body_node.push_back(seen.image[i] ? -1 - body_node : body_node);
     for (int c = 0; c < components; ++c) drawn.position_m.push_back(static_cast<float>(seen.position_m[i][c]));
@@ -180,7 +183,7 @@ void ShapeRecorder::press() {
   }
 }
 
-/// Mean over the nodes of a cell that have rows, of the face of a solid over all of its nodes, or 0.
+/// Mean over the nodes of a cell that have rows, of the face of a solid over all of its nodes but hanging ones, or 0.
 double ShapeRecorder::pressure_pa(const Drawn& part, std::size_t cell) const {
   const int components = fem::components(model_);
   double sum_pa = 0.0;
@@ -192,7 +195,7 @@ double ShapeRecorder::pressure_pa(const Drawn& part, std::size_t cell) const {
     if (area_m2 > 0.0) {
       sum_pa += part.load_n.segment(first, components).norm() / area_m2;
       ++pressed;
-    } else if (model_ == fem::Model::solid) {
+    } else if (model_ == fem::Model::solid && !part.hangs[fem::at(i)]) {
       return 0.0;
     }
   }

@@ -59,6 +59,7 @@ class ShapeRecorder {
     Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< mean over the body at the start
     std::vector<int> node;                  ///< of the part
     std::vector<int> body_node;             ///< its number in the body; < 0: the image of a node across the period
+    std::vector<bool> hangs;                ///< its carriers have the rows of the contact
     std::vector<float> position_m;          ///< `components` per node
     std::vector<std::array<int, 4>> cells;  ///< indices into `node`, -1 beyond a cell's own
     std::vector<int> element;               ///< of the part, per cell

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <vector>
 
 #include "tests/support/both_momenta.hpp"
 #include "tests/support/plane_grid.hpp"
 #include "tests/support/same_results.hpp"
+#include "tests/support/vtu.hpp"
 
 namespace ricochet::test {
 namespace {
@@ -212,6 +214,32 @@ TEST(RefinedBlocks, SlideOnNodesThatHang) {
   EXPECT_NEAR(run.last("friction_impulse_n_s") / implicit_run.last("friction_impulse_n_s"), 1.0, 0.05);
   EXPECT_LE(std::abs(run.last("friction_impulse_n_s")), 0.2 * run.last("contact_impulse_n_s") * (1.0 + 1e-9));
   expect_the_same_from_the_earlier_checkpoint(run, folder);
+}
+
+/// Blocks that cover each other and press evenly: every face of both surfaces has a pressure, with hanging nodes, too.
+TEST(RefinedBlocks, ShowTheirPressureOnEveryFace) {
+  const TemporaryFolder folder;
+  std::string text = "model = \"solid\"\n";
+  for (const bool upper : {true, false}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, 0.0, {}]\n[body.mesh]\nlength_m = 0.004\n"
+        "height_m = 0.004\nwidth_m = 0.004\nstart_m = {}\nelements = [4, 4, 4]\n",
+        upper ? "upper" : "lower", steel, upper ? -10.0 : 0.0, upper ? 0.0 : -0.004);
+    text += upper ? box({0.001, 0.001, 0.0}, {0.003, 0.003, 0.002}, 2) : "";
+  }
+  const RunResult run =
+      run_text(text + "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n[time]\nstep_s = 6e-8\nend_s = 4e-7\n" +
+                   protocol_of("all_implicit"),
+               folder);
+  const auto shapes = nlohmann::json::parse(file_text(run.folder + "/fields/implicit.shapes.json"));
+  for (const auto& body : shapes.at("bodies")) {
+    const std::string bytes = decode_base64(body.at("contact_pressure_pa").back());
+    std::vector<float> pressure(bytes.size() / sizeof(float));
+    std::memcpy(pressure.data(), bytes.data(), bytes.size());
+    EXPECT_EQ(std::count_if(pressure.begin(), pressure.end(), [](float pa) { return pa > 0.0F; }),
+              body.at("name") == "upper" ? 12 + 4 * 4 : 16)
+        << body.at("name");
+  }
 }
 
 /// Blocks of two materials whose contact slips towards the middle; boxes of two ratios there.

@@ -180,6 +180,49 @@ main(ExplicitBar))");
   return path;
 }
 
+/// Its element 1 has the probe.
+TEST(PythonBar, TellsOfAProbeLikeOurs) {
+  TemporaryFolder folder;
+  const auto probed = [&](const std::string& executable, const std::string& name) {
+    const auto text =
+        two_bars("hughes_liu", executable) + "[[output.probe]]\nname = \"far\"\nbody = \"left\"\nat_m = [-0.237067]\n";
+    return run_text(text, folder, name);
+  };
+  auto text = file_text(telling_bar(folder));
+  text = replaced(text, "record_columns=[",
+                  "probe_columns=['far.displacement_x_m/1', 'far.velocity_x_m_s/1', 'far.stress_xx_pa/1'] if self.body "
+                  "== 'left' else (), "
+                  "record_columns=[");
+  text = replaced(text, "main(ExplicitBar)", R"(    def probes(self):
+        at = (-0.237067 - self.x[1]) / (self.x[2] - self.x[1])
+        here = lambda values: (1 - at) * values[1] + at * values[2]
+        return [here(self.u), here(self.v), self.axial_stress()[1]]
+
+main(ExplicitBar))");
+  const auto bar = folder.write(text, "probed_bar.py");
+  std::filesystem::permissions(bar, std::filesystem::perms::owner_all);
+  const History ours = read_history(probed("", "ours").folder + "/probes.csv");
+  const RunResult run = probed(bar, "told");
+  const History told = read_history(run.folder + "/probes.csv");
+  for (const auto& [column, size] : {std::pair{"time_s", 1.0},
+                                     {"far.displacement_x_m", 1e-3},
+                                     {"far.velocity_x_m_s", 5.0},
+                                     {"far.stress_xx_pa", 2e8}}) {
+    ASSERT_EQ(told.at(column).size(), ours.at(column).size());
+    for (std::size_t row = 0; row < ours.at(column).size(); ++row)
+      EXPECT_NEAR(told.at(column)[row], ours.at(column)[row], 1e-5 * size) << column << " row " << row;
+  }
+  EXPECT_GT(*std::max_element(ours.at("far.velocity_x_m_s").begin(), ours.at("far.velocity_x_m_s").end()), 5.0);
+  for (const double value : told.at("far.strain_xx")) EXPECT_TRUE(std::isnan(value)) << "nobody tells it";
+  const auto wrong = folder.write(replaced(text, "self.axial_stress()[1]]", "]"), "wrong_bar.py");
+  std::filesystem::permissions(wrong, std::filesystem::perms::owner_all);
+  const auto stopped = run_file(folder.write(two_bars("hughes_liu", wrong) +
+                                             "[[output.probe]]\nname = \"far\"\nbody = \"left\"\nat_m = [-0.2]\n"),
+                                folder);
+  EXPECT_EQ(stopped.outcome.code, 4);
+  EXPECT_THAT(stopped.outcome.error, testing::HasSubstr("probes told 2 numbers, announced 3 probe_columns"));
+}
+
 /// A probe where a program of somebody else's has the elements is nan and named, one elsewhere is told.
 TEST(PythonBar, LeavesOfProbesNothingUnsaid) {
   TemporaryFolder folder;

@@ -30,6 +30,7 @@ class Description:
     capabilities: tuple = ("repeat_window",)
     record_columns: tuple = ()        # names of what `record` returns
     axial_stress_columns: tuple = ()  # "BODY/LOW/HIGH/SHARE" of what `axial_stress` returns; may stay empty
+    probe_columns: tuple = ()         # "COLUMN/SHARE" of what `probes` returns, a column of probes.csv each
     contact_owner: bool = False
 
 
@@ -82,6 +83,11 @@ class Participant:
 
     def axial_stress(self):
         """Its share of the mean axial stress of each layer [Pa], in the order of `axial_stress_columns`."""
+        return []
+
+    def probes(self):
+        """Its share of each of `probe_columns`: of motion the sum over the nodes that it integrates, of which each counts
+        by its shape function, of strain and stress the mean over its elements."""
         return []
 
     def write_fields(self, window):

@@ -12,6 +12,7 @@ ORDER = {  # what the coupler may ask in each state of this end
               "finish"], "tried": ["advance", "accept", "synchronise"],
 }
 EMPTY = np.zeros((0, 0))
+TOLD = {"axial_stress": "axial_stress_columns", "probes": "probe_columns"}  # rows beside the history, and their columns
 
 
 class Session:
@@ -26,7 +27,7 @@ class Session:
         self.substep = self.accepted_substep = 0  # of the trial, 0: whole window; of the window under way
         self.moves = False  # driven by force: answers displacement, velocity, acceleration
         self.input = self.accepted_input = self.output = self.accepted_output = np.zeros(self.shape)
-        self.rates, self.rows, self.stresses, self.spans = (EMPTY, EMPTY), [], [], []
+        self.rates, self.rows, self.told, self.spans = (EMPTY, EMPTY), [], {what: [] for what in TOLD}, []
         self.drift = self.compute_s = self.wait_s = 0.0
         self.fields_window, self.timeout_s, self.setup = -1, 60.0, {}
         self.send, self.initializing = None, False  # where what is no answer goes, and when it may
@@ -80,8 +81,7 @@ class Session:
             interface_position_m=array(d.interface_position_m, d.components), capabilities=list(d.capabilities),
             interface_mass_kg=array(d.interface_mass_kg, 1), critical_time_step_s=float(d.critical_time_step_s),
             record_columns=["window", *d.record_columns], contact_owner=d.contact_owner,
-            axial_stress_columns=["window", *d.axial_stress_columns] if d.axial_stress_columns else [],
-            probe_columns=[])
+            **{columns: ["window", *getattr(d, columns)] if getattr(d, columns) else [] for columns in TOLD.values()})
 
     def initialize(self, request):
         self.require(request["window_size_s"] > 0 and request["history_every"] >= 1 and request["substeps"] >= 1,
@@ -126,9 +126,9 @@ class Session:
         self.output = self.accepted_output = self.value
         self.state = "ready"
         if self.accepted == 0:
-            self.rows, self.stresses = [], []  # the coupler may synchronise the start more than once
+            self.rows, self.told = [], {what: [] for what in TOLD}  # the coupler may synchronise the start more than once
             self.record(self.setup["fields_every"] > 0)
-            self.record_axial_stress()
+            self.record_told()
         return self.message("synchronised", absolute=self.full(self.value), **self.motion())
 
     def advance(self, request):
@@ -190,7 +190,7 @@ class Session:
         if type(own) is not bytes:
             raise RunError(f"its save_state returned {type(own).__name__}, expected bytes")
         link = pack_state(window=self.accepted, fields_window=self.fields_window, input=self.accepted_input,
-                          output=self.accepted_output, drift=self.drift, rows=self.rows, stresses=self.stresses,
+                          output=self.accepted_output, drift=self.drift, rows=self.rows, **self.told,
                           window_size_s=self.setup["window_size_s"], stiffness=self.setup["interface_stiffness"])
         return self.message("saved_state", saved=msgpack.packb([link, own]))
 
@@ -203,7 +203,7 @@ class Session:
         self.fields_window, self.drift = int(s["fields_window"]), float(s["drift"])
         self.input = self.accepted_input = s["input"]
         self.output = self.accepted_output = s["output"]
-        self.rows, self.stresses = s["rows"].tolist(), s["stresses"].tolist()
+        self.rows, self.told = s["rows"].tolist(), {what: s[what].tolist() for what in TOLD}
         if float(s["window_size_s"]) != self.setup["window_size_s"]:
             self.change(float(s["window_size_s"]), s["stiffness"])
         self.participant.restore_state(own)
@@ -216,8 +216,7 @@ class Session:
         self.state = "finished"
         return self.message("finished", compute_s=self.compute_s, wait_s=self.wait_s, largest_drift=self.drift,
                             spans_s=array(self.spans, 3), records=self.records(True),
-                            axial_stress=self.axial_stress(True), probes=array([], 1), departures=array([], 14),
-                            contact_forces=array([], 1))
+                            **self.rows_told(True), departures=array([], 14), contact_forces=array([], 1))
 
     def receive(self, request):
         """x = X + d, or the absolute value that came with it."""
@@ -241,7 +240,7 @@ class Session:
             self.record(fields)
         elif fields:
             self.write_fields()
-        self.record_axial_stress()
+        self.record_told()
 
     def record(self, fields):
         row = list(self.participant.record())
@@ -251,14 +250,15 @@ class Session:
         if fields:
             self.write_fields()
 
-    def record_axial_stress(self):
-        every, columns = self.setup["axial_stress_every"], self.description.axial_stress_columns
-        if every == 0 or not columns or self.accepted % every:
-            return
-        row = list(self.participant.axial_stress())
-        if len(row) != len(columns):
-            raise RunError(f"told {len(row)} axial stresses, announced {len(columns)} columns")
-        self.stresses.append([self.accepted, *row])
+    def record_told(self):
+        for what, rows in self.told.items():
+            every, columns = self.setup[f"{what}_every"], getattr(self.description, TOLD[what])
+            if every == 0 or not columns or self.accepted % every:
+                continue
+            row = list(getattr(self.participant, what)())
+            if len(row) != len(columns):
+                raise RunError(f"{what} told {len(row)} numbers, announced {len(columns)} {TOLD[what]}")
+            rows.append([self.accepted, *row])
 
     def write_fields(self):
         self.participant.write_fields(self.accepted)
@@ -287,15 +287,15 @@ class Session:
         rows, self.rows = (self.rows, []) if requested else ([], self.rows)
         return array(rows, 1 + len(self.description.record_columns))
 
-    def axial_stress(self, requested):
-        rows, self.stresses = (self.stresses, []) if requested else ([], self.stresses)
-        return array(rows, 1 + len(self.description.axial_stress_columns))
+    def rows_told(self, requested):
+        told, self.told = (self.told, {what: [] for what in TOLD}) if requested else ({}, self.told)
+        return {what: array(told.get(what, []), 1 + len(getattr(self.description, columns)))
+                for what, columns in TOLD.items()}
 
     def motion(self):
         velocity, acceleration = map(self.full, self.rates)
         return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration}
 
     def answer(self, records_requested):  # it does not look for what leaves the model
-        return {"records": self.records(records_requested), "axial_stress": self.axial_stress(records_requested),
-                "probes": array([], 1),"departures": array([], 14), "contact_forces": array([], 1),
+        return {"records": self.records(records_requested), **self.rows_told(records_requested), "departures": array([], 14), "contact_forces": array([], 1),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}
