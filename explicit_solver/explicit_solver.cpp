@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "common/base/error.hpp"
 #include "common/body/free_motion.hpp"
 #include "common/participant/heartbeat.hpp"
+#include "common/problem/local_steps.hpp"
 #include "common/solver/describe.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
@@ -40,13 +42,29 @@ participant::Description ExplicitSolver::describe() {
   description.solver = "ricochet explicit_solver";
   reporting_.describe(problem_, states_, description);
   description.capabilities = {Capability::repeat_window, Capability::driven_by_force, Capability::single_substep,
-                              Capability::reconfigure, Capability::save_state};
+                              Capability::save_state};
+  if (!any_small_steps()) description.capabilities.push_back(Capability::reconfigure);  // they are of one window size
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
   // What is loaded is to be continued linearly.
   const bool linear = std::all_of(states_.begin(), states_.end(), [](const auto& state) { return state.linear(); });
   if (ranks_ == nullptr && linear && (!alone() || !problem_.scene.massless_contact()))
     description.capabilities.push_back(Capability::load_state);
   return description;
+}
+
+bool ExplicitSolver::any_small_steps() const {
+  return std::any_of(states_.begin(), states_.end(), [this](const auto& state) { return has_small_steps(state); });
+}
+
+bool ExplicitSolver::has_small_steps(const solver::BodyState& state) const {
+  return !problem_.bodies[fem::at(state.body)].small_steps.empty();
+}
+
+std::unique_ptr<solver::InternalForce> ExplicitSolver::make_force(const solver::BodyState& state,
+                                                                  const std::vector<int>& driven) const {
+  if (!has_small_steps(state)) return make_force_(state, driven);
+  return std::make_unique<LocalForce>(
+      state, driven, scene::local_steps(problem_, state.body, state.part, state.shared_nodes, setup_.clock.size_s()));
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
@@ -64,10 +82,11 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
   }
   if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
-  const bool local = problem_.scene.coupling.protocol.local_steps;
   std::optional<participant::Heartbeat> heart;  // the set-up of others is short
-  if (local) heart.emplace(setup_.progress).begin("finding local steps and what contact forces move in them");
-  stepping_.emplace(stepped(), setup_, make_contact(), local ? local_force(setup_.clock.size_s()) : make_force_);
+  if (any_small_steps())
+    heart.emplace(setup_.progress).begin("finding local steps and what contact forces move in them");
+  stepping_.emplace(stepped(), setup_, make_contact(),
+                    [this](const auto& state, const std::vector<int>& driven) { return make_force(state, driven); });
   stepping_->answer(output);
   solver::PressedSurface pressing;
   if (contact()) pressing = contact()->pressed(stepped());

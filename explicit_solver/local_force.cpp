@@ -1,6 +1,6 @@
 #include "explicit_solver/local_force.hpp"
 
-#include <memory>
+#include <utility>
 
 namespace ricochet::explicit_solver {
 namespace {
@@ -12,10 +12,8 @@ std::vector<int> with(std::vector<int> nodes, const std::vector<int>& more) {
 
 }  // namespace
 
-LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s)
-    : state_(&state),
-      steps_(state.part.stiffness, state.inverse_mass, fem::components(state.part.mesh.model), window_s),
-      elements_(material_force(state, with(driven, steps_.reached()))) {
+LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, fem::LocalSteps steps)
+    : state_(&state), steps_(std::move(steps)), elements_(material_force(state, with(driven, steps_.reached()))) {
   steps_.compute_with(state.parallel);
   if (steps_.any() && !state.u.isZero(0.0)) {
     Eigen::VectorXd force(state.u.size());
@@ -79,12 +77,6 @@ void LocalForce::archive(Archive& a) {
   flow_->u_before = state_->u;
   flow_->force = state_->plastic->force_n;
   flow_->plastic_work_j = state_->plastic->work_j;
-}
-
-MakeForce local_force(double window_s) {
-  return [window_s](const solver::BodyState& state, const std::vector<int>& driven) {
-    return std::make_unique<LocalForce>(state, driven, window_s);
-  };
 }
 
 }  // namespace ricochet::explicit_solver

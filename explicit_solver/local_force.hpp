@@ -11,11 +11,11 @@
 namespace ricochet::explicit_solver {
 
 /// S P(u) of a part that steps locally (fem::LocalSteps), of elements that are linear or yield. S is that of K, the
-/// largest stiffness that yielding elements have. Nobody else shares the nodes of the part.
+/// largest stiffness that yielding elements have. Nodes that others share take no small step.
 class LocalForce final : public solver::InternalForce {
  public:
   /// As material_force. Rows that step locally are computed from the start on.
-  LocalForce(const solver::BodyState& state, const std::vector<int>& driven, double window_s);
+  LocalForce(const solver::BodyState& state, const std::vector<int>& driven, fem::LocalSteps steps);
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }
@@ -52,8 +52,5 @@ class LocalForce final : public solver::InternalForce {
   std::optional<Flow> flow_;
   double start_j_ = 0.0;  ///< 1/2 u . (1 - S) K u of the motion that the run begins with
 };
-
-/// Of windows of one size.
-[[nodiscard]] MakeForce local_force(double window_s);
 
 }  // namespace ricochet::explicit_solver

@@ -66,7 +66,7 @@ int count_modes(const Problem& problem, const std::vector<ParticipantPart>& part
   return all;
 }
 
-/// `local_steps`: of its parts under `local_explicit`, where somebody asks.
+/// `local_steps`: of its parts that take some, where somebody asks.
 ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& participant,
                                  std::vector<LocalStepsPlan>* local_steps) {
   const bool implicit = participant.role == Role::implicit_solver;
@@ -82,14 +82,14 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     plan.interface_nodes += static_cast<int>(part.shared.size());
     plan.unknowns += count_unknowns(problem, part, implicit);
     assembled.push_back({part.body, &part.part});
-    if (problem.scene.coupling.protocol.local_steps && local_steps != nullptr)
+    if (!implicit && local_steps != nullptr && !problem.bodies[at(part.body)].small_steps.empty())
       local_steps->push_back(plan_local_steps(problem, part));
   }
   for (const Joint& joint : problem.joints)
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (participant.reduced) plan.unknowns = count_modes(problem, parts);
-  if (!implicit && !problem.scene.coupling.protocol.local_steps)
+  if (!implicit)
     plan.critical_time_step_s =
         critical_time_step(problem, participant, assembled, problem.clock.largest_size_s() / participant.substeps);
   return plan;
@@ -191,7 +191,7 @@ double element_bound_time_step(const Problem& problem, const ParticipantSpec& pa
   for (const BodyProblem& body : problem.bodies) {
     const std::vector<bool> owned = owned_elements(problem.scene, body, participant);
     const bool any = std::find(owned.begin(), owned.end(), true) != owned.end();
-    if (participant.role == Role::implicit_solver || !any) continue;
+    if (participant.role == Role::implicit_solver || !any || !body.small_steps.empty()) continue;
     smallest = std::min(smallest, element_bound_time_step(body, limiting_elements(problem, body, participant)));
   }
   return smallest;

@@ -13,9 +13,9 @@ struct ParticipantPlan {
   Role role = Role::explicit_solver;
   int nodes = 0, elements = 0, interface_nodes = 0;
   int unknowns = 0;                 ///< free degrees of freedom that it integrates
-  double critical_time_step_s = 0;  ///< infinity for an implicit participant, and under `local_explicit`
+  double critical_time_step_s = 0;  ///< infinity for an implicit participant, and where small steps make up for it
 };
-/// Of a body under `local_explicit`.
+/// Of a body whose explicit elements take small steps.
 struct LocalStepsPlan {
   std::string body;
   std::vector<int> nodes;         ///< by the steps that they take in a window: 1, 2, 4, ...
@@ -33,7 +33,7 @@ struct BodyPlan {
 struct Plan {
   std::vector<BodyPlan> bodies;
   std::vector<ParticipantPlan> participants;
-  std::vector<LocalStepsPlan> local_steps;         ///< per body of `local_explicit`
+  std::vector<LocalStepsPlan> local_steps;         ///< per body that takes some
   double added_mass_kg = 0, added_mass_share = 0;  ///< by mass scaling, and over what all bodies have by their density
   long long windows = 0;
   int contact_pairs = 0;
@@ -47,7 +47,7 @@ struct Plan {
   std::vector<std::string> notes;  ///< what could be left out; see check_reach.hpp
 };
 
-/// What each participant has to do, and under `local_explicit` its local steps; refuses nothing else.
+/// What each participant has to do, and the local steps of its bodies; refuses nothing else.
 [[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem,
                                                              std::vector<LocalStepsPlan>* local_steps = nullptr);
 /// The critical step of an explicit participant by the element bound [s], see critical_step.hpp; infinity for an

@@ -3,37 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <utility>
 
 #include "common/fem/element.hpp"
-#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
+#include "common/problem/islands.hpp"
 
 namespace ricochet::scene {
 namespace {
 
 constexpr std::size_t elements_named = 5;
-
-/// Per node one that stands for all those which implicit elements join.
-std::vector<int> joined_by_implicit(const BodyProblem& body) {
-  std::vector<int> parent(body.mesh.position.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int node) {
-    while (parent[at(node)] != node) node = parent[at(node)] = parent[at(parent[at(node)])];
-    return node;
-  };
-  for (std::size_t e = 0; e < body.implicit_element.size(); ++e) {
-    if (!body.implicit_element[e]) continue;
-    const int first = root(body.mesh.elements[e][0]);
-    for (const int node : body.mesh.elements[e]) parent[at(root(node))] = first;
-    fem::for_each_carrier(body.mesh, body.mesh.elements[e], [&](int node) { parent[at(root(node))] = first; });
-  }
-  for (int node = 0; node < static_cast<int>(parent.size()); ++node) parent[at(node)] = root(node);
-  return parent;
-}
 
 void find_shortest(const BodyProblem& body, const std::vector<int>& elements, Islands& islands) {
   std::vector<std::pair<double, int>> steps;
@@ -44,22 +25,6 @@ void find_shortest(const BodyProblem& body, const std::vector<int>& elements, Is
     islands.shortest_s.push_back(steps[i].first);
     islands.shortest.push_back(steps[i].second);
   }
-}
-
-/// The implicit elements that hang on no contact, by their islands.
-std::map<int, std::vector<int>> elements_of_islands(const Problem& problem, int index) {
-  const BodyProblem& body = problem.bodies[at(index)];
-  const std::vector<int> joined = joined_by_implicit(body);
-  std::vector<bool> held(joined.size(), false);
-  for (const int node : contact_nodes(problem.contacts, index)) held[at(joined[at(node)])] = true;
-  for (std::size_t n = 0; n < body.joined_node.size(); ++n)
-    if (body.joined_node[n]) held[at(joined[n])] = true;
-  std::map<int, std::vector<int>> islands;
-  for (int e = 0; e < static_cast<int>(body.mesh.elements.size()); ++e) {
-    const int root = joined[at(body.mesh.elements[at(e)][0])];
-    if (body.implicit_element[at(e)] && !held[at(root)]) islands[root].push_back(e);
-  }
-  return islands;
 }
 
 void count_nodes(const BodyProblem& body, const std::vector<int>& elements, Islands& islands) {
@@ -79,10 +44,10 @@ Islands islands_of_body(const Problem& problem, int index) {
   islands.body = index;
   islands.step_s = automatic_step_s(problem.scene, body.name);
   std::vector<int> all, of_slivers;
-  for (const auto& [root, elements] : elements_of_islands(problem, index)) {
+  for (const auto& elements : elements_of_islands(problem, index)) {
     islands.elements.push_back(static_cast<int>(elements.size()));
     all.insert(all.end(), elements.begin(), elements.end());
-    if (islands.elements.back() >= Islands::sliver_elements) continue;
+    if (elements.size() >= sliver_elements) continue;
     ++islands.slivers;
     of_slivers.insert(of_slivers.end(), elements.begin(), elements.end());
   }
@@ -121,7 +86,7 @@ std::string text_of(const Problem& problem, const Islands& islands) {
       body.name, count, count == 1 ? "" : "s", sum, islands.step_s, islands.shared_nodes, islands.nodes,
       islands.slivers > 0 ? fmt::format("{} of them ha{} fewer than {} elements: mend these, or take local_explicit, "
                                         "which needs no implicit ones",
-                                        islands.slivers, islands.slivers == 1 ? "s" : "ve", Islands::sliver_elements)
+                                        islands.slivers, islands.slivers == 1 ? "s" : "ve", sliver_elements)
                           : "A zone that was made fine is right to be implicit",
       elements);
 }

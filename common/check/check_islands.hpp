@@ -13,8 +13,7 @@ struct Islands {
   double step_s = 0.0;              ///< an element with a critical step below this one is implicit
   std::vector<int> elements;        ///< of each island
   int nodes = 0, shared_nodes = 0;  ///< of all islands; those that explicit elements have, too
-  int slivers = 0;                  ///< islands of fewer elements: bad ones of a mesh, not a zone that was made fine
-  static constexpr int sliver_elements = 10;
+  int slivers = 0;                  ///< islands of fewer than sliver_elements
   /// Of the slivers, if there are any, else of all islands: the elements of least critical step, at most five,
   /// ascending, and their steps [s].
   std::vector<int> shortest;

@@ -18,11 +18,13 @@ constexpr double told_jump = 0.2;
 /// The share that is granted of the longest window found: levels of another one are scaled anew.
 constexpr double takes = 0.9;
 
-void refuse_absorbing(const Problem& problem, const BodyProblem& body, const fem::LocalSteps& steps) {
+void refuse_absorbing(const Problem& problem, const ParticipantPart& part, const fem::LocalSteps& steps) {
+  const BodyProblem& body = problem.bodies[at(part.body)];
   const int components = fem::components(body.section.model);
-  for (int node = 0; node < static_cast<int>(body.mesh.position.size()); ++node) {
+  for (int i = 0; i < part.part.nodes(); ++i) {
+    const int node = part.part.body_node[at(i)];
     const bool absorbs = !body.damping_kg_s.segment(node * components, components).isZero(0.0);
-    if (!absorbs || !steps.steps_locally(node)) continue;
+    if (!absorbs || !steps.steps_locally(i)) continue;
     throw ConfigError(fmt::format(
         "{}: found the node of an absorbing surface of body \"{}\" at {} among elements that take several steps in a "
         "window of {:.6g} s; allowed with \"local_explicit\": a smaller step, or coarser elements there",
@@ -53,18 +55,22 @@ std::string jump_among_small_steps(const Problem& problem, const ParticipantPart
   const Eigen::VectorXd& v = body.initial_velocity_m_s;
   double fastest = v.cwiseAbs().maxCoeff(), largest = 0.0;
   int where = 0;
-  for (int dof = 0; dof < part.part.dofs(); ++dof) {
-    const int node = dof / components;
-    if (!body.fixed_dof[at(dof)] || !steps.steps_locally(node)) continue;
+  const auto of_body = [&](Eigen::Index dof) {
+    return part.part.body_node[at(static_cast<int>(dof) / components)] * components +
+           static_cast<int>(dof) % components;
+  };
+  for (int i = 0; i < part.part.dofs(); ++i) {
+    const int dof = of_body(i), node = dof / components;
+    if (!body.fixed_dof[at(dof)] || !steps.steps_locally(i / components)) continue;
     double jump = 0.0, around = 0.0;
-    for (fem::SparseMatrix::InnerIterator it(part.part.stiffness, dof); it; ++it)
-      if (const auto other = static_cast<int>(it.col()); other % components == dof % components)
+    for (fem::SparseMatrix::InnerIterator it(part.part.stiffness, i); it; ++it)
+      if (const int other = of_body(it.col()); other % components == dof % components)
         if (std::abs(v[other]) > std::abs(around)) around = v[other];
     std::vector<double> own{around, 0.0};
     if (const int motion = body.prescribed_index[at(dof)]; motion >= 0)
       own = velocities(spec.prescribed[at(motion)].amplitude, body.prescribed_displacement_m[dof], around,
                        problem.scene.time.end_s);
-    for (std::size_t i = 0; i + 1 < own.size(); ++i) jump = std::max(jump, std::abs(own[i + 1] - own[i]));
+    for (std::size_t k = 0; k + 1 < own.size(); ++k) jump = std::max(jump, std::abs(own[k + 1] - own[k]));
     for (const double speed : own) fastest = std::max(fastest, std::abs(speed));
     if (jump <= largest) continue;
     largest = jump;
@@ -81,14 +87,14 @@ std::string jump_among_small_steps(const Problem& problem, const ParticipantPart
 
 LocalStepsPlan plan_local_steps(const Problem& problem, const ParticipantPart& part) {
   const BodyProblem& body = problem.bodies[at(part.body)];
-  const fem::LocalSteps steps = local_steps(body, part.part, problem.clock.size_s());
-  if (steps.any()) refuse_absorbing(problem, body, steps);
-  return {body.name, steps.nodes_by_level(), extra_rows(problem, part.body, steps), steps.longest_window_s(),
-          jump_among_small_steps(problem, part, steps)};
+  const fem::LocalSteps steps = local_steps(problem, part.body, part.part, part.shared, problem.clock.size_s());
+  if (steps.any()) refuse_absorbing(problem, part, steps);
+  const bool with_contact = !problem.scene.coupling.protocol.coupled();  // else the implicit side has it
+  return {body.name, steps.nodes_by_level(), with_contact ? extra_rows(problem, part.body, steps) : steps.extra_rows(),
+          steps.longest_window_s(), jump_among_small_steps(problem, part, steps)};
 }
 
 void check_local_steps(const Problem& problem, Plan& plan) {
-  if (!problem.scene.coupling.protocol.local_steps) return;
   double longest_s = 0.0;
   for (const LocalStepsPlan& body : plan.local_steps) {
     longest_s = std::max(longest_s, body.longest_window_s);
@@ -103,7 +109,7 @@ void check_local_steps(const Problem& problem, Plan& plan) {
           body.body, std::accumulate(body.nodes.begin(), body.nodes.end(), 0), nodes, 1.0 + body.extra_rows));
   }
   const double step_s = problem.clock.size_s();
-  if (step_s > longest_s)
+  if (problem.scene.coupling.protocol.local_steps && step_s > longest_s)
     throw ConfigError(fmt::format(
         "{}: found {:.6g} s, too long for every element; allowed with \"local_explicit\": {:.3g} or less, a step that "
         "the coarse elements take",

@@ -223,13 +223,16 @@ double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& pla
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 
-/// The products of windows of the scene's steps with local steps; where those are all that every element takes none.
-void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std::vector<Share>& whole) {
+/// The products of windows with the local steps of the plan.
+void add_planned_steps(const scene::Plan& plan, std::vector<Share>& shares) {
+  for (Share& share : shares)
+    for (const auto& steps : plan.local_steps)
+      if (steps.body == share.body->name) share.products += steps.extra_rows;
+}
+
+/// The same of windows of the scene's steps, if all elements took local steps where they need some.
+void add_local_steps(const scene::Problem& problem, std::vector<Share>& whole) {
   for (std::size_t b = 0; b < whole.size(); ++b) {
-    if (!plan.local_steps.empty()) {
-      whole[b].products += plan.local_steps[b].extra_rows;
-      continue;
-    }
     const auto& body = *whole[b].body;
     std::vector<int> elements(body.mesh.elements.size());
     std::iota(elements.begin(), elements.end(), 0);
@@ -242,6 +245,7 @@ void add_local_steps(const scene::Problem& problem, const scene::Plan& plan, std
 
 /// Before the first window each unknown of the contact is pushed, for what it moves within the small steps [s].
 double unit_forces_s(const scene::Problem& problem, const std::vector<Share>& shares) {
+  if (problem.scene.coupling.protocol.coupled()) return 0.0;
   const double directions = problem.scene.friction() ? problem.scene.components() : 1.0;
   double time_s = 0.0;
   for (const Share& share : shares) {
@@ -288,7 +292,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
       }
       cost.setup_s = std::max(cost.setup_s, slowness * (setup_s(shares, {}) + modes_s));
     } else {
-      if (scene.coupling.protocol.local_steps) add_local_steps(problem, plan, shares);
+      add_planned_steps(plan, shares);
       cost.setup_s = std::max(cost.setup_s, slowness * setup_s(shares, {}) + unit_forces_s(problem, shares));
       const double substeps = spec.substeps;
       window_s =
@@ -322,7 +326,7 @@ PredictedCost predict_cost(const scene::Problem& problem, const scene::Plan& pla
   if (scene.coupling.protocol.local_steps) {
     cost.local_explicit_s = cost.stepping_s();
   } else if (scene::takes_local_steps(problem)) {
-    add_local_steps(problem, plan, whole);
+    add_local_steps(problem, whole);
     cost.local_explicit_s = cost.windows * (of_coupler_s + predictor.explicit_window_s(whole, cost.windows, 1.0, true));
   }
   return cost;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "common/base/error.hpp"
 
@@ -48,11 +49,15 @@ std::vector<bool> with_a_layer(const SparseMatrix& stiffness, int components, co
 }  // namespace
 
 LocalSteps::LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components,
-                       double window_s, Levels levels)
+                       double window_s, Levels levels, Nodes nodes)
     : components_(components),
+      nodes_(std::move(nodes)),
       longest_window_s_(window_s),
       level_of_node_(static_cast<std::size_t>(inverse_mass.size() / components), 0) {
-  const Eigen::VectorXd of_node = stiffness_of_nodes(stiffness, inverse_mass, components);
+  Eigen::VectorXd of_node = stiffness_of_nodes(stiffness, inverse_mass, components);
+  for (std::size_t n = 0; n < level_of_node_.size(); ++n)
+    if (takes_none(n) || (!nodes_.may_be_stiff.empty() && !nodes_.may_be_stiff[n]))
+      of_node[static_cast<Eigen::Index>(n)] = 0.0;
   const double most = 4.0 / (window_s * window_s);
   if (of_node.size() == 0 || of_node.maxCoeff() <= most) return;
   Eigen::VectorXd mass = Eigen::VectorXd::Ones(of_node.size());
@@ -88,7 +93,7 @@ void LocalSteps::set_levels(const SparseMatrix& stiffness, const Eigen::VectorXd
       marked[n] = stiffness_of_node[static_cast<Eigen::Index>(n)] > bearable;
     marked = with_a_layer(stiffness, components_, marked);
     for (std::size_t n = 0; n < marked.size(); ++n)
-      if (marked[n]) level_of_node_[n] = level;
+      if (marked[n] && !takes_none(n)) level_of_node_[n] = level;
     tau_squared *= shortening_squared;
     add_level(stiffness, inverse_mass, tau_squared / 4.0, level, numbered);
     bearable = level_share * 4.0 / tau_squared;

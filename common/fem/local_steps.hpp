@@ -28,8 +28,12 @@ class LocalSteps {
   /// bear the window with these levels the scale goes up, to 1 at most, which is Gershgorin's bound. Throws SolverError
   /// where that does not help. `expected`: the first levels, untried, for who asks what they would cost.
   enum class Levels { borne, expected };
+  struct Nodes {
+    std::vector<bool> may_be_stiff;  ///< the others bear the window, whatever the bound says of them; empty: all may be
+    std::vector<bool> whole;         ///< takes no small step: somebody else moves it, or a dashpot; empty: none
+  };
   LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components, double window_s,
-             Levels levels = Levels::borne);
+             Levels levels = Levels::borne, Nodes nodes = {{}, {}});
 
   /// From here on computes with these threads, to the same bits.
   void compute_with(const std::shared_ptr<Parallel>& parallel);
@@ -61,10 +65,12 @@ class LocalSteps {
   void add_level(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, double kappa, int level,
                  std::vector<int>& numbered);
   void step(std::size_t level, Eigen::VectorXd& force);
+  [[nodiscard]] bool takes_none(std::size_t node) const { return !nodes_.whole.empty() && nodes_.whole[node]; }
   [[nodiscard]] bool bears(const StiffnessProduct& stiffness, const Eigen::VectorXd& mass,
                            const std::vector<bool>& fixed, double window_s);
 
   int components_ = 1;
+  Nodes nodes_;
   double longest_window_s_ = 0.0;
   std::vector<int> level_of_node_;  ///< deepest P_l that it is in
   std::vector<int> reached_;

@@ -166,6 +166,7 @@ double critical_time_step(const Problem& problem, const ParticipantSpec& partici
   double smallest = std::numeric_limits<double>::infinity();
   for (const AssembledPart& assembled : parts) {
     const BodyProblem& body = problem.bodies[at(assembled.body)];
+    if (participant.role == Role::explicit_solver && !body.small_steps.empty()) continue;
     const std::vector<bool> limiting = limiting_elements(problem, body, participant);
     if (!problem.critical_time_steps_s.empty() && limiting == explicit_elements(problem, body)) {
       smallest = std::min(smallest, problem.critical_time_steps_s[at(assembled.body)]);

@@ -1,6 +1,11 @@
 #include "common/problem/local_steps.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "common/fem/hanging_nodes.hpp"
+#include "common/problem/build.hpp"
+#include "common/problem/critical_step.hpp"
 
 namespace ricochet::scene {
 
@@ -13,6 +18,30 @@ fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, doub
     inverse_mass[dof] = fixed ? 0.0 : 1.0 / part.lumped_mass[dof / components];
   }
   return {part.stiffness, inverse_mass, components, window_s, levels};
+}
+
+fem::LocalSteps local_steps(const Problem& problem, int index, const fem::Part& part, const std::vector<int>& shared,
+                            double window_s) {
+  const BodyProblem& body = problem.bodies[at(index)];
+  if (body.small_steps.empty()) return {};
+  const int components = fem::components(body.section.model);
+  fem::LocalSteps::Nodes nodes{std::vector<bool>(at(part.nodes()), false), std::vector<bool>(at(part.nodes()), false)};
+  for (std::size_t e = 0; e < part.body_element.size(); ++e)
+    if (body.small_steps[at(part.body_element[e])])
+      fem::for_each_carrier(part.mesh, part.mesh.elements[e], [&](int node) { nodes.may_be_stiff[at(node)] = true; });
+  for (const int node : shared) nodes.whole[at(node)] = true;
+  for (int node = 0; problem.scene.coupling.protocol.coupled() && node < part.nodes(); ++node)
+    if (!body.damping_kg_s.segment(part.body_node[at(node)] * components, components).isZero(0.0))
+      nodes.whole[at(node)] = true;
+  const Eigen::VectorXd whole_mass = shared.empty() ? Eigen::VectorXd() : body_lumped_mass(body);
+  Eigen::VectorXd inverse_mass(part.dofs());
+  for (int dof = 0; dof < part.dofs(); ++dof) {
+    const int node = dof / components, of_body = part.body_node[at(node)];
+    const bool fixed = body.fixed_dof[at(of_body * components + dof % components)];
+    const double mass_kg = shared.empty() ? part.lumped_mass[node] : whole_mass[of_body];
+    inverse_mass[dof] = fixed ? 0.0 : 1.0 / mass_kg;
+  }
+  return {part.stiffness, inverse_mass, components, window_s, fem::LocalSteps::Levels::borne, std::move(nodes)};
 }
 
 double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps) {

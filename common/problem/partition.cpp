@@ -9,6 +9,7 @@
 #include "common/fem/element_copies.hpp"
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/islands.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
 
@@ -306,6 +307,9 @@ void set_partition(Problem& problem) {
     if (body.mesh.rigid_nodes > 0 && has(body.implicit_element, true))  // as a whole
       body.implicit_element.assign(body.implicit_element.size(), true);
     if (layout == Layout::hybrid) add_joined_layer(body);
+    if (layout == Layout::hybrid && problem.scene.partition.rule == PartitionRule::automatic)
+      release_islands(problem, index);
+    if (problem.scene.coupling.protocol.local_steps) body.small_steps.assign(body.mesh.elements.size(), true);
     body.implicit_node = touched_nodes(body, body.implicit_element);
     if (layout != Layout::hybrid) continue;
     for (const int node : contact_nodes(problem.contacts, index)) body.implicit_node[at(node)] = true;

@@ -79,6 +79,8 @@ struct BodyProblem {
   fem::Mesh mesh;                      ///< the whole body
   std::vector<double> density_factor;  ///< per element, by mass scaling (mass_scaling.hpp); empty: all 1
   std::vector<bool> implicit_element;  ///< per element; those at joined nodes are
+  /// Per element: explicit, and may take several steps in a window (fem::LocalSteps); empty: none.
+  std::vector<bool> small_steps;
   std::vector<bool> implicit_node;     ///< per node: integrated by the implicit participant
   std::vector<bool> joined_node;       ///< per node: a foreign body has it, too
   /// Supports and the axis r = 0 (u_r); prescribed dofs and those of hanging nodes, too.

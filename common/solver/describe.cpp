@@ -32,6 +32,7 @@ double checked_critical_step(const scene::Problem& problem, const scene::Partici
   const double longest_s = told_s > 0.0 ? told_s : std::numeric_limits<double>::infinity();
   for (const auto& state : states) {
     const auto& body = problem.bodies[static_cast<std::size_t>(state.body)];
+    if (!body.small_steps.empty()) continue;
     const double largest_s =
         scene::largest_critical_time_step(body, state.part, state.stiffness, problem.scene.coupling.protocol.dual);
     if (!std::isfinite(largest_s) || longest_s <= (1.0 + found_roughly) * largest_s) continue;
@@ -55,9 +56,8 @@ participant::Description describe(const scene::Problem& problem, const scene::Pa
   d.scene_sha256 = problem.scene.sha256;
   d.components = problem.scene.components();
   d.contact_owner = contact_owner;
-  // Local steps and modes bear the window by construction.
-  const bool none = problem.scene.coupling.protocol.local_steps || participant.reduced;
-  d.critical_time_step_s = none ? 0.0
+  // Modes bear any window.
+  d.critical_time_step_s = participant.reduced ? 0.0
                            : told_critical_step_s
                                ? checked_critical_step(problem, participant, states, *told_critical_step_s)
                                : found_critical_step(problem, participant, states);

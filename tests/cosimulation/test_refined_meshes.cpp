@@ -242,6 +242,77 @@ TEST(RefinedBlocks, ShowTheirPressureOnEveryFace) {
   }
 }
 
+/// A plate that is divided in its middle strikes another one; the window is three and a half times as long as what the
+/// divided elements bear.
+std::string plate_with_an_island(const std::string& protocol, const std::string& more = "") {
+  std::string text = "model = \"plane_strain\"\n";
+  for (const bool upper : {true, false}) {
+    text += fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, {}]\n[body.mesh]\nlength_m = "
+        "0.02\nheight_m "
+        "= 0.008\nelements = [8, 20]\nstart_m = {}\n",
+        upper ? "upper" : "lower", steel, upper ? -10.0 : 0.0, upper ? 0.0 : -0.02);
+    text += upper ? box({0.003, 0.002}, {0.005, 0.004}, 4) : "";
+  }
+  return text + "[contact]\nsurfaces = [\"upper.start\", \"lower.end\"]\n[time]\nstep_s = 1.2e-7\nend_s = 3e-5\n" +
+         more + protocol_of(protocol);
+}
+
+Outcome check_text(const std::string& text, const TemporaryFolder& folder) {
+  return run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string());
+}
+
+class Island : public testing::TestWithParam<const char*> {};
+
+/// It stays explicit and takes small steps. Energy is what the impact of these meshes leaves under any method.
+TEST_P(Island, IsSteppedWithoutBeingImplicit) {
+  const TemporaryFolder folder;
+  const Outcome checked = check_text(plate_with_an_island(GetParam()), folder);
+  EXPECT_THAT(checked.out, testing::ContainsRegex("implicit +implicit +36 +16 ")) << "the layers at the contact";
+  EXPECT_THAT(checked.out,
+              testing::HasSubstr("local steps of body \"upper\": of 252 nodes 186 take 1, 9 take 2, 57 take 4"));
+  const RunResult run = run_text(plate_with_an_island(GetParam(), "[checkpoint]\nevery_windows = 40\n"), folder);
+  const RunResult whole = run_text(plate_with_an_island("all_implicit"), folder, "implicit");
+  EXPECT_NEAR(run.last("contact_impulse_n_s") / whole.last("contact_impulse_n_s"), 1.0, 3e-3);
+  EXPECT_NEAR(run.summary["separation_time_s"].get<double>() / whole.summary["separation_time_s"].get<double>(), 1.0,
+              0.04);
+  const bool conserves = std::string(GetParam()) == "hughes_liu" || std::string(GetParam()) == "belytschko_mullen";
+  EXPECT_NEAR(run.summary["energy_error_max"].get<double>(), 0.0125, conserves ? 1e-5 : 0.03);
+  EXPECT_LT(run.summary["momentum_error_max"].get<double>(), std::string(GetParam()) == "kim" ? 1e-3 : 1e-11);
+  expect_the_same_from_the_earlier_checkpoint(run, folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, Island,
+                         testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "fixed_point"),
+                         [](const auto& test) { return std::string(test.param); });
+
+/// What is fine enough is better off implicit; dual protocols have no small steps.
+TEST(Island, IsImplicitWhereThatIsCheaperOrNothingElseIsHad) {
+  const TemporaryFolder folder;
+  const auto implicit_of = [&](const std::string& text) {
+    const auto out = check_text(text, folder).out;
+    const auto row = out.substr(out.find("implicit         implicit"));
+    return std::stoi(row.substr(25).substr(row.substr(25).find_first_not_of(' ') + 9));
+  };
+  EXPECT_GT(implicit_of(plate_with_an_island("prakash_hjelmstad")), 16 + 60);
+  EXPECT_GT(implicit_of(replaced(plate_with_an_island("hughes_liu"), "ratio = 4", "ratio = 16")), 16 + 900);
+  EXPECT_GT(implicit_of(replaced(plate_with_an_island("hughes_liu"), "initial_velocity_m_s = [0.0, -10",
+                                 "large_rotation = true\ninitial_velocity_m_s = [0.0, -10")),
+            16 + 60);
+}
+
+/// Small steps are those of one window.
+TEST(Island, RefusesAnotherStepLater) {
+  const TemporaryFolder folder;
+  for (const char* protocol : {"hughes_liu", "local_explicit"}) {
+    const RunResult run =
+        run_text(plate_with_an_island(protocol, "[checkpoint]\nevery_windows = 40\n"), folder, protocol);
+    const auto outcome = resume(run.folder, folder, {"--until", "4e-5", "--step", "6e-8"});
+    EXPECT_EQ(outcome.code, 2) << outcome.error;
+    EXPECT_THAT(outcome.error, testing::HasSubstr("it lacks the capability \"reconfigure\""));
+  }
+}
+
 /// Blocks of two materials whose contact slips towards the middle; boxes of two ratios there.
 std::string squeezed_blocks(bool whole) {
   const double side_m = whole ? 0.004 : 0.002, middle_m = whole ? 0.002 : 0.0;

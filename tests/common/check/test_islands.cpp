@@ -4,6 +4,7 @@
 #include <deque>
 #include <numeric>
 
+#include "common/base/read_file.hpp"
 #include "common/check/check.hpp"
 #include "common/check/check_islands.hpp"
 #include "common/problem/build.hpp"
@@ -41,9 +42,17 @@ std::vector<int> not_reached(const Problem& problem, int index) {
   return left;
 }
 
+/// Under a dual protocol, whose explicit side takes no small steps inside a step.
+Problem ball_on_plate(const std::string& protocol) {
+  std::string text = read_file(RICOCHET_SOURCE "/configs/ball_on_plate.toml");
+  for (std::size_t at = 0; (at = text.find("gmsh = \"", at)) != std::string::npos; at += 8)
+    text.insert(at + 8, RICOCHET_SOURCE "/configs/");
+  return build_problem(load_text(text + "[coupling]\nprotocol = \"" + protocol + "\"\n"));
+}
+
 /// Bad tetrahedra of a mesh of Gmsh, whose own steps alone make them implicit.
 TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
-  const auto problem = build_problem(load_scene(std::string(RICOCHET_SOURCE) + "/configs/ball_on_plate.toml"));
+  const auto problem = ball_on_plate("prakash_hjelmstad");
   const auto all = islands_of(problem);
   ASSERT_EQ(all.size(), 2U);
   for (const Islands& islands : all) {
@@ -58,6 +67,35 @@ TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
     EXPECT_THAT(to_text(problem, plan(problem)), HasSubstr("note: " + text_of(problem, islands)));
     EXPECT_THAT(text_of(problem, islands), HasSubstr("of them have fewer than 10 elements: mend these"));
   }
+}
+
+/// A primal protocol gives them back to the explicit side, but for those with a node of an absorbing surface.
+TEST(Islands, AreSteppedByTheExplicitSideWhereItCan) {
+  const auto before = ball_on_plate("prakash_hjelmstad"), after = ball_on_plate("hughes_liu");
+  const auto left = islands_of(after);
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(after.bodies[at(left[0].body)].name, "plate");
+  int released = 0, kept = 0;
+  for (std::size_t b = 0; b < after.bodies.size(); ++b) {
+    const BodyProblem& body = after.bodies[b];
+    for (std::size_t e = 0; e < body.mesh.elements.size(); ++e) {
+      if (!before.bodies[b].implicit_element[e]) {
+        EXPECT_FALSE(body.implicit_element[e] || (!body.small_steps.empty() && body.small_steps[e]));
+        continue;
+      }
+      const bool small = !body.small_steps.empty() && body.small_steps[e];
+      EXPECT_NE(body.implicit_element[e], small);
+      (small ? released : kept) += 1;
+    }
+  }
+  const auto elements_of = [](const std::vector<Islands>& all) {
+    int sum = 0;
+    for (const Islands& islands : all) sum = std::accumulate(islands.elements.begin(), islands.elements.end(), sum);
+    return sum;
+  };
+  EXPECT_EQ(released + elements_of(left), elements_of(islands_of(before)));
+  EXPECT_GT(released, 50);
+  EXPECT_GT(kept, 8000) << "what is fine at the contact";
 }
 
 /// The right bar with 60 elements that grow by this along it.
