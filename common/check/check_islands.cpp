@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/fem/element.hpp"
+#include "common/problem/automatic_partition.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
-#include "common/problem/islands.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -84,9 +84,11 @@ std::string text_of(const Problem& problem, const Islands& islands) {
       "body '{}' has {} island{} of {} implicit elements away from every contact, whose own steps are below {:.3g} s; "
       "they share {} of their {} nodes with explicit elements. {}. Shortest, numbered as in the fields: {}",
       body.name, count, count == 1 ? "" : "s", sum, islands.step_s, islands.shared_nodes, islands.nodes,
-      islands.slivers > 0 ? fmt::format("{} of them ha{} fewer than {} elements: mend these, or take local_explicit, "
-                                        "which needs no implicit ones",
-                                        islands.slivers, islands.slivers == 1 ? "s" : "ve", sliver_elements)
+      islands.slivers > 0 ? fmt::format("{} of them ha{} fewer than {} elements: mend these{}", islands.slivers,
+                                        islands.slivers == 1 ? "s" : "ve", sliver_elements,
+                                        problem.scene.coupling.protocol.dual
+                                            ? ", or take a primal protocol, whose explicit side takes small steps there"
+                                            : "")
                           : "A zone that was made fine is right to be implicit",
       elements);
 }

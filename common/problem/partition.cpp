@@ -6,10 +6,9 @@
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
-#include "common/fem/element_copies.hpp"
 #include "common/fem/hanging_nodes.hpp"
+#include "common/problem/automatic_partition.hpp"
 #include "common/problem/build.hpp"
-#include "common/problem/islands.hpp"
 #include "common/scene/protocols.hpp"
 #include "common/scene/reader.hpp"
 
@@ -65,22 +64,6 @@ double longest_step_s(const Time& time) {
   return longest_s;
 }
 
-/// Elements that the step is too long for, and the layer along the contact surface.
-std::vector<bool> automatic(const BodyProblem& body, const std::vector<int>& contact, double step_s) {
-  const double frequency_squared = 4.0 / (step_s * step_s);
-  std::vector<bool> inside = elements_at(body.mesh, contact);
-  if (body.mesh.rigid_nodes > 0) return inside;
-  fem::ElementCopies<bool> above(body.section.model);
-  for (int e = 0; e < static_cast<int>(inside.size()); ++e) {
-    if (inside[at(e)]) continue;
-    const auto make = [&](const fem::ElementGeometry& geometry) {
-      return fem::element_frequency_squared_above(body.section, fem::material_of(body, e), geometry, frequency_squared);
-    };
-    inside[at(e)] = above.of(fem::element_geometry(body.mesh, e), make, fem::material_index(body.mesh, e));
-  }
-  return inside;
-}
-
 std::vector<bool> implicit_elements(const Problem& problem, int index) {
   const Scene& scene = problem.scene;
   const BodyProblem& body = problem.bodies[at(index)];
@@ -92,7 +75,7 @@ std::vector<bool> implicit_elements(const Problem& problem, int index) {
     case PartitionRule::implicit_groups: return in_implicit_groups(scene, body);
     case PartitionRule::automatic:
       if (scene.is_reduced(body.name)) return elements_at(body.mesh, contact);  // modes bear any step
-      return automatic(body, contact, automatic_step_s(scene, body.name));
+      return automatic_elements(body, contact, automatic_step_s(scene, body.name));
     case PartitionRule::implicit_length: break;
   }
   const auto length = scene.partition.implicit_length_m.find(body.name);

@@ -42,15 +42,16 @@ std::vector<int> not_reached(const Problem& problem, int index) {
   return left;
 }
 
-/// Under a dual protocol, whose explicit side takes no small steps inside a step.
+/// In windows that are too long for some elements far from the contact, whatever their neighbours.
 Problem ball_on_plate(const std::string& protocol) {
   std::string text = read_file(RICOCHET_SOURCE "/configs/ball_on_plate.toml");
   for (std::size_t at = 0; (at = text.find("gmsh = \"", at)) != std::string::npos; at += 8)
     text.insert(at + 8, RICOCHET_SOURCE "/configs/");
+  text = replaced(text, "step_s = 6e-8", "step_s = 1.2e-7");
   return build_problem(load_text(text + "[coupling]\nprotocol = \"" + protocol + "\"\n"));
 }
 
-/// Bad tetrahedra of a mesh of Gmsh, whose own steps alone make them implicit.
+/// Of a mesh of Gmsh, under a dual protocol, whose explicit side has no small steps.
 TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
   const auto problem = ball_on_plate("prakash_hjelmstad");
   const auto all = islands_of(problem);
@@ -59,13 +60,16 @@ TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
     const auto elements = not_reached(problem, islands.body);
     EXPECT_EQ(std::accumulate(islands.elements.begin(), islands.elements.end(), 0), static_cast<int>(elements.size()));
     EXPECT_GT(islands.elements.size(), 1U);
-    EXPECT_EQ(islands.slivers, static_cast<int>(islands.elements.size()));
+    EXPECT_EQ(islands.slivers, std::count_if(islands.elements.begin(), islands.elements.end(),
+                                             [](int elements) { return elements < 10; }));
     ASSERT_EQ(islands.shortest.size(), 5U);
     EXPECT_TRUE(std::is_sorted(islands.shortest_s.begin(), islands.shortest_s.end()));
     EXPECT_LT(islands.shortest_s.back(), problem.clock.size_s());
     for (const int e : islands.shortest) EXPECT_THAT(elements, testing::Contains(e));
     EXPECT_THAT(to_text(problem, plan(problem)), HasSubstr("note: " + text_of(problem, islands)));
-    EXPECT_THAT(text_of(problem, islands), HasSubstr("of them have fewer than 10 elements: mend these"));
+    EXPECT_THAT(text_of(problem, islands),
+                HasSubstr("of them have fewer than 10 elements: mend these, or take a primal "
+                          "protocol, whose explicit side takes small steps there"));
   }
 }
 

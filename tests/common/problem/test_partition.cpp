@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/problem/automatic_partition.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/problem/problem.hpp"
 #include "tests/common/scene/scene_text.hpp"
@@ -107,6 +108,46 @@ TEST(AutomaticRule, TakesFromAGradedMeshWhatTheElementsOwnFrequenciesSay) {
                                                                                  fem::element_geometry(body.mesh, e)));
       ASSERT_EQ(body.implicit_element[static_cast<std::size_t>(e)], touches || critical < *scene.time.step_s) << e;
     }
+  }
+}
+
+/// An element of h/2 between one of h and one of 3/2 h: the mean at its nodes is 4 c^2 over the product of the two
+/// lengths, so that both together bear 0.95 sqrt(1/2) h/c where it alone would bear h/(2 c).
+TEST(AutomaticRule, TakesABadElementOnlyWhereItsNeighboursDoNotMakeUpForIt) {
+  BodyProblem body = build(bars).bodies[0];
+  const double h = body.mesh.position[1][0] - body.mesh.position[0][0], h_over_c_s = h / std::sqrt(206.8e9 / 7844.066);
+  body.mesh.position[10][0] -= 0.5 * h;  // element 9 is short
+  const auto implicit_in = [&](double step_s) { return automatic_elements(body, {20}, step_s); };
+  for (const double share : {0.51, 0.67}) {
+    const auto inside = implicit_in(share * h_over_c_s);
+    EXPECT_EQ(count(inside), 1) << "the contact layer";
+    std::vector<bool> is_explicit = inside;
+    is_explicit.flip();
+    EXPECT_TRUE(is_stable_step(body, is_explicit, share * h_over_c_s)) << share;
+  }
+  for (const double share : {0.68, 0.9}) {
+    const auto inside = implicit_in(share * h_over_c_s);
+    EXPECT_EQ(count(inside), 2) << share;
+    EXPECT_TRUE(inside[9]) << share;
+  }
+}
+
+/// What is left explicit bears the step, and not because nothing is.
+TEST(AutomaticRule, LeavesTetrahedraThatBearTheStepTogether) {
+  Scene scene = load_scene(RICOCHET_SOURCE "/configs/ball_on_plate.toml");
+  for (const double step_s : {3e-8, 9e-8}) {
+    scene.time.step_s = step_s;
+    const Problem problem = build_problem(scene);
+    int spared = 0;
+    for (int index = 0; index < 2; ++index) {
+      const BodyProblem& body = problem.bodies[static_cast<std::size_t>(index)];
+      std::vector<bool> is_explicit = automatic_elements(body, contact_nodes(problem.contacts, index), step_s);
+      is_explicit.flip();
+      EXPECT_TRUE(is_stable_step(body, is_explicit, step_s)) << body.name << step_s;
+      for (int e = 0; e < static_cast<int>(is_explicit.size()); ++e)
+        spared += is_explicit[static_cast<std::size_t>(e)] && element_critical_step(body, e) < step_s;
+    }
+    EXPECT_GT(spared, 50) << step_s;
   }
 }
 

@@ -6,6 +6,14 @@
 
 namespace ricochet::scene {
 
+/// The layer of elements at the contact nodes, and elements that a window of `step_s` is too long for where what is
+/// explicit would not bear it. The largest frequency of an assembly is bounded by
+///   omega^2 <= max over nodes n of  sum_e m_en omega_e^2 / sum_e m_en,
+/// omega_e being that of element e alone and m_en its lumped mass at n, since v . K_e v <= omega_e^2 v . M_e v. A bad
+/// element of a mesh is small, so it weighs little among its neighbours and mostly stays explicit.
+[[nodiscard]] std::vector<bool> automatic_elements(const BodyProblem& body, const std::vector<int>& contact,
+                                                   double step_s);
+
 /// Implicit elements of a body that hang together by nodes and touch neither a contact surface nor a foreign body, one
 /// list for each such island, in the order of their first elements.
 [[nodiscard]] std::vector<std::vector<int>> elements_of_islands(const Problem& problem, int body);
