@@ -10,8 +10,8 @@
 
 #include "common/base/error.hpp"
 #include "common/body/free_motion.hpp"
+#include "common/body/small_steps.hpp"
 #include "common/participant/heartbeat.hpp"
-#include "common/problem/local_steps.hpp"
 #include "common/solver/describe.hpp"
 #include "explicit_solver/block_sums.hpp"
 #include "explicit_solver/local_force.hpp"
@@ -53,18 +53,14 @@ participant::Description ExplicitSolver::describe() {
 }
 
 bool ExplicitSolver::any_small_steps() const {
-  return std::any_of(states_.begin(), states_.end(), [this](const auto& state) { return has_small_steps(state); });
-}
-
-bool ExplicitSolver::has_small_steps(const solver::BodyState& state) const {
-  return !problem_.bodies[fem::at(state.body)].small_steps.empty();
+  return std::any_of(states_.begin(), states_.end(),
+                     [this](const auto& state) { return solver::takes_small_steps(problem_, state); });
 }
 
 std::unique_ptr<solver::InternalForce> ExplicitSolver::make_force(const solver::BodyState& state,
                                                                   const std::vector<int>& driven) const {
-  if (!has_small_steps(state)) return make_force_(state, driven);
-  return std::make_unique<LocalForce>(
-      state, driven, scene::local_steps(problem_, state.body, state.part, state.shared_nodes, setup_.clock.size_s()));
+  if (!solver::takes_small_steps(problem_, state)) return make_force_(state, driven);
+  return std::make_unique<LocalForce>(state, driven, solver::small_steps(problem_, state, setup_.clock.size_s()));
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {

@@ -73,7 +73,6 @@ class ExplicitSolver : public participant::Participant {
   [[nodiscard]] bool alone() const { return problem_.scene.coupling.protocol.layout == scene::Layout::all_explicit; }
   [[nodiscard]] bool has_contact() const { return alone() && !problem_.contacts.empty(); }
   [[nodiscard]] bool any_small_steps() const;
-  [[nodiscard]] bool has_small_steps(const solver::BodyState& state) const;
   [[nodiscard]] std::unique_ptr<solver::InternalForce> make_force(const solver::BodyState& state,
                                                                   const std::vector<int>& driven) const;
   [[nodiscard]] std::optional<ExplicitContact> make_contact() const;

@@ -87,7 +87,17 @@ std::string jump_among_small_steps(const Problem& problem, const ParticipantPart
 
 LocalStepsPlan plan_local_steps(const Problem& problem, const ParticipantPart& part) {
   const BodyProblem& body = problem.bodies[at(part.body)];
-  const fem::LocalSteps steps = local_steps(problem, part.body, part.part, part.shared, problem.clock.size_s());
+  const fem::LocalSteps steps = [&] {
+    try {
+      return local_steps(problem, part.body, part.part, part.shared, problem.clock.size_s());
+    } catch (const SolverError& error) {
+      throw ConfigError(fmt::format(
+          "{}: found {:.6g} s, in which elements of body \"{}\" take no small steps: {}; allowed: a smaller step{}",
+          problem.scene.where("time.step_s"), problem.clock.size_s(), body.name, error.what(),
+          problem.scene.coupling.protocol.coupled() ? ", or partition.implicit_length_m in place of rule = \"auto\""
+                                                    : ""));
+    }
+  }();
   if (steps.any()) refuse_absorbing(problem, part, steps);
   const bool with_contact = !problem.scene.coupling.protocol.coupled();  // else the implicit side has it
   return {body.name, steps.nodes_by_level(), with_contact ? extra_rows(problem, part.body, steps) : steps.extra_rows(),

@@ -156,7 +156,7 @@ std::vector<std::vector<int>> elements_of_islands(const Problem& problem, int in
 
 void release_islands(Problem& problem, int index) {
   BodyProblem& body = problem.bodies[at(index)];
-  if (!takes_small_steps(problem.scene, body.name)) return;
+  if (problem.contacts.empty() || !takes_small_steps(problem.scene, body.name)) return;
   for (const std::vector<int>& elements : elements_of_islands(problem, index)) {
     if (has_dashpot(body, elements) || !better_off_explicit(body, elements, *problem.scene.time.step_s)) continue;
     body.small_steps.resize(body.mesh.elements.size(), false);

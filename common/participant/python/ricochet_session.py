@@ -297,5 +297,6 @@ class Session:
         return {"velocity_m_s": velocity, "acceleration_m_s2": acceleration}
 
     def answer(self, records_requested):  # it does not look for what leaves the model
-        return {"records": self.records(records_requested), **self.rows_told(records_requested), "departures": array([], 14), "contact_forces": array([], 1),
+        return {"records": self.records(records_requested), **self.rows_told(records_requested),
+                "departures": array([], 14), "contact_forces": array([], 1),
                 "outline": array([], 2 + self.shape[1]), **dataclasses.asdict(self.participant.contact_status())}

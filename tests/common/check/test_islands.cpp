@@ -4,6 +4,7 @@
 #include <deque>
 #include <numeric>
 
+#include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
 #include "common/check/check.hpp"
 #include "common/check/check_islands.hpp"
@@ -100,6 +101,27 @@ TEST(Islands, AreSteppedByTheExplicitSideWhereItCan) {
   EXPECT_EQ(released + elements_of(left), elements_of(islands_of(before)));
   EXPECT_GT(released, 50);
   EXPECT_GT(kept, 8000) << "what is fine at the contact";
+}
+
+/// A shared node that is too stiff for the window bears none, however finely its neighbours step.
+TEST(Islands, ThatReachWhatIsSharedAreRefused) {
+  Problem problem = ball_on_plate("hughes_liu");
+  for (int index = 0; index < 2; ++index) {
+    BodyProblem& body = problem.bodies[at(index)];
+    body.implicit_element = elements_at(body.mesh, contact_nodes(problem.contacts, index));
+    body.implicit_node = touched_nodes(body, body.implicit_element);
+    body.small_steps = body.implicit_element;
+    body.small_steps.flip();
+  }
+  try {
+    static_cast<void>(plan(problem));
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("time.step_s: found 1.2e-07 s, in which elements of body \"ball\" take no small "
+                          "steps: local steps: no levels were found that bear the window; allowed: a "
+                          "smaller step, or partition.implicit_length_m in place of rule = \"auto\""));
+  }
 }
 
 /// The right bar with 60 elements that grow by this along it.
