@@ -81,8 +81,8 @@ struct BodyProblem {
   std::vector<bool> implicit_element;  ///< per element; those at joined nodes are
   /// Per element: explicit, and may take several steps in a window (fem::LocalSteps); empty: none.
   std::vector<bool> small_steps;
-  std::vector<bool> implicit_node;     ///< per node: integrated by the implicit participant
-  std::vector<bool> joined_node;       ///< per node: a foreign body has it, too
+  std::vector<bool> implicit_node;  ///< per node: integrated by the implicit participant
+  std::vector<bool> joined_node;    ///< per node: a foreign body has it, too
   /// Supports and the axis r = 0 (u_r); prescribed dofs and those of hanging nodes, too.
   std::vector<bool> fixed_dof;
   Eigen::VectorXd prescribed_displacement_m;  ///< per dof, amplitude excluded; 0 on supports
