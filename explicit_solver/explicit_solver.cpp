@@ -60,7 +60,7 @@ bool ExplicitSolver::any_small_steps() const {
 std::unique_ptr<solver::InternalForce> ExplicitSolver::make_force(const solver::BodyState& state,
                                                                   const std::vector<int>& driven) const {
   if (!solver::takes_small_steps(problem_, state)) return make_force_(state, driven);
-  return std::make_unique<LocalForce>(state, driven, solver::small_steps(problem_, state, setup_.clock.size_s()));
+  return std::make_unique<LocalForce>(state, driven, solver::local_steps(problem_, state, setup_.clock.size_s()));
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {

@@ -10,8 +10,8 @@ namespace ricochet::solver {
   return !problem.bodies[fem::at(state.body)].small_steps.empty();
 }
 
-/// The steps that its part takes in such windows.
-[[nodiscard]] inline fem::LocalSteps small_steps(const scene::Problem& problem, const BodyState& state,
+/// The steps that its part takes in windows of `window_s`. Throws SolverError where none bear the window.
+[[nodiscard]] inline fem::LocalSteps local_steps(const scene::Problem& problem, const BodyState& state,
                                                  double window_s) {
   return scene::local_steps(problem, state.body, state.part, state.shared_nodes, window_s);
 }

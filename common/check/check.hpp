@@ -15,7 +15,7 @@ struct ParticipantPlan {
   int unknowns = 0;                 ///< free degrees of freedom that it integrates
   double critical_time_step_s = 0;  ///< infinity for an implicit participant, and where small steps make up for it
 };
-/// Of a body whose explicit elements take small steps.
+/// The small steps that explicit elements of a body take.
 struct LocalStepsPlan {
   std::string body;
   std::vector<int> nodes;         ///< by the steps that they take in a window: 1, 2, 4, ...
@@ -47,7 +47,7 @@ struct Plan {
   std::vector<std::string> notes;  ///< what could be left out; see check_reach.hpp
 };
 
-/// What each participant has to do, and the local steps of its bodies; refuses nothing else.
+/// Counts what each participant has to do, and the local steps of its bodies; refuses nothing else.
 [[nodiscard]] std::vector<ParticipantPlan> plan_participants(const Problem& problem,
                                                              std::vector<LocalStepsPlan>* local_steps = nullptr);
 /// The critical step of an explicit participant by the element bound [s], see critical_step.hpp; infinity for an

@@ -237,8 +237,7 @@ void add_local_steps(const scene::Problem& problem, std::vector<Share>& whole) {
     std::vector<int> elements(body.mesh.elements.size());
     std::iota(elements.begin(), elements.end(), 0);
     const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
-    const auto steps =
-        scene::local_steps(body, part, problem.clock.largest_size_s(), fem::LocalSteps::Levels::expected);
+    const auto steps = scene::expected_local_steps(body, part, problem.clock.largest_size_s());
     whole[b].products += scene::extra_rows(problem, static_cast<int>(b), steps);
   }
 }

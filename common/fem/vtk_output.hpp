@@ -17,7 +17,7 @@ struct PlasticStrain {
   Eigen::VectorXd temperature_k;  ///< per element; empty where plastic work does not heat the part
 };
 
-/// What a file of a part holds; vectors node-major, one number per degree of freedom.
+/// The contents of a file of one part; vectors node-major, one number per degree of freedom.
 struct PartFields {
   const Part* part = nullptr;
   const Eigen::VectorXd *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;

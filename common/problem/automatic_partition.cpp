@@ -6,7 +6,6 @@
 #include "common/fem/element_copies.hpp"
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
-#include "common/problem/critical_step.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::scene {
@@ -84,7 +83,8 @@ std::vector<int> joined_by_implicit(const BodyProblem& body) {
   return parent;
 }
 
-bool takes_small_steps(const Scene& scene, const std::string& body) {
+/// Take small steps in a body.
+bool explicit_side_can(const Scene& scene, const std::string& body) {
   const ProtocolTraits& protocol = scene.coupling.protocol;
   const auto ours = [&](const ParticipantSpec& participant) {
     const bool has_it =
@@ -102,8 +102,10 @@ bool takes_small_steps(const Scene& scene, const std::string& body) {
 
 /// Few, or not much too stiff for the window: none is as fine as what is better off implicit.
 bool better_off_explicit(const BodyProblem& body, const std::vector<int>& elements, double window_s) {
-  return elements.size() < sliver_elements || std::all_of(elements.begin(), elements.end(), [&](int e) {
-           return element_critical_step(body, e) * finest_explicit >= window_s;
+  const double limit = 4.0 * finest_explicit * finest_explicit / (window_s * window_s);
+  return elements.size() < sliver_elements || std::none_of(elements.begin(), elements.end(), [&](int e) {
+           return fem::element_frequency_squared_above(body.section, fem::material_of(body, e),
+                                                       fem::element_geometry(body.mesh, e), limit);
          });
 }
 
@@ -156,7 +158,7 @@ std::vector<std::vector<int>> elements_of_islands(const Problem& problem, int in
 
 void release_islands(Problem& problem, int index) {
   BodyProblem& body = problem.bodies[at(index)];
-  if (problem.contacts.empty() || !takes_small_steps(problem.scene, body.name)) return;
+  if (problem.contacts.empty() || !explicit_side_can(problem.scene, body.name)) return;
   for (const std::vector<int>& elements : elements_of_islands(problem, index)) {
     if (has_dashpot(body, elements) || !better_off_explicit(body, elements, *problem.scene.time.step_s)) continue;
     body.small_steps.resize(body.mesh.elements.size(), false);

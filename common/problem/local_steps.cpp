@@ -9,15 +9,24 @@
 
 namespace ricochet::scene {
 
-fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s,
-                            fem::LocalSteps::Levels levels) {
+namespace {
+
+/// Per degree of freedom of a part, 0 where held; `node_mass_kg` per node of the part.
+Eigen::VectorXd inverse_mass(const BodyProblem& body, const fem::Part& part, const Eigen::VectorXd& node_mass_kg) {
   const int components = fem::components(body.section.model);
-  Eigen::VectorXd inverse_mass(part.dofs());
-  for (Eigen::Index dof = 0; dof < inverse_mass.size(); ++dof) {
-    const bool fixed = body.fixed_dof[static_cast<std::size_t>(dof)];
-    inverse_mass[dof] = fixed ? 0.0 : 1.0 / part.lumped_mass[dof / components];
+  Eigen::VectorXd inverse(part.dofs());
+  for (int dof = 0; dof < part.dofs(); ++dof) {
+    const int node = dof / components, of_body = part.body_node[at(node)];
+    inverse[dof] = body.fixed_dof[at(of_body * components + dof % components)] ? 0.0 : 1.0 / node_mass_kg[node];
   }
-  return {part.stiffness, inverse_mass, components, window_s, levels};
+  return inverse;
+}
+
+}  // namespace
+
+fem::LocalSteps expected_local_steps(const BodyProblem& body, const fem::Part& part, double window_s) {
+  return {part.stiffness, inverse_mass(body, part, part.lumped_mass), fem::components(body.section.model), window_s,
+          fem::LocalSteps::Levels::expected};
 }
 
 fem::LocalSteps local_steps(const Problem& problem, int index, const fem::Part& part, const std::vector<int>& shared,
@@ -33,15 +42,13 @@ fem::LocalSteps local_steps(const Problem& problem, int index, const fem::Part& 
   for (int node = 0; problem.scene.coupling.protocol.coupled() && node < part.nodes(); ++node)
     if (!body.damping_kg_s.segment(part.body_node[at(node)] * components, components).isZero(0.0))
       nodes.whole[at(node)] = true;
-  const Eigen::VectorXd whole_mass = shared.empty() ? Eigen::VectorXd() : body_lumped_mass(body);
-  Eigen::VectorXd inverse_mass(part.dofs());
-  for (int dof = 0; dof < part.dofs(); ++dof) {
-    const int node = dof / components, of_body = part.body_node[at(node)];
-    const bool fixed = body.fixed_dof[at(of_body * components + dof % components)];
-    const double mass_kg = shared.empty() ? part.lumped_mass[node] : whole_mass[of_body];
-    inverse_mass[dof] = fixed ? 0.0 : 1.0 / mass_kg;
+  Eigen::VectorXd mass_kg = part.lumped_mass;
+  if (!shared.empty()) {
+    const Eigen::VectorXd whole_kg = body_lumped_mass(body);
+    for (const int node : shared) mass_kg[node] = whole_kg[part.body_node[at(node)]];
   }
-  return {part.stiffness, inverse_mass, components, window_s, fem::LocalSteps::Levels::borne, std::move(nodes)};
+  return {part.stiffness, inverse_mass(body, part, mass_kg), components,
+          window_s,       fem::LocalSteps::Levels::borne,    std::move(nodes)};
 }
 
 double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps) {

@@ -5,12 +5,13 @@
 
 namespace ricochet::scene {
 
-/// Local steps of a whole body in windows of `window_s`, with its supports. `part`: all its elements.
-[[nodiscard]] fem::LocalSteps local_steps(const BodyProblem& body, const fem::Part& part, double window_s,
-                                          fem::LocalSteps::Levels levels = fem::LocalSteps::Levels::borne);
+/// Local steps that a whole body would take in windows of `window_s`, with its supports: the first levels, untried, for
+/// who asks what they would cost. `part`: all its elements.
+[[nodiscard]] fem::LocalSteps expected_local_steps(const BodyProblem& body, const fem::Part& part, double window_s);
 
-/// Of a participant's part in such windows, by BodyProblem::small_steps; none where that is empty.
-/// `shared`: its nodes that the link moves, with the mass that all their elements have.
+/// The local steps of a participant's part in windows of `window_s`, by BodyProblem::small_steps; none where that is
+/// empty. `shared`: its nodes that the link moves, with the mass that all their elements have. Throws SolverError where
+/// no small steps bear the window.
 [[nodiscard]] fem::LocalSteps local_steps(const Problem& problem, int body, const fem::Part& part,
                                           const std::vector<int>& shared, double window_s);
 

@@ -11,13 +11,13 @@
 
 namespace ricochet::coupler {
 
-/// What the name of a file of fields says.
+/// The window and the body that the name of a file of fields tells.
 struct FieldName {
   std::int64_t window = 0;
   std::string body;  ///< "": a participant that is not ours wrote all its bodies into one file
 };
 
-/// Of "<participant>.<body>_<window>.vtu" or "<participant>_<window>.vtu"; nothing if it is neither. (Names of
+/// Reads "<participant>.<body>_<window>.vtu" or "<participant>_<window>.vtu"; nothing if it is neither. (Names of
 /// participants and bodies have no dot.)
 [[nodiscard]] std::optional<FieldName> field_name(std::string_view file, std::string_view participant);
 

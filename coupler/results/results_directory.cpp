@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -187,10 +188,10 @@ bool is_collection(std::string_view file, const std::string& name) {
 void write_collection(const ResultsDirectory& results, const std::string& name, const std::vector<std::string>& bodies,
                       const std::vector<std::string>& participants, const WindowClock& clock) {
   std::map<std::int64_t, Snapshot> snapshots;
-  std::vector<fs::path> former;
+  std::set<std::string> stale;
   for (const auto& entry : fs::directory_iterator(results.file("fields"))) {
     const std::string file = entry.path().filename().string();
-    if (is_collection(file, name)) former.push_back(entry.path());
+    if (is_collection(file, name)) stale.insert(file);
     for (std::size_t p = 0; p < participants.size(); ++p) {
       const auto of = field_name(file, participants[p]);
       if (!of) continue;
@@ -198,15 +199,16 @@ void write_collection(const ResultsDirectory& results, const std::string& name, 
       snapshots[of->window][{static_cast<std::size_t>(body), p}] = file;
     }
   }
-  for (const auto& path : former) fs::remove(path);
   if (snapshots.empty()) return;
   std::string text = fmt::format(vtk_head, "Collection", "0.1", "Collection");
   for (const auto& [window, snapshot] : snapshots) {
     const auto file = fmt::format("{}_{:08}.vtm", name, window);
     write_atomically(results.file("fields/" + file), vtm_text(snapshot, bodies, participants));
+    stale.erase(file);
     text += fmt::format("    <DataSet timestep=\"{:.17g}\" file=\"{}\"/>\n", clock.time_s(window), file);
   }
   write_atomically(results.file("fields/" + name + ".pvd"), text + "  </Collection>\n</VTKFile>\n");
+  for (const auto& file : stale) fs::remove(results.file("fields/" + file));
 }
 
 }  // namespace ricochet::coupler

@@ -1,4 +1,5 @@
-"""Prints a .vtm file as VTK reads it: one line per data set, "body/participant nodes elements largest_displacement_m"."""
+"""Prints a .vtm file as VTK reads it, a line for each data set: body/participant, nodes, elements, largest
+displacement [m]."""
 import sys
 
 from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader

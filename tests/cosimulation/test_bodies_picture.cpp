@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, PictureOfProtocols,
                          testing::Values("hughes_liu", "prakash_hjelmstad", "fixed_point", "all_implicit",
                                          "all_explicit"));
 
-/// A flight 200 times as long as the impact, which would fall between windows that are spread evenly over the run.
+/// A flight 500 times as long as the impact, which would fall between windows that are spread evenly over the run.
 TEST_P(PictureOfProtocols, ShowsAnImpactAfterALongFlight) {
   const TemporaryFolder folder;
   const std::string text =

@@ -54,7 +54,7 @@ inline std::vector<std::string> field_files(const std::string& results, const st
   return paths;
 }
 
-/// Of all these bodies, one after the other.
+/// The same of several bodies, one after the other.
 template <class Number = double>
 std::vector<Number> vtu_array(const std::vector<std::string>& paths, const std::string& name) {
   if (paths.empty()) throw std::runtime_error("no file with an array " + name);

@@ -126,7 +126,8 @@ class Session:
         self.output = self.accepted_output = self.value
         self.state = "ready"
         if self.accepted == 0:
-            self.rows, self.told = [], {what: [] for what in TOLD}  # the coupler may synchronise the start more than once
+            # The coupler may synchronise the start more than once.
+            self.rows, self.told = [], {what: [] for what in TOLD}
             self.record(self.setup["fields_every"] > 0)
             self.record_told()
         return self.message("synchronised", absolute=self.full(self.value), **self.motion())

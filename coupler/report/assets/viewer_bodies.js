@@ -97,8 +97,8 @@ class Bodies {
   // Contacts of the scene, or pairs of bodies of one that has not run: {name, centre, size, time}, where they press
   // each other most or, if they do not, at the first time at which they come near each other.
   contacts() {
-    const found = new Map();
-    for (const [a, b] of this.touching ?? this.bodies.flatMap((_, a) => this.bodies.slice(0, a).map((_, b) => [b, a]))) {
+    const found = new Map(), every = this.bodies.flatMap((_, b) => this.bodies.slice(0, b).map((_, a) => [a, b]));
+    for (const [a, b] of this.touching ?? every) {
       const name = [a, b].filter((body) => body >= 0).map((body) => this.bodies[body].name).join(" – ");
       const place = this.pressedPlace(a, b) ?? (a >= 0 && b >= 0 ? this.contactOf(a, b) : null);
       if (place && found.size < 12) found.set(name, { name, ...place });

@@ -100,8 +100,9 @@ std::string stress_name(const Shapes& shapes) { return shapes.model == "bar" ? "
 Json data_of(const Shapes& shapes, const Magnification& magnification, const ColourScale& scale) {
   const auto looks = cell_looks(shapes);
   const auto unit = display_unit(scale.high, "Pa");
-  Json data = {{"model", shapes.model},   {"first", scale.largest_window}, {"times", Json::array()},
-               {"fields", Json::array()}, {"bodies", Json::array()},       {"pieces", Json::array()}};
+  Json data = {{"model", shapes.model},    {"first", scale.largest_window}, {"times", Json::array()},
+               {"fields", Json::array()},  {"bodies", Json::array()},       {"pieces", Json::array()},
+               {"touching", Json::array()}};
   data["fields"].push_back({{"key", "stress"},
                             {"name", stress_name(shapes)},
                             {"signed", shapes.model == "bar"},
