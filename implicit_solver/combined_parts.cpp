@@ -55,6 +55,32 @@ void CombinedParts::evaluate_moved(double dt, std::size_t part, const Eigen::Vec
   forces[part]->evaluate(dt, moved, force);
 }
 
+void CombinedParts::hold(double dt, const Eigen::VectorXd& increment, Eigen::VectorXd& change) const {
+  change.setZero(dofs_);
+  Eigen::VectorXd own;
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    if (forces[b]->linear()) continue;
+    Eigen::VectorXd moved = states[b].u + segment(increment, b);
+    own.setZero(moved.size());
+    forces[b]->hold(dt, moved, own);
+    segment(change, b) = own;
+  }
+}
+
+void CombinedParts::let_go() const {
+  for (const auto& force : forces) force->let_go();
+}
+
+bool CombinedParts::hold_enough(const Eigen::VectorXd& increment) const {
+  bool enough = true;
+  for (std::size_t b = 0; b < states.size() && enough; ++b) {
+    if (forces[b]->linear()) continue;
+    Eigen::VectorXd moved = states[b].u + segment(increment, b);
+    enough = forces[b]->hold_enough(moved);
+  }
+  return enough;
+}
+
 void CombinedParts::settle(double dt) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
     if (forces[b]->linear()) continue;

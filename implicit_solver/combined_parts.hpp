@@ -56,6 +56,10 @@ class CombinedParts {
   }
   /// P(u_n + increment) of a part [N].
   void evaluate_moved(double dt, std::size_t part, const Eigen::VectorXd& increment, Eigen::VectorXd& force) const;
+  /// See InternalForce: at u_n + increment.
+  void hold(double dt, const Eigen::VectorXd& increment, Eigen::VectorXd& change) const;
+  void let_go() const;
+  [[nodiscard]] bool hold_enough(const Eigen::VectorXd& increment) const;
   /// Elements with a memory keep that of the accepted window, whose displacement the states have.
   void settle(double dt) const;
   /// Loads at a time into the segments of the parts that have some [N].

@@ -103,6 +103,7 @@ void ImplicitSolver::set_up_windows(participant::Heartbeat* heart) {
 void ImplicitSolver::reconfigure(const participant::Setup& setup) {
   setup_.clock = setup.clock;
   setup_.interface_stiffness = setup.interface_stiffness;
+  newmark_->forget();
   const auto forces = contact_ ? std::optional(contact_->state()) : std::nullopt;
   set_up_windows(nullptr);
   if (contact_) contact_->restore(*forces, states_);
@@ -173,6 +174,7 @@ void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
   take_link(link_input, trial_.end.link);
   if (integration_ == Integration::implicit_newmark) {
     newmark_->advance(window, forces_, trial_);
+    tried_ = true;
   } else {
     flight_->advance(window, forces_, trial_);
   }
@@ -180,13 +182,14 @@ void ImplicitSolver::advance(std::int64_t window, const std::vector<double>& lin
 }
 
 void ImplicitSolver::work_ahead() {
-  const bool due =
-      integration_ == Integration::implicit_newmark && window_ < setup_.last_window && !parts_.shared_dofs.empty();
+  const bool due = !tried_ && integration_ == Integration::implicit_newmark && window_ < setup_.last_window &&
+                   !parts_.shared_dofs.empty();
   if (due) newmark_->prepare(window_ + 1, forces_, trial_);
 }
 
 void ImplicitSolver::accept() {
   ++window_;
+  tried_ = false;
   account();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
@@ -209,7 +212,7 @@ void ImplicitSolver::accept() {
 void ImplicitSolver::resynchronise_residual() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
-    parts_.forces[b]->evaluate(0.0, state.u, internal_[b]);
+    parts_.forces[b]->evaluate_at_rest(state.u, internal_[b]);
     for (int i = 0; i < state.part.dofs(); ++i) {
       const auto dof = parts_.offsets[b] + i;
       if (!state.free[static_cast<std::size_t>(i)]) continue;
@@ -283,6 +286,7 @@ ImplicitSolver::State ImplicitSolver::state() const {
           .first_staggered_j = first_staggered_j_,
           .elements = std::move(elements),
           .linearised_at = newmark_->linearised_at(),
+          .last_increment = newmark_->last_increment(),
           .contact = contact_ ? std::optional(contact_->state()) : std::nullopt,
           .separation = reporting_.separation()};
 }
@@ -298,8 +302,10 @@ void ImplicitSolver::restore(const State& state) {
   reporting_.restore(state.separation);
   for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *parts_.forces[b]);
   if (state.linearised_at != newmark_->linearised_at()) newmark_->linearise(state.linearised_at);
+  newmark_->set_last_increment(state.last_increment);
   trial_.end.external = forces_.external;
   newmark_->forget();
+  tried_ = false;
 }
 
 void ImplicitSolver::load_state(const std::vector<double>& state, participant::FrozenContact contact) {

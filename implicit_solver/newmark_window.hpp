@@ -22,10 +22,14 @@ namespace ricochet::implicit_solver {
 /// Dashpots C of absorbing surfaces put -C (v - v_0) into f at n and n + 1: M + dt/2 C + dt^2/4 K on the left, and
 /// dt^2/2 C v_n on the right.
 /// Where a protocol gives an interface stiffness S, L = given + S u and S joins K in the operator.
-/// That equation is solved by WindowSolver. Where elements are not linear, it is the first of Newton's steps to
+/// That equation is solved by WindowSolver. Elements that keep their tangent, but are not linear, keep its factor and
+/// the contact's answer for the whole run. They return to the yield stress at a place near the window's end and hold
+/// that plastic strain: the window is linear, and its balances are to rounding, whatever they hold (operator splitting
+/// after Nakashima 1990). The first place goes on as the last window did; one found by rates would ring in elements far
+/// finer than the window. The next ones come from where the window ended, by Broyden's method.
+/// Of other elements the equation is the first of Newton's steps to
 ///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
-/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError. Elements that keep
-/// their tangent (InternalForce) keep the operator, the contact's answer and this equation's factor for the whole run.
+/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
@@ -39,10 +43,13 @@ class NewmarkWindow {
   /// The window; `trial.end.link` holds the link's given force.
   void advance(std::int64_t window, const WindowState& state, WindowTrial& trial);
   /// The state is another: what was prepared is void.
-  void forget() { prepared_ = -1; }
+  void forget();
   /// Windows begin with another operator from here on, that at the displacement `u`; of linear elements the same.
   void linearise(const Eigen::VectorXd& u);
   [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
+  /// The increment of the accepted window, where elements hold what the next one starts with; else empty.
+  [[nodiscard]] const Eigen::VectorXd& last_increment() const { return last_increment_; }
+  void set_last_increment(const Eigen::VectorXd& increment) { last_increment_ = increment; }
   /// Accounts work and impulses of the contact in the trial that becomes final.
   void account(const WindowTrial& trial);
   /// link += S u of the accepted motion.
@@ -60,11 +67,15 @@ class NewmarkWindow {
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);
+  void predict(const WindowTrial& trial);
+  void hold();
+  void settle(std::int64_t window, const WindowState& last, WindowTrial& trial);
   void balance(std::int64_t window, WindowTrial& trial);
   [[nodiscard]] bool is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
                                  double& moved_m) const;
   double find_imbalance(const WindowTrial& trial);
   void mend(Eigen::VectorXd& step);
+  void remember(Eigen::VectorXd step);
   bool shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n);
   [[nodiscard]] Eigen::VectorXd imbalance_with_contact() const;
   [[noreturn]] void refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const;
@@ -77,12 +88,20 @@ class NewmarkWindow {
   const WindowClock& clock_;
   double dt_;  ///< that the factor is of [s]
   Eigen::MatrixXd interface_stiffness_;
+  bool holds_;  ///< there are elements that keep their tangent and are not linear
   WindowSolver solver_;
   /// Displacement of the accepted window, from whose operator each trial of the next one starts, and of the trial.
   Eigen::VectorXd linearised_at_, trial_linearised_at_;
   std::vector<Root> roots_;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Eigen::VectorXd rhs_, shared_x_, shared_force_;
+  Eigen::VectorXd last_increment_;
+  Eigen::VectorXd place_;  ///< increment that elements hold the change at
+  /// Window that was tried last, and the largest number of places that one of its trials took: later ones take as many,
+  /// so that a protocol that repeats windows finds a continuous answer.
+  std::int64_t settled_window_ = -1;
+  int places_ = 0;
+  Eigen::VectorXd held_, hold_;  ///< change of force by what elements hold [N]: that in rhs_, and the next
   Eigen::VectorXd imbalance_, link_, internal_, inertia_, before_;  ///< of Newton's iteration
   std::vector<Eigen::VectorXd> steps_;                              ///< by the present operator, in this window
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]

@@ -25,6 +25,21 @@ class HangingElements final : public InternalForce {
     elements_->evaluate(step_s, u, force);
     fem::pass_on(hanging_, components_, force);
   }
+  void hold(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& change) override {
+    fem::follow(hanging_, components_, u);
+    elements_->hold(step_s, u, change);
+    fem::pass_on(hanging_, components_, change);
+  }
+  void let_go() override { elements_->let_go(); }
+  [[nodiscard]] bool hold_enough(Eigen::VectorXd& u) override {
+    fem::follow(hanging_, components_, u);
+    return elements_->hold_enough(u);
+  }
+  void evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+    fem::follow(hanging_, components_, u);
+    elements_->evaluate_at_rest(u, force);
+    fem::pass_on(hanging_, components_, force);
+  }
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }
   void settle() override { elements_->settle(); }
   void go_back() override { elements_->go_back(); }

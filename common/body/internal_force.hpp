@@ -37,6 +37,15 @@ class InternalForce {
   /// Undoes the steps followed since then, which are to be tried again.
   virtual void go_back();
 
+  /// Elements with a memory change it as at `u`, and hold it there until `follow` or `let_go`: P is linear meanwhile, and
+  /// smaller by `change` [N] than with the memory of the step before.
+  virtual void hold(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& change);
+  virtual void let_go();
+  /// Whether that is near enough what it would be at u, of a step that ends there.
+  [[nodiscard]] virtual bool hold_enough(Eigen::VectorXd& u);
+  /// force = P(u) with the memory of the last step, whatever it would change to.
+  virtual void evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force);
+
   /// The rows to compute, ascending, none touching the next; in all others there is neither force nor acceleration.
   [[nodiscard]] virtual const std::vector<Rows>& rows() const = 0;
   /// From here on all rows are computed: the motion is no longer what the part began with.
@@ -87,6 +96,10 @@ inline void InternalForce::after_link(double step_s, Eigen::VectorXd& u, Eigen::
 inline void InternalForce::follow(const Eigen::VectorXd&) {}
 inline void InternalForce::settle() {}
 inline void InternalForce::go_back() {}
+inline void InternalForce::hold(double, Eigen::VectorXd&, Eigen::VectorXd& change) { change.setZero(); }
+inline void InternalForce::let_go() {}
+inline bool InternalForce::hold_enough(Eigen::VectorXd&) { return true; }
+inline void InternalForce::evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force) { evaluate(0.0, u, force); }
 inline void InternalForce::reach_all() {}
 inline void InternalForce::spread(Eigen::VectorXd&) {}
 inline bool InternalForce::spreads(int) const { return false; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -14,6 +15,9 @@ namespace {
 constexpr std::size_t elements_of_block = 32;
 /// Points that flow, and as much other work, from which on threads pay: some twenty microseconds of work.
 constexpr std::size_t worth_a_thread = 1000;
+/// What is held is near enough what flows where the stress misses the yield stress by no more than this share of it, or
+/// the flow by no more than this share. What is missing comes in the next step; what is needless stays.
+constexpr double enough_of_yield = 1e-3, enough_of_flow = 0.03;
 /// Rounding must not let a point pass its yield stress unseen.
 constexpr double caution = 1.001;
 
@@ -181,16 +185,21 @@ void PlasticElements::look(Block& block, const Eigen::VectorXd& u) {
   }
 }
 
-void PlasticElements::look(const Eigen::VectorXd& u) {
-  u_tried_ = u;
+template <class Visit>
+void PlasticElements::for_blocks(const Visit& visit) {
   const auto blocks = static_cast<int>(blocks_.size());
-  const auto look_at = [&](int b, int) noexcept { look(blocks_[fem::at(b)], u_tried_); };
+  const auto visit_one = [&](int b, int) noexcept { visit(blocks_[fem::at(b)]); };
   const std::size_t work = flowing_ + state_->part.mesh.elements.size() / 16;
   if (state_->parallel && work >= worth_a_thread) {
-    state_->parallel->for_each(blocks, look_at);
+    state_->parallel->for_each(blocks, visit_one);
   } else {
-    for (int b = 0; b < blocks; ++b) look_at(b, 0);
+    for (int b = 0; b < blocks; ++b) visit_one(b, 0);
   }
+}
+
+void PlasticElements::look(const Eigen::VectorXd& u) {
+  u_tried_ = u;
+  for_blocks([&](Block& block) { look(block, u_tried_); });
   flowing_ = 0;
   for (const Block& block : blocks_) flowing_ += block.flows.size();
 }
@@ -214,8 +223,8 @@ void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const 
   }
 }
 
-void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
-  state_->stiffness.multiply(u, force);
+/// What flows in a step to u, and its force.
+void PlasticElements::return_at(double step_s, const Eigen::VectorXd& u) {
   tried_s_ = step_s;
   look(u);
   tried_force_n_ = step_.force_n;
@@ -223,7 +232,62 @@ void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorX
     for (const Block& block : blocks_)
       for (const Flow& flow : block.flows) add_force<d()>(flow, tried_force_n_);
   });
+}
+
+void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  state_->stiffness.multiply(u, force);
+  if (held_) {
+    u_tried_ = u;
+  } else {
+    return_at(step_s, u);
+  }
   force -= tried_force_n_;
+}
+
+void PlasticElements::evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  state_->stiffness.multiply(u, force);
+  force -= step_.force_n;
+}
+
+void PlasticElements::hold(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& change) {
+  return_at(step_s, u);
+  held_ = true;
+  change = tried_force_n_ - step_.force_n;
+}
+
+/// Whether what its points hold is what flows in a step to u.
+template <int dimension>
+bool PlasticElements::holds_enough(const Block& block, const Eigen::VectorXd& u, double path_m) const {
+  auto flow = block.flows.begin();
+  for (int e = block.first; e < block.end; ++e) {
+    if ((flow == block.flows.end() || flow->element != e) && path_m < due_m_[fem::at(e)]) continue;
+    const Stresses<dimension> s = stresses<dimension>(e, u);
+    const double to_yield = step_.modulus_pa(e) * factor_squared_;
+    const Eigen::Array<double, 1, points_of<dimension>> q = (factor_squared_ * s.square().colwise().sum()).sqrt();
+    for (int p = 0; p < points_of<dimension>; ++p) {
+      const int point = e * points_of<dimension> + p;
+      const bool flows = flow != block.flows.end() && flow->point == point;
+      const double held = flows ? (flow++)->equivalent : 0.0;
+      const double equivalent = step_.equivalent[point], soft = softening(law(e), point);
+      const double rest_pa = law(e).at_rest(equivalent, soft);
+      const double due =
+          q[p] > rest_pa ? law(e).growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_) : 0.0;
+      if (std::abs(held - due) * to_yield > std::max(enough_of_yield * rest_pa, enough_of_flow * due * to_yield))
+        return false;
+    }
+  }
+  return true;
+}
+
+bool PlasticElements::hold_enough(Eigen::VectorXd& u) {
+  std::atomic<bool> enough = true;
+  for_blocks([&](Block& block) {
+    if (!enough) return;
+    const double path_m = block.path_m + moved(block, u_step_, u);
+    if (block.flows.empty() && path_m < block.due_m) return;
+    if (!by_dimension([&](auto d) { return holds_enough<d()>(block, u, path_m); })) enough = false;
+  });
+  return enough;
 }
 
 void PlasticElements::heat(const fem::Plasticity& law, int point, double work_j_m3) {
@@ -234,17 +298,21 @@ void PlasticElements::heat(const fem::Plasticity& law, int point, double work_j_
 
 template <int dimension>
 void PlasticElements::keep(const std::vector<Flow>& flows) {
-  Stresses<dimension> before_step = Stresses<dimension>::Zero();
+  Stresses<dimension> before_step = Stresses<dimension>::Zero(), after_step = before_step;
   int element = -1;
   for (const Flow& flow : flows) {
     const int p = flow.point % points_of<dimension>;
     if (flow.element != element) {
       element = flow.element;
       before_step = stresses<dimension>(element, u_step_);
+      if (held_) after_step = stresses<dimension>(element, u_tried_);
     }
     const double modulus_pa = step_.modulus_pa(flow.element);
     const double volume = shapes_[fem::at(shape_of_[fem::at(flow.element)])].volume_m3[fem::at(p)];
-    const Strain change = flow.strain(), after = flow.stress - modulus_pa * change;
+    const Strain change = flow.strain();
+    Strain after = flow.stress;
+    if (held_) after.template head<components_of<dimension>>() = after_step.col(p).matrix();
+    after -= modulus_pa * change;
     double* const plastic = step_.strain.data() + std::ptrdiff_t{components_of<dimension>} * flow.point;
     double work_j_m3 = 0.0, energy_j_m3 = 0.0;
     for (int c = 0; c < components_of<dimension>; ++c) {
@@ -264,6 +332,7 @@ void PlasticElements::keep(const std::vector<Flow>& flows) {
 void PlasticElements::follow(const Eigen::VectorXd&) {
   bool flowed = false;
   for (Block& block : blocks_) {
+    if (held_) block.tried_m = moved(block, u_step_, u_tried_);
     by_dimension([&](auto d) { keep<d()>(block.flows); });
     flowed = flowed || !block.flows.empty();
     block.flows.clear();
@@ -271,6 +340,7 @@ void PlasticElements::follow(const Eigen::VectorXd&) {
   }
   if (flowed) step_.force_n = tried_force_n_;
   u_step_ = u_tried_;
+  held_ = false;
 }
 
 namespace {
@@ -300,6 +370,7 @@ void PlasticElements::settle() {
 
 void PlasticElements::go_back() {
   take(changed_, *settled_, step_);
+  held_ = false;
   for (const int point : changed_) {
     const auto element = fem::at(point / step_.points);
     due_m_[element] = blocks_[element / elements_of_block].due_m = 0.0;
@@ -320,6 +391,7 @@ void PlasticElements::archive(Archive& a) {
   if (!a.reading()) return;
   step_ = *settled_;
   u_step_ = u_settled_;
+  held_ = false;
   std::fill(due_m_.begin(), due_m_.end(), 0.0);
   for (Block& block : blocks_) block.due_m = 0.0;
 }

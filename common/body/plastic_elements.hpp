@@ -32,6 +32,10 @@ class PlasticElements final : public InternalForce {
   explicit PlasticElements(const BodyState& state);
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
+  void hold(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& change) override;
+  void let_go() override { held_ = false; }
+  [[nodiscard]] bool hold_enough(Eigen::VectorXd& u) override;
+  void evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd&) override;
   void settle() override;
   void go_back() override;
@@ -96,9 +100,15 @@ class PlasticElements final : public InternalForce {
   [[nodiscard]] double softening(const fem::Plasticity& law, int point) const;
   template <int dimension>
   [[nodiscard]] double margin(int element, const Eigen::VectorXd& u, std::vector<Flow>& flows) const;
+  template <int dimension>
+  [[nodiscard]] bool holds_enough(const Block& block, const Eigen::VectorXd& u, double path_m) const;
   [[nodiscard]] double moved(const Block& block, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   void look(Block& block, const Eigen::VectorXd& u);
   void look(const Eigen::VectorXd& u);
+  /// visit(block) of all, by threads where that pays.
+  template <class Visit>
+  void for_blocks(const Visit& visit);
+  void return_at(double step_s, const Eigen::VectorXd& u);
   void heat(const fem::Plasticity& law, int point, double work_j_m3);
   template <int dimension>
   void keep(const std::vector<Flow>& flows);
@@ -119,6 +129,7 @@ class PlasticElements final : public InternalForce {
   Eigen::VectorXd u_step_;                 ///< of the last step
   Eigen::VectorXd u_tried_;                ///< of the last evaluation
   double tried_s_ = 0.0;                   ///< its step
+  bool held_ = false;                      ///< what flows stays that of the last `hold`
   Eigen::VectorXd tried_force_n_;          ///< PlasticState::force_n of it
   std::vector<Block> blocks_;
   std::size_t flowing_ = 0;    ///< points in the last evaluation

@@ -16,6 +16,8 @@ using Values = std::vector<double>;
 
 /// Answers that differ by less, over the largest, are one.
 constexpr double rounding = 1e-6;
+/// Windows that are solved by iterations, the same problem put in two ways.
+constexpr double solved = 1e-3;
 
 /// Throw NotApplicable.
 void require_capability(const ContractRun& first, Capability capability, const std::string& who_needs_it);

@@ -132,7 +132,7 @@ TEST_P(PlasticLedger, Closes) {
 INSTANTIATE_TEST_SUITE_P(
     Sides, PlasticLedger,
     testing::Values(Balance{"all_explicit", 0.0, 1e-13}, Balance{"all_explicit", hardening_pa, 1e-13},
-                    Balance{"all_implicit", 0.0, 1e-9}, Balance{"all_implicit", hardening_pa, 1e-9}),
+                    Balance{"all_implicit", 0.0, 1e-12}, Balance{"all_implicit", hardening_pa, 1e-12}),
     [](const auto& info) { return fmt::format("{}_{}", info.param.protocol, info.param.hardening > 0 ? 1 : 0); });
 
 /// With what contact and interface made or lost every joule of a hybrid has an owner.
@@ -161,6 +161,18 @@ TEST(PlasticWave, IsFoundWhereWindowsAreMuchLongerThanElementsAre) {
       EXPECT_NEAR(run.last("plastic_work_j") / Plateau{}.work_j(run.last("time_s")), 1.0, 0.05);
     }
   }
+}
+
+/// A window that crosses fifty of them is too long.
+TEST(PlasticWave, IsRefusedWhereItDoesNotSettle) {
+  const TemporaryFolder folder;
+  const std::string text =
+      replaced(scene_of({.protocol = "all_implicit", .elements = 4000, .hardening = 0.0, .coupling = go_on}), "step_s = 4.",
+                                    "step_s = 1000.");
+  ASSERT_THAT(text, HasSubstr("step_s = 1000."));
+  const auto run = run_file(folder.write(text), folder);
+  EXPECT_EQ(run.outcome.code, 4);
+  EXPECT_THAT(run.outcome.error, HasSubstr("what yields does not settle in 1000 solves; use a smaller time.step_s"));
 }
 
 /// The front passes elements that take 16 steps in a window, where it sets out, and such that take one.

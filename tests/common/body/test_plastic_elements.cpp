@@ -73,6 +73,23 @@ struct Moved {
   std::uniform_real_distribution<double> where{0.0, 1.2};
 };
 
+/// By how much a point is above its yield stress y of `linear_law`, over it. It would flow further by (q - y)/(m c^2 +
+/// hardening).
+double largest_beyond_yield(const BodyState& state) {
+  BodyState copy = state;
+  copy.plastic = std::make_shared<PlasticState>(*state.plastic);
+  PlasticElements elements(copy);
+  Eigen::VectorXd u = state.u, force = u;
+  elements.evaluate(step_s, u, force);
+  elements.follow(force);
+  elements.settle();
+  const double factor_squared = state.part.section.model == fem::Model::bar ? 1.0 : 1.5;
+  const Eigen::ArrayXd grown = copy.plastic->equivalent - state.plastic->equivalent;
+  return (grown * (factor_squared * state.plastic->modulus_pa(0) + 2e10) /
+          (4e8 + 2e10 * state.plastic->equivalent.array()))
+      .maxCoeff();
+}
+
 class PlasticElementsOf : public testing::TestWithParam<std::tuple<const char*, const char*>> {
  protected:
   [[nodiscard]] static Moved moved() { return {std::get<0>(GetParam()), std::get<1>(GetParam())}; }
@@ -143,6 +160,48 @@ TEST_P(PlasticElementsOf, ForgetStepsThatAreUndone) {
     }
     ASSERT_EQ(path.force, straight.force) << "step " << n;
     ASSERT_EQ(path.body().plastic->work_j, straight.body().plastic->work_j);
+  }
+}
+
+/// What flows at one place is held on the way to another: P is linear there, and the work of a step is booked to
+/// rounding. Where that is called enough, little would flow further.
+TEST_P(PlasticElementsOf, HoldWhatFlows) {
+  Moved path = moved();
+  const double factor_squared = path.body().part.section.model == fem::Model::bar ? 1.0 : 1.5;
+  const bool linear = std::get<1>(GetParam()) == linear_law;
+  double work_j = 0.0, largest_j = 0.0;
+  int enough = 0;
+  Eigen::VectorXd u_before = path.body().u, force_before = path.force, change = u_before;
+  for (int n = 0; n < 100; ++n) {
+    path.move();
+    Eigen::VectorXd near = path.body().u, at_near = path.force, kept = path.force;
+    for (double& u : near) u += (n % 2 == 0 ? 1e-7 : 1e-10) * path.normal(path.chance);
+    path.elements->evaluate(step_s, near, at_near);
+    path.elements->hold(step_s, near, change);
+    path.elements->evaluate_at_rest(near, kept);
+    ASSERT_LE((kept - change - at_near).norm(), 1e-12 * kept.norm()) << "step " << n;
+    ASSERT_TRUE(path.elements->hold_enough(near));
+    const bool is_enough = path.elements->hold_enough(path.body().u);
+    const Eigen::ArrayXd equivalent = path.body().plastic->equivalent;
+    path.step();
+    const auto& stiffness = path.body().part.stiffness;
+    ASSERT_LE((path.force - at_near - stiffness * (path.body().u - near)).norm(), 1e-9 * at_near.norm());
+    path.elements->settle();
+    const PlasticState& plastic = *path.body().plastic;
+    work_j += 0.5 * (force_before + path.force).dot(path.body().u - u_before);
+    u_before = path.body().u;
+    force_before = path.force;
+    largest_j = std::max(largest_j, work_j);
+    ASSERT_NEAR(path.stored() + plastic.work_j, work_j, 1e-10 * largest_j + 1e-12) << "step " << n;
+    if (!is_enough || !linear) continue;
+    ++enough;
+    const double flowed = (plastic.equivalent.array() - equivalent).maxCoeff() * factor_squared * plastic.modulus_pa(0);
+    ASSERT_LE(largest_beyond_yield(path.body()), 1.1e-3 + 0.033 * flowed / 4e8) << "step " << n;
+  }
+  EXPECT_GT(path.body().plastic->work_j, 0.2 * largest_j);
+  if (linear) {
+    EXPECT_GE(enough, 40);
+    EXPECT_LT(enough, 100);
   }
 }
 

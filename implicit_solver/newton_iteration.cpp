@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/fem/mesh.hpp"
+#include "implicit_solver/newmark_window.hpp"
+
+// Newton's iteration of a window whose elements are not linear and hold nothing that would make it so.
+
+namespace ricochet::implicit_solver {
+
+namespace {
+/// Newton's iteration ends when what is out of balance is so much of the largest force, or when that or an improvement
+/// is what the rounding of displacements makes: of u, of its increment, of the size of a part that turns.
+constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
+/// Improvements by one tangent go on while each leaves no more than so much of what was out of balance: ten solves then
+/// take it from 1 to 1e-7, and a factorisation costs more than ten.
+constexpr double slow_share = 0.2;
+constexpr int most_improvements = 50;
+/// Steps that are remembered, a vector each.
+constexpr std::size_t most_steps = 50;
+/// Where they would lengthen a step by more, they are forgotten.
+constexpr double most_growth = 1e4;
+/// An improvement that goes too far is shortened until the slope of the window's potential along it is so much of what
+/// it was at its beginning, or less.
+constexpr double level_share = 0.1;
+constexpr int most_shortenings = 20;
+}  // namespace
+
+/// Newton's iteration where the elements are not linear: each step is a linear window for what the last one left out of
+/// balance, with contact forces found anew. The operator stays while it serves, and what its steps have shown of the
+/// difference to the tangent mends the next ones.
+void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
+  const double quarter = 0.25 * dt_ * dt_;
+  double before_n = std::numeric_limits<double>::infinity(), largest_n = find_imbalance(trial);
+  steps_.clear();
+  for (int improvements = 0;; ++improvements) {
+    const Eigen::VectorXd left = imbalance_with_contact();
+    const double left_n = left.lpNorm<Eigen::Infinity>();
+    double moved_m = 0.0;
+    if (is_balanced(left, largest_n, trial, moved_m)) break;
+    if (!std::isfinite(left_n) &&
+        !steps_.empty()) {  // mended too far: from the last place again, by the operator alone
+      steps_.clear();
+      trial.increment = before_;
+      largest_n = find_imbalance(trial);
+      continue;
+    }
+    if (improvements == most_improvements || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
+    if (left_n > slow_share * before_n) {
+      solver_.linearise(parts_.displacement() + trial.increment);
+      steps_.clear();
+    }
+    before_n = left_n;
+    before_ = trial.increment;
+    rhs_ = quarter * imbalance_;
+    solver_.improve(rhs_, trial.increment);
+    Eigen::VectorXd step = trial.increment - before_;
+    mend(step);
+    trial.increment = before_ + step;
+    largest_n = find_imbalance(trial);
+    if (shorten(step, trial, largest_n)) {
+      steps_.clear();
+    } else {
+      remember(std::move(step));
+    }
+    if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved_m) break;
+  }
+  trial_linearised_at_ = solver_.linearised_at();
+  forget();  // rhs_ is another
+}
+
+/// By the rounding of each part alone: a stiff one says nothing of what its partner may leave. `moved_m`: the largest
+/// number that is rounded.
+bool NewmarkWindow::is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
+                                double& moved_m) const {
+  bool balanced = true;
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    if (parts_.states[b].part.dofs() == 0) continue;
+    const double own_m = std::max({parts_.states[b].u.lpNorm<Eigen::Infinity>(),
+                                   parts_.segment(trial.increment, b).lpNorm<Eigen::Infinity>(), parts_.turning_m(b)});
+    const double rounded_n = rounding_share * own_m * solver_.stiffest_n_m(b);
+    balanced = balanced &&
+               parts_.segment(left, b).lpNorm<Eigen::Infinity>() <= std::max(balanced_share * largest_n, rounded_n);
+    moved_m = std::max(moved_m, own_m);
+  }
+  return balanced;
+}
+
+/// Broyden's method by its steps (Kelley: Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3): the
+/// step that the operator finds becomes that of the operator which all steps so far have changed as little as would
+/// have made them right.
+void NewmarkWindow::mend(Eigen::VectorXd& step) {
+  if (steps_.empty()) return;
+  Eigen::VectorXd mended = step;
+  const auto along = [&](const Eigen::VectorXd& earlier) { return earlier.dot(mended) / earlier.squaredNorm(); };
+  for (std::size_t k = 0; k + 1 < steps_.size(); ++k) mended += along(steps_[k]) * steps_[k + 1];
+  const double shrinks = 1.0 - along(steps_.back());
+  if (std::abs(shrinks) * most_growth > 1.0) {
+    step = mended / shrinks;
+  } else {
+    steps_.clear();
+  }
+}
+
+void NewmarkWindow::remember(Eigen::VectorXd step) {
+  if (steps_.size() == most_steps) steps_.clear();
+  steps_.push_back(std::move(step));
+}
+
+/// Elements that soften and stiffen again, as where they yield and unload, have Newton's steps swing to and fro over
+/// the minimum of the window's potential. Its slope along a step is minus what is out of balance; where the step ends
+/// uphill, the place between is found where it is level (false position). Contact forces are those that the step found.
+/// Returns whether it was.
+bool NewmarkWindow::shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n) {
+  double by_contact = 0.0;
+  for (std::size_t i = 0; i < roots_.size(); ++i)
+    by_contact += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)] * step[roots_[i].dof];
+  const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step) + by_contact;
+  double low = 0.0, at_low = first, high = 1.0, at_high = imbalance_.dot(step) + by_contact;
+  if (!(first > 0.0) || !(at_high < -0.5 * first)) return false;
+  double share = 1.0, slope = at_high;
+  for (int k = 0; k < most_shortenings && std::abs(slope) > level_share * first; ++k) {
+    share = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+    trial.increment = before_ + share * step;
+    largest_n = find_imbalance(trial);
+    slope = imbalance_.dot(step) + by_contact;
+    (slope > 0.0 ? low : high) = share;
+    (slope > 0.0 ? at_low : at_high) = slope;
+  }
+  return true;
+}
+
+/// f - P - L - M a* at the free dofs for the present increment, without contact forces. Returns the largest of the
+/// forces.
+double NewmarkWindow::find_imbalance(const WindowTrial& trial) {
+  const double dt = dt_;
+  double largest = 0.0;
+  link_ = trial.end.link;
+  add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, link_);
+  for (std::size_t b = 0; b < parts_.states.size(); ++b) {
+    const auto& state = parts_.states[b];
+    const auto du = parts_.segment(trial.increment, b);
+    parts_.evaluate_moved(dt_, b, trial.increment, internal_);
+    inertia_ = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
+    auto left = parts_.segment(imbalance_, b);
+    left = parts_.segment(trial.end.external, b);
+    for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
+      const auto& d = state.dashpots[i];
+      left[d.dof] = dashpot_load_[b][i] + d.force(2.0 / dt * du[d.dof] - state.v[d.dof]);
+    }
+    left -= parts_.segment(link_, b);
+    for (int dof = 0; dof < state.part.dofs(); ++dof) {
+      if (!state.free[static_cast<std::size_t>(dof)]) left[dof] = internal_[dof] = inertia_[dof] = 0.0;
+    }
+    for (const double n :
+         {left.lpNorm<Eigen::Infinity>(), internal_.lpNorm<Eigen::Infinity>(), inertia_.lpNorm<Eigen::Infinity>()})
+      largest = std::max(largest, n);
+    left -= internal_ + inertia_;
+  }
+  return largest;
+}
+
+Eigen::VectorXd NewmarkWindow::imbalance_with_contact() const {
+  Eigen::VectorXd left = imbalance_;
+  for (std::size_t i = 0; i < roots_.size(); ++i)
+    left[roots_[i].dof] += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)];
+  return left;
+}
+
+void NewmarkWindow::refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const {
+  Eigen::Index worst = 0;
+  left.cwiseAbs().maxCoeff(&worst);
+  std::size_t part = parts_.size() - 1;
+  while (worst < parts_.offsets[part]) --part;
+  const auto& state = parts_.states[part];
+  const auto node = static_cast<std::size_t>(worst - parts_.offsets[part]) /
+                    static_cast<std::size_t>(fem::components(state.part.mesh.model));
+  throw SolverError(
+      fmt::format("window {}: Newton's iteration does not settle: after {} steps {:.3g} N are out of balance at node "
+                  "{} of body '{}' "
+                  "{}, where {:g} of the largest force would do; use a smaller time.step_s",
+                  window, improvements, std::abs(left[worst]), state.part.body_node[node], state.name,
+                  fem::place_text(state.part.mesh.model, state.part.mesh.position[node]), balanced_share));
+}
+
+}  // namespace ricochet::implicit_solver
