@@ -61,7 +61,7 @@ class ImplicitSolver : public participant::Participant {
     WindowState forces;
     std::vector<double> interface_work_j, first_staggered_j;  ///< per part
     std::vector<std::string> elements;                        ///< per part: what its InternalForce keeps
-    Eigen::VectorXd linearised_at;  ///< where the operator is from; empty of tangents that are kept
+    Eigen::VectorXd linearised_at;   ///< where the operator is from; empty of tangents that are kept
     Eigen::VectorXd last_increment;  ///< see NewmarkWindow
     std::optional<ImplicitContact::State> contact;
     SeparationWatch separation;
@@ -101,7 +101,7 @@ class ImplicitSolver : public participant::Participant {
   solver::Reporting reporting_;
   participant::Integration integration_ = participant::Integration::implicit_newmark;
   std::int64_t window_ = 0;
-  bool tried_ = false;  ///< a trial of the next window is not accepted yet
+  bool tried_ = false;                                        ///< a trial of the next window is not accepted yet
   std::vector<double> interface_work_j_, first_staggered_j_;  ///< per part
   std::vector<solver::Surroundings> surroundings_;            ///< that `load_state` took away; else empty
 };

@@ -56,6 +56,10 @@ void NewmarkWindow::add_interface_force(Eigen::VectorXd& link) {
   add_stiffness_force([&](std::size_t b, int dof) { return parts_.states[b].u[dof]; }, link);
 }
 
+void NewmarkWindow::add_interface_force_of(const Eigen::VectorXd& increment, Eigen::VectorXd& link) {
+  add_stiffness_force([&](std::size_t b, int dof) { return increment[parts_.offsets[b] + dof]; }, link);
+}
+
 /// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
 void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   if (prepared_ == window) return;
@@ -123,7 +127,7 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
   } else if (!parts_.linear()) {
     balance(window, trial);
   }
-  add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, trial.end.link);
+  add_interface_force_of(trial.increment, trial.end.link);
   find_rates(trial);
   parts_.constrain_rates(clock_.time_s(window), dt_, last, trial);
 }
@@ -135,8 +139,8 @@ void NewmarkWindow::settle(std::int64_t window, const WindowState& last, WindowT
     Eigen::VectorXd step = trial.increment - place_;
     if (step.isZero(0.0)) return;
     if (places == most_places) {
-      throw SolverError(fmt::format(
-          "window {}: what yields does not settle in {} solves; use a smaller time.step_s", window, most_places));
+      throw SolverError(fmt::format("window {}: what yields does not settle in {} solves; use a smaller time.step_s",
+                                    window, most_places));
     }
     places_ = std::max(places_, places + 1);
     prepared_ = -1;  // rhs_ is another

@@ -65,6 +65,7 @@ class NewmarkWindow {
   };
   template <class Displacement>
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
+  void add_interface_force_of(const Eigen::VectorXd& increment, Eigen::VectorXd& link);
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);
   void predict(const WindowTrial& trial);

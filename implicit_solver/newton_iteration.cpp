@@ -141,7 +141,7 @@ double NewmarkWindow::find_imbalance(const WindowTrial& trial) {
   const double dt = dt_;
   double largest = 0.0;
   link_ = trial.end.link;
-  add_stiffness_force([&](std::size_t b, int dof) { return trial.increment[parts_.offsets[b] + dof]; }, link_);
+  add_interface_force_of(trial.increment, link_);
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
     const auto du = parts_.segment(trial.increment, b);

@@ -37,8 +37,8 @@ class InternalForce {
   /// Undoes the steps followed since then, which are to be tried again.
   virtual void go_back();
 
-  /// Elements with a memory change it as at `u`, and hold it there until `follow` or `let_go`: P is linear meanwhile, and
-  /// smaller by `change` [N] than with the memory of the step before.
+  /// Elements with a memory change it as at `u`, and hold it there until `follow` or `let_go`: P is linear meanwhile,
+  /// and smaller by `change` [N] than with the memory of the step before.
   virtual void hold(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& change);
   virtual void let_go();
   /// Whether that is near enough what it would be at u, of a step that ends there.
@@ -69,7 +69,8 @@ class InternalForce {
                                       double half_work_j) const = 0;
 
   /// What an implicit window is solved with [N/m], symmetric: K_T = dP/du at u, which stays as it is until the next
-  /// call; or, if it `keeps_tangent`, one matrix for all u that is nowhere smaller than K_T.
+  /// call; or, if it `keeps_tangent`, one matrix for all u that is nowhere smaller than K_T. Such elements,
+  /// where they are not linear, `hold`.
   [[nodiscard]] virtual const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) = 0;
   [[nodiscard]] virtual bool keeps_tangent() const;
 

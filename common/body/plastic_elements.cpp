@@ -7,80 +7,17 @@
 #include <limits>
 #include <utility>
 
-#include "common/fem/element_copies.hpp"
-
 namespace ricochet::solver {
 namespace {
 
-constexpr std::size_t elements_of_block = 32;
 /// Points that flow, and as much other work, from which on threads pay: some twenty microseconds of work.
 constexpr std::size_t worth_a_thread = 1000;
 /// What is held is near enough what flows where the stress misses the yield stress by no more than this share of it, or
-/// the flow by no more than this share. What is missing comes in the next step; what is needless stays.
-constexpr double enough_of_yield = 1e-3, enough_of_flow = 0.03;
-/// Rounding must not let a point pass its yield stress unseen.
-constexpr double caution = 1.001;
-
-fem::Plasticity law_of(const fem::Material& material) {
-  return material.plasticity.value_or(fem::Plasticity{.yield_stress_pa = std::numeric_limits<double>::infinity()});
-}
+/// the flow by no more than this share and the stress by no more than that one. What is missing comes in the next step;
+/// what is needless stays.
+constexpr double enough_of_yield = 1e-3, enough_of_flow = 0.03, most_of_yield = 0.03;
 
 }  // namespace
-
-PlasticElements::PlasticElements(const BodyState& state)
-    : state_(&state),
-      laws_{law_of(state.part.material)},
-      factor_squared_(state.part.section.model == fem::Model::bar ? 1.0 : 1.5),
-      round_(state.part.section.model == fem::Model::axisymmetric),
-      all_{{0, state.part.dofs()}},
-      settled_(state.plastic),
-      step_(*settled_) {
-  for (const fem::Material& material : state.part.mesh.materials) laws_.push_back(law_of(material));
-  set_shapes();
-  set_blocks();
-  u_settled_ = u_step_ = state.u;
-}
-
-void PlasticElements::set_shapes() {
-  const auto& part = state_->part;
-  fem::ElementCopies<int> copies(part.section.model);
-  // In axisymmetry u_r moves a strain by its gradient and by itself.
-  const double times = round_ ? std::sqrt(2.0) : 1.0;
-  double scale = 0.0;
-  const auto make = [&](const fem::ElementGeometry& geometry) {
-    Shape& shape = shapes_.emplace_back();
-    const auto points = fem::element_points(part.section, geometry);
-    for (const auto& point : points) shape.volume_m3.push_back(point.volume_m3);
-    for (const auto& point : points) {
-      double norms = 0.0;
-      for (Eigen::Index i = 0; i < point.gradient.rows(); ++i) norms += point.gradient.row(i).norm();
-      shape.pa_per_m = std::max(shape.pa_per_m, scale * norms);
-    }
-    for (Eigen::Index i = 0; i < points.front().gradient.rows(); ++i)
-      for (int c = 0; c < 3; ++c)
-        for (const auto& point : points) shape.gradients.push_back(point.gradient(i, c));
-    return static_cast<int>(shapes_.size()) - 1;
-  };
-  for (int e = 0; e < static_cast<int>(part.mesh.elements.size()); ++e) {
-    scale = caution * times * std::sqrt(factor_squared_) * settled_->modulus_pa(e);
-    shape_of_.push_back(copies.of(fem::element_geometry(part.mesh, e), make, fem::material_index(part.mesh, e)));
-  }
-}
-
-void PlasticElements::set_blocks() {
-  const auto& elements = state_->part.mesh.elements;
-  due_m_.assign(elements.size(), 0.0);
-  for (std::size_t first = 0; first < elements.size(); first += elements_of_block) {
-    const std::size_t end = std::min(elements.size(), first + elements_of_block);
-    Block& block = blocks_.emplace_back();
-    block.first = static_cast<int>(first);
-    block.end = static_cast<int>(end);
-    for (std::size_t e = first; e < end; ++e)
-      block.nodes.insert(block.nodes.end(), elements[e].begin(), elements[e].end());
-    std::sort(block.nodes.begin(), block.nodes.end());
-    block.nodes.erase(std::unique(block.nodes.begin(), block.nodes.end()), block.nodes.end());
-  }
-}
 
 /// s at all points of an element if they do not yield any further; a row per component. The displacement of the nodes
 /// counts from the first one's, so that the distance that a body has flown is not rounded into its strain; u_r counts
@@ -270,10 +207,10 @@ bool PlasticElements::holds_enough(const Block& block, const Eigen::VectorXd& u,
       const double held = flows ? (flow++)->equivalent : 0.0;
       const double equivalent = step_.equivalent[point], soft = softening(law(e), point);
       const double rest_pa = law(e).at_rest(equivalent, soft);
-      const double due =
-          q[p] > rest_pa ? law(e).growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_) : 0.0;
-      if (std::abs(held - due) * to_yield > std::max(enough_of_yield * rest_pa, enough_of_flow * due * to_yield))
-        return false;
+      const double due = q[p] > rest_pa ? law(e).growth(q[p], rest_pa, to_yield, equivalent, soft, tried_s_) : 0.0;
+      const double enough_pa =
+          std::clamp(enough_of_flow * due * to_yield, enough_of_yield * rest_pa, most_of_yield * rest_pa);
+      if (std::abs(held - due) * to_yield > enough_pa) return false;
     }
   }
   return true;

@@ -49,6 +49,7 @@ class PlasticElements final : public InternalForce {
 
  private:
   static constexpr int most_components = 6;
+  static constexpr std::size_t elements_of_block = 32;
   using Strain = Eigen::Matrix<double, most_components, 1>;  ///< 0 beyond those of the model
   /// A point that yields in a step.
   struct Flow {
