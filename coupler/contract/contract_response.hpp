@@ -16,7 +16,7 @@ using Values = std::vector<double>;
 
 /// Answers that differ by less, over the largest, are one.
 constexpr double rounding = 1e-6;
-/// Windows that are solved by iterations, the same problem put in two ways.
+/// The same of one that is not linear, whose windows may be solved to a tolerance, the same problem put in two ways.
 constexpr double solved = 1e-3;
 
 /// Throw NotApplicable.
