@@ -16,7 +16,7 @@ inline double nonlinear_step_s(const scene::Body& body, double elements, double 
 /// Small steps are taken once more for what flows: products with their rows, over those of a linear body [1].
 inline double spreads(const scene::Body& body) { return body.yields() ? 1.6 : 1.0; }
 
-/// An implicit window is solved so many times [1].
-inline double solves(const scene::Body& body) { return body.yields() ? 5.0 : body.large_rotation ? 10.0 : 1.0; }
+/// An implicit window is solved so many times, with a look at what yields each time [1].
+inline double solves(const scene::Body& body) { return body.yields() ? 7.0 : body.large_rotation ? 10.0 : 1.0; }
 
 }  // namespace ricochet::cost
