@@ -4,6 +4,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/scene_file.hpp"
+#include "tests/support/vtu.hpp"
 
 // The implicit participant in the coupler's process, where processors are fewer than processes.
 

@@ -1,3 +1,5 @@
+#include <gmock/gmock.h>
+
 #include <numbers>
 
 #include "tests/support/run.hpp"
