@@ -103,7 +103,7 @@ void NewmarkWindow::forget() {
   parts_.let_go();
 }
 
-/// What does not change with du of the dashpots' forces in q and df: see the class comment.
+/// Adds the dashpots' forces in q and df that do not change with du: see the class comment.
 void NewmarkWindow::damp_rhs(const WindowTrial& trial) {
   const double dt = dt_;
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {

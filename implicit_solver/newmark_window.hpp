@@ -27,7 +27,7 @@ namespace ricochet::implicit_solver {
 /// that plastic strain: the window is linear, and its balances are to rounding, whatever they hold (operator splitting
 /// after Nakashima 1990). The first place goes on as the last window did; one found by rates would ring in elements far
 /// finer than the window. The next ones come from where the window ended, by Broyden's method.
-/// Of other elements the equation is the first of Newton's steps to
+/// Elements of any other kind are solved by Newton's method. The equation is the first of its steps to
 ///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
 /// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError.
 class NewmarkWindow {
@@ -65,6 +65,7 @@ class NewmarkWindow {
   };
   template <class Displacement>
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
+  /// link += S increment.
   void add_interface_force_of(const Eigen::VectorXd& increment, Eigen::VectorXd& link);
   void damp_rhs(const WindowTrial& trial);
   void constrain_increment(double time_s, WindowTrial& trial);

@@ -12,9 +12,9 @@ namespace {
 
 /// Points that flow, and as much other work, from which on threads pay: some twenty microseconds of work.
 constexpr std::size_t worth_a_thread = 1000;
-/// What is held is near enough what flows where the stress misses the yield stress by no more than this share of it, or
-/// the flow by no more than this share and the stress by no more than that one. What is missing comes in the next step;
-/// what is needless stays.
+/// Elements hold enough where the stress misses the yield stress by no more than the first share of it, or where the
+/// flow misses its value by no more than the second share and the stress by no more than the third. The next step makes
+/// up for missing flow; needless flow stays.
 constexpr double enough_of_yield = 1e-3, enough_of_flow = 0.03, most_of_yield = 0.03;
 
 }  // namespace
@@ -160,7 +160,7 @@ void PlasticElements::add_force(const Flow& flow, Eigen::VectorXd& force) const 
   }
 }
 
-/// What flows in a step to u, and its force.
+/// Finds the flow of a step to u, and its force.
 void PlasticElements::return_at(double step_s, const Eigen::VectorXd& u) {
   tried_s_ = step_s;
   look(u);

@@ -20,7 +20,7 @@ namespace ricochet::solver {
 ///   q - m c^2 g = y,   equivalent += g,   p += c^2 g s/q.
 /// The temperature in y is that before the step, which keeps P the gradient of a convex potential. Plastic work in a
 /// step is V (s before + s after)/2 : dp. With the elastic energy it makes up (P_n + P_{n+1})/2 . du, the work that
-/// both integrators book, exactly.
+/// both integrators book, exactly. A step that holds what flows at another place (`hold`) takes s after where it ends.
 ///
 /// A point whose q was q_0 cannot yield before u has changed by so much that q could have grown by y - q_0, with y at
 /// rest. Elements are looked at when that is due and no earlier; what comes out is the same as if all were.

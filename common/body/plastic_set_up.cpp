@@ -5,7 +5,7 @@
 #include "common/body/plastic_elements.hpp"
 #include "common/fem/element_copies.hpp"
 
-// What PlasticElements find once, of the mesh and the materials.
+// The constructor of PlasticElements: shapes and blocks, found once from mesh and materials.
 
 namespace ricochet::solver {
 namespace {

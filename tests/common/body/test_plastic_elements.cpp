@@ -163,8 +163,8 @@ TEST_P(PlasticElementsOf, ForgetStepsThatAreUndone) {
   }
 }
 
-/// What flows at one place is held on the way to another: P is linear there, and the work of a step is booked to
-/// rounding. Where that is called enough, little would flow further.
+/// Elements hold the flow of one place on the way to another: P is linear there, and the work of a step is booked to
+/// rounding. Where they call that enough, little would flow further.
 TEST_P(PlasticElementsOf, HoldWhatFlows) {
   Moved path = moved();
   const double factor_squared = path.body().part.section.model == fem::Model::bar ? 1.0 : 1.5;
