@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/body/blocks.hpp"
+#include "common/body/outer_sums.hpp"
 #include "common/fem/hanging_nodes.hpp"
 
 namespace ricochet::solver {
@@ -121,20 +122,23 @@ void BodyState::set_angular_momentum(const Eigen::Vector3d& kg_m2_s) {
   totals.angular_momentum_z_kg_m2_s = kg_m2_s[2];
 }
 
+namespace {
+
+template <int components>
+Eigen::Vector3d angular_momentum(const BodyState& state, int first_node, int last_node) {
+  const double *const place = state.place.data(), *const u = state.u.data(), *const mass = state.mass.data(),
+                      *const v = state.v.data();
+  return turning_part(outer_sums<components, components>(
+      first_node, last_node, [=](int node, int c) { return place[node * components + c] + u[node * components + c]; },
+      [=](int node, int c) { return mass[node * components + c] * v[node * components + c]; }));
+}
+
+}  // namespace
+
 Eigen::Vector3d BodyState::angular_momentum_of(int first_node, int last_node) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  if (place.size() == 0) return sum;
-  const int components = fem::components(part.mesh.model);
-  for (int node = first_node; node < last_node; ++node) {
-    Eigen::Vector3d at = Eigen::Vector3d::Zero(), momentum = at;
-    for (int c = 0; c < components; ++c) {
-      const int dof = node * components + c;
-      at[c] = place[dof] + u[dof];
-      momentum[c] = mass[dof] * v[dof];
-    }
-    sum += at.cross(momentum);
-  }
-  return sum;
+  if (place.size() == 0) return Eigen::Vector3d::Zero();
+  return fem::components(part.mesh.model) == 3 ? angular_momentum<3>(*this, first_node, last_node)
+                                               : angular_momentum<2>(*this, first_node, last_node);
 }
 
 namespace {
@@ -269,11 +273,14 @@ void take_interface_mass(const std::vector<double>& interface_mass_kg, std::vect
 }
 
 Moments block_moments(const BodyState& state, double ahead_s, int block) {
-  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components;
+  const int components = fem::components(state.part.mesh.model), rows = block_nodes * components,
+            last = std::min((block + 1) * rows, state.part.dofs());
   Moments moments;
-  for (int dof = block * rows; dof < std::min((block + 1) * rows, state.part.dofs()); ++dof) {
-    moments.moved_kg_m[dof % components] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
-    moments.mass_kg[dof % components] += state.mass[dof];
+  for (int c = 0; c < components; ++c) {
+    for (int dof = block * rows + c; dof < last; dof += components) {
+      moments.moved_kg_m[c] += state.mass[dof] * (state.u[dof] + ahead_s * state.v[dof]);
+      moments.mass_kg[c] += state.mass[dof];
+    }
   }
   return moments;
 }

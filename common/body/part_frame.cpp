@@ -8,38 +8,41 @@
 #include <stdexcept>
 #include <vector>
 
-#include "common/body/blocks.hpp"
+#include "common/body/outer_sums.hpp"
 
 namespace ricochet::solver {
 namespace {
 
-/// work(block, first node, last node) of each block. Threads take many at a time: one takes less than handing it out.
+/// Nodes that a thread takes at a time, and whose sums are made together.
+constexpr int stretch_nodes = 1024;
+
+/// work(stretch, first node, last node) of each stretch of the nodes.
 template <class Work>
-void for_each_block(int nodes, Parallel* parallel, const Work& work) {
-  constexpr int at_a_time = 64;
-  const int blocks = blocks_of(nodes);
-  const auto some = [&](int part, int) noexcept {
-    for (int block = part * at_a_time; block < std::min((part + 1) * at_a_time, blocks); ++block)
-      work(block, block * block_nodes, std::min((block + 1) * block_nodes, nodes));
+void for_each_stretch(int nodes, Parallel* parallel, const Work& work) {
+  const int stretches = (nodes + stretch_nodes - 1) / stretch_nodes;
+  const auto one = [&](int stretch, int) noexcept {
+    work(stretch, stretch * stretch_nodes, std::min((stretch + 1) * stretch_nodes, nodes));
   };
-  const int parts = (blocks + at_a_time - 1) / at_a_time;
-  if (parallel != nullptr && parts > 1) {
-    parallel->for_each(parts, some);
+  if (parallel != nullptr && stretches > 1) {
+    parallel->for_each(stretches, one);
   } else {
-    for (int part = 0; part < parts; ++part) some(part, 0);
+    for (int stretch = 0; stretch < stretches; ++stretch) one(stretch, 0);
   }
 }
 
-template <int components>
-Eigen::Matrix<double, components, 1> at_node(const Eigen::VectorXd& x, int node) {
-  return x.segment<components>(node * components);
+/// The sum over the stretches of sum_of(first node, last node), one after another: the same bits for any number of
+/// threads.
+template <class Sum, class SumOf>
+Sum sum_of_stretches(int nodes, Parallel* parallel, const SumOf& sum_of) {
+  std::vector<Sum> sums(static_cast<std::size_t>((nodes + stretch_nodes - 1) / stretch_nodes));
+  for_each_stretch(nodes, parallel, [&](int stretch, int first, int last) {
+    sums[static_cast<std::size_t>(stretch)] = sum_of(first, last);
+  });
+  Sum all = Sum::Zero();
+  for (const Sum& sum : sums) all += sum;
+  return all;
 }
 
-/// About the third axis, of vectors in a plane.
-Eigen::Vector3d cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return {0.0, 0.0, a[0] * b[1] - a[1] * b[0]};
-}
-Eigen::Vector3d cross(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.cross(b); }
 Eigen::Vector2d turned(const Eigen::Vector3d& by, const Eigen::Vector2d& a) { return {-by[2] * a[1], by[2] * a[0]}; }
 Eigen::Vector3d turned(const Eigen::Vector3d& by, const Eigen::Vector3d& a) { return by.cross(a); }
 
@@ -76,32 +79,21 @@ PartFrame::PartFrame(const fem::Part& part)
 
 template <int components>
 PartFrame::Fit PartFrame::fit_of(const Eigen::VectorXd& u, Parallel* parallel) const {
-  using Vector = Eigen::Matrix<double, components, 1>;
   using Matrix = Eigen::Matrix<double, components, components>;
-  struct Sums {
-    Vector moved = Vector::Zero();   ///< sum m u
-    Matrix turned = Matrix::Zero();  ///< sum m u Y^T
-  };
+  using Sums = Eigen::Matrix<double, components, components + 1>;  // sum m u Y^T, sum m u
   const auto nodes = static_cast<int>(mass_.size());
-  std::vector<Sums> blocks(static_cast<std::size_t>(blocks_of(nodes)));
-  for_each_block(nodes, parallel, [&](int block, int first, int last) {
-    Sums& sums = blocks[static_cast<std::size_t>(block)];
-    for (int node = first; node < last; ++node) {
-      const Vector moved = mass_[node] * at_node<components>(u, node);
-      sums.moved += moved;
-      sums.turned += moved * at_node<components>(arm_, node).transpose();
-    }
+  const double *const moved = u.data(), *const mass = mass_.data(), *const arm = arm_.data();
+  const Sums all = sum_of_stretches<Sums>(nodes, parallel, [=](int first, int last) {
+    return outer_sums<components, components + 1>(
+        first, last, [=](int node, int c) { return moved[node * components + c]; },
+        [=](int node, int c) { return mass[node] * (c < components ? arm[node * components + c] : 1.0); });
   });
-  Sums all;
-  for (const Sums& block : blocks) {
-    all.moved += block.moved;
-    all.turned += block.turned;
-  }
-  const Matrix h = inertia_.topLeftCorner<components, components>() + all.turned;
+  const Matrix turned = all.template leftCols<components>(),
+               h = inertia_.topLeftCorner<components, components>() + turned;
   Fit fit;
-  if (!all.turned.isZero(0.0)) fit.motion.rotation = rotation_of(h);  // else rounding would strain a body at rest
+  if (!turned.isZero(0.0)) fit.motion.rotation = rotation_of(h);  // else rounding would strain a body at rest
   fit.motion.from_m = fit.motion.to_m = centre_m_;
-  fit.motion.to_m.head<components>() += all.moved / mass_kg_;
+  fit.motion.to_m.head<components>() += all.col(components) / mass_kg_;
   fit.stretch.setZero();
   const Matrix stretch = fit.motion.rotation.topLeftCorner<components, components>().transpose() * h;
   fit.stretch.topLeftCorner<components, components>() = 0.5 * (stretch + stretch.transpose());
@@ -121,10 +113,14 @@ void PartFrame::straining_of(const Eigen::VectorXd& u, const fem::RigidMotion& m
                change = back - Matrix::Identity();
   const Vector moved = (motion.to_m - motion.from_m).head<components>();
   d.resize(u.size());
-  for_each_block(static_cast<int>(mass_.size()), parallel, [&](int, int first, int last) {
-    for (int node = first; node < last; ++node)
-      d.segment<components>(node * components) =
-          change * at_node<components>(arm_, node) + back * (at_node<components>(u, node) - moved);
+  const double *const of_u = u.data(), *const of_arm = arm_.data();
+  double* const of_d = d.data();
+  for_each_stretch(static_cast<int>(mass_.size()), parallel, [=](int, int first, int last) {
+    for (int dof = first * components; dof < last * components; dof += components) {
+      const Vector at = Eigen::Map<const Vector>(of_u + dof) - moved;
+      Eigen::Map<Vector>(of_d + dof) =
+          change.lazyProduct(Eigen::Map<const Vector>(of_arm + dof)) + back.lazyProduct(at);
+    }
   });
 }
 
@@ -145,26 +141,25 @@ void PartFrame::force_of(const Fit& fit, const Eigen::VectorXd& d, const Eigen::
   using Vector = Eigen::Matrix<double, components, 1>;
   using Matrix = Eigen::Matrix<double, components, components>;
   const auto nodes = static_cast<int>(mass_.size());
-  std::vector<Eigen::Vector3d> blocks(static_cast<std::size_t>(blocks_of(nodes)));
-  for_each_block(nodes, parallel, [&](int block, int first, int last) {
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for (int node = first; node < last; ++node) {
-      const Vector at = at_node<components>(arm_, node) + at_node<components>(d, node);
-      moment += cross(at, at_node<components>(g, node));
-    }
-    blocks[static_cast<std::size_t>(block)] = moment;
-  });
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& block : blocks) moment += block;
+  const double *const of_d = d.data(), *const of_g = g.data(), *const of_arm = arm_.data(), *const mass = mass_.data();
+  const Eigen::Vector3d moment = turning_part(sum_of_stretches<Matrix>(nodes, parallel, [=](int first, int last) {
+    return outer_sums<components, components>(
+        first, last, [=](int node, int c) { return of_arm[node * components + c] + of_d[node * components + c]; },
+        [=](int node, int c) { return of_g[node * components + c]; });
+  }));
   Eigen::Matrix3d spread = fit.stretch.trace() * Eigen::Matrix3d::Identity() - fit.stretch;
   if (components == 2) spread.topLeftCorner<2, 2>().setIdentity();  // nothing turns about these axes
   const Eigen::Vector3d c = spread.inverse() * moment;
   const Matrix rotation = fit.motion.rotation.topLeftCorner<components, components>();
   p.resize(g.size());
-  for_each_block(nodes, parallel, [&](int, int first, int last) {
-    for (int node = first; node < last; ++node)
-      p.segment<components>(node * components) =
-          rotation * (at_node<components>(g, node) - mass_[node] * turned(c, at_node<components>(arm_, node)));
+  double* const of_p = p.data();
+  for_each_stretch(nodes, parallel, [=](int, int first, int last) {
+    for (int node = first; node < last; ++node) {
+      const int dof = node * components;
+      const Vector arm = Eigen::Map<const Vector>(of_arm + dof);
+      const Vector pulled = Eigen::Map<const Vector>(of_g + dof) - mass[node] * turned(c, arm);
+      Eigen::Map<Vector>(of_p + dof) = rotation.lazyProduct(pulled);
+    }
   });
 }
 

@@ -28,7 +28,7 @@ class PartFrame {
     fem::RigidMotion motion;
     Eigen::Matrix3d stretch;  ///< S [kg m^2]
   };
-  /// Sums go block by block (blocks.hpp), so that any number of threads has the same bits. `parallel` may be null.
+  /// Any number of threads makes the same bits. `parallel` may be null.
   [[nodiscard]] Fit fit(const Eigen::VectorXd& u, Parallel* parallel = nullptr) const;
   /// d of it.
   void straining(const Eigen::VectorXd& u, const fem::RigidMotion& motion, Eigen::VectorXd& d,

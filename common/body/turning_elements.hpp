@@ -35,6 +35,7 @@ class TurningElements final : public InternalForce {
   std::unique_ptr<InternalForce> elements_;
   std::vector<Rows> all_;
   Eigen::VectorXd straining_, force_in_frame_;  ///< d and g of the last evaluation
+  mutable Eigen::VectorXd looked_at_;           ///< d of `stored`, kept so that no window allocates
   fem::SparseMatrix tangent_;
 };
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "common/body/blocks.hpp"
+#include "common/body/outer_sums.hpp"
 
 namespace ricochet::solver {
 namespace {
@@ -86,13 +87,18 @@ template <int components>
 Eigen::Matrix3d turn_of(const Eigen::Vector3d& centre_m, int body, const std::vector<BodyState>& states,
                         double ahead_s) {
   Eigen::Matrix<double, components, components> h = Eigen::Matrix<double, components, components>::Zero();
-  for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
-    const Eigen::Matrix<double, components, 1> arm =
-        (state.part.mesh.position[fem::at(node)] - centre_m).template head<components>();
-    const auto u = state.u.template segment<components>(node * components),
-               v = state.v.template segment<components>(node * components);
-    h += node_kg * (arm + u + ahead_s * v) * arm.transpose();
-  });
+  for (const auto& state : states) {
+    if (state.body != body) continue;
+    const double *const u = state.u.data(), *const v = state.v.data(), *const mass = state.mass.data(),
+                        *const centre = centre_m.data();
+    const Eigen::Vector3d* const place = state.part.mesh.position.data();
+    h += outer_sums<components, components>(
+        0, state.part.nodes(),
+        [=](int node, int c) {
+          return (place[node][c] - centre[c]) + (u[node * components + c] + ahead_s * v[node * components + c]);
+        },
+        [=](int node, int c) { return mass[node * components] * (place[node][c] - centre[c]); });
+  }
   return rotation_of(h);
 }
 
