@@ -25,6 +25,16 @@ Eigen::VectorXd CombinedParts::displacement() const {
   return u;
 }
 
+std::vector<Eigen::Matrix3d> CombinedParts::rotations(const Eigen::VectorXd& u) const {
+  std::vector<Eigen::Matrix3d> all;
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto& frame = states[b].frame;
+    all.push_back(frame ? frame->fit(segment(u, b), states[b].parallel.get()).motion.rotation
+                        : Eigen::Matrix3d::Identity());
+  }
+  return all;
+}
+
 std::vector<const fem::SparseMatrix*> CombinedParts::tangents(const Eigen::VectorXd& u) const {
   std::vector<const fem::SparseMatrix*> all;
   for (std::size_t b = 0; b < states.size(); ++b) all.push_back(&forces[b]->tangent(segment(u, b)));
@@ -83,7 +93,7 @@ bool CombinedParts::hold_enough(const Eigen::VectorXd& increment) const {
 
 void CombinedParts::settle(double dt) const {
   for (std::size_t b = 0; b < states.size(); ++b) {
-    if (forces[b]->linear()) continue;
+    if (!forces[b]->remembers()) continue;
     Eigen::VectorXd force = Eigen::VectorXd::Zero(states[b].part.dofs());
     forces[b]->evaluate(dt, states[b].u, force);
     forces[b]->follow(force);

@@ -44,6 +44,8 @@ class CombinedParts {
   [[nodiscard]] Eigen::VectorXd displacement() const;
   /// The largest coordinate of a part in a frame, which turns with it [m]; 0 without one.
   [[nodiscard]] double turning_m(std::size_t part) const;
+  /// R of the frame of each part at a displacement (PartFrame); 1 without one.
+  [[nodiscard]] std::vector<Eigen::Matrix3d> rotations(const Eigen::VectorXd& u) const;
   /// K_T of each part at a displacement [N/m]; they stay until the next call.
   [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;
   /// A matrix of each part, made one matrix.

@@ -287,6 +287,7 @@ ImplicitSolver::State ImplicitSolver::state() const {
           .elements = std::move(elements),
           .linearised_at = newmark_->linearised_at(),
           .last_increment = newmark_->last_increment(),
+          .directions = newmark_->directions(),
           .contact = contact_ ? std::optional(contact_->state()) : std::nullopt,
           .separation = reporting_.separation()};
 }
@@ -302,6 +303,7 @@ void ImplicitSolver::restore(const State& state) {
   reporting_.restore(state.separation);
   for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *parts_.forces[b]);
   if (state.linearised_at != newmark_->linearised_at()) newmark_->linearise(state.linearised_at);
+  if (state.directions != newmark_->directions()) newmark_->turn(state.directions);
   newmark_->set_last_increment(state.last_increment);
   trial_.end.external = forces_.external;
   newmark_->forget();

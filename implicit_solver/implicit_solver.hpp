@@ -63,13 +63,14 @@ class ImplicitSolver : public participant::Participant {
     std::vector<std::string> elements;                        ///< per part: what its InternalForce keeps
     Eigen::VectorXd linearised_at;   ///< where the operator is from; empty of tangents that are kept
     Eigen::VectorXd last_increment;  ///< see NewmarkWindow
+    std::vector<Eigen::Matrix3d> directions;
     std::optional<ImplicitContact::State> contact;
     SeparationWatch separation;
 
     void archive(Archive& a) {
       a(window, bodies, integration, forces, interface_work_j, first_staggered_j);
       for (auto& kept : elements) a.any_size(kept);
-      a(linearised_at, last_increment, contact, separation);
+      a(linearised_at, last_increment, directions, contact, separation);
     }
   };
   [[nodiscard]] State state() const;

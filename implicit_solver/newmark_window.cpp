@@ -26,7 +26,10 @@ NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contac
       holds_(parts.keep_tangents() && !parts.linear()),
       solver_(parts, contact, interface_stiffness_, dt_, heart),
       linearised_at_(solver_.linearised_at()),
-      trial_linearised_at_(linearised_at_) {
+      trial_linearised_at_(linearised_at_),
+      directions_(solver_.directions()),
+      trial_directions_(directions_) {
+  if (!parts.linear() && !holds_) predicted_ = no_link_ = Eigen::VectorXd::Zero(parts_.dofs());
   for (auto* vector : {&rhs_, &mean_velocity_, &imbalance_}) vector->setZero(parts_.dofs());
   if (holds_) held_ = last_increment_ = rhs_;
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
@@ -66,6 +69,15 @@ void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, Window
   if (solver_.linearised_at() != linearised_at_) solver_.linearise(linearised_at_);
   const double dt = dt_, quarter = 0.25 * dt * dt, time_s = clock_.time_s(window);
   parts_.external_force(time_s, trial.end.external);
+  for (std::size_t b = 0; b < parts_.states.size(); ++b)
+    for (std::size_t i = 0; i < parts_.states[b].dashpots.size(); ++i)
+      dashpot_load_[b][i] = parts_.load_on(b, parts_.states[b].dashpots[i].dof, trial.end.external);
+  if (!parts_.linear() && !holds_) {
+    constrain_increment(time_s, trial);
+    begin_balance(trial);
+    prepared_ = window;
+    return;
+  }
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
     parts_.segment(rhs_, b) =
@@ -73,7 +85,7 @@ void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, Window
     if (!state.external.zero())
       parts_.segment(rhs_, b) += quarter * (parts_.segment(trial.end.external, b) - parts_.segment(last.external, b));
   }
-  damp_rhs(trial);
+  damp_rhs();
   constrain_increment(time_s, trial);
   if (holds_) predict(trial);
   solver_.eliminate(rhs_);
@@ -104,13 +116,12 @@ void NewmarkWindow::forget() {
 }
 
 /// Adds the dashpots' forces in q and df that do not change with du: see the class comment.
-void NewmarkWindow::damp_rhs(const WindowTrial& trial) {
+void NewmarkWindow::damp_rhs() {
   const double dt = dt_;
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
     for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
       const auto& d = state.dashpots[i];
-      dashpot_load_[b][i] = parts_.load_on(b, d.dof, trial.end.external);
       double change = 2.0 * d.coefficient_kg_s * state.v[d.dof];
       if (!state.external.zero()) change += d.force(state.v[d.dof]);  // df was formed with it in f_n
       rhs_[parts_.offsets[b] + d.dof] += 0.25 * dt * dt * change;
@@ -121,10 +132,11 @@ void NewmarkWindow::damp_rhs(const WindowTrial& trial) {
 void NewmarkWindow::advance(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   prepare(window, last, trial);
   add_interface_force(trial.end.link);  // S du is in the operator
-  solver_.solve(rhs_, last.link, trial.end.link, trial.increment);
-  if (holds_) {
-    settle(window, last, trial);
-  } else if (!parts_.linear()) {
+  if (parts_.linear() || holds_) {
+    solver_.solve(rhs_, last.link, trial.end.link, nullptr, trial.increment);
+    if (holds_) settle(window, last, trial);
+  } else {
+    solver_.solve(rhs_, no_link_, trial.end.link, &predicted_, trial.increment);
     balance(window, trial);
   }
   add_interface_force_of(trial.increment, trial.end.link);
@@ -149,7 +161,7 @@ void NewmarkWindow::settle(std::int64_t window, const WindowState& last, WindowT
     remember(std::move(step));
     hold();
     solver_.eliminate(rhs_);
-    solver_.solve(rhs_, last.link, trial.end.link, trial.increment);
+    solver_.solve(rhs_, last.link, trial.end.link, nullptr, trial.increment);
   }
 }
 
@@ -167,6 +179,13 @@ void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
 void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
   solver_.linearise(u);
   linearised_at_ = trial_linearised_at_ = solver_.linearised_at();
+  directions_ = trial_directions_ = solver_.directions();
+  forget();
+}
+
+void NewmarkWindow::turn(const std::vector<Eigen::Matrix3d>& directions) {
+  solver_.turn(directions);
+  directions_ = trial_directions_ = directions;
   forget();
 }
 
@@ -217,6 +236,7 @@ void NewmarkWindow::set_dashpot_forces(WindowTrial& trial) const {
 
 void NewmarkWindow::account(const WindowTrial& trial) {
   linearised_at_ = trial_linearised_at_;
+  directions_ = trial_directions_;
   if (holds_) last_increment_ = trial.increment;
   if (contact_) contact_->account(parts_.states, trial.increment, mean_velocity_);
 }

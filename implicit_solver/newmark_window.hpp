@@ -27,9 +27,10 @@ namespace ricochet::implicit_solver {
 /// that plastic strain: the window is linear, and its balances are to rounding, whatever they hold (operator splitting
 /// after Nakashima 1990). The first place goes on as the last window did; one found by rates would ring in elements far
 /// finer than the window. The next ones come from where the window ended, by Broyden's method.
-/// Elements of any other kind are solved by Newton's method. The equation is the first of its steps to
+/// Elements of any other kind are solved by Newton's method,
 ///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
-/// which end when no more than 1e-10 of the largest force is out of balance, or with a SolverError.
+/// until no more than 1e-10 of the largest force is out of balance, or with a SolverError. It begins where parts that
+/// turn would be if they moved on as rigid bodies, with an operator that turns with them.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared
@@ -50,6 +51,9 @@ class NewmarkWindow {
   /// The increment of the accepted window, where elements hold what the next one starts with; else empty.
   [[nodiscard]] const Eigen::VectorXd& last_increment() const { return last_increment_; }
   void set_last_increment(const Eigen::VectorXd& increment) { last_increment_ = increment; }
+  /// The directions that windows' operators have, of parts that turn (WindowSolver::directions).
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return directions_; }
+  void turn(const std::vector<Eigen::Matrix3d>& directions);
   /// Accounts work and impulses of the contact in the trial that becomes final.
   void account(const WindowTrial& trial);
   /// link += S u of the accepted motion.
@@ -67,15 +71,19 @@ class NewmarkWindow {
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
   /// link += S increment.
   void add_interface_force_of(const Eigen::VectorXd& increment, Eigen::VectorXd& link);
-  void damp_rhs(const WindowTrial& trial);
+  void damp_rhs();
   void constrain_increment(double time_s, WindowTrial& trial);
   void predict(const WindowTrial& trial);
   void hold();
   void settle(std::int64_t window, const WindowState& last, WindowTrial& trial);
+  void begin_balance(WindowTrial& trial);
+  void turn_ahead(const std::vector<fem::RigidMotion>& begin, const std::vector<fem::RigidMotion>& end);
+  [[nodiscard]] bool turn_to(const Eigen::VectorXd& u);
   void balance(std::int64_t window, WindowTrial& trial);
   [[nodiscard]] bool is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
                                  double& moved_m) const;
   double find_imbalance(const WindowTrial& trial);
+  double find_imbalance(const Eigen::VectorXd& increment, const Eigen::VectorXd& external, const Eigen::VectorXd& link);
   void mend(Eigen::VectorXd& step);
   void remember(Eigen::VectorXd step);
   bool shorten(const Eigen::VectorXd& step, WindowTrial& trial, double& largest_n);
@@ -94,6 +102,8 @@ class NewmarkWindow {
   WindowSolver solver_;
   /// Displacement of the accepted window, from whose operator each trial of the next one starts, and of the trial.
   Eigen::VectorXd linearised_at_, trial_linearised_at_;
+  std::vector<Eigen::Matrix3d> directions_, trial_directions_;  ///< of the operator, likewise
+  Eigen::VectorXd predicted_, no_link_;  ///< increment that Newton's iteration begins with, and none
   std::vector<Root> roots_;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Eigen::VectorXd rhs_, shared_x_, shared_force_;

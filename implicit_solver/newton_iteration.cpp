@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -29,7 +31,78 @@ constexpr double most_growth = 1e4;
 /// it was at its beginning, or less.
 constexpr double level_share = 0.1;
 constexpr int most_shortenings = 20;
+/// The operator may point so far beside a part that turns [rad]. Each step of the iteration leaves about so much of
+/// what is out of balance: two settle most windows. Each turn costs the contact a new compliance.
+constexpr double most_beside = 1e-4;
+/// A turn by less does not help.
+constexpr double least_turn = 1e-8;
+
+/// Of a rotation from one to the other, or about it [rad].
+double angle_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
+  return (to - from).norm() / std::numbers::sqrt2;
+}
 }  // namespace
+
+/// Where parts that turn get to if they move on as they are, and what is out of balance there.
+void NewmarkWindow::begin_balance(WindowTrial& trial) {
+  std::vector<fem::RigidMotion> begin, end;
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    const auto& state = parts_.states[b];
+    parts_.segment(predicted_, b).setZero();
+    begin.emplace_back();
+    end.emplace_back();
+    if (!state.frame) continue;
+    before_ = state.u + dt_ * state.v;
+    begin.back() = state.frame->fit(state.u, state.parallel.get()).motion;
+    end.back() = state.frame->fit(before_, state.parallel.get()).motion;
+    const Eigen::Matrix3d turn = end.back().rotation * begin.back().rotation.transpose();
+    auto predicted = parts_.segment(predicted_, b);
+    const int components = fem::components(state.part.mesh.model);
+    for (int node = 0; node < state.part.nodes(); ++node) {
+      Eigen::Vector3d place = state.part.mesh.position[static_cast<std::size_t>(node)] - begin.back().to_m;
+      for (int c = 0; c < components; ++c) place[c] += state.u[node * components + c];
+      const Eigen::Vector3d moved = turn * place - place + end.back().to_m - begin.back().to_m;
+      for (int c = 0; c < components; ++c) predicted[node * components + c] = moved[c];
+    }
+  }
+  if (solver_.may_turn()) turn_ahead(begin, end);
+  before_ = predicted_;
+  for (std::size_t b = 0; b < parts_.size(); ++b)
+    for (const auto& c : parts_.states[b].constrained)
+      before_[parts_.offsets[b] + c.dof] = trial.increment[parts_.offsets[b] + c.dof];
+  find_imbalance(before_, trial.end.external, no_link_);
+  rhs_ = 0.25 * dt_ * dt_ * imbalance_;
+  solver_.eliminate(rhs_);
+}
+
+/// The operator turns when it has come to point too far beside a part, by as much again ahead of it: it serves until
+/// the part has passed it.
+void NewmarkWindow::turn_ahead(const std::vector<fem::RigidMotion>& begin, const std::vector<fem::RigidMotion>& end) {
+  std::vector<Eigen::Matrix3d> directions = directions_;
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    if (!parts_.states[b].frame) continue;
+    const Eigen::Matrix3d& now = end[b].rotation;
+    const double beside = angle_between(directions[b], now), in_window = angle_between(begin[b].rotation, now);
+    if (beside <= most_beside) continue;
+    directions[b] = now;
+    const Eigen::Matrix3d turn = now * begin[b].rotation.transpose();
+    const Eigen::Vector3d axis(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1));
+    if (in_window > least_turn && in_window < most_beside)
+      directions[b] = Eigen::AngleAxisd(most_beside, axis.normalized()).toRotationMatrix() * now;
+  }
+  if (solver_.directions() != directions) solver_.turn(directions);
+  trial_directions_ = directions;
+}
+
+/// Turns the operator to the directions at a displacement; false if it has them.
+bool NewmarkWindow::turn_to(const Eigen::VectorXd& u) {
+  const std::vector<Eigen::Matrix3d> directions = parts_.rotations(u);
+  bool other = false;
+  for (std::size_t b = 0; b < parts_.size(); ++b)
+    other = other || angle_between(solver_.directions()[b], directions[b]) > least_turn;
+  if (other && solver_.may_turn()) solver_.turn(directions);
+  return other && solver_.may_turn();
+}
 
 /// Newton's iteration where the elements are not linear: each step is a linear window for what the last one left out of
 /// balance, with contact forces found anew. The operator stays while it serves, and what its steps have shown of the
@@ -52,7 +125,8 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     }
     if (improvements == most_improvements || !std::isfinite(left_n)) refuse_unbalanced(window, improvements, left);
     if (left_n > slow_share * before_n) {
-      solver_.linearise(parts_.displacement() + trial.increment);
+      const Eigen::VectorXd u = parts_.displacement() + trial.increment;
+      if (!turn_to(u)) solver_.linearise(u);
       steps_.clear();
     }
     before_n = left_n;
@@ -71,6 +145,7 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved_m) break;
   }
   trial_linearised_at_ = solver_.linearised_at();
+  trial_directions_ = solver_.directions();
   forget();  // rhs_ is another
 }
 
@@ -138,17 +213,22 @@ bool NewmarkWindow::shorten(const Eigen::VectorXd& step, WindowTrial& trial, dou
 /// f - P - L - M a* at the free dofs for the present increment, without contact forces. Returns the largest of the
 /// forces.
 double NewmarkWindow::find_imbalance(const WindowTrial& trial) {
+  return find_imbalance(trial.increment, trial.end.external, trial.end.link);
+}
+
+double NewmarkWindow::find_imbalance(const Eigen::VectorXd& increment, const Eigen::VectorXd& external,
+                                     const Eigen::VectorXd& link) {
   const double dt = dt_;
   double largest = 0.0;
-  link_ = trial.end.link;
-  add_interface_force_of(trial.increment, link_);
+  link_ = link;
+  add_interface_force_of(increment, link_);
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
-    const auto du = parts_.segment(trial.increment, b);
-    parts_.evaluate_moved(dt_, b, trial.increment, internal_);
+    const auto du = parts_.segment(increment, b);
+    parts_.evaluate_moved(dt_, b, increment, internal_);
     inertia_ = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
     auto left = parts_.segment(imbalance_, b);
-    left = parts_.segment(trial.end.external, b);
+    left = parts_.segment(external, b);
     for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
       const auto& d = state.dashpots[i];
       left[d.dof] = dashpot_load_[b][i] + d.force(2.0 / dt * du[d.dof] - state.v[d.dof]);

@@ -139,10 +139,20 @@ void WindowSolver::linearise(const Eigen::VectorXd& u, participant::Heartbeat* h
   std::vector<bool> active;
   fem::SparseMatrix a = assemble(u, active);
   choose_root(a, active);
-  factor_.emplace(std::move(a), active, root_, parts_.states.empty() ? nullptr : parts_.states.front().parallel, heart);
+  factor_.emplace(parts_, std::move(a), active, root_, heart);
+  factored_ = directions_ = parts_.rotations(u);
   if (!contact_) return;
   if (heart) heart->begin("preparing the contact");
   prepare_contact();
+}
+
+/// contact_increment_ = A^-1 of forces on the contact's root dofs.
+template <class Factor>
+void WindowSolver::move_by(const Eigen::VectorXd& forces, Factor& factor) {
+  for (Eigen::Index i = 0; i < forces.size(); ++i)
+    contact_force_[contact_->root_dofs()[static_cast<std::size_t>(i)]] = forces[i];
+  factor.forward(contact_force_);
+  factor.backward(root_increment_, contact_increment_);
 }
 
 void WindowSolver::prepare_contact() {
@@ -154,12 +164,20 @@ void WindowSolver::prepare_contact() {
   contact_force_.setZero(parts_.dofs());
   contact_increment_.setZero(parts_.dofs());
   const auto solve = [this](const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
-    move_by(forces);
+    move_by(forces, factor_->as_factored());
     motion.resize(forces.size());
     for (Eigen::Index i = 0; i < forces.size(); ++i)
       motion[i] = contact_increment_[contact_->root_dofs()[static_cast<std::size_t>(i)]];
   };
   contact_->prepare(parts_.states, solve, dt_);
+}
+
+void WindowSolver::turn(const std::vector<Eigen::Matrix3d>& directions) {
+  directions_ = directions;
+  std::vector<Eigen::Matrix3d> by;
+  for (std::size_t p = 0; p < parts_.size(); ++p) by.push_back(directions[p] * factored_[p].transpose());
+  factor_->turn(std::move(by));
+  if (contact_) contact_->turn(factor_->turned_by(), parts_.states);
 }
 
 void WindowSolver::subtract_moved(std::size_t part, int dof, double du, Eigen::VectorXd& b) const {
@@ -173,7 +191,7 @@ void WindowSolver::eliminate(const Eigen::VectorXd& b) {
 }
 
 void WindowSolver::solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_before, const Eigen::VectorXd& link,
-                         Eigen::VectorXd& increment) {
+                         const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
   const double quarter = 0.25 * dt_ * dt_;
   if (link_in_root_) {
     root_rhs_ = factor_->root_rhs();
@@ -184,24 +202,21 @@ void WindowSolver::solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_b
     factor_->forward(b_with_link_);
     root_rhs_ = factor_->root_rhs();
   }
-  find_increment(nullptr, increment);
+  if (from) begin_from(*from);
+  find_increment(from ? &from_ : nullptr, increment);
+}
+
+/// What is no unknown of the operator stays as it is in `increment`.
+void WindowSolver::begin_from(const Eigen::VectorXd& from) {
+  from_ = from;
+  for (const int dof : factor_->inactive()) from_[dof] = 0.0;
 }
 
 void WindowSolver::improve(const Eigen::VectorXd& b, Eigen::VectorXd& increment) {
-  from_ = increment;
-  for (std::size_t p = 0; p < parts_.size(); ++p)
-    for (const auto& c : parts_.states[p].constrained) from_[parts_.offsets[p] + c.dof] = 0.0;
+  begin_from(increment);
   factor_->forward(b);
   root_rhs_ = factor_->root_rhs();
   find_increment(&from_, increment);
-}
-
-/// contact_increment_ = A^-1 of forces on the contact's root dofs.
-void WindowSolver::move_by(const Eigen::VectorXd& forces) {
-  for (Eigen::Index i = 0; i < forces.size(); ++i)
-    contact_force_[contact_->root_dofs()[static_cast<std::size_t>(i)]] = forces[i];
-  factor_->forward(contact_force_);
-  factor_->backward(root_increment_, contact_increment_);
 }
 
 /// The increment without contact forces first, then what they add to it.
@@ -210,13 +225,13 @@ void WindowSolver::solve_contact_outside_root(const Eigen::VectorXd* from, Eigen
   if (from) increment += *from;
   contact_->solve(parts_.states, increment);
   if (!contact_->any_force()) return;
-  move_by(contact_->root_force());
+  move_by(contact_->root_force(), *factor_);
   increment.noalias() += (contact_->kappa() * 0.25 * dt_ * dt_) * contact_increment_;
 }
 
 /// Completes a solve whose root has its right-hand side; the increment is counted from `from`, if that is given.
 void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
-  root_increment_.noalias() = factor_->root_inverse() * root_rhs_;
+  factor_->solve_root(root_rhs_, root_increment_);
   if (!*contact_in_root_) {
     solve_contact_outside_root(from, increment);
     return;
@@ -230,7 +245,7 @@ void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& 
     contact_->solve(parts_.states, increment);
     const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
     root_force_ = scale * contact_->root_force();
-    solver::add_product(factor_->root_inverse(), root_force_, root_increment_);
+    factor_->add_root_motion(root_force_, root_increment_);
   }
   factor_->backward(root_increment_, increment);
   if (from) increment += *from;

@@ -7,8 +7,8 @@
 
 #include "common/participant/heartbeat.hpp"
 #include "implicit_solver/combined_parts.hpp"
-#include "implicit_solver/condensed_factor.hpp"
 #include "implicit_solver/contact/implicit_contact.hpp"
+#include "implicit_solver/turned_factor.hpp"
 
 namespace ricochet::implicit_solver {
 
@@ -29,6 +29,13 @@ class WindowSolver {
   /// A at the displacement `u` (combined) from here on, and with it the contact's compliance. Everything eliminated is
   /// void.
   void linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart = nullptr);
+  /// The directions of the parts that A has [1]: those at the displacement where it was linearised, or those it was
+  /// turned to since.
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return directions_; }
+  /// Whether A of parts that turn may be turned with them (TurnedFactor).
+  [[nodiscard]] bool may_turn() const { return interface_stiffness_.size() == 0 && factor_->may_turn(); }
+  /// A in other directions from here on, and the contact's compliance. Everything eliminated is void.
+  void turn(const std::vector<Eigen::Matrix3d>& directions);
   /// Where A was linearised last; empty if all elements keep their tangent.
   [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
   /// The largest diagonal entry of a part's K_T.
@@ -38,10 +45,10 @@ class WindowSolver {
 
   /// As much of `solve` with b as does not need the link's change.
   void eliminate(const Eigen::VectorXd& b);
-  /// increment = A^-1 (b - dt^2/4 (link - link_before) + contact forces); constrained dofs stay. `eliminate` with the
-  /// same b comes before.
+  /// increment = A^-1 (b - dt^2/4 (link - link_before) + contact forces), counted from `from` if that is given, which
+  /// is 0 at constrained dofs; these stay. `eliminate` with the same b comes before.
   void solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_before, const Eigen::VectorXd& link,
-             Eigen::VectorXd& increment);
+             const Eigen::VectorXd* from, Eigen::VectorXd& increment);
   /// increment += A^-1 (b + contact forces), where b is what the increment without contact forces leaves undone.
   void improve(const Eigen::VectorXd& b, Eigen::VectorXd& increment);
 
@@ -51,9 +58,11 @@ class WindowSolver {
   void choose_root(const fem::SparseMatrix& a, const std::vector<bool>& active);
   [[nodiscard]] bool contact_belongs_in_root(const fem::SparseMatrix& a, const std::vector<bool>& active);
   void prepare_contact();
+  void begin_from(const Eigen::VectorXd& from);
   void find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
   void solve_contact_outside_root(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
-  void move_by(const Eigen::VectorXd& forces);
+  template <class Factor>
+  void move_by(const Eigen::VectorXd& forces, Factor& factor);
 
   const CombinedParts& parts_;
   ImplicitContact* contact_;
@@ -62,7 +71,8 @@ class WindowSolver {
   std::vector<const fem::SparseMatrix*> tangents_;  ///< per part
   std::vector<double> stiffest_n_m_;                ///< per part
   Eigen::VectorXd linearised_at_;
-  std::optional<CondensedFactor> factor_;
+  std::optional<TurnedFactor> factor_;
+  std::vector<Eigen::Matrix3d> factored_, directions_;  ///< per part: where it was factored, and of A
   std::vector<int> root_;
   std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
   bool link_in_root_ = true;

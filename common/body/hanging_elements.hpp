@@ -41,6 +41,7 @@ class HangingElements final : public InternalForce {
     fem::pass_on(hanging_, components_, force);
   }
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }
+  [[nodiscard]] bool remembers() const override { return elements_->remembers(); }
   void settle() override { elements_->settle(); }
   void go_back() override { elements_->go_back(); }
   [[nodiscard]] const std::vector<Rows>& rows() const override { return elements_->rows(); }

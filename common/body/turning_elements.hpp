@@ -20,6 +20,7 @@ class TurningElements final : public InternalForce {
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd&) override { elements_->follow(force_in_frame_); }
+  [[nodiscard]] bool remembers() const override { return elements_->remembers(); }
   void settle() override { elements_->settle(); }
   void go_back() override { elements_->go_back(); }
   [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }

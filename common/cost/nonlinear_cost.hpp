@@ -8,7 +8,7 @@ namespace ricochet::cost {
 
 /// An explicit step looks at elements that may yield and returns those that do, and finds the frame of a body [s].
 inline double nonlinear_step_s(const scene::Body& body, double elements, double unknowns) {
-  constexpr double yielding_element_s = 30e-9, turning_unknown_s = 25e-9;
+  constexpr double yielding_element_s = 30e-9, turning_unknown_s = 12e-9;
   return (body.yields() ? yielding_element_s * elements : 0.0) +
          (body.large_rotation ? turning_unknown_s * unknowns : 0.0);
 }
@@ -17,6 +17,6 @@ inline double nonlinear_step_s(const scene::Body& body, double elements, double 
 inline double spreads(const scene::Body& body) { return body.yields() ? 1.6 : 1.0; }
 
 /// An implicit window is solved so many times, with a look at what yields each time [1].
-inline double solves(const scene::Body& body) { return body.yields() ? 7.0 : body.large_rotation ? 10.0 : 1.0; }
+inline double solves(const scene::Body& body) { return body.yields() ? 7.0 : body.large_rotation ? 3.0 : 1.0; }
 
 }  // namespace ricochet::cost

@@ -24,10 +24,27 @@ constexpr Eigen::Index most_kept_columns = 2400, most_kept_numbers = 32'000'000;
 
 void ImplicitContact::prepare(const Eigen::MatrixXd& root_inverse, double dt) {
   dt_ = dt;
+  response_.turn = {};
   write_rows();
   response_.dense = root_inverse;
   start(compliance_of_rows());
-  if (!sliding_) response_.dense.resize(0, 0);
+  if (!other_rows_come()) response_.dense.resize(0, 0);
+}
+
+void ImplicitContact::turn(const std::vector<Eigen::Matrix3d>& by, const std::vector<BodyState>& states) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < root_dofs_.size(); ++i) {
+    const auto [part, dof] = local(root_dofs_[i]);
+    const int row = dof % surface_.components, first = root_dofs_[i] - row;
+    for (int column = 0; column < surface_.components; ++column) {
+      const int root = root_of_dof_[static_cast<std::size_t>(first + column)];
+      const double entry = by[static_cast<std::size_t>(part)](row, column);
+      if (root >= 0 && entry != 0.0) entries.emplace_back(static_cast<int>(i), root, entry);
+    }
+  }
+  response_.turn.resize(std::ssize(root_dofs_), std::ssize(root_dofs_));
+  response_.turn.setFromTriplets(entries.begin(), entries.end());
+  take_new_pairs(states);
 }
 
 void ImplicitContact::write_rows() {
@@ -37,19 +54,27 @@ void ImplicitContact::write_rows() {
 
 /// kappa dt^2/4 G S^-1 G^T, with the few entries that a row has.
 solver::Compliance ImplicitContact::compliance_of_rows() const {
-  const auto& rows = response_.rows;
+  using Sparse = solver::Compliance::Sparse;
+  const bool turned = response_.turn.size() > 0;
+  const Sparse of_factor = turned ? Sparse(response_.rows * response_.turn) : Sparse();
+  const Sparse& rows = turned ? of_factor : response_.rows;
   const double scale = kappa() * 0.25 * dt_ * dt_;
-  const solver::Compliance::Sparse columns = rows.transpose();
   if (response_.near.size() > 0) {
-    solver::Compliance::Sparse compliance = rows * response_.near * columns;
+    Sparse compliance = rows * response_.near * Sparse(rows.transpose());
     compliance *= scale;
     return compliance;
   }
-  const Eigen::MatrixXd moved = rows * response_.dense;
-  return Eigen::MatrixXd(scale * (moved * columns));
+  Eigen::MatrixXd compliance(rows.rows(), rows.rows());
+  Eigen::VectorXd moved(rows.cols());
+  for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+    moved.setZero();
+    for (Sparse::InnerIterator it(rows, row); it; ++it) moved += scale * it.value() * response_.dense.col(it.col());
+    compliance.col(row).noalias() = rows * moved;
+  }
+  return compliance;
 }
 
-bool ImplicitContact::has_columns() const { return !sliding_ && rows() <= most_columns; }
+bool ImplicitContact::has_columns() const { return !other_rows_come() && rows() <= most_columns; }
 
 bool ImplicitContact::moves_what_is_near(const std::vector<BodyState>& states, const SolveFor& solve, int most_solves) {
   const int most = has_columns() ? std::min(most_solves, rows()) : most_solves;
@@ -59,12 +84,13 @@ bool ImplicitContact::moves_what_is_near(const std::vector<BodyState>& states, c
 
 void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor solve, double dt) {
   dt_ = dt;
+  response_.turn = {};
   write_rows();
   auto inverse = response_.groups ? near_inverse(root_nodes(states), *response_.groups, solve) : std::nullopt;
   if (inverse) {
     response_.near.swap(*inverse);
     start(compliance_of_rows());
-    if (!sliding_) response_.near = {};
+    if (!other_rows_come()) response_.near = {};
     return;
   }
   const double scale = kappa() * 0.25 * dt * dt;
@@ -73,7 +99,9 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
                const Eigen::VectorXd& x, Eigen::VectorXd& y) mutable {
       forces.noalias() = response_.rows.transpose() * x;
       forces *= scale;
+      if (response_.turn.size() > 0) forces = (response_.turn.transpose() * forces).eval();
       of_dofs(forces, motion);
+      if (response_.turn.size() > 0) motion = (response_.turn * motion).eval();
       y.noalias() = response_.rows * motion;
     };
   };

@@ -23,6 +23,7 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
   for (const auto& state : states) {
     offsets_.push_back(offset);
     offset += state.part.dofs();
+    turns_ = turns_ || state.frame;
   }
   root_of_dof_.assign(static_cast<std::size_t>(offset), -1);
   for (const auto& pair : surface_.pairs) {

@@ -53,6 +53,9 @@ class ImplicitContact {
   /// The same where S^-1 would be too large for a dense matrix. `solve`: S^-1 of forces on the root dofs.
   void prepare(const std::vector<solver::BodyState>& states, SolveFor solve, double dt);
 
+  /// S is turned against that of `prepare`, by T of each part. Not during `solve`.
+  void turn(const std::vector<Eigen::Matrix3d>& by, const std::vector<solver::BodyState>& states);
+
   /// kappa of the class comment.
   [[nodiscard]] double kappa() const;
   /// Whether r is remembered in the acceleration (not by the fully implicit law).
@@ -146,6 +149,7 @@ class ImplicitContact {
   /// products, kept where bodies slide.
   struct Response {
     solver::Compliance::Sparse rows;
+    solver::Compliance::Sparse turn;  ///< T over the root dofs; empty: 1
     Eigen::MatrixXd dense;
     std::optional<NearGroups> groups;
     solver::Compliance::Sparse near;
@@ -222,6 +226,8 @@ class ImplicitContact {
   [[nodiscard]] static bool is_free(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
   void add_root(const solver::RowEntry& e, const std::vector<solver::BodyState>& states);
   void write_rows();
+  /// Whether rows are written anew, or S^-1 is turned against them.
+  [[nodiscard]] bool other_rows_come() const { return sliding_ || turns_; }
   [[nodiscard]] bool has_columns() const;
   void start(solver::Compliance compliance);
   void set_root(solver::Compliance compliance);
@@ -239,6 +245,7 @@ class ImplicitContact {
   const scene::Problem* problem_;
   solver::ContactSurface surface_;
   std::optional<solver::SlidingRows> sliding_;
+  bool turns_ = false;  ///< there are parts with a frame
   std::optional<participant::FrozenContact> frozen_;
   std::vector<int> offsets_;
   std::vector<int> root_dofs_;

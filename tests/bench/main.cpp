@@ -24,6 +24,7 @@
 #include "tests/bench/scene_rows.hpp"
 #include "tests/bench/set_up_rows.hpp"
 #include "tests/bench/thread_rows.hpp"
+#include "tests/bench/turning_rows.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -35,7 +36,7 @@ struct Options {
   std::vector<int> refinements = {1, 2, 4};
   std::vector<std::string> only = {"scenes",          "busy",   "set-up",   "striker", "contact",
                                    "contact-windows", "memory", "exchange", "flood",   "checkpoint",
-                                   "threads",         "ranks",  "kernels",  "calculix"};
+                                   "threads",         "ranks",  "turning",  "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -83,6 +84,7 @@ class Measurements {
     if (options.wants("checkpoint")) checkpoints_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("threads")) threads_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("ranks")) ranks_.emplace(folder_, options.steps);
+    if (options.wants("turning")) turning_.emplace(folder_);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
@@ -98,6 +100,7 @@ class Measurements {
     if (checkpoints_) checkpoints_->repeat();
     if (threads_) threads_->repeat();
     if (ranks_) ranks_->repeat();
+    if (turning_) turning_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -115,6 +118,7 @@ class Measurements {
     if (checkpoints_) add(checkpoints_->rows());
     if (threads_) add(threads_->rows());
     if (ranks_) add(ranks_->rows());
+    if (turning_) add(turning_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -145,6 +149,7 @@ class Measurements {
   std::optional<CheckpointCosts> checkpoints_;
   std::optional<ThreadRuns> threads_;
   std::optional<RankRuns> ranks_;
+  std::optional<TurningDiscs> turning_;
   std::optional<CalculixRuns> calculix_;
 };
 

@@ -45,9 +45,10 @@ test::Outcome bench(std::vector<std::string> arguments, const test::TemporaryFol
 /// All but `memory`, `set-up` and `contact-windows`, which have one size and take a minute.
 TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
   const test::TemporaryFolder folder;
-  const auto outcome = bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",
-                              "scenes,striker,contact,exchange,flood,checkpoint,threads,ranks,kernels,calculix"},
-                             folder);
+  const auto outcome =
+      bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",
+             "scenes,striker,contact,exchange,flood,checkpoint,threads,ranks,turning,kernels,calculix"},
+            folder);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::istringstream csv(test::file_text((folder.path() / "bench.csv").string()));
   std::set<std::string> names;
@@ -63,22 +64,26 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
     EXPECT_TRUE(std::isfinite(ratio)) << line;
     EXPECT_TRUE(ratio > 0.0 || line.find(": error of") != std::string::npos) << line;
   }
-  for (const char* name :
-       {"\"hughes_liu / all_implicit\",0.5 mm", "\"hughes_liu / all_explicit\",0.25 mm",
-        "\"hughes_liu, three processes / one\",0.25 mm",
-        "\"prakash_hjelmstad, m = 4: error of the impulse against all_implicit\",0.5 mm",
-        "\"hughes_liu: set-up / stepping through the whole scene\",0.25 mm",
-        "\"hughes_liu: growth of time per step from 0.5 mm / of unknowns\",0.25 mm",
-        "\"CalculiX / hughes_liu, first 8 steps, wall time of the whole command\",0.5 mm",
-        "\"rounded striker: prakash_hjelmstad, m = 16 / all_explicit, whole run\",18 um",
-        "\"rounded striker, all_implicit: error of the peak force\",18 um",
-        "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
-        "\"hughes_liu over tcp: its port flooded / another port flooded, stepping\",0.25 mm",
-        "\"hughes_liu: time with a checkpoint every 300 s / without\",0.25 mm",
-        "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
-        "\"all_implicit, stepping: one thread / two\",0.25 mm", "\"all_explicit, stepping: one thread / two\",0.25 mm",
-        "\"K u: element by element / explicit kernel\",0.25 mm", "\"K u of solids: one thread / two\",0.5 mm",
-        "\"solve: one thread / two\",0.25 mm", "\"condensed factor: solves per second / bound\",0.5 mm"}) {
+  for (const char* name : {"\"hughes_liu / all_implicit\",0.5 mm",
+                           "\"hughes_liu / all_explicit\",0.25 mm",
+                           "\"hughes_liu, three processes / one\",0.25 mm",
+                           "\"prakash_hjelmstad, m = 4: error of the impulse against all_implicit\",0.5 mm",
+                           "\"hughes_liu: set-up / stepping through the whole scene\",0.25 mm",
+                           "\"hughes_liu: growth of time per step from 0.5 mm / of unknowns\",0.25 mm",
+                           "\"CalculiX / hughes_liu, first 8 steps, wall time of the whole command\",0.5 mm",
+                           "\"rounded striker: prakash_hjelmstad, m = 16 / all_explicit, whole run\",18 um",
+                           "\"rounded striker, all_implicit: error of the peak force\",18 um",
+                           "\"exchange, shared memory / ping-pong of the same bytes\",10001 nodes",
+                           "\"hughes_liu over tcp: its port flooded / another port flooded, stepping\",0.25 mm",
+                           "\"hughes_liu: time with a checkpoint every 300 s / without\",0.25 mm",
+                           "\"all_explicit: rows that waves have reached / all rows, carbide of 640 mm\",0.5 mm",
+                           "\"all_implicit, stepping: one thread / two\",0.25 mm",
+                           "\"all_explicit, stepping: one thread / two\",0.25 mm",
+                           "\"discs, hughes_liu: large_rotation / without, stepping\",1000 rad/s",
+                           "\"K u: element by element / explicit kernel\",0.25 mm",
+                           "\"K u of solids: one thread / two\",0.5 mm",
+                           "\"solve: one thread / two\",0.25 mm",
+                           "\"condensed factor: solves per second / bound\",0.5 mm"}) {
     EXPECT_EQ(names.count(name), 1U) << name;
   }
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -21,6 +22,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr const char* steel = "{ youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7850.0 }";
+
+/// Of an implicit contact, whose windows end with closed gaps.
+void expect_no_overlap(const RunResult& run) {
+  const auto gaps = run.column("gap_min_m");
+  EXPECT_GT(*std::min_element(gaps.begin(), gaps.end()), -1e-15);
+}
 
 double at_most(const RunResult& run, const char* error) { return run.summary.at(error).get<double>(); }
 
@@ -306,6 +313,7 @@ TEST(SpinningBall, SlipsWithBackSpinAndSticksWithTopSpinByEitherMethod) {
       } else {
         EXPECT_NEAR(std::abs(share) / 0.092, 1.0, 1e-3) << protocol << ": the surface also spreads sideways";
       }
+      if (protocol != std::string("all_explicit")) expect_no_overlap(run);
       EXPECT_LT(at_most(run, "momentum_error_max"), 1e-10) << protocol;
       EXPECT_LT(at_most(run, "angular_momentum_error_max"), 1e-7) << protocol;
       EXPECT_LT(at_most(run, "energy_error_max"), 1e-4) << protocol;
@@ -377,6 +385,7 @@ TEST(SpinningDiscs, PressAlikeByEveryMethod) {
     EXPECT_NEAR(run.largest("contact_force_n") / expected.largest("contact_force_n"), 1.0, 0.01) << protocol;
     EXPECT_NEAR(run.last("contact_impulse_n_s") / expected.last("contact_impulse_n_s"), 1.0, 1e-3) << protocol;
     EXPECT_LT(at_most(run, "angular_momentum_error_max"), 2e-4) << protocol;
+    expect_no_overlap(run);
     const bool keeps_momentum = std::string(protocol) != "kim";  // no protocol of staggered sides does
     EXPECT_LT(at_most(run, "momentum_error_max"), keeps_momentum ? 1e-11 : 1e-3) << protocol;
     EXPECT_TRUE(run.summary.at("separation_time_s").is_number()) << protocol;
