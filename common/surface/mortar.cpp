@@ -327,24 +327,4 @@ double OppositeFaces::apart_m(const std::vector<SurfaceFace>& first, const Eigen
   return std::sqrt(square) - longest_m;
 }
 
-std::optional<Touch> touching(const ContactMesh& mesh, const Eigen::Vector3d& shift_m, const Eigen::Vector3d& along) {
-  constexpr int most_moves = 20;
-  constexpr double touched = 1e-10;  // of an edge
-  std::optional<Touch> touch;
-  Eigen::Vector3d shift = shift_m;
-  for (int i = 0; i < most_moves; ++i) {
-    const std::vector<MortarRow> rows = mesh.rows(shift);
-    const auto least = std::min_element(rows.begin(), rows.end(),
-                                        [](const MortarRow& x, const MortarRow& y) { return x.gap_m < y.gap_m; });
-    if (least == rows.end()) return std::nullopt;
-    if (!touch) touch = Touch{shift, least->normal, least->gap_m};
-    touch->normal = least->normal;
-    const double along_normal = along.dot(least->normal);
-    if (std::abs(least->gap_m) <= touched * mesh.edge_m || (!along.isZero(0.0) && along_normal < least_facing)) break;
-    shift -= least->gap_m * (along.isZero(0.0) ? least->normal : Eigen::Vector3d(along / along_normal));
-  }
-  touch->shift_m = shift;
-  return touch;
-}
-
 }  // namespace ricochet::surface

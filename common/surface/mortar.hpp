@@ -69,6 +69,8 @@ class OppositeFaces {
   /// No more than the distance from the first surface, and by about an edge of that less [m].
   [[nodiscard]] double apart_m(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m) const;
   [[nodiscard]] const std::vector<SurfaceFace>& faces() const { return faces_; }
+  /// Whether smooth pieces of it meet at edges.
+  [[nodiscard]] bool has_edges() const { return !edges_.empty(); }
 
  private:
   struct Image {
