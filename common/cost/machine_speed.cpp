@@ -39,6 +39,17 @@ double time_product(const fem::Part& part) {
   return least_time_s([&] { product.multiply(u, force); });
 }
 
+double memory_read_s() {
+  constexpr Eigen::Index more_than_caches = 16'000'000;  // 128 MB
+  static const double of_number_s = [] {
+    const Eigen::VectorXd numbers = Eigen::VectorXd::Ones(more_than_caches);
+    double sum = 0.0;
+    const double all_s = least_time_s([&] { sum += numbers.sum(); });
+    return sum > 0.0 ? all_s / static_cast<double>(more_than_caches) : 0.0;  // the sum is to be computed
+  }();
+  return of_number_s;
+}
+
 MachineSpeed measure_speed() {
   std::vector<double> lines;
   for (int i = 0; i <= 40; ++i) lines.push_back(1e-3 * i);

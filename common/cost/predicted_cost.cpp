@@ -28,8 +28,9 @@ using fem::at;
 constexpr double explicit_s = 1.2e-6, implicit_s = 2.0e-6;
 constexpr double explicit_unknown_s = 1.3e-9;  // apart from K u
 constexpr double implicit_unknown_s = 8e-9;    // apart from the factor
-// Of entries of the factor in a solve, where all of it is in the processor's cache and where none of it is:
-constexpr double cached_entry_s = 0.42e-9, entry_s = 1.15e-9, cached_entries = 2.5e6, uncached_entries = 6.5e6;
+// Of entries of the factor in a solve, where all of it is in the processor's cache; where none of it is, each is read
+// so many times:
+constexpr double cached_entry_s = 0.42e-9, reads = 2.3, cached_entries = 2.5e6, uncached_entries = 6.5e6;
 constexpr double root_entry_s = 0.35e-9;  // of the dense inverse of the root, in a solve
 // Of a contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.
 constexpr double implicit_pair_s = 0.3e-6, explicit_pair_s = 0.12e-6, explicit_pair_entry_s = 13e-9;
@@ -81,8 +82,9 @@ double product_s(const Share& share) {
 }
 
 double solve_of_entries_s(double entries) {
-  const double in_memory = std::clamp((entries - cached_entries) / (uncached_entries - cached_entries), 0.0, 1.0);
-  return entries * ((1.0 - in_memory) * cached_entry_s + in_memory * entry_s);
+  if (entries <= cached_entries) return entries * cached_entry_s;
+  const double in_memory = std::min((entries - cached_entries) / (uncached_entries - cached_entries), 1.0);
+  return entries * ((1.0 - in_memory) * cached_entry_s + in_memory * std::max(cached_entry_s, reads * memory_read_s()));
 }
 
 /// What the participants of a scene, or of a baseline on it, take.
