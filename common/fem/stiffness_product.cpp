@@ -307,12 +307,19 @@ void StiffnessProduct::multiply_here(const Eigen::VectorXd& u, Eigen::VectorXd& 
 }
 
 void StiffnessProduct::multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const {
+  components_ == 1 ? multiply_rows_of<1>(u.data(), result.data(), first, last)
+                   : multiply_rows_of<2>(u.data(), result.data(), first, last);
+}
+
+template <int components>
+void StiffnessProduct::multiply_rows_of(const double* u, double* result, int first, int last) const {
+  const int *const start = rows_.outerIndexPtr(), *const column = rows_.innerIndexPtr();
+  const double* const value = rows_.valuePtr();
   for (int row = first; row < last; ++row) {
-    double own[2] = {0.0, 0.0}, sum = 0.0;
-    const int node = row / components_;
-    for (int c = 0; c < components_; ++c) own[c] = follows_[c] * u[node * components_ + c];
-    for (SparseMatrix::InnerIterator it(rows_, row - first_row_); it; ++it)
-      sum += it.value() * (u[it.col()] - own[it.col() % components_]);
+    double own[components], sum = 0.0;
+    for (int c = 0; c < components; ++c) own[c] = follows_[c] * u[row - row % components + c];
+    for (int i = start[row - first_row_]; i < start[row - first_row_ + 1]; ++i)
+      sum += value[i] * (u[column[i]] - own[column[i] % components]);
     result[row] = sum;
   }
 }

@@ -81,6 +81,8 @@ class StiffnessProduct {
   template <int width>
   void multiply_slice(int slice, const double* u, double* result) const;
   void multiply_rows(const Eigen::VectorXd& u, Eigen::VectorXd& result, int first, int last) const;
+  template <int components>
+  void multiply_rows_of(const double* u, double* result, int first, int last) const;
 
   std::shared_ptr<Parallel> parallel_;  ///< null: nobody but the caller
   std::vector<int> slots_of_;           ///< per slice

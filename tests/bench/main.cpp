@@ -24,6 +24,7 @@
 #include "tests/bench/scene_rows.hpp"
 #include "tests/bench/set_up_rows.hpp"
 #include "tests/bench/thread_rows.hpp"
+#include "tests/bench/tied_rows.hpp"
 #include "tests/bench/turning_rows.hpp"
 
 namespace ricochet::bench {
@@ -34,9 +35,9 @@ struct Options {
   int repeats = 5;
   long steps = 400;
   std::vector<int> refinements = {1, 2, 4};
-  std::vector<std::string> only = {"scenes",          "busy",   "set-up",   "striker", "contact",
-                                   "contact-windows", "memory", "exchange", "flood",   "checkpoint",
-                                   "threads",         "ranks",  "turning",  "kernels", "calculix"};
+  std::vector<std::string> only = {"scenes",  "busy",     "set-up",  "striker",    "contact", "contact-windows",
+                                   "memory",  "exchange", "flood",   "checkpoint", "threads", "ranks",
+                                   "turning", "tied",     "kernels", "calculix"};
   [[nodiscard]] bool wants(const char* group) const { return std::find(only.begin(), only.end(), group) != only.end(); }
 };
 
@@ -85,6 +86,7 @@ class Measurements {
     if (options.wants("threads")) threads_.emplace(folder_, options.refinements, options.steps);
     if (options.wants("ranks")) ranks_.emplace(folder_, options.steps);
     if (options.wants("turning")) turning_.emplace(folder_);
+    if (options.wants("tied")) tied_.emplace(folder_);
     if (options.wants("calculix")) calculix_.emplace(folder_, std::min(options.steps, calculix_steps));
   }
   void repeat() {
@@ -101,6 +103,7 @@ class Measurements {
     if (threads_) threads_->repeat();
     if (ranks_) ranks_->repeat();
     if (turning_) turning_->repeat();
+    if (tied_) tied_->repeat();
     if (calculix_) calculix_->repeat();
   }
   [[nodiscard]] std::vector<Row> rows() const {
@@ -119,6 +122,7 @@ class Measurements {
     if (threads_) add(threads_->rows());
     if (ranks_) add(ranks_->rows());
     if (turning_) add(turning_->rows());
+    if (tied_) add(tied_->rows());
     if (calculix_) add(calculix_->rows());
     if (kernels_) add(kernels_->rows());
     return rows;
@@ -150,6 +154,7 @@ class Measurements {
   std::optional<ThreadRuns> threads_;
   std::optional<RankRuns> ranks_;
   std::optional<TurningDiscs> turning_;
+  std::optional<TiedBars> tied_;
   std::optional<CalculixRuns> calculix_;
 };
 

@@ -47,7 +47,7 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
   const test::TemporaryFolder folder;
   const auto outcome =
       bench({"--repeats", "1", "--steps", "8", "--refinements", "2,1", "--only",
-             "scenes,striker,contact,exchange,flood,checkpoint,threads,ranks,turning,kernels,calculix"},
+             "scenes,striker,contact,exchange,flood,checkpoint,threads,ranks,turning,tied,kernels,calculix"},
             folder);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::istringstream csv(test::file_text((folder.path() / "bench.csv").string()));
@@ -80,6 +80,7 @@ TEST(BenchScenes, EveryFigureOfAShortRunIsThereAndFinite) {
                            "\"all_implicit, stepping: one thread / two\",0.25 mm",
                            "\"all_explicit, stepping: one thread / two\",0.25 mm",
                            "\"discs, hughes_liu: large_rotation / without, stepping\",1000 rad/s",
+                           "\"bar, one mesh and step / tied 4:1 by hughes_liu, stepping\",20 um",
                            "\"K u: element by element / explicit kernel\",0.25 mm",
                            "\"K u of solids: one thread / two\",0.5 mm",
                            "\"solve: one thread / two\",0.25 mm",
