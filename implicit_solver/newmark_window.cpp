@@ -25,13 +25,11 @@ NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contac
       interface_stiffness_(std::move(interface_stiffness)),
       holds_(parts.keep_tangents() && !parts.linear()),
       solver_(parts, contact, interface_stiffness_, dt_, heart),
-      linearised_at_(solver_.linearised_at()),
-      trial_linearised_at_(linearised_at_),
-      directions_(solver_.directions()),
-      trial_directions_(directions_) {
-  if (!parts.linear() && !holds_) predicted_ = no_link_ = Eigen::VectorXd::Zero(parts_.dofs());
-  for (auto* vector : {&rhs_, &mean_velocity_, &imbalance_}) vector->setZero(parts_.dofs());
-  if (holds_) held_ = last_increment_ = rhs_;
+      accepted_{solver_.linearised_at(), solver_.directions()},
+      tried_(accepted_) {
+  if (!parts.linear() && !holds_) newton_.predicted = newton_.no_link = Eigen::VectorXd::Zero(parts_.dofs());
+  for (auto* vector : {&rhs_, &mean_velocity_, &newton_.imbalance}) vector->setZero(parts_.dofs());
+  if (holds_) held_.change = held_.last_increment = rhs_;
   for (auto* vector : {&shared_x_, &shared_force_}) vector->setZero(interface_stiffness_.rows());
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
   if (!contact_) return;
@@ -66,7 +64,7 @@ void NewmarkWindow::add_interface_force_of(const Eigen::VectorXd& increment, Eig
 /// The right-hand side of the class comment without the link's change, and as much of the solve as does not need that.
 void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   if (prepared_ == window) return;
-  if (solver_.linearised_at() != linearised_at_) solver_.linearise(linearised_at_);
+  if (solver_.linearised_at() != accepted_.linearised_at) solver_.linearise(accepted_.linearised_at);
   const double dt = dt_, quarter = 0.25 * dt * dt, time_s = clock_.time_s(window);
   parts_.external_force(time_s, trial.end.external);
   for (std::size_t b = 0; b < parts_.states.size(); ++b)
@@ -94,20 +92,20 @@ void NewmarkWindow::prepare(std::int64_t window, const WindowState& last, Window
 
 /// The first place of a window: the increment of the last one, and that of the constrained dofs.
 void NewmarkWindow::predict(const WindowTrial& trial) {
-  place_ = last_increment_;
+  held_.place = held_.last_increment;
   for (std::size_t b = 0; b < parts_.states.size(); ++b)
     for (const auto& c : parts_.states[b].constrained)
-      place_[parts_.offsets[b] + c.dof] = trial.increment[parts_.offsets[b] + c.dof];
-  held_.setZero();
+      held_.place[parts_.offsets[b] + c.dof] = trial.increment[parts_.offsets[b] + c.dof];
+  held_.change.setZero();
   steps_.clear();
   hold();
 }
 
-/// Elements hold what `place_` would change of them, and the right-hand side has it.
+/// Elements hold what `held_.place` would change of them, and the right-hand side has it.
 void NewmarkWindow::hold() {
-  parts_.hold(dt_, place_, hold_);
-  rhs_ += 0.25 * dt_ * dt_ * (hold_ - held_);
-  std::swap(held_, hold_);
+  parts_.hold(dt_, held_.place, held_.next);
+  rhs_ += 0.25 * dt_ * dt_ * (held_.next - held_.change);
+  std::swap(held_.change, held_.next);
 }
 
 void NewmarkWindow::forget() {
@@ -136,7 +134,7 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
     solver_.solve(rhs_, last.link, trial.end.link, nullptr, trial.increment);
     if (holds_) settle(window, last, trial);
   } else {
-    solver_.solve(rhs_, no_link_, trial.end.link, &predicted_, trial.increment);
+    solver_.solve(rhs_, newton_.no_link, trial.end.link, &newton_.predicted, trial.increment);
     balance(window, trial);
   }
   add_interface_force_of(trial.increment, trial.end.link);
@@ -146,18 +144,18 @@ void NewmarkWindow::advance(std::int64_t window, const WindowState& last, Window
 
 /// The window is solved anew until what elements hold is near enough what flows where it ends.
 void NewmarkWindow::settle(std::int64_t window, const WindowState& last, WindowTrial& trial) {
-  if (std::exchange(settled_window_, window) != window) places_ = 0;
-  for (int places = 0; places < places_ || !parts_.hold_enough(trial.increment); ++places) {
-    Eigen::VectorXd step = trial.increment - place_;
+  if (std::exchange(held_.window, window) != window) held_.places = 0;
+  for (int places = 0; places < held_.places || !parts_.hold_enough(trial.increment); ++places) {
+    Eigen::VectorXd step = trial.increment - held_.place;
     if (step.isZero(0.0)) return;
     if (places == most_places) {
       throw SolverError(fmt::format("window {}: what yields does not settle in {} solves; use a smaller time.step_s",
                                     window, most_places));
     }
-    places_ = std::max(places_, places + 1);
+    held_.places = std::max(held_.places, places + 1);
     prepared_ = -1;  // rhs_ is another
     mend(step);
-    place_ += step;
+    held_.place += step;
     remember(std::move(step));
     hold();
     solver_.eliminate(rhs_);
@@ -178,14 +176,13 @@ void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
 
 void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
   solver_.linearise(u);
-  linearised_at_ = trial_linearised_at_ = solver_.linearised_at();
-  directions_ = trial_directions_ = solver_.directions();
+  accepted_ = tried_ = {solver_.linearised_at(), solver_.directions()};
   forget();
 }
 
 void NewmarkWindow::turn(const std::vector<Eigen::Matrix3d>& directions) {
   solver_.turn(directions);
-  directions_ = trial_directions_ = directions;
+  accepted_.directions = tried_.directions = directions;
   forget();
 }
 
@@ -235,9 +232,8 @@ void NewmarkWindow::set_dashpot_forces(WindowTrial& trial) const {
 }
 
 void NewmarkWindow::account(const WindowTrial& trial) {
-  linearised_at_ = trial_linearised_at_;
-  directions_ = trial_directions_;
-  if (holds_) last_increment_ = trial.increment;
+  accepted_ = tried_;
+  if (holds_) held_.last_increment = trial.increment;
   if (contact_) contact_->account(parts_.states, trial.increment, mean_velocity_);
 }
 

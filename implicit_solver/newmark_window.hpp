@@ -47,12 +47,12 @@ class NewmarkWindow {
   void forget();
   /// Windows begin with another operator from here on, that at the displacement `u`; of linear elements the same.
   void linearise(const Eigen::VectorXd& u);
-  [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return linearised_at_; }
+  [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return accepted_.linearised_at; }
   /// The increment of the accepted window, where elements hold what the next one starts with; else empty.
-  [[nodiscard]] const Eigen::VectorXd& last_increment() const { return last_increment_; }
-  void set_last_increment(const Eigen::VectorXd& increment) { last_increment_ = increment; }
+  [[nodiscard]] const Eigen::VectorXd& last_increment() const { return held_.last_increment; }
+  void set_last_increment(const Eigen::VectorXd& increment) { held_.last_increment = increment; }
   /// The directions that windows' operators have, of parts that turn (WindowSolver::directions).
-  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return directions_; }
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return accepted_.directions; }
   void turn(const std::vector<Eigen::Matrix3d>& directions);
   /// Accounts work and impulses of the contact in the trial that becomes final.
   void account(const WindowTrial& trial);
@@ -66,6 +66,27 @@ class NewmarkWindow {
     int dof;
     std::size_t part;
     int local;
+  };
+  /// What the operator is of: a displacement, and the directions it was turned to.
+  struct Operator {
+    Eigen::VectorXd linearised_at;
+    std::vector<Eigen::Matrix3d> directions;
+  };
+  /// Of elements that hold what they change in a window.
+  struct Held {
+    Eigen::VectorXd last_increment;
+    Eigen::VectorXd place;         ///< increment that elements hold the change at
+    Eigen::VectorXd change, next;  ///< of force by what elements hold [N]: that in rhs_, and the next
+    /// Window that was tried last, and the largest number of places that one of its trials took: later ones take as
+    /// many, so that a protocol that repeats windows finds a continuous answer.
+    std::int64_t window = -1;
+    int places = 0;
+  };
+  /// Of Newton's iteration: what is out of balance and its parts [N]; increments [m], the one it begins with and the
+  /// one before a step.
+  struct Newton {
+    Eigen::VectorXd imbalance, link, internal, inertia, no_link;
+    Eigen::VectorXd predicted, before;
   };
   template <class Displacement>
   void add_stiffness_force(const Displacement& displacement, Eigen::VectorXd& link);
@@ -100,22 +121,13 @@ class NewmarkWindow {
   Eigen::MatrixXd interface_stiffness_;
   bool holds_;  ///< there are elements that keep their tangent and are not linear
   WindowSolver solver_;
-  /// Displacement of the accepted window, from whose operator each trial of the next one starts, and of the trial.
-  Eigen::VectorXd linearised_at_, trial_linearised_at_;
-  std::vector<Eigen::Matrix3d> directions_, trial_directions_;  ///< of the operator, likewise
-  Eigen::VectorXd predicted_, no_link_;  ///< increment that Newton's iteration begins with, and none
+  Operator accepted_, tried_;  ///< each trial of a window starts from the one of the accepted window
   std::vector<Root> roots_;
   std::int64_t prepared_ = -1;  ///< window that `prepare` was done for
   Eigen::VectorXd rhs_, shared_x_, shared_force_;
-  Eigen::VectorXd last_increment_;
-  Eigen::VectorXd place_;  ///< increment that elements hold the change at
-  /// Window that was tried last, and the largest number of places that one of its trials took: later ones take as many,
-  /// so that a protocol that repeats windows finds a continuous answer.
-  std::int64_t settled_window_ = -1;
-  int places_ = 0;
-  Eigen::VectorXd held_, hold_;  ///< change of force by what elements hold [N]: that in rhs_, and the next
-  Eigen::VectorXd imbalance_, link_, internal_, inertia_, before_;  ///< of Newton's iteration
-  std::vector<Eigen::VectorXd> steps_;                              ///< by the present operator, in this window
+  Held held_;
+  Newton newton_;
+  std::vector<Eigen::VectorXd> steps_;             ///< of either, in this window, by the present operator
   std::vector<std::vector<double>> dashpot_load_;  ///< per part and dashpot: other external force at n + 1 [N]
   Eigen::VectorXd mean_velocity_;                  ///< see ImplicitContact::account
 };

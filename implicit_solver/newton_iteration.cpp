@@ -48,15 +48,15 @@ void NewmarkWindow::begin_balance(WindowTrial& trial) {
   std::vector<fem::RigidMotion> begin, end;
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const auto& state = parts_.states[b];
-    parts_.segment(predicted_, b).setZero();
+    parts_.segment(newton_.predicted, b).setZero();
     begin.emplace_back();
     end.emplace_back();
     if (!state.frame) continue;
-    before_ = state.u + dt_ * state.v;
+    newton_.before = state.u + dt_ * state.v;
     begin.back() = state.frame->fit(state.u, state.parallel.get()).motion;
-    end.back() = state.frame->fit(before_, state.parallel.get()).motion;
+    end.back() = state.frame->fit(newton_.before, state.parallel.get()).motion;
     const Eigen::Matrix3d turn = end.back().rotation * begin.back().rotation.transpose();
-    auto predicted = parts_.segment(predicted_, b);
+    auto predicted = parts_.segment(newton_.predicted, b);
     const int components = fem::components(state.part.mesh.model);
     for (int node = 0; node < state.part.nodes(); ++node) {
       Eigen::Vector3d place = state.part.mesh.position[static_cast<std::size_t>(node)] - begin.back().to_m;
@@ -66,19 +66,19 @@ void NewmarkWindow::begin_balance(WindowTrial& trial) {
     }
   }
   if (solver_.may_turn()) turn_ahead(begin, end);
-  before_ = predicted_;
+  newton_.before = newton_.predicted;
   for (std::size_t b = 0; b < parts_.size(); ++b)
     for (const auto& c : parts_.states[b].constrained)
-      before_[parts_.offsets[b] + c.dof] = trial.increment[parts_.offsets[b] + c.dof];
-  find_imbalance(before_, trial.end.external, no_link_);
-  rhs_ = 0.25 * dt_ * dt_ * imbalance_;
+      newton_.before[parts_.offsets[b] + c.dof] = trial.increment[parts_.offsets[b] + c.dof];
+  find_imbalance(newton_.before, trial.end.external, newton_.no_link);
+  rhs_ = 0.25 * dt_ * dt_ * newton_.imbalance;
   solver_.eliminate(rhs_);
 }
 
 /// The operator turns when it has come to point too far beside a part, by as much again ahead of it: it serves until
 /// the part has passed it.
 void NewmarkWindow::turn_ahead(const std::vector<fem::RigidMotion>& begin, const std::vector<fem::RigidMotion>& end) {
-  std::vector<Eigen::Matrix3d> directions = directions_;
+  std::vector<Eigen::Matrix3d> directions = accepted_.directions;
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     if (!parts_.states[b].frame) continue;
     const Eigen::Matrix3d& now = end[b].rotation;
@@ -91,7 +91,7 @@ void NewmarkWindow::turn_ahead(const std::vector<fem::RigidMotion>& begin, const
       directions[b] = Eigen::AngleAxisd(most_beside, axis.normalized()).toRotationMatrix() * now;
   }
   if (solver_.directions() != directions) solver_.turn(directions);
-  trial_directions_ = directions;
+  tried_.directions = directions;
 }
 
 /// Turns the operator to the directions at a displacement; false if it has them.
@@ -119,7 +119,7 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
     if (!std::isfinite(left_n) &&
         !steps_.empty()) {  // mended too far: from the last place again, by the operator alone
       steps_.clear();
-      trial.increment = before_;
+      trial.increment = newton_.before;
       largest_n = find_imbalance(trial);
       continue;
     }
@@ -130,22 +130,21 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
       steps_.clear();
     }
     before_n = left_n;
-    before_ = trial.increment;
-    rhs_ = quarter * imbalance_;
+    newton_.before = trial.increment;
+    rhs_ = quarter * newton_.imbalance;
     solver_.improve(rhs_, trial.increment);
-    Eigen::VectorXd step = trial.increment - before_;
+    Eigen::VectorXd step = trial.increment - newton_.before;
     mend(step);
-    trial.increment = before_ + step;
+    trial.increment = newton_.before + step;
     largest_n = find_imbalance(trial);
     if (shorten(step, trial, largest_n)) {
       steps_.clear();
     } else {
       remember(std::move(step));
     }
-    if ((trial.increment - before_).lpNorm<Eigen::Infinity>() <= rounding_share * moved_m) break;
+    if ((trial.increment - newton_.before).lpNorm<Eigen::Infinity>() <= rounding_share * moved_m) break;
   }
-  trial_linearised_at_ = solver_.linearised_at();
-  trial_directions_ = solver_.directions();
+  tried_ = {solver_.linearised_at(), solver_.directions()};
   forget();  // rhs_ is another
 }
 
@@ -196,14 +195,14 @@ bool NewmarkWindow::shorten(const Eigen::VectorXd& step, WindowTrial& trial, dou
   for (std::size_t i = 0; i < roots_.size(); ++i)
     by_contact += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)] * step[roots_[i].dof];
   const double first = 4.0 / (dt_ * dt_) * rhs_.dot(step) + by_contact;
-  double low = 0.0, at_low = first, high = 1.0, at_high = imbalance_.dot(step) + by_contact;
+  double low = 0.0, at_low = first, high = 1.0, at_high = newton_.imbalance.dot(step) + by_contact;
   if (!(first > 0.0) || !(at_high < -0.5 * first)) return false;
   double share = 1.0, slope = at_high;
   for (int k = 0; k < most_shortenings && std::abs(slope) > level_share * first; ++k) {
     share = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
-    trial.increment = before_ + share * step;
+    trial.increment = newton_.before + share * step;
     largest_n = find_imbalance(trial);
-    slope = imbalance_.dot(step) + by_contact;
+    slope = newton_.imbalance.dot(step) + by_contact;
     (slope > 0.0 ? low : high) = share;
     (slope > 0.0 ? at_low : at_high) = slope;
   }
@@ -220,33 +219,33 @@ double NewmarkWindow::find_imbalance(const Eigen::VectorXd& increment, const Eig
                                      const Eigen::VectorXd& link) {
   const double dt = dt_;
   double largest = 0.0;
-  link_ = link;
-  add_interface_force_of(increment, link_);
+  newton_.link = link;
+  add_interface_force_of(increment, newton_.link);
   for (std::size_t b = 0; b < parts_.states.size(); ++b) {
     const auto& state = parts_.states[b];
     const auto du = parts_.segment(increment, b);
-    parts_.evaluate_moved(dt_, b, increment, internal_);
-    inertia_ = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
-    auto left = parts_.segment(imbalance_, b);
+    parts_.evaluate_moved(dt_, b, increment, newton_.internal);
+    newton_.inertia = state.mass.cwiseProduct((4.0 / (dt * dt)) * (du - dt * state.v) - state.a);
+    auto left = parts_.segment(newton_.imbalance, b);
     left = parts_.segment(external, b);
     for (std::size_t i = 0; i < state.dashpots.size(); ++i) {
       const auto& d = state.dashpots[i];
       left[d.dof] = dashpot_load_[b][i] + d.force(2.0 / dt * du[d.dof] - state.v[d.dof]);
     }
-    left -= parts_.segment(link_, b);
+    left -= parts_.segment(newton_.link, b);
     for (int dof = 0; dof < state.part.dofs(); ++dof) {
-      if (!state.free[static_cast<std::size_t>(dof)]) left[dof] = internal_[dof] = inertia_[dof] = 0.0;
+      if (!state.free[static_cast<std::size_t>(dof)]) left[dof] = newton_.internal[dof] = newton_.inertia[dof] = 0.0;
     }
-    for (const double n :
-         {left.lpNorm<Eigen::Infinity>(), internal_.lpNorm<Eigen::Infinity>(), inertia_.lpNorm<Eigen::Infinity>()})
+    for (const double n : {left.lpNorm<Eigen::Infinity>(), newton_.internal.lpNorm<Eigen::Infinity>(),
+                           newton_.inertia.lpNorm<Eigen::Infinity>()})
       largest = std::max(largest, n);
-    left -= internal_ + inertia_;
+    left -= newton_.internal + newton_.inertia;
   }
   return largest;
 }
 
 Eigen::VectorXd NewmarkWindow::imbalance_with_contact() const {
-  Eigen::VectorXd left = imbalance_;
+  Eigen::VectorXd left = newton_.imbalance;
   for (std::size_t i = 0; i < roots_.size(); ++i)
     left[roots_[i].dof] += contact_->kappa() * contact_->root_force()[static_cast<Eigen::Index>(i)];
   return left;

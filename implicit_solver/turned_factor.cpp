@@ -25,9 +25,11 @@ void turn_nodes(const Eigen::Matrix3d& by, int nodes, double* x) {
 
 }  // namespace
 
-TurnedFactor::TurnedFactor(const CombinedParts& parts, fem::SparseMatrix a, const std::vector<bool>& active,
-                           const std::vector<int>& root, participant::Heartbeat* heart)
+TurnedFactor::TurnedFactor(const CombinedParts& parts, std::vector<Eigen::Matrix3d> directions, fem::SparseMatrix a,
+                           const std::vector<bool>& active, const std::vector<int>& root, participant::Heartbeat* heart)
     : parts_(parts),
+      factored_(std::move(directions)),
+      directions_(factored_),
       factor_(std::move(a), active, root, parts.states.empty() ? nullptr : parts.states.front().parallel, heart) {
   for (std::size_t i = 0; i < active.size(); ++i)
     if (!active[i]) inactive_.push_back(static_cast<int>(i));
@@ -80,9 +82,11 @@ bool TurnedFactor::collect_root(const std::vector<int>& root, const std::vector<
   return whole;
 }
 
-void TurnedFactor::turn(std::vector<Eigen::Matrix3d> by) {
-  by_ = std::move(by);
+void TurnedFactor::turn(const std::vector<Eigen::Matrix3d>& directions) {
+  directions_ = directions;
+  by_.resize(directions.size());
   for (std::size_t p = 0; p < by_.size(); ++p) {
+    by_[p] = directions[p] * factored_[p].transpose();
     if (axis_[p] < 0) continue;
     Eigen::Matrix3d& turn = by_[p];
     const int i = (axis_[p] + 1) % 3, j = (axis_[p] + 2) % 3;

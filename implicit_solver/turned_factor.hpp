@@ -15,15 +15,18 @@ namespace ricochet::implicit_solver {
 /// that of CondensedFactor.
 class TurnedFactor {
  public:
-  /// `parts` must outlive this object; see CondensedFactor for `active` and `root`.
-  TurnedFactor(const CombinedParts& parts, fem::SparseMatrix a, const std::vector<bool>& active,
-               const std::vector<int>& root, participant::Heartbeat* heart);
+  /// `a`: A of parts with these directions. `parts` must outlive this object; see CondensedFactor for `active` and
+  /// `root`.
+  TurnedFactor(const CombinedParts& parts, std::vector<Eigen::Matrix3d> directions, fem::SparseMatrix a,
+               const std::vector<bool>& active, const std::vector<int>& root, participant::Heartbeat* heart);
 
   /// Whether A of every part with a frame turns with it: of each of its nodes all components have one mass, and all
   /// are active or none, or all but the one of its axis; those are in the root together.
   [[nodiscard]] bool may_turn() const { return may_turn_; }
-  /// T of each part from here on; of one with an axis what of it is a turn about that.
-  void turn(std::vector<Eigen::Matrix3d> by);
+  /// A of each part has these directions from here on.
+  void turn(const std::vector<Eigen::Matrix3d>& directions);
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return directions_; }
+  /// T of each part; of one with an axis what of it is a turn about that. Empty: none has turned.
   [[nodiscard]] const std::vector<Eigen::Matrix3d>& turned_by() const { return by_; }
 
   void forward(const Eigen::VectorXd& b);
@@ -52,13 +55,14 @@ class TurnedFactor {
   void turn_root(bool back, Eigen::VectorXd& x) const;
 
   const CombinedParts& parts_;
+  std::vector<Eigen::Matrix3d> factored_, directions_;  ///< per part: of A as it was factored, and of A
   CondensedFactor factor_;
   int components_ = 1;
   bool may_turn_ = true;
   std::vector<int> axis_;  ///< per part: the component that is held in some of its nodes; -1: it turns any way
   std::vector<int> inactive_;
   std::vector<RootNode> root_nodes_;  ///< of parts with a frame
-  std::vector<Eigen::Matrix3d> by_;   ///< empty: none has turned
+  std::vector<Eigen::Matrix3d> by_;   ///< see turned_by
   Eigen::VectorXd all_, root_rhs_, root_forces_, root_motion_;
 };
 

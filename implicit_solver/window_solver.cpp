@@ -139,8 +139,7 @@ void WindowSolver::linearise(const Eigen::VectorXd& u, participant::Heartbeat* h
   std::vector<bool> active;
   fem::SparseMatrix a = assemble(u, active);
   choose_root(a, active);
-  factor_.emplace(parts_, std::move(a), active, root_, heart);
-  factored_ = directions_ = parts_.rotations(u);
+  factor_.emplace(parts_, parts_.rotations(u), std::move(a), active, root_, heart);
   if (!contact_) return;
   if (heart) heart->begin("preparing the contact");
   prepare_contact();
@@ -173,10 +172,7 @@ void WindowSolver::prepare_contact() {
 }
 
 void WindowSolver::turn(const std::vector<Eigen::Matrix3d>& directions) {
-  directions_ = directions;
-  std::vector<Eigen::Matrix3d> by;
-  for (std::size_t p = 0; p < parts_.size(); ++p) by.push_back(directions[p] * factored_[p].transpose());
-  factor_->turn(std::move(by));
+  factor_->turn(directions);
   if (contact_) contact_->turn(factor_->turned_by(), parts_.states);
 }
 

@@ -31,7 +31,7 @@ class WindowSolver {
   void linearise(const Eigen::VectorXd& u, participant::Heartbeat* heart = nullptr);
   /// The directions of the parts that A has [1]: those at the displacement where it was linearised, or those it was
   /// turned to since.
-  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return directions_; }
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return factor_->directions(); }
   /// Whether A of parts that turn may be turned with them (TurnedFactor).
   [[nodiscard]] bool may_turn() const { return interface_stiffness_.size() == 0 && factor_->may_turn(); }
   /// A in other directions from here on, and the contact's compliance. Everything eliminated is void.
@@ -72,7 +72,6 @@ class WindowSolver {
   std::vector<double> stiffest_n_m_;                ///< per part
   Eigen::VectorXd linearised_at_;
   std::optional<TurnedFactor> factor_;
-  std::vector<Eigen::Matrix3d> factored_, directions_;  ///< per part: where it was factored, and of A
   std::vector<int> root_;
   std::vector<std::pair<int, Eigen::Index>> shared_roots_;  ///< shared dof, its place in the root
   bool link_in_root_ = true;

@@ -75,9 +75,11 @@ struct Blocks {
 
 /// That a factor turned by `given` solves as A turned by `turn` does.
 void expect_solves(Blocks& blocks, const Eigen::Matrix3d& given, const Eigen::Matrix3d& turn, double off = 1e-9) {
-  TurnedFactor factor(blocks.parts, blocks.a, blocks.active, blocks.root, nullptr);
+  const Eigen::Matrix3d start = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  TurnedFactor factor(blocks.parts, {start, Eigen::Matrix3d::Identity()}, blocks.a, blocks.active, blocks.root,
+                      nullptr);
   ASSERT_TRUE(factor.may_turn());
-  factor.turn({given, Eigen::Matrix3d::Identity()});
+  factor.turn({given * start, Eigen::Matrix3d::Identity()});
   const Eigen::MatrixXd all = blocks.turn_of_all(turn);
   Eigen::MatrixXd dense = all * Eigen::MatrixXd(blocks.a) * all.transpose();
   Eigen::VectorXd right = blocks.b;
@@ -107,7 +109,9 @@ Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, double angle) {
 }
 
 bool may_turn(const Blocks& blocks) {
-  return TurnedFactor(blocks.parts, blocks.a, blocks.active, blocks.root, nullptr).may_turn();
+  return TurnedFactor(blocks.parts, std::vector<Eigen::Matrix3d>(2, Eigen::Matrix3d::Identity()), blocks.a,
+                      blocks.active, blocks.root, nullptr)
+      .may_turn();
 }
 
 class Turned : public testing::TestWithParam<bool> {};
