@@ -302,11 +302,9 @@ void ImplicitSolver::restore(const State& state) {
   if (contact_) contact_->restore(*state.contact, states_);
   reporting_.restore(state.separation);
   for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *parts_.forces[b]);
-  if (state.linearised_at != newmark_->linearised_at()) newmark_->linearise(state.linearised_at);
-  if (state.directions != newmark_->directions()) newmark_->turn(state.directions);
+  newmark_->begin_with(state.linearised_at, state.directions);
   newmark_->set_last_increment(state.last_increment);
   trial_.end.external = forces_.external;
-  newmark_->forget();
   tried_ = false;
 }
 

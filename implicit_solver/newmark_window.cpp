@@ -174,15 +174,10 @@ void NewmarkWindow::constrain_increment(double time_s, WindowTrial& trial) {
   }
 }
 
-void NewmarkWindow::linearise(const Eigen::VectorXd& u) {
-  solver_.linearise(u);
-  accepted_ = tried_ = {solver_.linearised_at(), solver_.directions()};
-  forget();
-}
-
-void NewmarkWindow::turn(const std::vector<Eigen::Matrix3d>& directions) {
-  solver_.turn(directions);
-  accepted_.directions = tried_.directions = directions;
+void NewmarkWindow::begin_with(const Eigen::VectorXd& linearised_at, const std::vector<Eigen::Matrix3d>& directions) {
+  if (solver_.linearised_at() != linearised_at) solver_.linearise(linearised_at);
+  if (solver_.directions() != directions) solver_.turn(directions);
+  accepted_ = tried_ = {solver_.linearised_at(), directions};
   forget();
 }
 

@@ -45,15 +45,15 @@ class NewmarkWindow {
   void advance(std::int64_t window, const WindowState& state, WindowTrial& trial);
   /// The state is another: what was prepared is void.
   void forget();
-  /// Windows begin with another operator from here on, that at the displacement `u`; of linear elements the same.
-  void linearise(const Eigen::VectorXd& u);
+  /// Windows begin with another operator from here on, linearised at a displacement and turned to these directions; of
+  /// linear elements it is the same.
+  void begin_with(const Eigen::VectorXd& linearised_at, const std::vector<Eigen::Matrix3d>& directions);
   [[nodiscard]] const Eigen::VectorXd& linearised_at() const { return accepted_.linearised_at; }
   /// The increment of the accepted window, where elements hold what the next one starts with; else empty.
   [[nodiscard]] const Eigen::VectorXd& last_increment() const { return held_.last_increment; }
   void set_last_increment(const Eigen::VectorXd& increment) { held_.last_increment = increment; }
   /// The directions that windows' operators have, of parts that turn (WindowSolver::directions).
   [[nodiscard]] const std::vector<Eigen::Matrix3d>& directions() const { return accepted_.directions; }
-  void turn(const std::vector<Eigen::Matrix3d>& directions);
   /// Accounts work and impulses of the contact in the trial that becomes final.
   void account(const WindowTrial& trial);
   /// link += S u of the accepted motion.
@@ -67,12 +67,12 @@ class NewmarkWindow {
     std::size_t part;
     int local;
   };
-  /// What the operator is of: a displacement, and the directions it was turned to.
+  /// The displacement where the operator was linearised, and the directions it was turned to.
   struct Operator {
     Eigen::VectorXd linearised_at;
     std::vector<Eigen::Matrix3d> directions;
   };
-  /// Of elements that hold what they change in a window.
+  /// Elements that hold what they change in a window need this.
   struct Held {
     Eigen::VectorXd last_increment;
     Eigen::VectorXd place;         ///< increment that elements hold the change at
@@ -82,8 +82,8 @@ class NewmarkWindow {
     std::int64_t window = -1;
     int places = 0;
   };
-  /// Of Newton's iteration: what is out of balance and its parts [N]; increments [m], the one it begins with and the
-  /// one before a step.
+  /// Newton's iteration needs what is out of balance and its parts [N], and increments [m]: the one that it begins with
+  /// and the one before a step.
   struct Newton {
     Eigen::VectorXd imbalance, link, internal, inertia, no_link;
     Eigen::VectorXd predicted, before;

@@ -37,7 +37,7 @@ constexpr double most_beside = 1e-4;
 /// A turn by less does not help.
 constexpr double least_turn = 1e-8;
 
-/// Of a rotation from one to the other, or about it [rad].
+/// The angle of the rotation from one to the other, or twice the sine of its half [rad].
 double angle_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
   return (to - from).norm() / std::numbers::sqrt2;
 }

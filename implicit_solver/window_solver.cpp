@@ -202,7 +202,7 @@ void WindowSolver::solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_b
   find_increment(from ? &from_ : nullptr, increment);
 }
 
-/// What is no unknown of the operator stays as it is in `increment`.
+/// Degrees of freedom that are no unknowns of the operator stay as they are.
 void WindowSolver::begin_from(const Eigen::VectorXd& from) {
   from_ = from;
   for (const int dof : factor_->inactive()) from_[dof] = 0.0;

@@ -28,8 +28,8 @@ using fem::at;
 constexpr double explicit_s = 1.2e-6, implicit_s = 2.0e-6;
 constexpr double explicit_unknown_s = 1.3e-9;  // apart from K u
 constexpr double implicit_unknown_s = 8e-9;    // apart from the factor
-// Of entries of the factor in a solve, where all of it is in the processor's cache; where none of it is, each is read
-// so many times:
+// An entry of the factor takes so long in a solve where all of it is in the processor's cache; where none of it is,
+// the entry is read so many times:
 constexpr double cached_entry_s = 0.42e-9, reads = 2.3, cached_entries = 2.5e6, uncached_entries = 6.5e6;
 constexpr double root_entry_s = 0.35e-9;  // of the dense inverse of the root, in a solve
 // Of a contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.

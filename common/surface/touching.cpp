@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "common/surface/face_plane.hpp"
 #include "common/surface/mortar.hpp"
 
 namespace ricochet::surface {

@@ -10,7 +10,7 @@
 
 namespace ricochet::bench {
 
-/// What large_rotation costs: two discs of steel that meet at 10 m/s, without it, with it, and with a spin.
+/// The price of large_rotation: two discs of steel that meet at 10 m/s, without it, with it, and with a spin.
 class TurningDiscs {
  public:
   explicit TurningDiscs(std::string folder);

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr const char* steel = "{ youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7850.0 }";
 
-/// Of an implicit contact, whose windows end with closed gaps.
+/// Windows of an implicit contact end with closed gaps.
 void expect_no_overlap(const RunResult& run) {
   const auto gaps = run.column("gap_min_m");
   EXPECT_GT(*std::min_element(gaps.begin(), gaps.end()), -1e-15);

@@ -140,7 +140,7 @@ TEST_P(Turned, FactorMayNotTurnWhereDirectionsDiffer) {
   EXPECT_FALSE(may_turn(held)) << "along x and y";
 }
 
-/// Of a half that a plane of symmetry holds along y; a node of that plane is in the root.
+/// A plane of symmetry holds a half along y; a node of that plane is in the root.
 TEST(TurnedHalf, TurnsAboutTheAxisThatAPlaneOfSymmetryLeaves) {
   Blocks half(true);
   for (const std::size_t node : {0, 5, 7}) half.active[3 * node + 1] = false;
