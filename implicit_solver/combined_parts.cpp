@@ -1,5 +1,7 @@
 #include "implicit_solver/combined_parts.hpp"
 
+#include <algorithm>
+
 namespace ricochet::implicit_solver {
 CombinedParts::CombinedParts(std::vector<solver::BodyState>& bodies, const MakeForce& make_force) : states(bodies) {
   for (const auto& state : states) {
@@ -27,6 +29,7 @@ Eigen::VectorXd CombinedParts::displacement() const {
 
 std::vector<Eigen::Matrix3d> CombinedParts::rotations(const Eigen::VectorXd& u) const {
   std::vector<Eigen::Matrix3d> all;
+  if (std::none_of(states.begin(), states.end(), [](const auto& state) { return state.frame != nullptr; })) return all;
   for (std::size_t b = 0; b < states.size(); ++b) {
     const auto& frame = states[b].frame;
     all.push_back(frame ? frame->fit(segment(u, b), states[b].parallel.get()).motion.rotation

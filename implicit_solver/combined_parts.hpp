@@ -44,7 +44,7 @@ class CombinedParts {
   [[nodiscard]] Eigen::VectorXd displacement() const;
   /// The largest coordinate of a part in a frame, which turns with it [m]; 0 without one.
   [[nodiscard]] double turning_m(std::size_t part) const;
-  /// R of the frame of each part at a displacement (PartFrame); 1 without one.
+  /// R of the frame of each part at a displacement (PartFrame), of a part without one 1. Empty if none has a frame.
   [[nodiscard]] std::vector<Eigen::Matrix3d> rotations(const Eigen::VectorXd& u) const;
   /// K_T of each part at a displacement [N/m]; they stay until the next call.
   [[nodiscard]] std::vector<const fem::SparseMatrix*> tangents(const Eigen::VectorXd& u) const;

@@ -98,7 +98,7 @@ void NewmarkWindow::turn_ahead(const std::vector<fem::RigidMotion>& begin, const
 bool NewmarkWindow::turn_to(const Eigen::VectorXd& u) {
   const std::vector<Eigen::Matrix3d> directions = parts_.rotations(u);
   bool other = false;
-  for (std::size_t b = 0; b < parts_.size(); ++b)
+  for (std::size_t b = 0; b < directions.size(); ++b)
     other = other || angle_between(solver_.directions()[b], directions[b]) > least_turn;
   if (other && solver_.may_turn()) solver_.turn(directions);
   return other && solver_.may_turn();

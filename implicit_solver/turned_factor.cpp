@@ -86,7 +86,8 @@ void TurnedFactor::turn(const std::vector<Eigen::Matrix3d>& directions) {
   directions_ = directions;
   by_.resize(directions.size());
   for (std::size_t p = 0; p < by_.size(); ++p) {
-    by_[p] = directions[p] * factored_[p].transpose();
+    by_[p] = Eigen::Matrix3d::Identity();
+    if (parts_.states[p].frame) by_[p] = directions[p] * factored_[p].transpose();
     if (axis_[p] < 0) continue;
     Eigen::Matrix3d& turn = by_[p];
     const int i = (axis_[p] + 1) % 3, j = (axis_[p] + 2) % 3;

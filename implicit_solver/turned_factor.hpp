@@ -15,8 +15,8 @@ namespace ricochet::implicit_solver {
 /// that of CondensedFactor.
 class TurnedFactor {
  public:
-  /// `a`: A of parts with these directions. `parts` must outlive this object; see CondensedFactor for `active` and
-  /// `root`.
+  /// `a`: A of parts with these directions (CombinedParts::rotations). `parts` must outlive this object; see
+  /// CondensedFactor for `active` and `root`.
   TurnedFactor(const CombinedParts& parts, std::vector<Eigen::Matrix3d> directions, fem::SparseMatrix a,
                const std::vector<bool>& active, const std::vector<int>& root, participant::Heartbeat* heart);
 

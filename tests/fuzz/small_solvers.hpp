@@ -74,6 +74,10 @@ class SmallSolvers {
     add(plates("2", "multiplier_update = \"massless\"", alone));
     add(small_bars + hybrid +
         "reduced_modes = { left = 2, right = 1 }\n[coupling]\nprotocol = \"belytschko_mullen\"\n");
+    std::string turning = plates("3", "", "[coupling]\nprotocol = \"all_implicit\"\n");
+    turning.replace(turning.find("initial_velocity"), 0,
+                    "large_rotation = true\ninitial_angular_velocity_rad_s = 3000.0\n");
+    add(turning);
   }
 
   struct Solver {
