@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "common/surface/mortar.hpp"
 
@@ -263,24 +264,27 @@ TEST(MortarOfFaces, IsInBalanceWhereSurfacesLieAcross) {
   }
 }
 
+/// Edges along a circle of radius 1 m about (0, `side`), out to 0.6 rad to either side of the origin.
+std::vector<SurfaceFace> arc(int edges, double side, bool smooth = false) {
+  std::vector<SurfaceFace> faces;
+  const auto place = [&](int i) {
+    const double angle = 0.6 * (2.0 * i / edges - 1.0);
+    return Eigen::Vector3d(std::sin(angle), side * (1.0 - std::cos(angle)), 0.0);
+  };
+  for (int i = 0; i < edges; ++i) {
+    SurfaceFace face{{i, i + 1}, {place(i), place(i + 1)}, {1.0, 1.0}, {}};
+    if (side < 0.0) face = {{i + 1, i}, {place(i + 1), place(i)}, {1.0, 1.0}, {}};
+    const Eigen::Vector3d along = (face.x[1] - face.x[0]).normalized();
+    face.normal = {along[1], -along[0], 0.0};  // the body to the left
+    for (std::size_t k = 0; smooth && k < 2; ++k) face.node_normal[k] = face.x[k] - Eigen::Vector3d(0.0, side, 0.0);
+    faces.push_back(face);
+  }
+  return faces;
+}
+
 /// Two circles of edges that touch at the lowest point of the upper one: weights keep sums and, as the chords lie as
 /// close as they do, moments.
 TEST(Mortar, OfCurvedSurfacesKeepsMomentsWhereTheyTouch) {
-  const auto arc = [](int edges, double side) {
-    std::vector<SurfaceFace> faces;
-    const auto place = [&](int i) {
-      const double angle = 0.6 * (2.0 * i / edges - 1.0);
-      return Eigen::Vector3d(std::sin(angle), side * (1.0 - std::cos(angle)), 0.0);
-    };
-    for (int i = 0; i < edges; ++i) {
-      SurfaceFace face{{i, i + 1}, {place(i), place(i + 1)}, {1.0, 1.0}, {}};
-      if (side < 0.0) face = {{i + 1, i}, {place(i + 1), place(i)}, {1.0, 1.0}, {}};
-      const Eigen::Vector3d along = (face.x[1] - face.x[0]).normalized();
-      face.normal = {along[1], -along[0], 0.0};  // the body to the left
-      faces.push_back(face);
-    }
-    return faces;
-  };
   const auto lower = arc(40, -1.0), upper = arc(27, 1.0);
   ASSERT_GT(lower[20].normal[1], 0.9);
   ASSERT_LT(upper[13].normal[1], -0.9);
@@ -295,6 +299,44 @@ TEST(Mortar, OfCurvedSurfacesKeepsMomentsWhereTheyTouch) {
     EXPECT_NEAR(weights, 1.0, 1e-12);
     if (std::abs(places.at(row.node)[0]) < 0.02) {
       EXPECT_NEAR(sum[0], places.at(row.node)[0], 2e-5) << "of an edge of 0.03";
+    }
+  }
+}
+
+/// The same search among all faces at every move.
+std::optional<Touch> touching_among_all(const ContactMesh& mesh, Eigen::Vector3d shift_m,
+                                        const Eigen::Vector3d& along) {
+  std::optional<Touch> touch;
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<MortarRow> rows = mesh.rows(shift_m);
+    const auto least = std::min_element(rows.begin(), rows.end(),
+                                        [](const MortarRow& x, const MortarRow& y) { return x.gap_m < y.gap_m; });
+    if (least == rows.end()) return std::nullopt;
+    if (!touch) touch = Touch{shift_m, least->normal, least->gap_m};
+    touch->normal = least->normal;
+    if (std::abs(least->gap_m) <= 1e-10 * mesh.edge_m) break;
+    shift_m -= least->gap_m * (along.isZero(0.0) ? least->normal : Eigen::Vector3d(along / along.dot(least->normal)));
+  }
+  touch->shift_m = shift_m;
+  return touch;
+}
+
+/// From places apart and overlapping, straight and aside, along the normal and along one direction.
+TEST(Touching, LooksNearTheLeastGapAndFindsWhatAllFacesHave) {
+  for (const bool smooth : {true, false}) {
+    const ContactMesh mesh{arc(200, -1.0, smooth), OppositeFaces(arc(137, 1.0, smooth), {0.0, 0.0}), 1.2 / 200, 0.5};
+    for (const double up_m : {1e-4, 0.003, 0.05, 0.3, -0.002}) {
+      for (const double aside_m : {0.0, 0.0013, -0.11, 0.25}) {
+        for (const Eigen::Vector3d& along : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
+          const Eigen::Vector3d shift_m(aside_m, up_m, 0.0);
+          const auto found = touching(mesh, shift_m, along), expected = touching_among_all(mesh, shift_m, along);
+          ASSERT_EQ(found.has_value(), expected.has_value()) << up_m << ' ' << aside_m;
+          if (!found) continue;
+          EXPECT_LT((found->shift_m - expected->shift_m).norm(), 1e-11) << up_m << ' ' << aside_m;
+          EXPECT_LT((found->normal - expected->normal).norm(), 1e-9) << up_m << ' ' << aside_m;
+          EXPECT_EQ(found->gap_m, expected->gap_m) << up_m << ' ' << aside_m;
+        }
+      }
     }
   }
 }
