@@ -27,6 +27,10 @@ Eigen::VectorXd CombinedParts::displacement() const {
   return u;
 }
 
+std::size_t CombinedParts::part_of(Eigen::Index dof) const {
+  return static_cast<std::size_t>(std::upper_bound(offsets.begin(), offsets.end(), dof) - offsets.begin() - 1);
+}
+
 std::vector<Eigen::Matrix3d> CombinedParts::rotations(const Eigen::VectorXd& u) const {
   std::vector<Eigen::Matrix3d> all;
   if (std::none_of(states.begin(), states.end(), [](const auto& state) { return state.frame != nullptr; })) return all;

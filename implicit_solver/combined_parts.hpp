@@ -42,6 +42,8 @@ class CombinedParts {
   /// Whether that of every part keeps its tangent.
   [[nodiscard]] bool keep_tangents() const { return keep_tangents_; }
   [[nodiscard]] Eigen::VectorXd displacement() const;
+  /// The part of a combined number.
+  [[nodiscard]] std::size_t part_of(Eigen::Index dof) const;
   /// The largest coordinate of a part in a frame, which turns with it [m]; 0 without one.
   [[nodiscard]] double turning_m(std::size_t part) const;
   /// R of the frame of each part at a displacement (PartFrame), of a part without one 1. Empty if none has a frame.

@@ -34,8 +34,7 @@ NewmarkWindow::NewmarkWindow(const CombinedParts& parts, ImplicitContact* contac
   for (const auto& state : parts_.states) dashpot_load_.emplace_back(state.dashpots.size(), 0.0);
   if (!contact_) return;
   for (const int dof : contact_->root_dofs()) {
-    std::size_t part = parts_.states.size() - 1;
-    while (dof < parts_.offsets[part]) --part;
+    const std::size_t part = parts_.part_of(dof);
     roots_.push_back({dof, part, dof - static_cast<int>(parts_.offsets[part])});
   }
 }

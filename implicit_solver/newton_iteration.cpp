@@ -61,7 +61,8 @@ void NewmarkWindow::begin_balance(WindowTrial& trial) {
     for (int node = 0; node < state.part.nodes(); ++node) {
       Eigen::Vector3d place = state.part.mesh.position[static_cast<std::size_t>(node)] - begin.back().to_m;
       for (int c = 0; c < components; ++c) place[c] += state.u[node * components + c];
-      const Eigen::Vector3d moved = turn * place - place + end.back().to_m - begin.back().to_m;
+      // By differences, not RigidMotion::displacement: the rounding of places would move a body at rest.
+      const Eigen::Vector3d moved = (turn * place - place) + (end.back().to_m - begin.back().to_m);
       for (int c = 0; c < components; ++c) predicted[node * components + c] = moved[c];
     }
   }
@@ -91,7 +92,6 @@ void NewmarkWindow::turn_ahead(const std::vector<fem::RigidMotion>& begin, const
       directions[b] = Eigen::AngleAxisd(most_beside, axis.normalized()).toRotationMatrix() * now;
   }
   if (solver_.directions() != directions) solver_.turn(directions);
-  tried_.directions = directions;
 }
 
 /// Turns the operator to the directions at a displacement; false if it has them.
@@ -254,8 +254,7 @@ Eigen::VectorXd NewmarkWindow::imbalance_with_contact() const {
 void NewmarkWindow::refuse_unbalanced(std::int64_t window, int improvements, const Eigen::VectorXd& left) const {
   Eigen::Index worst = 0;
   left.cwiseAbs().maxCoeff(&worst);
-  std::size_t part = parts_.size() - 1;
-  while (worst < parts_.offsets[part]) --part;
+  const std::size_t part = parts_.part_of(worst);
   const auto& state = parts_.states[part];
   const auto node = static_cast<std::size_t>(worst - parts_.offsets[part]) /
                     static_cast<std::size_t>(fem::components(state.part.mesh.model));

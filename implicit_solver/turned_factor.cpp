@@ -1,7 +1,6 @@
 #include "implicit_solver/turned_factor.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -66,8 +65,7 @@ bool TurnedFactor::find_axis(std::size_t part, const std::vector<bool>& active) 
 bool TurnedFactor::collect_root(const std::vector<int>& root, const std::vector<bool>& active) {
   std::map<Eigen::Index, RootNode> nodes;  // by the first degree of freedom
   for (std::size_t i = 0; i < root.size(); ++i) {
-    const auto part = static_cast<std::size_t>(std::upper_bound(parts_.offsets.begin(), parts_.offsets.end(), root[i]) -
-                                               parts_.offsets.begin() - 1);
+    const std::size_t part = parts_.part_of(root[i]);
     if (!parts_.states[part].frame) continue;
     const auto component = (root[i] - parts_.offsets[part]) % components_;
     const auto found = nodes.try_emplace(root[i] - component, RootNode{part, {-1, -1, -1}}).first;

@@ -29,12 +29,14 @@ class TurnedFactor {
   /// T of each part; of one with an axis what of it is a turn about that. Empty: none has turned.
   [[nodiscard]] const std::vector<Eigen::Matrix3d>& turned_by() const { return by_; }
 
+  /// As of CondensedFactor.
   void forward(const Eigen::VectorXd& b);
   [[nodiscard]] const Eigen::VectorXd& root_rhs() const { return turned() ? root_rhs_ : factor_.root_rhs(); }
   /// x = S^-1 rhs.
   void solve_root(const Eigen::VectorXd& rhs, Eigen::VectorXd& x);
   /// x += S^-1 of forces on the first unknowns of the root.
   void add_root_motion(const Eigen::VectorXd& forces, Eigen::VectorXd& x);
+  /// As of CondensedFactor.
   void backward(const Eigen::VectorXd& x_root, Eigen::VectorXd& x);
   /// Degrees of freedom that are not active.
   [[nodiscard]] const std::vector<int>& inactive() const { return inactive_; }

@@ -32,7 +32,7 @@ class InternalForce {
   virtual void after_link(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force);
   /// P of a step, which was evaluated last; the next step begins there. `rows` may grow.
   virtual void follow(const Eigen::VectorXd& force);
-  /// Whether what it follows changes what it answers.
+  /// Whether what it follows may change what it answers.
   [[nodiscard]] virtual bool remembers() const;
   /// The steps followed so far are those of an accepted window: none of them will be repeated.
   virtual void settle();
@@ -97,7 +97,7 @@ inline void InternalForce::after_link(double step_s, Eigen::VectorXd& u, Eigen::
   evaluate(step_s, u, force);
 }
 inline void InternalForce::follow(const Eigen::VectorXd&) {}
-inline bool InternalForce::remembers() const { return false; }
+inline bool InternalForce::remembers() const { return !linear(); }
 inline void InternalForce::settle() {}
 inline void InternalForce::go_back() {}
 inline void InternalForce::hold(double, Eigen::VectorXd&, Eigen::VectorXd& change) { change.setZero(); }

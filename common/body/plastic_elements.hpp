@@ -37,7 +37,6 @@ class PlasticElements final : public InternalForce {
   [[nodiscard]] bool hold_enough(Eigen::VectorXd& u) override;
   void evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd&) override;
-  [[nodiscard]] bool remembers() const override { return true; }
   void settle() override;
   void go_back() override;
   [[nodiscard]] const std::vector<Rows>& rows() const override { return all_; }

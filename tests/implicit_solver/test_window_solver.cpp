@@ -214,6 +214,35 @@ TEST(WindowSolver, OfLinearElementsIsFactoredOnce) {
   EXPECT_EQ(solver.state().linearised_at.size(), 0);
 }
 
+/// A plate that turns by 1.2 rad: the operator follows it, and its factor is that of the start.
+TEST(WindowSolver, OfAPartThatTurnsIsFactoredOnce) {
+  const test::TemporaryFolder folder;
+  const scene::Problem given = scene::build_problem(scene::load_scene(folder.write(R"(model = "plane_strain"
+[[body]]
+name = "plate"
+material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7850.0 }
+mesh = { length_m = 0.04, height_m = 0.01, elements = [8, 3] }
+large_rotation = true
+initial_angular_velocity_rad_s = 3000.0
+[time]
+step_s = 4e-6
+end_s = 4e-4
+[coupling]
+protocol = "all_implicit"
+)")));
+  ImplicitSolver solver(given, "implicit");
+  participant::LinkOutput output;
+  begin(solver, given, output);
+  const auto start = solver.state();
+  for (int n = 1; n <= 100; ++n) {
+    solver.advance(n, {}, output);
+    solver.accept();
+  }
+  const auto end = solver.state();
+  EXPECT_EQ(end.linearised_at, start.linearised_at);
+  EXPECT_NEAR(std::atan2(end.directions[0](1, 0), end.directions[0](0, 0)), 1.2, 0.02);
+}
+
 /// A force that is another whatever the displacement: no window has one that is in balance.
 class RandomBars final : public solver::InternalForce {
  public:
