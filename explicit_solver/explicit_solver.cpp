@@ -183,7 +183,7 @@ double ExplicitSolver::unspread_of_contact_j() {
   if (!c->inside_small_steps()) return 0.0;
   const auto driven = [](const solver::BodyState& state) {
     return !state.external.zero() || std::any_of(state.constrained.begin(), state.constrained.end(),
-                                                 [](const auto& given) { return given.amplitude != nullptr; });
+                                                 [](const auto& given) { return given.motion.moves(); });
   };
   return std::any_of(states_.begin(), states_.end(), driven) ? c->unspread_j(states_) : unspread_work_j_;
 }

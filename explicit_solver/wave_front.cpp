@@ -18,7 +18,7 @@ std::vector<bool> acted_on(const BodyState& state, const std::vector<int>& drive
     for (int c = 0; c < components; ++c) rows[static_cast<std::size_t>(node * components + c)] = true;
   }
   for (const auto& c : state.constrained) {
-    if (c.amplitude != nullptr) rows[static_cast<std::size_t>(c.dof)] = true;
+    if (c.motion.moves()) rows[static_cast<std::size_t>(c.dof)] = true;
   }
   return rows;
 }

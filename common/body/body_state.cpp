@@ -172,13 +172,9 @@ void set_motion(const scene::Problem& problem, BodyState& state) {
     state.u[dof] = whole.initial_displacement_m[static_cast<Eigen::Index>(whole_dof)];
     state.v[dof] = whole.initial_velocity_m_s[static_cast<Eigen::Index>(whole_dof)];
     if (!whole.fixed_dof[whole_dof] || !state.integrated[static_cast<std::size_t>(dof)]) continue;
-    const int prescribed = whole.prescribed_index[whole_dof];
-    if (prescribed < 0) {
-      state.constrained.push_back({dof, state.u[dof], nullptr});
-    } else {
-      state.constrained.push_back({dof, whole.prescribed_displacement_m[static_cast<Eigen::Index>(whole_dof)],
-                                   &spec.prescribed[static_cast<std::size_t>(prescribed)].amplitude});
-    }
+    const int held = static_cast<int>(whole_dof);
+    state.constrained.push_back(
+        {dof, scene::is_still(whole, held) ? scene::GivenMotion{state.u[dof]} : given_motion(spec, whole, held)});
   }
 }
 

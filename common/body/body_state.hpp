@@ -12,26 +12,25 @@
 #include "common/body/part_frame.hpp"
 #include "common/body/plastic_state.hpp"
 #include "common/fem/stiffness_product.hpp"
+#include "common/problem/given_motion.hpp"
 #include "common/problem/problem.hpp"
 
 /// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
 namespace ricochet::solver {
 
-/// A fixed or prescribed degree of freedom. Motion u(t) = displacement * amplitude(t); velocity and acceleration by
-/// central differences of that over dt, which is what the central difference method itself would integrate.
+/// A fixed or prescribed degree of freedom. Velocity and acceleration by central differences of its motion over dt,
+/// which is what the central difference method itself would integrate. At t = 0 as if it had moved before as it does in
+/// the first window: what begins with a velocity has it, and nobody works for it.
 struct ConstrainedDof {
   int dof = 0;
-  double displacement_m = 0.0;
-  const scene::Amplitude* amplitude = nullptr;  ///< null: fixed at its initial displacement
+  scene::GivenMotion motion{};
 
-  [[nodiscard]] double at(double time_s) const {
-    return amplitude ? displacement_m * amplitude->at(time_s) : displacement_m;
-  }
+  [[nodiscard]] double at(double time_s) const { return motion.at(time_s); }
   [[nodiscard]] double velocity(double time_s, double dt) const {
-    return (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt);
+    return time_s > 0.0 ? (at(time_s + dt) - at(time_s - dt)) / (2.0 * dt) : (at(dt) - at(0.0)) / dt;
   }
   [[nodiscard]] double acceleration(double time_s, double dt) const {
-    return (at(time_s + dt) - 2.0 * at(time_s) + at(time_s - dt)) / (dt * dt);
+    return time_s > 0.0 ? (at(time_s + dt) - 2.0 * at(time_s) + at(time_s - dt)) / (dt * dt) : 0.0;
   }
 };
 

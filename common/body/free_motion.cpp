@@ -9,7 +9,7 @@ void load_motion(const std::vector<double>& row, std::vector<BodyState>& states)
   std::size_t next = 0;
   for (auto& state : states) {
     state.external = {};
-    for (auto& c : state.constrained) c = {c.dof, 0.0, nullptr};
+    for (auto& c : state.constrained) c.motion = {};
     for (auto& d : state.dashpots) d.initial_velocity_m_s = 0.0;
     for (auto* values : {&state.u, &state.v}) {
       values->setZero();

@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "common/problem/build.hpp"
+#include "common/problem/given_motion.hpp"
 #include "common/problem/local_steps.hpp"
 
 namespace ricochet::scene {
@@ -66,12 +67,16 @@ std::string jump_among_small_steps(const Problem& problem, const ParticipantPart
     for (fem::SparseMatrix::InnerIterator it(part.part.stiffness, i); it; ++it)
       if (const int other = of_body(it.col()); other % components == dof % components)
         if (std::abs(v[other]) > std::abs(around)) around = v[other];
-    std::vector<double> own{around, 0.0};
-    if (const int motion = body.prescribed_index[at(dof)]; motion >= 0)
-      own = velocities(spec.prescribed[at(motion)].amplitude, body.prescribed_displacement_m[dof], around,
-                       problem.scene.time.end_s);
-    for (std::size_t k = 0; k + 1 < own.size(); ++k) jump = std::max(jump, std::abs(own[k + 1] - own[k]));
-    for (const double speed : own) fastest = std::max(fastest, std::abs(speed));
+    const GivenMotion motion = is_still(body, dof) ? GivenMotion{} : given_motion(spec, body, dof);
+    const Amplitude still;
+    const auto add = [&](const Amplitude& amplitude, double displacement_m) {
+      const std::vector<double> own = velocities(amplitude, displacement_m, around, problem.scene.time.end_s);
+      for (std::size_t k = 0; k + 1 < own.size(); ++k) jump = std::max(jump, std::abs(own[k + 1] - own[k]));
+      for (const double speed : own) fastest = std::max(fastest, std::abs(speed));
+    };
+    if (motion.along != nullptr || !motion.moves())
+      add(motion.along != nullptr ? *motion.along : still, motion.displacement_m);
+    if (motion.turn != nullptr) add(*motion.turn, motion.angle_rad * motion.across_m);
     if (jump <= largest) continue;
     largest = jump;
     where = node;

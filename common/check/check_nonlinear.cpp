@@ -90,6 +90,7 @@ void check_surroundings(const Nonlinear& turns, const Body& spec) {
     const int index = static_cast<int>(&turns.body - turns.problem.bodies.data());
     if (contact.body_b < 0) continue;
     for (const int node : contact_nodes(contact, index)) {
+      if (turns.body.turned_by[at(node)] >= 0) continue;  // held in all directions
       for (int c = 0; c < turns.problem.scene.components(); ++c)
         if (turns.body.fixed_dof[at(node * turns.problem.scene.components() + c)])
           turns.refuse("of a body with a support at its contact surface", "supports away from the contact surface");

@@ -40,7 +40,7 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
   };
   for (const Traction& traction : spec.tractions)
     if (traction.pressure_pa != 0.0 || any(traction.traction_pa)) add_surface(traction.surface);
-  for (const PrescribedDisplacement& prescribed : spec.prescribed) add_surface(prescribed.surface);
+  for (const PrescribedMotion& prescribed : spec.prescribed) add_surface(prescribed.surface);
   for (const Support& support : spec.supports)
     for (const int c : support.components)
       if (spec.initial_velocity_m_s[at(c)] != 0.0 || spec.initial_displacement_start_m[at(c)] != 0.0)

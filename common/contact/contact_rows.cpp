@@ -59,9 +59,8 @@ bool ends_at_symmetry(const scene::Problem& problem, const scene::ContactGeometr
   Eigen::Index c = 0;
   if (pair.b.size() < 2 || direction.cwiseAbs().maxCoeff(&c) < 1.0 - tolerance) return false;
   const auto held = [&](int body, int node) {
-    const auto& of = problem.bodies[static_cast<std::size_t>(body)];
-    const auto dof = static_cast<std::size_t>(node * problem.scene.components() + static_cast<int>(c));
-    return of.fixed_dof[dof] && of.prescribed_index[dof] < 0;
+    return scene::is_still(problem.bodies[static_cast<std::size_t>(body)],
+                           node * problem.scene.components() + static_cast<int>(c));
   };
   const auto place = [&](int body, int node) {
     return problem.bodies[static_cast<std::size_t>(body)].mesh.position[static_cast<std::size_t>(node)][c];

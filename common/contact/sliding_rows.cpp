@@ -58,8 +58,7 @@ Eigen::Vector3d moves(const scene::Problem& problem, const scene::ContactGeometr
   Eigen::Vector3d moves = Eigen::Vector3d::Ones();
   for (const int node : scene::contact_nodes(geometry, body)) {
     for (int c = 0; c < components; ++c) {
-      const auto dof = static_cast<std::size_t>(node * components + c);
-      if (of.fixed_dof[dof] && of.prescribed_index[dof] < 0) moves[c] = 0.0;
+      if (scene::is_still(of, node * components + c)) moves[c] = 0.0;
     }
   }
   return moves;

@@ -30,8 +30,9 @@ void make_rigid(const Scene& scene, const Body& spec, BodyProblem& body);
 /// other bodies, but for a margin: as stiff as they can be without a shorter step.
 void stiffen_rigid(Problem& problem);
 
-/// Supports, the axis r = 0 and prescribed displacements: fixed_dof, prescribed_displacement_m, prescribed_index.
-/// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support.
+/// Supports, the axis r = 0 and prescribed motion: fixed_dof, prescribed_displacement_m, prescribed_index, turned_by.
+/// Throws ConfigError for an unknown surface and where a prescribed displacement meets another or a support, or a turn
+/// another or a support.
 void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body);
 
 /// Initial displacement (linear along the axis) and velocity. Throws ConfigError where it moves a support.

@@ -9,6 +9,7 @@
 #include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
+#include "common/problem/given_motion.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -80,23 +81,36 @@ void fix_supports(const Scene& scene, const Body& spec, BodyProblem& body, Holde
   }
 }
 
+/// Displacements first: a turn may stand beside those of its nodes, which move its axis.
 void prescribe(const Scene& scene, const Body& spec, BodyProblem& body, Holders& holders) {
   const int components = scene.components();
-  for (std::size_t i = 0; i < spec.prescribed.size(); ++i) {
-    const PrescribedDisplacement& prescribed = spec.prescribed[i];
-    const std::string key = fmt::format("body.{}.prescribed[{}]", spec.name, i);
-    require_surface(scene, key + ".surface", body.mesh, prescribed.surface);
-    for (const int node : held_nodes(body.mesh, prescribed.surface)) {
-      const int dof = node * components + prescribed.component;
-      if (body.fixed_dof[at(dof)])
-        throw ConfigError(
-            fmt::format("{}: found {} held by {} already; allowed: one support or prescribed "
-                        "displacement for each component of a node",
-                        scene.where(key), node_text(body, node), holders[at(dof)]));
-      body.fixed_dof[at(dof)] = true;
-      body.prescribed_displacement_m[dof] = prescribed.displacement_m;
-      body.prescribed_index[at(dof)] = static_cast<int>(i);
-      holders[at(dof)] = key;
+  const auto refuse = [&](const std::string& key, int node, int dof) {
+    throw ConfigError(
+        fmt::format("{}: found {} held by {} already; allowed: one support, or one prescribed displacement for each "
+                    "component of a node and one turn",
+                    scene.where(key), node_text(body, node), holders[at(dof)]));
+  };
+  for (const bool turns : {false, true}) {
+    for (std::size_t i = 0; i < spec.prescribed.size(); ++i) {
+      const PrescribedMotion& prescribed = spec.prescribed[i];
+      if (prescribed.turn.has_value() != turns) continue;
+      const std::string key = fmt::format("body.{}.prescribed[{}]", spec.name, i);
+      require_surface(scene, key + ".surface", body.mesh, prescribed.surface);
+      for (const int node : held_nodes(body.mesh, prescribed.surface)) {
+        for (int c = 0; c < components; ++c) {
+          const int dof = node * components + c;
+          if (!turns && c != prescribed.component) continue;
+          const bool turned = body.turned_by[at(node)] >= 0;
+          if (body.fixed_dof[at(dof)] && (!turns || turned || body.prescribed_index[at(dof)] < 0))
+            refuse(key, node, dof);
+          body.fixed_dof[at(dof)] = true;
+          holders[at(dof)] = key;
+          if (turns) continue;
+          body.prescribed_displacement_m[dof] = prescribed.displacement_m;
+          body.prescribed_index[at(dof)] = static_cast<int>(i);
+        }
+        if (turns) body.turned_by[at(node)] = static_cast<int>(i);
+      }
     }
   }
 }
@@ -126,15 +140,35 @@ void hold_hanging(const Scene& scene, const Body& spec, BodyProblem& body, const
       body.prescribed_displacement_m[dof] = 0.0;
       body.prescribed_index[at(dof)] = -1;
     }
+    if (hanging.held == 0) body.turned_by[at(hanging.node)] = -1;
   }
 }
 
 }  // namespace
 
+GivenMotion given_motion(const Body& spec, const BodyProblem& body, int dof) {
+  const int components = fem::components(body.section.model), node = dof / components;
+  GivenMotion motion{body.prescribed_displacement_m[dof]};
+  if (const int along = body.prescribed_index[at(dof)]; along >= 0)
+    motion.along = &spec.prescribed[at(along)].amplitude;
+  if (const int by = body.turned_by[at(node)]; by >= 0) {
+    const PrescribedMotion& prescribed = spec.prescribed[at(by)];
+    const Eigen::Vector3d turn(prescribed.turn->turn_rad.data()), about(prescribed.turn->about_m.data());
+    const Eigen::Vector3d n = turn.normalized(), across = n.cross(body.mesh.position[at(node)] - about);
+    const Eigen::Index c = dof % components;
+    motion.across_m = across[c];
+    motion.inward_m = n.cross(across)[c];
+    motion.angle_rad = turn.norm();
+    motion.turn = &prescribed.amplitude;
+  }
+  return motion;
+}
+
 void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
   const std::size_t dofs = body.mesh.position.size() * at(scene.components());
   body.fixed_dof.assign(dofs, false);
   body.prescribed_index.assign(dofs, -1);
+  body.turned_by.assign(body.mesh.position.size(), -1);
   body.prescribed_displacement_m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dofs));
   Holders holders(dofs);
   fix_axis(body, holders);
@@ -179,19 +213,17 @@ void set_initial_state(const Scene& scene, const Body& spec, BodyProblem& body) 
     const double part = (fem::axis_coordinate(scene.model, body.mesh.position[at(node)]) - low) / (high - low);
     const double start = spec.initial_displacement_start_m[c], end = spec.initial_displacement_end_m[c];
     const double initial = start + part * (end - start);
-    const int prescribed = body.prescribed_index[at(dof)];
     const double round_off = 1e-12 * std::max(std::abs(start), std::abs(end));
     const fem::HangingNode* hanging = fem::hanging_at(body.mesh, node);
     const bool hangs = hanging != nullptr && hanging->hangs(dof % components);
-    if (body.fixed_dof[at(dof)] && !hangs && prescribed < 0 && std::abs(initial) > round_off)
+    if (is_still(body, dof) && !hangs && std::abs(initial) > round_off)
       throw ConfigError(fmt::format("{}: found {} m at {}, which is held; allowed: 0 on supports and on the axis r = 0",
                                     scene.where("body." + spec.name + ".initial_displacement_m"), initial,
                                     node_text(body, node)));
     body.initial_displacement_m[dof] = initial;
     if (body.fixed_dof[at(dof)]) body.initial_displacement_m[dof] = 0.0;
-    if (prescribed >= 0)
-      body.initial_displacement_m[dof] =
-          body.prescribed_displacement_m[dof] * spec.prescribed[at(prescribed)].amplitude.at(0.0);
+    if (body.fixed_dof[at(dof)] && !is_still(body, dof))
+      body.initial_displacement_m[dof] = given_motion(spec, body, dof).at(0.0);
     const double moves = spec.initial_velocity_m_s[c] + spin[at(node)][static_cast<Eigen::Index>(c)];
     body.initial_velocity_m_s[dof] = body.fixed_dof[at(dof)] ? 0.0 : moves;
   }

@@ -112,6 +112,7 @@ unsigned held_at(const ContactSide& side, int node, const Eigen::Vector3d& norma
   const int components = fem::components(side.body->section.model);
   unsigned held = 0;
   Eigen::Vector3d free = normal;
+  if (side.body->turned_by[at(node)] >= 0) return 0;
   for (int c = 0; c < components; ++c) {
     if (!side.body->fixed_dof[at(node * components + c)]) continue;
     free[c] = 0.0;

@@ -174,7 +174,9 @@ bool may_slide(const Scene& scene, const ContactSide& a, const ContactSide* b, c
     const auto pulled = [&](const Traction& traction) {
       return traction.pressure_pa != 0.0 || along(in_space(traction.traction_pa));
     };
-    const auto moved = [&](const PrescribedDisplacement& p) { return along(Eigen::Vector3d::Unit(p.component)); };
+    const auto moved = [&](const PrescribedMotion& p) {
+      return p.turn.has_value() || along(Eigen::Vector3d::Unit(p.component));
+    };
     return along(in_space(body.gravity_m_s2)) || std::any_of(body.tractions.begin(), body.tractions.end(), pulled) ||
            std::any_of(body.prescribed.begin(), body.prescribed.end(), moved);
   };

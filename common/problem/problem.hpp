@@ -86,11 +86,19 @@ struct BodyProblem {
   /// Supports and the axis r = 0 (u_r); prescribed dofs and those of hanging nodes, too.
   std::vector<bool> fixed_dof;
   Eigen::VectorXd prescribed_displacement_m;  ///< per dof, amplitude excluded; 0 on supports
-  std::vector<int> prescribed_index;          ///< per dof: which Body::prescribed, -1 none
+  std::vector<int> prescribed_index;          ///< per dof: which Body::prescribed moves it along itself, -1 none
+  std::vector<int> turned_by;                 ///< per node: which Body::prescribed turns it, -1 none
   Eigen::VectorXd damping_kg_s;            ///< per dof: dashpots of the absorbing surfaces; 0 elsewhere and where held
   Eigen::VectorXd initial_displacement_m;  ///< per dof (on prescribed dofs their value at t = 0)
   Eigen::VectorXd initial_velocity_m_s;    ///< per dof (0 on fixed dofs)
 };
+
+/// Whether a degree of freedom is held where it was: nothing prescribed moves it.
+[[nodiscard]] inline bool is_still(const BodyProblem& body, int dof) {
+  const auto i = static_cast<std::size_t>(dof);
+  return body.fixed_dof[i] && body.prescribed_index[i] < 0 &&
+         body.turned_by[i / static_cast<std::size_t>(fem::components(body.section.model))] < 0;
+}
 
 /// Where a foreign body is joined to one of the scene's.
 struct Joint {

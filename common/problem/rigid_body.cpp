@@ -13,13 +13,16 @@
 namespace ricochet::scene {
 namespace {
 
-/// Components in which nothing holds the body.
+/// Components in which nothing holds the body, or all if it is told how to turn.
 std::vector<int> free_components(const Scene& scene, const Body& spec) {
   std::vector<bool> held(at(scene.components()), false);
   if (scene.model == Model::axisymmetric) held[0] = true;
   for (const Support& support : spec.supports)
     for (const int c : support.components) held[at(c)] = true;
-  for (const PrescribedDisplacement& prescribed : spec.prescribed) held[at(prescribed.component)] = true;
+  for (const PrescribedMotion& prescribed : spec.prescribed)
+    if (!prescribed.turn) held[at(prescribed.component)] = true;
+  const bool turned = std::ranges::any_of(spec.prescribed, [](const PrescribedMotion& given) { return !!given.turn; });
+  if (turned) held.assign(held.size(), false);
   std::vector<int> free;
   for (int c = 0; c < scene.components(); ++c)
     if (!held[at(c)]) free.push_back(c);

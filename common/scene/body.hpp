@@ -80,10 +80,18 @@ struct Traction {
   double pressure_pa = 0.0;  ///< in place of them: against the outward normal of the reference surface
 };
 
-struct PrescribedDisplacement {
+/// A turn about an axis through a point, of all components of what it holds: u = (R - 1)(X - about), R the rotation
+/// about the vector turn_rad by its length times the amplitude.
+struct PrescribedTurn {
+  std::array<double, 3> turn_rad{};
+  std::array<double, 3> about_m{};
+};
+
+struct PrescribedMotion {
   std::string surface;
   int component = 0;
   double displacement_m = 0.0;
+  std::optional<PrescribedTurn> turn;  ///< in place of the displacement of a component
   Amplitude amplitude;
 };
 
@@ -132,7 +140,7 @@ struct Body {
   std::vector<double> gravity_m_s2;                  ///< body force per unit mass, one entry per component
   std::vector<Support> supports;
   std::vector<Traction> tractions;
-  std::vector<PrescribedDisplacement> prescribed;
+  std::vector<PrescribedMotion> prescribed;
   std::vector<AbsorbingSurface> absorbing;
 
   /// Its mesh if that is a structured one; null of pieces and of a file.

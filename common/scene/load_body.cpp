@@ -112,13 +112,38 @@ Traction load_traction(TableReader& table, Model model, const std::vector<std::s
   return traction;
 }
 
-PrescribedDisplacement load_prescribed(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
-  PrescribedDisplacement prescribed;
+/// In a plane one number, about the axis across it.
+std::array<double, 3> load_axial(TableReader& table, Model model, const char* key) {
+  std::array<double, 3> axial{};
+  if (model == Model::plane_strain)
+    axial[2] = table.number(key, any_number());
+  else
+    std::ranges::copy(table.numbers(key, any_number(), 3), axial.begin());
+  return axial;
+}
+
+PrescribedTurn load_turn(TableReader& table, Model model) {
+  PrescribedTurn turn{load_axial(table, model, "turn_rad"), {}};
+  std::ranges::copy(table.numbers("about_m", any_number(), component_names(model).size()), turn.about_m.begin());
+  return turn;
+}
+
+PrescribedMotion load_prescribed(TableReader& table, Model model, const std::vector<std::string>& surfaces) {
+  PrescribedMotion prescribed;
   prescribed.surface = load_surface(table, surfaces);
-  const std::vector<std::string> names = component_names(model);
-  const std::string component = table.word("component", names);
-  prescribed.component = static_cast<int>(std::find(names.begin(), names.end(), component) - names.begin());
-  prescribed.displacement_m = table.number("displacement_m", any_number());
+  table.only_if(model == Model::plane_strain || model == Model::solid, "turn_rad",
+                R"(model = "plane_strain" or "solid")");
+  table.only_if(table.has("turn_rad"), "about_m", "turn_rad beside it");
+  if (table.has("turn_rad")) {
+    for (const char* key : {"component", "displacement_m"})
+      table.only_if(false, key, "no turn_rad beside it: an entry has one of them");
+    prescribed.turn = load_turn(table, model);
+  } else {
+    const std::vector<std::string> names = component_names(model);
+    const std::string component = table.word("component", names);
+    prescribed.component = static_cast<int>(std::find(names.begin(), names.end(), component) - names.begin());
+    prescribed.displacement_m = table.number("displacement_m", any_number());
+  }
   prescribed.amplitude = load_amplitude(table);
   table.finish();
   return prescribed;
@@ -150,22 +175,19 @@ void load_rigid(TableReader& table, Body& body) {
     refuse("initial_displacement_m that strains it", "the same start and end");
   if (std::ranges::any_of(body.supports, [](const Support& support) { return !support.at_m.empty(); }))
     refuse("a support with at_m", "supports of surfaces, which hold the whole body");
-  if (body.large_rotation && !(body.supports.empty() && body.prescribed.empty()))
-    refuse("large_rotation and a support or prescribed motion", "one of the two: what holds it keeps it from turning");
+  const bool turns = std::ranges::any_of(body.prescribed, [](const PrescribedMotion& given) { return !!given.turn; });
+  if (body.large_rotation && !turns && !(body.supports.empty() && body.prescribed.empty()))
+    refuse("large_rotation and a support or prescribed displacement",
+           "one of the two, or a prescribed turn: what holds a component keeps it from turning");
 }
 
-/// In a plane one number, about the axis across it.
 void load_rotation(TableReader& table, Model model, Body& body) {
   const bool can_turn = model == Model::plane_strain || model == Model::solid;
   table.only_if(can_turn, "large_rotation", R"(model = "plane_strain" or "solid")");
   body.large_rotation = table.boolean("large_rotation", false);
   const char* const spin = "initial_angular_velocity_rad_s";
   table.only_if(body.large_rotation, spin, "large_rotation = true beside it");
-  if (!table.has(spin)) return;
-  if (model == Model::plane_strain)
-    body.initial_angular_velocity_rad_s[2] = table.number(spin, any_number());
-  else
-    std::ranges::copy(table.numbers(spin, any_number(), 3), body.initial_angular_velocity_rad_s.begin());
+  if (table.has(spin)) body.initial_angular_velocity_rad_s = load_axial(table, model, spin);
 }
 
 void load_initial_state(TableReader& table, std::size_t components, Body& body) {

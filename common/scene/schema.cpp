@@ -48,7 +48,7 @@ const Schema& scene_schema() {
       {"initial_displacement_m", {"start", "end"}},
       {"support", {"surface", "at_m", "fixed"}},
       {"traction", {"surface", "traction_pa", "pressure_pa", "amplitude"}},
-      {"prescribed", {"surface", "component", "displacement_m", "amplitude"}},
+      {"prescribed", {"surface", "component", "displacement_m", "turn_rad", "about_m", "amplitude"}},
       {"amplitude", {"time_s", "factor"}},
       {"absorbing", {"surface", "wave"}},
       {"contact",

@@ -59,7 +59,7 @@ bool flies_freely(const scene::Body& body, const Eigen::Vector3d& normal) {
   const auto held = [&](const scene::Support& s) {
     return std::any_of(s.components.begin(), s.components.end(), along);
   };
-  const auto driven = [&](const scene::PrescribedDisplacement& p) { return along(p.component); };
+  const auto driven = [&](const scene::PrescribedMotion& p) { return p.turn || along(p.component); };
   return std::none_of(body.supports.begin(), body.supports.end(), held) &&
          std::none_of(body.prescribed.begin(), body.prescribed.end(), driven) && body.tractions.empty() &&
          std::all_of(body.gravity_m_s2.begin(), body.gravity_m_s2.end(), zero) &&

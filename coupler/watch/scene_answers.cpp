@@ -258,8 +258,7 @@ void SceneComparison::check_first_row(const std::vector<double>& row, Drive driv
         size += m * std::abs(v);
       }
     }
-    const bool driven =
-        std::any_of(body.prescribed_index.begin(), body.prescribed_index.end(), [](int i) { return i >= 0; });
+    const bool driven = !problem_.scene.body(body.name).prescribed.empty();
     for (std::size_t c = 0; c < description_.record_columns.size() && c < row.size(); ++c) {
       const auto& column = description_.record_columns[c];
       if (column == "mass_kg/" + body.name) check_body(p, "mass_kg", row[c], mass, mass, "kg");

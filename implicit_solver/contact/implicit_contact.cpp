@@ -26,23 +26,28 @@ ImplicitContact::ImplicitContact(const scene::Problem& problem, solver::ContactS
     turns_ = turns_ || state.frame;
   }
   root_of_dof_.assign(static_cast<std::size_t>(offset), -1);
+  // Normals that come may point anywhere where bodies turn or slide along what is not flat, however those of now do.
+  const bool any_way = turns_ || (sliding_ && std::any_of(problem.contacts.begin(), problem.contacts.end(),
+                                                          [](const auto& of) { return of.sliding && !of.flat; }));
+  std::set<int> components;
+  for (int c = 0; any_way && c < surface_.components; ++c) components.insert(c);
   for (const auto& pair : surface_.pairs) {
     std::vector<RowEntry> entries = pair.normal.entries;
     if (pair.friction_coefficient > 0.0) {
       entries.insert(entries.end(), pair.tangent.entries.begin(), pair.tangent.entries.end());
       entries.insert(entries.end(), pair.binormal.entries.begin(), pair.binormal.entries.end());
     }
+    for (const auto& e : entries) components.insert(e.dof % surface_.components);
+    for (std::size_t e = 0, size = entries.size(); any_way && e < size; ++e) {
+      RowEntry beside = entries[e];
+      const int first = beside.dof - beside.dof % surface_.components;
+      for (beside.dof = first; beside.dof < first + surface_.components; ++beside.dof) entries.push_back(beside);
+    }
     std::sort(entries.begin(), entries.end(),
               [](const RowEntry& x, const RowEntry& y) { return std::pair(x.side, x.dof) < std::pair(y.side, y.dof); });
     for (const auto& e : entries) add_root(e, states);
   }
-  // Nodes that bodies slide to have a force in all directions that those of the start have one in.
-  std::set<int> components;
-  for (const auto& pair : surface_.pairs) {
-    for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
-      for (const auto& e : row->entries)
-        if (row == &pair.normal || pair.friction_coefficient > 0.0) components.insert(e.dof % surface_.components);
-  }
+  // Nodes that bodies slide to have a force in all these directions.
   for (const auto& [part, node] : surface_.idle)
     for (const int c : components) add_root({part, node * surface_.components + c}, states);
   trial_.start(pairs(), by_impedance());

@@ -34,8 +34,7 @@ std::string pushed_bars(const Method& method, const std::string& implicit_length
   }
   return text +
          "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = " + implicit_length +
-         "\n[time]\nsafety_factor = 0.9\nend_s = 0.8\n[coupling]\nenergy_growth_limit = 1.0\n" +
-         method.coupling;  // of the little that the first window gives
+         "\n[time]\nsafety_factor = 0.9\nend_s = 0.8\n[coupling]\n" + method.coupling;
 }
 
 class Prescribed : public testing::TestWithParam<std::tuple<Method, const char*>> {};
@@ -53,11 +52,11 @@ TEST_P(Prescribed, MotionSendsThePulseOfTheoryThroughBothBars) {
   EXPECT_NEAR(run.last("energy_external_j"), work, 0.02 * work);
   EXPECT_NEAR(run.last("energy_kinetic_j"), 0.5 * work, 0.02 * work);
   EXPECT_NEAR(run.last("energy_strain_j"), 0.5 * work, 0.02 * work);
-  double unowned = 0.0;  // kinetic + strain - external - contact - interface
+  double unowned = 0.0;  // kinetic + strain - external - contact - interface, beyond the pushed node's 1/2 m V^2
   for (std::size_t i = 0; i < run.column("time_s").size(); ++i) {
     const auto value = [&](const char* term) { return run.column(std::string("energy_") + term + "_j")[i]; };
     unowned = std::max(unowned, std::abs(value("kinetic") + value("strain") - value("external") - value("contact") -
-                                         value("interface")));
+                                         value("interface") - 0.5 * 0.01 * velocity_m_s * velocity_m_s));
   }
   EXPECT_LT(unowned, 1e-3 * work)
       << "the trapezoidal rule takes a kink of what is given for less than it is, at one node";

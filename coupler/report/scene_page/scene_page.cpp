@@ -77,7 +77,7 @@ Json look_of(const DrawnMark& mark, std::size_t contact) {
                   contact_colours[contact % contact_colours.size()], 8);
     case DrawnMark::Kind::support: return look("supports", "#1b7837", 6);
     case DrawnMark::Kind::load: return look("loads on surfaces", "#762a83", 6);
-    case DrawnMark::Kind::prescribed: return look("prescribed displacement", "#8c510a", 6);
+    case DrawnMark::Kind::prescribed: return look("prescribed motion", "#8c510a", 6);
     case DrawnMark::Kind::absorbing: return look("absorbing surfaces", "#35978f", 6);
     case DrawnMark::Kind::joint: return look("shared with a foreign body", "#ce1256", 6);
     case DrawnMark::Kind::interface: return look("interface of explicit and implicit elements", "#000000", 4);

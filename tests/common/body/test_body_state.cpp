@@ -145,7 +145,7 @@ TEST(BodyState, OfABarHasMomentumAlongItAlone) {
 TEST(BodyState, WithoutLoadsBooksOnlySupportsAndDashpots) {
   test::Plates plates("all_implicit");
   auto& plate = plates.states[1];
-  plate.constrained = {{2 * plates.node_at(1, {0.2, 0.4}), 0.0, nullptr}};
+  plate.constrained = {{2 * plates.node_at(1, {0.2, 0.4})}};
   plate.dashpots = {{2 * plates.node_at(1, {0.1, 0.2}) + 1, 1.0, 0.0}};
   plate.account_external(
       0.1, [](int) { return 7.0; }, [](int) { return 1e-3; }, [](int) { return 0.5; });

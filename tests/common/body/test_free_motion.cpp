@@ -40,7 +40,7 @@ TEST(FreeMotion, LoadedIsThatOfAHomogeneousBody) {
   test::SceneStates scene(loaded);
   auto& rod = scene.states.at(0);
   rod.dashpots = {{2, 1.0, 3.0}};
-  rod.constrained.at(0).displacement_m = 5.0;
+  rod.constrained.at(0).motion.displacement_m = 5.0;
   load_motion({1.0, 2.0, 4.0, 8.0}, scene.states);
   EXPECT_EQ(rod.u, Eigen::Vector3d(0.0, 1.0, 2.0));
   EXPECT_EQ(rod.v, Eigen::Vector3d(0.0, 4.0, 8.0));

@@ -67,7 +67,7 @@ TEST(ImpactTheory, NoneForABodyThatDoesMoreThanFly) {
   }));
   EXPECT_FALSE(theory_with([](scene::Scene& s) {
     s.bodies[1].initial_velocity_m_s = {0.0};
-    s.bodies[1].prescribed.push_back({"end", 0, 1e-3, {}});
+    s.bodies[1].prescribed.push_back({"end", 0, 1e-3, {}, {}});
   }));
   EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].gravity_m_s2 = {9.81}; }));
   EXPECT_FALSE(theory_with([](scene::Scene& s) { s.bodies[0].tractions.push_back({"start", {1e6}, {}}); }));
