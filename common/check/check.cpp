@@ -89,9 +89,10 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
     if (std::find(participant.bodies.begin(), participant.bodies.end(), joint.foreign) != participant.bodies.end())
       plan.interface_nodes += static_cast<int>(joint.nodes.size());
   if (implicit && plan.unknowns == 0)
-    throw ConfigError(fmt::format("{}: found nothing that moves freely on the implicit side: all of its nodes are held; "
-                                  "allowed: a free node there, or protocol \"all_explicit\"",
-                                  problem.scene.where("partition")));
+    throw ConfigError(
+        fmt::format("{}: found nothing that moves freely on the implicit side: all of its nodes are held; "
+                    "allowed: a free node there, or protocol \"all_explicit\"",
+                    problem.scene.where("partition")));
   if (participant.reduced) plan.unknowns = count_modes(problem, parts);
   if (!implicit)
     plan.critical_time_step_s =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "common/fem/vtk_output.hpp"
 #include "common/problem/critical_step.hpp"
 #include "common/problem/local_steps.hpp"
+#include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
 
 namespace ricochet::cost {
@@ -58,6 +60,7 @@ struct Share {
   NodeGraph graph;
   /// Products with K in a step, of which those with the rows that step locally are shares.
   double products = 1.0;
+  std::shared_ptr<const fem::Part> assembled = nullptr;  ///< of a whole body, once asked for
 
   [[nodiscard]] double elements() const { return static_cast<double>(std::count(owned.begin(), owned.end(), true)); }
   [[nodiscard]] double unknowns() const {
@@ -67,7 +70,19 @@ struct Share {
 
 Share share_of(const scene::BodyProblem& body, std::vector<bool> owned) {
   NodeGraph graph = node_graph(body.mesh, owned);
-  return {&body, std::move(owned), std::move(graph), 1.0};
+  return {&body, std::move(owned), std::move(graph)};
+}
+
+/// A whole body, assembled once for all that ask. `scaled`: with the masses of mass scaling, if it has any.
+const fem::Part& part_of(Share& whole, bool scaled) {
+  const scene::BodyProblem& body = *whole.body;
+  if (whole.assembled && (scaled || body.density_factor.empty())) return *whole.assembled;
+  std::vector<int> elements(whole.owned.size());
+  std::iota(elements.begin(), elements.end(), 0);
+  whole.assembled = std::make_shared<const fem::Part>(
+      scaled ? scene::body_part(body, elements)
+             : fem::extract_part(body.mesh, body.name, body.section, body.material, elements));
+  return *whole.assembled;
 }
 
 /// K u of one step of the whole share [s], from as many of its elements as a sample takes.
@@ -215,13 +230,13 @@ std::vector<Share> whole_bodies(const scene::Problem& problem) {
 
 /// The scene's step, or what all elements together allow. That they bear the scene's is known where the implicit side
 /// is to switch to it and can.
-double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& plan, const std::vector<Share>& whole) {
+double all_explicit_step_s(const scene::Problem& problem, const scene::Plan& plan, std::vector<Share>& whole) {
   const double own_s = problem.clock.largest_size_s() / problem.scene.substeps().most;
   if (scene::is_to_switch(problem) && plan.switch_obstacle.empty()) return own_s;
   double critical_s = std::numeric_limits<double>::infinity();
-  for (const auto& share : whole)
-    critical_s = std::min(critical_s,
-                          scene::critical_time_step(*share.body, share.owned, false, problem.clock.largest_size_s()));
+  for (Share& share : whole)
+    critical_s = std::min(critical_s, scene::critical_time_step(*share.body, part_of(share, true), false,
+                                                                problem.clock.largest_size_s()));
   return std::min(own_s, problem.scene.time.safety_factor * critical_s);
 }
 
@@ -235,11 +250,8 @@ void add_planned_steps(const scene::Plan& plan, std::vector<Share>& shares) {
 /// The same of windows of the scene's steps, if all elements took local steps where they need some.
 void add_local_steps(const scene::Problem& problem, std::vector<Share>& whole) {
   for (std::size_t b = 0; b < whole.size(); ++b) {
-    const auto& body = *whole[b].body;
-    std::vector<int> elements(body.mesh.elements.size());
-    std::iota(elements.begin(), elements.end(), 0);
-    const fem::Part part = fem::extract_part(body.mesh, body.name, body.section, body.material, elements);
-    const auto steps = scene::expected_local_steps(body, part, problem.clock.largest_size_s());
+    const auto steps =
+        scene::expected_local_steps(*whole[b].body, part_of(whole[b], false), problem.clock.largest_size_s());
     whole[b].products += scene::extra_rows(problem, static_cast<int>(b), steps);
   }
 }

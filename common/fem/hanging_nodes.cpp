@@ -109,8 +109,22 @@ void eliminate(const std::vector<HangingNode>& hanging, int components, SparseMa
   // Sums of an entry and of its mirror image run in different orders.
   const SparseMatrix mirrored = added.transpose();
   added = 0.5 * (added + mirrored);
-  stiffness.prune([&](Eigen::Index row, Eigen::Index column, double) { return !touched(row, column); });
-  stiffness = SparseMatrix(stiffness + added);
+  SparseMatrix sum(dofs, dofs);
+  sum.reserve(stiffness.nonZeros() + added.nonZeros());
+  for (Eigen::Index row = 0; row < dofs; ++row) {
+    sum.startVec(row);
+    SparseMatrix::InnerIterator more(added, row);
+    for (SparseMatrix::InnerIterator entry(stiffness, row); entry; ++entry) {
+      if (touched(row, entry.col())) continue;
+      for (; more && more.col() < entry.col(); ++more) sum.insertBack(row, more.col()) = more.value();
+      const bool both = more && more.col() == entry.col();
+      sum.insertBack(row, entry.col()) = both ? entry.value() + more.value() : entry.value();
+      if (both) ++more;
+    }
+    for (; more; ++more) sum.insertBack(row, more.col()) = more.value();
+  }
+  sum.finalize();
+  stiffness.swap(sum);
 }
 
 FacesBetweenSizes::FacesBetweenSizes(const Mesh& mesh) : mesh_(mesh) {

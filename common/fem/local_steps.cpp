@@ -36,13 +36,14 @@ Eigen::VectorXd stiffness_of_nodes(const SparseMatrix& stiffness, const Eigen::V
   return of_node;
 }
 
-/// Marks the neighbours of marked nodes, too.
+/// Marks the neighbours of marked nodes, too: K is symmetric, so that their own rows name them.
 std::vector<bool> with_a_layer(const SparseMatrix& stiffness, int components, const std::vector<bool>& marked) {
   std::vector<bool> more = marked;
-  for (int row = 0; row < stiffness.outerSize(); ++row)
+  for (int row = 0; row < stiffness.outerSize(); ++row) {
+    if (!marked[static_cast<std::size_t>(row / components)]) continue;
     for (SparseMatrix::InnerIterator it(stiffness, row); it; ++it)
-      if (marked[static_cast<std::size_t>(it.col() / components)])
-        more[static_cast<std::size_t>(row / components)] = true;
+      more[static_cast<std::size_t>(it.col() / components)] = true;
+  }
   return more;
 }
 
@@ -66,9 +67,10 @@ LocalSteps::LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inv
     fixed[static_cast<std::size_t>(dof)] = inverse_mass[dof] == 0.0;
     if (inverse_mass[dof] > 0.0) mass[dof / components] = 1.0 / inverse_mass[dof];
   }
-  const double largest = max_frequency_squared(stiffness, mass, components, fixed, 1e-4, 1e-3);
-  if (largest <= most) return;
   const StiffnessProduct product(stiffness, components);
+  const auto times = [&product](const Eigen::VectorXd& u, Eigen::VectorXd& force) { product.multiply(u, force); };
+  const double largest = max_frequency_squared(times, mass, components, fixed, 1e-4, 1e-3);
+  if (largest <= most) return;
   const double softest = (of_node.array() > 0.0).select(of_node, of_node.maxCoeff()).minCoeff();
   for (double scale = std::min(1.0, largest / of_node.maxCoeff());; scale = std::min(1.0, raise * scale)) {
     set_levels(stiffness, inverse_mass, window_s, scale * of_node);

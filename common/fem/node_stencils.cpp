@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 #include <string_view>
 #include <unordered_map>
 
@@ -20,19 +19,21 @@ struct Rows {
   std::vector<StencilBlock> coefficient;
 
   Rows(const SparseMatrix& stiffness, int node) {
-    std::map<int, int> place;  // of the neighbour's block
-    for (int r = 0; r < 3; ++r) {
-      for (SparseMatrix::InnerIterator it(stiffness, 3 * node + r); it; ++it) place[static_cast<int>(it.col()) / 3] = 0;
-    }
-    for (auto& [neighbour, block] : place) {
-      block = static_cast<int>(distance.size());
-      distance.push_back(3 * (neighbour - node));
-    }
-    coefficient.resize(distance.size());
     for (int r = 0; r < 3; ++r) {
       for (SparseMatrix::InnerIterator it(stiffness, 3 * node + r); it; ++it) {
+        const int to = 3 * (static_cast<int>(it.col()) / 3 - node);
+        if (distance.empty() || distance.back() != to) distance.push_back(to);
+      }
+    }
+    std::sort(distance.begin(), distance.end());
+    distance.erase(std::unique(distance.begin(), distance.end()), distance.end());
+    coefficient.resize(distance.size());
+    for (int r = 0; r < 3; ++r) {
+      std::size_t block = 0;  // columns ascend
+      for (SparseMatrix::InnerIterator it(stiffness, 3 * node + r); it; ++it) {
         const int column = static_cast<int>(it.col());
-        coefficient[at(place[column / 3])].column[column % 3][r] = it.value();
+        while (distance[block] != 3 * (column / 3 - node)) ++block;
+        coefficient[block].column[column % 3][r] = it.value();
       }
     }
   }

@@ -69,19 +69,23 @@ template <int width>
   }
 }
 
-/// Whether K maps a constant component to zero, up to round-off.
-bool maps_to_zero(const SparseMatrix& stiffness, int components, int component) {
+/// Per component, whether K maps a constant one to zero, up to round-off.
+template <int components>
+std::array<bool, components> maps_to_zero(const SparseMatrix& stiffness) {
   constexpr double round_off = 1e-9;
-  double largest_sum = 0.0, largest_entry = 0.0;
+  std::array<double, components> largest_sum{};
+  double largest_entry = 0.0;
   for (int row = 0; row < stiffness.rows(); ++row) {
-    double sum = 0.0;
+    std::array<double, components> sum{};
     for (SparseMatrix::InnerIterator it(stiffness, row); it; ++it) {
-      if (it.col() % components == component) sum += it.value();
+      sum[static_cast<std::size_t>(it.col() % components)] += it.value();
       largest_entry = std::max(largest_entry, std::abs(it.value()));
     }
-    largest_sum = std::max(largest_sum, std::abs(sum));
+    for (std::size_t c = 0; c < components; ++c) largest_sum[c] = std::max(largest_sum[c], std::abs(sum[c]));
   }
-  return largest_sum <= round_off * largest_entry;
+  std::array<bool, components> to_zero{};
+  for (std::size_t c = 0; c < components; ++c) to_zero[c] = largest_sum[c] <= round_off * largest_entry;
+  return to_zero;
 }
 
 }  // namespace
@@ -221,7 +225,12 @@ class StiffnessProduct::Builder {
 
 StiffnessProduct::StiffnessProduct(const SparseMatrix& stiffness, int components, const Numbering& numbering)
     : components_(components) {
-  for (int c = 0; c < components; ++c) follows_[c] = maps_to_zero(stiffness, components, c) ? 1.0 : 0.0;
+  const auto set_follows = [&](const auto& to_zero) {
+    for (std::size_t c = 0; c < to_zero.size(); ++c) follows_[c] = to_zero[c] ? 1.0 : 0.0;
+  };
+  if (components == 1) set_follows(maps_to_zero<1>(stiffness));
+  if (components == 2) set_follows(maps_to_zero<2>(stiffness));
+  if (components == 3) set_follows(maps_to_zero<3>(stiffness));
   if (components == 3) {
     stencils_ = NodeStencils(stiffness);
     return;
