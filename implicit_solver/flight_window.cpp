@@ -25,6 +25,7 @@ void FlightWindow::settle(const Eigen::VectorXd& external) {
 
 void FlightWindow::advance(std::int64_t window, const WindowState& last, WindowTrial& trial) {
   const double time_s = clock_.time_s(window), dt = clock_.size_s(window);
+  if (contact_) contact_->fly(parts_.states);
   parts_.external_force(time_s, trial.end.external);
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const auto& state = parts_.states[b];

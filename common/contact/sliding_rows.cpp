@@ -248,7 +248,8 @@ bool SlidingRows::follow(const std::vector<BodyState>& states, double ahead_s, d
 void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,
                           const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
   struct Jump {
-    double work_j = 0.0, force_n = 0.0, least_m = std::numeric_limits<double>::infinity();
+    double work_j = 0.0, force_n = 0.0;
+    double overlap_m = 0.0;  ///< that rows make where no force is: it would be pushed apart within one window
   };
   const auto gap = [&](const Pair& pair) {
     return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
@@ -257,12 +258,14 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
   const std::vector<int> same = same_pairs(before, pairs);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Jump& jump = jumps[pairs[i].contact];
-    const double now_m = gap(pairs[i]);
-    jump.least_m = std::min(jump.least_m, now_m);
     const auto old = static_cast<std::size_t>(same[i]);
-    if (same[i] < 0 || !(forces[old].normal > 0.0)) continue;
-    jump.work_j += forces[old].normal * (gap(before[old]) - now_m);
-    jump.force_n += forces[old].normal;
+    const double was_m = same[i] < 0 ? 0.0 : gap(before[old]), now_m = gap(pairs[i]);
+    if (same[i] < 0 || !(forces[old].normal > 0.0)) {
+      jump.overlap_m = std::max(jump.overlap_m, std::min(was_m, 0.0) - std::min(now_m, 0.0));
+    } else {
+      jump.work_j += forces[old].normal * (was_m - now_m);
+      jump.force_n += forces[old].normal;
+    }
   }
   for (auto& sliding : contacts_) {
     const auto& geometry = problem_->contacts[sliding.contact];
@@ -270,8 +273,8 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
     const Jump& jump = jumps[sliding.contact];
     const double most_m = slide_share * geometry.sliding->edge_m;
     double& offset_m = sliding.slide.offset_m;
-    offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m)
-                                  : std::max(0.0, std::min(offset_m, -jump.least_m));
+    offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m) : 0.0;
+    if (jump.overlap_m > 0.0) offset_m = std::max(offset_m, std::min(jump.overlap_m, most_m));
   }
 }
 

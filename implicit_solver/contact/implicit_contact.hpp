@@ -88,6 +88,8 @@ class ImplicitContact {
   void accept();
   /// Drops all contact forces (after the switch to explicit integration).
   void open();
+  /// Before a window of explicit integration: rows follow the bodies, all pairs open.
+  void fly(const std::vector<solver::BodyState>& states);
 
   /// From here on no contact force, or every pair held at zero gap (and, with friction, zero slip), in tension, too;
   /// nothing: contact as before.
@@ -238,7 +240,7 @@ class ImplicitContact {
   [[nodiscard]] std::pair<int, int> local(int dof) const;
   [[nodiscard]] std::vector<NearNode> root_nodes(const std::vector<solver::BodyState>& states) const;
   [[nodiscard]] solver::Compliance compliance_of_rows() const;
-  void follow(const std::vector<solver::BodyState>& states);
+  bool follow(const std::vector<solver::BodyState>& states);
   void take_new_pairs(const std::vector<solver::BodyState>& states);
   void find_moved(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment);
 

@@ -8,10 +8,10 @@ using solver::ContactState;
 
 /// Before a window is solved, for the middle of it: forces that act along the rows there, over all of it, keep the
 /// angular momentum of bodies that slide freely.
-void ImplicitContact::follow(const std::vector<BodyState>& states) {
-  if (!sliding_) return;
+bool ImplicitContact::follow(const std::vector<BodyState>& states) {
+  if (!sliding_) return false;
   std::vector<solver::Pair> before = surface_.pairs;
-  if (!sliding_->follow(states, 0.5 * dt_, 0.5 * dt_, state_.mean_forces, surface_.pairs)) return;
+  if (!sliding_->follow(states, 0.5 * dt_, 0.5 * dt_, state_.mean_forces, surface_.pairs)) return false;
   const std::vector<int> same = solver::same_pairs(before, surface_.pairs);
   if (before_.pairs.empty()) {  // else a window is tried again
     before_.pairs = std::move(before);
@@ -29,6 +29,12 @@ void ImplicitContact::follow(const std::vector<BodyState>& states) {
   }
   state_.solution = std::move(solution);
   take_new_pairs(states);
+  return true;
+}
+
+/// Rows of long ago would tell gaps too late.
+void ImplicitContact::fly(const std::vector<BodyState>& states) {
+  if (follow(states)) open();
 }
 
 /// All that is sized by the pairs or computed from their rows, but what state_ keeps of them.

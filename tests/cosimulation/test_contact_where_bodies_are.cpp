@@ -122,7 +122,7 @@ TEST(PlatesThatSlideAndFly, GoOnFromACheckpointToTheSameBytes) {
       "end_s = 4e-5\n[output]\nhistory_every = 1\n[checkpoint]\nevery_windows = 150\n";
   const RunResult whole = run_text(text, folder);
   ASSERT_EQ(whole.column("pairs_open").front(), 13.0);
-  ASSERT_EQ(whole.column("pairs_open").back(), 12.0);
+  ASSERT_EQ(whole.column("pairs_open").back(), 10.0) << "of 13, in flight, too";
   const std::string half = (folder.path() / "half").string();
   std::filesystem::copy(whole.folder, half, std::filesystem::copy_options::recursive);
   const auto windows = checkpoints_in(half);
