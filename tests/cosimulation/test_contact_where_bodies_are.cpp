@@ -144,7 +144,7 @@ protocol = "{}"
 )",
                                              GetParam()),
                                  folder);
-  EXPECT_NEAR(run.largest("contact_force_n"), 80.5, 2.0);
+  EXPECT_NEAR(run.last("contact_impulse_n_s") / 4.11e-4, 1.0, 2e-3);
   EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-9);
   EXPECT_GT(run.summary["energy_error_lowest"].get<double>(), -3e-3);
 }
