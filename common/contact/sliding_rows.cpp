@@ -249,7 +249,7 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
                           const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
   struct Jump {
     double work_j = 0.0, force_n = 0.0;
-    double overlap_m = 0.0;  ///< that rows make where no force is: it would be pushed apart within one window
+    double overlap_m = 0.0, overlap_of_new_m = 0.0;  ///< that rows make where no force is; of pairs that come in
   };
   const auto gap = [&](const Pair& pair) {
     return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
@@ -262,6 +262,7 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
     const double was_m = same[i] < 0 ? 0.0 : gap(before[old]), now_m = gap(pairs[i]);
     if (same[i] < 0 || !(forces[old].normal > 0.0)) {
       jump.overlap_m = std::max(jump.overlap_m, std::min(was_m, 0.0) - std::min(now_m, 0.0));
+      if (same[i] < 0) jump.overlap_of_new_m = std::max(jump.overlap_of_new_m, -now_m);
     } else {
       jump.work_j += forces[old].normal * (was_m - now_m);
       jump.force_n += forces[old].normal;
@@ -274,7 +275,8 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
     const double most_m = slide_share * geometry.sliding->edge_m;
     double& offset_m = sliding.slide.offset_m;
     offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m) : 0.0;
-    if (jump.overlap_m > 0.0) offset_m = std::max(offset_m, std::min(jump.overlap_m, most_m));
+    const double overlap_m = jump.force_n > 0.0 ? jump.overlap_of_new_m : jump.overlap_m;
+    if (overlap_m > 0.0) offset_m = std::max(offset_m, std::min(overlap_m, most_m));
   }
 }
 

@@ -34,9 +34,9 @@ namespace ricochet::solver {
 /// at the same motion, and the forces r do work sum r (g - g') while they close them. All gaps of a curved contact
 /// therefore have an offset,
 ///   c = sum r (g - g') / sum r,   |c| <= slide_share of the edge,
-/// with which that work is none. Where the new rows have an overlap at a pair without a force, as of a corner that
-/// comes in, a window would push it apart at overlap over dt: c is at least that overlap, within the same bound. It is
-/// handed back as soon as no pair has a force and none would overlap.
+/// with which that work is none. A pair that comes in with an overlap, as that of a corner, would be pushed apart
+/// within a window, at overlap over dt, and so would any pair where none has a force: c is at least that overlap,
+/// within the same bound. It is handed back as soon as no pair has a force and none would overlap.
 class SlidingRows {
  public:
   static constexpr double slide_share = 0.01;
