@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Draws impacts by lot and looks at what every run must keep: tests/experiments/random_impacts.py [--build DIR]
+[--seed N] [--count N] [--keep DIR]. Two or three blocks or cylinders, apart or not, tilted, spinning, turning as they
+are told, held, rigid, yielding, with and without friction, in either order of names, by five protocols each. A line
+beginning with ! for each run that fails by another code than those of a refusal or of leaving the model, makes energy,
+or loses momentum; then how many runs there were. Needs Python 3.11 alone."""
+import argparse
+import json
+import math
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROTOCOLS = ("all_explicit", "all_implicit", "hughes_liu", "local_explicit", "prakash_hjelmstad")
+REFUSED, LEFT_THE_MODEL = 2, 6
+MOST_ENERGY, MOST_MOMENTUM = 2e-2, 1e-7  # made, of the largest; lost, of the largest
+
+
+def material(lot, yields):
+    text = (f"material = {{ youngs_modulus_pa = {lot.choice([20e9, 70e9, 200e9])}, poisson_ratio = "
+            f"{lot.choice([0.0, 0.3])}, density_kg_m3 = {lot.choice([2700.0, 8000.0])}")
+    return text + (", plasticity = { yield_stress_pa = 2e8, hardening_pa = 1e9 } }\n" if yields else " }\n")
+
+
+def block(lot, model, name, low_m, top):
+    """A body whose lower side is at `low_m`, and its height; the first one may be held or told how to turn."""
+    turns = model != "axisymmetric" and lot.random() < 0.5
+    rigid, first = lot.random() < 0.2, low_m == 0.0
+    width, height, across = lot.choice([0.006, 0.01, 0.016]), lot.choice([0.004, 0.006]), lot.choice([3, 5, 8])
+    along = lot.choice([2, 4])
+    text = f'[[body]]\nname = "{name}"\n' + ("rigid = true\n" if rigid else "")
+    text += ("large_rotation = true\n" if turns else "") + material(lot, not rigid and lot.random() < 0.15)
+    down, aside = -lot.choice([1.0, 5.0]) if top else 0.0, lot.choice([0.0, 0.0, 2.0, 10.0]) if top else 0.0
+    told = first and lot.random() < 0.3 and model != "axisymmetric"
+    held = first and not told and lot.random() < 0.4 and not (turns and rigid)
+    tilt = lot.choice([0.0, 0.0, 0.5, 5.0]) if top and model != "axisymmetric" else 0.0
+    lift = low_m + 0.5 * width * math.sin(math.radians(tilt))
+    if model == "axisymmetric":
+        text += f"initial_velocity_m_s = [0.0, {down}]\n"
+        text += f"mesh = {{ start_m = {low_m}, length_m = {height}, radius_m = {width}, "
+        text += f"elements = [{across}, {along}] }}\n"
+    elif model == "plane_strain":
+        text += f"initial_velocity_m_s = [{aside}, {down}]\n"
+        turned = f"turned_deg = {tilt}, about_m = [{0.5 * width}, 0.0], " if tilt else ""
+        text += f"mesh = {{ length_m = {height}, height_m = {width}, elements = [{across}, {along}], "
+        text += f"place = {{ {turned}moved_m = [{-0.5 * width}, {lift}] }} }}\n"
+    else:
+        text += f"initial_velocity_m_s = [{aside}, {-aside / 3.0}, {down}]\n"
+        turned = f"turned_deg = [0.0, {tilt}, 0.0], about_m = [{0.5 * width}, {0.5 * width}, 0.0], " if tilt else ""
+        text += f"mesh = {{ length_m = {height}, height_m = {width}, width_m = {width}, "
+        text += f"elements = [{across}, {max(2, across - 1)}, {along}], "
+        text += f"place = {{ {turned}moved_m = [{-0.5 * width}, {-0.5 * width}, {lift}] }} }}\n"
+    solid = model == "solid"
+    if turns and lot.random() < 0.4 and not told and not held:
+        spin = "[100.0, 200.0, 50.0]" if solid else "300.0"
+        text = text.replace("large_", f"initial_angular_velocity_rad_s = {spin}\nlarge_")
+    if held:
+        fixed = {"axisymmetric": '"z"', "plane_strain": '"x", "y"', "solid": '"x", "y", "z"'}[model]
+        text += f'[[body.support]]\nsurface = "start"\nfixed = [{fixed}]\n'
+    if told:
+        rate = lot.choice([20.0, 200.0]) if turns else 5.0
+        turn, about = (f"[0.0, {rate}, 0.0]", "[0.003, 0.0, -0.002]") if solid else (f"{rate}", "[0.003, -0.002]")
+        text += f'[[body.prescribed]]\nsurface = "start"\nturn_rad = {turn}\nabout_m = {about}\n'
+        text += "amplitude = { time_s = [0.0, 1.0], factor = [0.0, 1.0] }\n"
+    return text, height, rigid
+
+
+def scene(lot):
+    model, friction = lot.choice(["plane_strain", "solid", "axisymmetric"]), lot.choice([0.0, 0.3])
+    names, text, low_m, lengths = ("low", "high", "highest")[: lot.choice([2, 2, 3])], f'model = "{model}"\n', 0.0, []
+    for name in names:
+        body, height, rigid = block(lot, model, name, low_m, name == names[-1])
+        text += body
+        low_m += height + lot.choice([0.0, 2e-6, 1e-5, 2e-4])
+        lengths += [] if rigid else [f"{name} = {0.5 * height}"]
+    for below, above in zip(names, names[1:]):
+        pair = [f'"{below}.end"', f'"{above}.start"']
+        lot.shuffle(pair)
+        text += f'[[contact]]\nname = "{below}"\nsurfaces = [{", ".join(pair)}]\n'
+        text += f"friction_coefficient = {friction}\n" if friction else ""
+    return text + (f"[partition]\nimplicit_length_m = {{ {', '.join(lengths)} }}\n[time]\nstep_s = 6e-8\nend_s = 2e-4\n"
+                   '[output]\nhistory_every = 20\n[coupling]\nprotocol = "all_explicit"\n')
+
+
+def verdict(ricochet, path, protocol):
+    """What is wrong with a run, or an empty text; none if it was refused."""
+    out = path.with_suffix("." + protocol)
+    changes = [f"coupling.protocol={protocol}"] + ["coupling.substeps=2"] * (protocol == "prakash_hjelmstad")
+    command = [ricochet, "run", path, "--out", out]
+    for change in changes:
+        command += ["--set", change]
+    run = subprocess.run(command, capture_output=True, text=True)
+    if run.returncode == REFUSED:
+        return None
+    if run.returncode == LEFT_THE_MODEL:
+        return ""
+    if run.returncode != 0:
+        return f"code {run.returncode}: {run.stderr.strip().splitlines()[-1]}"
+    summary = json.loads((out / "summary.json").read_text())
+    made, lost = summary["energy_error_highest"], summary["momentum_error_max"]
+    return f"energy +{made:.1e}, momentum {lost:.1e}" if made > MOST_ENERGY or lost > MOST_MOMENTUM else ""
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--count", type=int, default=100)
+    options.add_argument("--keep", type=pathlib.Path, help="folder that scenes and results stay in")
+    options = options.parse_args()
+    runs = refused = wrong = 0
+    with tempfile.TemporaryDirectory() as folder:
+        keep = options.keep or pathlib.Path(folder)
+        keep.mkdir(parents=True, exist_ok=True)
+        for number in range(options.count):
+            path = keep / f"impact_{options.seed}_{number}.toml"
+            path.write_text(scene(random.Random(f"{options.seed} {number}")))
+            for protocol in PROTOCOLS:
+                said = verdict(options.build / "ricochet", path, protocol)
+                runs += 1
+                refused += said is None
+                if said:
+                    wrong += 1
+                    print(f"! {path.name}, {protocol}: {said}", flush=True)
+    print(f"{runs} runs, {refused} refused, {wrong} wrong")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
