@@ -36,7 +36,8 @@ namespace ricochet::solver {
 ///   c = sum r (g - g') / sum r,   |c| <= slide_share of the edge,
 /// with which that work is none. A pair that comes in with an overlap, as that of a corner, would be pushed apart
 /// within a window, at overlap over dt, and so would any pair where none has a force: c is at least that overlap,
-/// within the same bound. It is handed back as soon as no pair has a force and none would overlap.
+/// within the same bound. A pair that opens by more than that bound has left, and its work counts for nothing. c is
+/// handed back as soon as no pair has a force and none would overlap.
 class SlidingRows {
  public:
   static constexpr double slide_share = 0.01;

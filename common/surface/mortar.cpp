@@ -87,7 +87,7 @@ class OppositeFaces::RowSums {
                               normal = normal_at(*piece.face, other);
         for (Eigen::Index j = 0; j < corners; ++j) {
           Sum& sum = *sums[static_cast<std::size_t>(j)];
-          sum.apart += weight * psi[j] * apart;
+          sum.apart += weight * phi[j] * apart;
           sum.other_normal += weight * phi[j] * normal;
           for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(piece.opposite.size()); ++k) {
             const int node = piece.face->node[static_cast<std::size_t>(k)];
@@ -141,7 +141,7 @@ class OppositeFaces::RowSums {
     unsigned held = 0;
     bool sharp = false;
     std::map<int, double> coupling, overlap;
-    Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with psi_j, with phi_j
+    Eigen::Vector3d apart{0.0, 0.0, 0.0}, other_normal{0.0, 0.0, 0.0};  ///< integrals with phi_j
     std::vector<Opposite> near;
   };
 

@@ -36,7 +36,7 @@
 ///   X = p - 1/2 sum_k N_k (p - x_k) . n_k m,   p = sum_k N_k x_k,   m the face's normal
 /// (half of Phong tessellation, Boubekeur and Alexa 2008): exact for a paraboloid through the corners with those
 /// normals, so that it leaves of a circle's sagitta h^2/(8R) no more than h^4/(128 R^3). Where the node lies opposite
-/// nothing, the gap is the mean with psi_j over what of its faces does, which goes on to the node as straight as there.
+/// nothing, the gap is the mean with phi_j over what of its faces does.
 namespace ricochet::surface {
 
 using fem::WeightedNode;

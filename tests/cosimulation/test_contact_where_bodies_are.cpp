@@ -104,8 +104,8 @@ TEST(DiscsThatFly, GoOnFromACheckpointToTheSameBytes) {
 class TiltedBlock : public testing::TestWithParam<const char*> {};
 
 /// A block that is tilted by 5 degrees falls on a softer one that slides askew below it, so that nodes of that come to
-/// lie beyond the block's sides. Their gaps go on as those beside them: with a mean over what of their faces lies
-/// opposite they would jump by 28 um, and by that one after the other.
+/// lie beyond the block's sides. Their gaps then are a mean over what of their faces lies opposite, 28 um more, and one
+/// after the other: a pair that leaves so is none that others make up for.
 TEST_P(TiltedBlock, KeepsItsEnergyWhereNodesLieBeyondIt) {
   const TemporaryFolder folder;
   const RunResult run = run_text(fmt::format(R"(model = "solid"
