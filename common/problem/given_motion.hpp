@@ -28,7 +28,8 @@ struct GivenMotion {
   }
 };
 
-/// Of a degree of freedom that is held but not still; amplitudes are those of `spec`.
+/// The motion [m] of a degree of freedom that is held but not still. Its amplitudes are those of `spec`, which must
+/// outlive it.
 [[nodiscard]] GivenMotion given_motion(const Body& spec, const BodyProblem& body, int dof);
 
 }  // namespace ricochet::scene

@@ -19,10 +19,8 @@ std::vector<int> free_components(const Scene& scene, const Body& spec) {
   if (scene.model == Model::axisymmetric) held[0] = true;
   for (const Support& support : spec.supports)
     for (const int c : support.components) held[at(c)] = true;
-  for (const PrescribedMotion& prescribed : spec.prescribed)
-    if (!prescribed.turn) held[at(prescribed.component)] = true;
-  const bool turned = std::ranges::any_of(spec.prescribed, [](const PrescribedMotion& given) { return !!given.turn; });
-  if (turned) held.assign(held.size(), false);
+  for (const PrescribedMotion& prescribed : spec.prescribed) held[at(prescribed.component)] = true;
+  if (spec.told_to_turn()) held.assign(held.size(), false);
   std::vector<int> free;
   for (int c = 0; c < scene.components(); ++c)
     if (!held[at(c)]) free.push_back(c);

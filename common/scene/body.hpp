@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -141,6 +142,9 @@ struct Body {
   std::vector<Support> supports;
   std::vector<Traction> tractions;
   std::vector<PrescribedMotion> prescribed;
+  [[nodiscard]] bool told_to_turn() const {
+    return std::any_of(prescribed.begin(), prescribed.end(), [](const auto& given) { return given.turn.has_value(); });
+  }
   std::vector<AbsorbingSurface> absorbing;
 
   /// Its mesh if that is a structured one; null of pieces and of a file.

@@ -175,8 +175,7 @@ void load_rigid(TableReader& table, Body& body) {
     refuse("initial_displacement_m that strains it", "the same start and end");
   if (std::ranges::any_of(body.supports, [](const Support& support) { return !support.at_m.empty(); }))
     refuse("a support with at_m", "supports of surfaces, which hold the whole body");
-  const bool turns = std::ranges::any_of(body.prescribed, [](const PrescribedMotion& given) { return !!given.turn; });
-  if (body.large_rotation && !turns && !(body.supports.empty() && body.prescribed.empty()))
+  if (body.large_rotation && !body.told_to_turn() && !(body.supports.empty() && body.prescribed.empty()))
     refuse("large_rotation and a support or prescribed displacement",
            "one of the two, or a prescribed turn: what holds a component keeps it from turning");
 }
