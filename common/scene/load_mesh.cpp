@@ -139,9 +139,11 @@ std::variant<StructuredMesh, GmshMesh> load_elements(TableReader& table, Model m
 }
 
 MeshPiece load_piece(TableReader& table, Model model, const std::string& folder) {
-  MeshPiece piece;
-  piece.elements = load_elements(table, model, folder);
-  piece.refine = load_refined_boxes(table, model);
+  // Made with its mesh: GCC 12 warns of an assignment to the variant where it inlines it.
+  MeshPiece piece{.name = "",
+                  .elements = load_elements(table, model, folder),
+                  .refine = load_refined_boxes(table, model),
+                  .place = {}};
   const auto* structured = std::get_if<StructuredMesh>(&piece.elements);
   table.only_if(structured == nullptr || !structured->periodic_across, "place", "a mesh that does not repeat");
   piece.place = load_place(table, model);
