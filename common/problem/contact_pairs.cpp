@@ -278,7 +278,8 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   const bool may_be_written_anew =
       context.scene.model != Model::bar && context.scene.model != Model::axisymmetric && !needs_pairs(context.scene);
   if (!geometry.pairs.empty() && !(may_be_written_anew && may_slide(context.scene, a, &b, a.normal))) return;
-  const auto mesh = std::make_shared<const surface::ContactMesh>(mesh_of(a, b, geometry.turns));
+  const bool tilted = a.flat && b.flat && !flat_and_parallel(a, b);  // an edge of one meets the other
+  const auto mesh = std::make_shared<const surface::ContactMesh>(mesh_of(a, b, geometry.turns || tilted));
   if (geometry.pairs.empty()) set_mortar_pairs(context, a, b, *mesh, geometry);
   if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -44,8 +45,8 @@ bool back_to_back(const SurfaceFace& face, const SurfaceFace& other, const Eigen
 
 std::array<Eigen::Vector3d, 4> own_normals(const SurfaceFace& face) { return face.node_normal; }
 
-/// A hit so far beside a face is none.
-constexpr double beside = 0.05;
+/// A hit so far beside a face is none, in shares of it; where bodies touch by edges, beside one at the rim.
+constexpr double beside = 0.05, beside_rim = 1e-3;
 }  // namespace
 
 /// integral phi_j and integral psi_j phi_k so far.
@@ -163,7 +164,7 @@ class OppositeFaces::RowSums {
     const SurfaceFace* face = nullptr;
     ShapeValues shape = ShapeValues::Zero();
   };
-  static OppositePlace opposite_of(const Sum& sum, const Eigen::Vector3d& normal) {
+  [[nodiscard]] OppositePlace opposite_of(const Sum& sum, const Eigen::Vector3d& normal) const {
     Hit best{-std::numeric_limits<double>::infinity(), 0.0};
     const SurfaceFace* face = nullptr;
     for (const Opposite& near : sum.near) {
@@ -172,7 +173,8 @@ class OppositeFaces::RowSums {
       if (hit.inside > best.inside || (hit.inside == best.inside && std::abs(hit.far_m) < std::abs(best.far_m)))
         std::tie(best, face) = std::pair(hit, near.face);
     }
-    if (best.inside >= -beside) return {best.far_m, face, best.shape};
+    const bool rim = edges_touch_ && face != nullptr && has_edge(*face);
+    if (best.inside >= (rim ? -beside_rim : -beside)) return {best.far_m, face, best.shape};
     return {sum.apart.dot(normal) / sum.area_m2};
   }
   /// By more than the polygon's size.
@@ -219,15 +221,21 @@ void OppositeFaces::find_edges() {
 
 void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                                   std::vector<MortarRow>& rows) const {
+  std::set<int> with_rows;
+  for (const MortarRow& row : rows) with_rows.insert(row.node);
+  std::vector<bool> has_rows;  // at all nodes of a face
+  for (const SurfaceFace& face : first)
+    has_rows.push_back(std::all_of(face.node.begin(), face.node.end(), [&](int n) { return with_rows.count(n) > 0; }));
   for (const EdgeNode& edge : edges_) {
     const Eigen::Vector3d place = edge.x + shift_m;
     const SurfaceFace* opposite = nullptr;
     Hit nearest{0.0, std::numeric_limits<double>::infinity()};
-    for (const SurfaceFace& face : first) {
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const SurfaceFace& face = first[i];
       const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
         return -normal.dot(face.normal) > std::cos(least_edge_tilt);
       };
-      if (std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;  // other rows have it
+      if (has_rows[i] && std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;
       if (std::none_of(edge.normals.begin(), edge.normals.end(),
                        [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
         continue;

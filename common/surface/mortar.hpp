@@ -27,9 +27,10 @@
 ///
 /// n_j is the normal of the surface to which both deform where they touch: that of each counts by the compliance
 /// (1 - nu^2)/E of the other, so that half-spaces of one material meet halfway. Along it, what bodies slide does not
-/// change the gap. Bodies that turn may touch by an edge or a corner: there, and where the normals differ by more than
-/// bodies do that touch where they are smooth, n_j is that of the smooth one; the row of an edge is against what the
-/// line along n_j meets. Nodes at edges of the second surface then have rows of their own, against the first.
+/// change the gap. Bodies that turn or stand tilted may touch by an edge or a corner: there, and where the normals
+/// differ by more than bodies do that touch where they are smooth, n_j is that of the smooth one; the row of an edge is
+/// against what the line along n_j meets. Nodes at edges of the second surface then have rows of their own, against the
+/// first, but for those that lie on a face all of whose nodes have rows.
 ///
 /// Rows are rates; what they start from is the gap of the surfaces along n_j at the node. Between the corners of a
 /// face, of shape functions N and with normals n_k, the surface is
@@ -61,7 +62,7 @@ class OppositeFaces {
 
   /// Rows of the nodes that lie opposite this surface when it has moved by `shift_m` against the first, ascending by
   /// piece and node. `first_share`: what the normal of the first counts.
-  /// `edges_touch`: bodies turn. A node where smooth pieces of the first surface meet then has one row.
+  /// `edges_touch`: bodies turn or stand tilted. A node where smooth pieces of the first surface meet then has one row.
   [[nodiscard]] std::vector<MortarRow> rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                                             double first_share = 0.5, bool edges_touch = false) const;
   /// Rows of nodes that are to stay on this surface where it is, with MortarRow::overlap.

@@ -52,10 +52,10 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
   return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from), shape};
 }
 
-bool has_edges(const std::vector<SurfaceFace>& faces) {
-  return std::any_of(faces.begin(), faces.end(), [](const SurfaceFace& face) {
-    return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
-  });
+bool has_edge(const SurfaceFace& face) {
+  return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
 }
+
+bool has_edges(const std::vector<SurfaceFace>& faces) { return std::any_of(faces.begin(), faces.end(), has_edge); }
 
 }  // namespace ricochet::surface

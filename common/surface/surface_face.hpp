@@ -25,7 +25,9 @@ struct SurfaceFace {
   double thickness_m = std::numeric_limits<double>::infinity();
 };
 
-/// Whether a smooth piece of the surface ends within these faces or at their rim, but for planes of symmetry.
+/// Whether a smooth piece of the surface ends at the rim of a face, or of one of these faces, but for planes of
+/// symmetry.
+[[nodiscard]] bool has_edge(const SurfaceFace& face);
 [[nodiscard]] bool has_edges(const std::vector<SurfaceFace>& faces);
 
 /// The place of the smooth surface (mortar.hpp) where a face's shape functions have these values, and its normal there.
