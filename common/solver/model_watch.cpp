@@ -131,18 +131,10 @@ void ModelWatch::set_ends(const fem::Mesh& mesh, const scene::ContactGeometry& c
                      [&](std::size_t i, std::size_t j) { return pairs_[i].along_m[k] < pairs_[j].along_m[k]; });
     if (ended) stretch.ends.push_back({order.front(), order.back()});
   }
-  if (directions == 2) {
-    const auto edges = shortest_edges(mesh, first_surface);
-    for (std::size_t i = stretch.begin; i < stretch.end; ++i)
-      pairs_[i].edge_m = edges.at(contact.pairs[i - stretch.begin].node_a);
-    return;
-  }
-  for (std::size_t k = 1; k < order.size(); ++k) {
-    auto &low = pairs_[order[k - 1]], &high = pairs_[order[k]];
-    const double edge_m = high.along_m[0] - low.along_m[0];
-    low.edge_m = std::min(low.edge_m, edge_m);
-    high.edge_m = std::min(high.edge_m, edge_m);
-  }
+  if (directions == 0) return;
+  const auto edges = shortest_edges(mesh, first_surface);
+  for (std::size_t i = stretch.begin; i < stretch.end; ++i)
+    pairs_[i].edge_m = edges.at(contact.pairs[i - stretch.begin].node_a);
 }
 
 void ModelWatch::look(std::int64_t window, const std::vector<BodyState>& states,
