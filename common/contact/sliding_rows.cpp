@@ -260,9 +260,6 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
     Jump& jump = jumps[pairs[i].contact];
     const auto old = static_cast<std::size_t>(same[i]);
     const double was_m = same[i] < 0 ? 0.0 : gap(before[old]), now_m = gap(pairs[i]);
-    const auto& mesh = problem_->contacts[pairs[i].contact].sliding;
-    const bool leaves = mesh && now_m - was_m > slide_share * mesh->edge_m;  // to beyond the other surface's side
-    if (leaves) continue;
     if (same[i] < 0 || !(forces[old].normal > 0.0)) {
       jump.overlap_m = std::max(jump.overlap_m, std::min(was_m, 0.0) - std::min(now_m, 0.0));
       if (same[i] < 0) jump.overlap_of_new_m = std::max(jump.overlap_of_new_m, -now_m);

@@ -10,7 +10,6 @@
 #include "common/fem/boundary.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/columns.hpp"
-#include "common/surface/mortar.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -89,17 +88,6 @@ std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
     if ((turns || contact.sliding) && lies_by_its_mesh(i)) contacts.push_back(&contact);
   }
   return contacts;
-}
-
-std::vector<std::string> edges_that_may_cross(const Problem& problem) {
-  std::vector<std::string> bodies;
-  for (const ContactGeometry& contact : problem.contacts) {
-    if (problem.scene.model != Model::solid || !contact.turns || !contact.sliding || contact.body_b < 0) continue;
-    if (surface::has_edges(contact.sliding->first) && surface::has_edges(contact.sliding->second.faces()))
-      bodies.push_back(fmt::format("'{}' and '{}'", problem.bodies[at(contact.body_a)].name,
-                                   problem.bodies[at(contact.body_b)].name));
-  }
-  return bodies;
 }
 
 Shape::Shape(const BodyProblem& body) : outline_(outline_of(body.mesh)) {

@@ -25,8 +25,6 @@ struct BodyPair {
 /// The contacts of bodies that turn or slide along each other: what lies beside their surfaces may meet, too. None of
 /// bodies with a contact with a nose, which the mesh does not have, or with contacts of different initial gaps.
 [[nodiscard]] std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem);
-/// "'a' and 'b'" of solids that turn, both of whose contact surfaces have edges: of two that cross nothing is felt.
-[[nodiscard]] std::vector<std::string> edges_that_may_cross(const Problem& problem);
 
 class Columns;
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -18,8 +17,6 @@ namespace {
 constexpr double least_share = 1e-4;
 /// Smooth surfaces that touch have normals that differ by less [rad].
 constexpr double most_tilt = 0.35;
-/// A face that is tilted by less against another lies on it, and its edge with it [rad].
-constexpr double least_edge_tilt = 1e-3;
 /// Directions that differ by less are one.
 constexpr double same_direction = 1e-9;
 
@@ -34,11 +31,6 @@ struct OppositePiece {
   Eigen::Vector3d moved_m;
 };
 
-/// Faces of surfaces that go around their bodies also have their fronts towards each other where the bodies turn their
-/// backs on each other: one of the bodies lies between them, or both. None can be so deep in the other.
-double most_depth_m(double thickness_m, double other_thickness_m) {
-  return 0.5 * std::min(thickness_m, other_thickness_m);
-}
 bool back_to_back(const SurfaceFace& face, const SurfaceFace& other, const Eigen::Vector3d& moved_m) {
   return face.normal.dot(other.x[0] + moved_m - face.x[0]) < -most_depth_m(face.thickness_m, other.thickness_m);
 }
@@ -202,61 +194,6 @@ OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector
   find_edges();
 }
 
-void OppositeFaces::find_edges() {
-  std::map<int, EdgeNode> edges;
-  for (const SurfaceFace& face : faces_) {
-    for (std::size_t i = 0; i < face.node.size(); ++i) {
-      if (!face.sharp[i]) continue;
-      EdgeNode& edge = edges[face.node[i]];
-      edge.node = face.node[i];
-      edge.x = face.x[i];
-      edge.thickness_m = std::max(edge.thickness_m, face.thickness_m);
-      edge.normals.push_back(face.normal);
-      const Polygon own = Plane(face).of(face, Eigen::Vector3d::Zero());
-      edge.area_m2 += face.measure[i] * measure_of(own) / static_cast<double>(face.node.size());
-    }
-  }
-  for (auto& [node, edge] : edges) edges_.push_back(std::move(edge));
-}
-
-void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
-                                  std::vector<MortarRow>& rows) const {
-  std::set<int> with_rows;
-  for (const MortarRow& row : rows) with_rows.insert(row.node);
-  std::vector<bool> has_rows;  // at all nodes of a face
-  for (const SurfaceFace& face : first)
-    has_rows.push_back(std::all_of(face.node.begin(), face.node.end(), [&](int n) { return with_rows.count(n) > 0; }));
-  for (const EdgeNode& edge : edges_) {
-    const Eigen::Vector3d place = edge.x + shift_m;
-    const SurfaceFace* opposite = nullptr;
-    Hit nearest{0.0, std::numeric_limits<double>::infinity()};
-    for (std::size_t i = 0; i < first.size(); ++i) {
-      const SurfaceFace& face = first[i];
-      const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
-        return -normal.dot(face.normal) > std::cos(least_edge_tilt);
-      };
-      if (has_rows[i] && std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;
-      if (std::none_of(edge.normals.begin(), edge.normals.end(),
-                       [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
-        continue;
-      const Hit hit = hit_of(place, -face.normal, face);
-      if (hit.inside < 0.0 || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
-      if (std::abs(hit.far_m) < std::abs(nearest.far_m)) std::tie(nearest, opposite) = std::pair(hit, &face);
-    }
-    if (opposite == nullptr) continue;
-    MortarRow row{-1, edge.area_m2, {{edge.node, 1.0}}, -2 - edge.node, opposite->normal, nearest.far_m};
-    std::map<int, double> shares;
-    for (std::size_t k = 0; k < opposite->node.size(); ++k)
-      shares[opposite->node[k]] = nearest.shape[static_cast<Eigen::Index>(k)];
-    double largest = 0.0;
-    for (const auto& [node, share] : shares) {
-      row.own.push_back({node, share});
-      if (share > largest) std::tie(largest, row.node) = std::pair(share, node);
-    }
-    rows.push_back(std::move(row));
-  }
-}
-
 Eigen::Vector3d OppositeFaces::within_period(Eigen::Vector3d shift_m) const {
   for (Eigen::Index c = 0; c < 2; ++c) {
     if (period_m_[c] > 0.0) shift_m[c] -= period_m_[c] * std::round(shift_m[c] / period_m_[c]);
@@ -311,7 +248,10 @@ std::vector<MortarRow> OppositeFaces::rows(const std::vector<SurfaceFace>& first
                       [](const auto& x, const auto& y) { return (x - y).norm() <= same_direction; });
   });
   std::vector<MortarRow> rows = (same ? by_own : sums(first, shift, between, edges_touch)).rows(first_share);
-  if (edges_touch) add_edge_rows(first, shift, rows);
+  if (edges_touch) {
+    add_edge_rows(first, shift, rows);
+    add_crossing_rows(first, shift, rows);
+  }
   return rows;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/fem/mesh.hpp"
 #include "common/surface/box_tree.hpp"
+#include "common/surface/rim_edges.hpp"
 #include "common/surface/surface_face.hpp"
 
 /// Dual mortar between two surfaces of any shape and meshes (Wohlmuth 2000; Hueeber, Wohlmuth 2005; Popp 2012).
@@ -30,7 +31,8 @@
 /// change the gap. Bodies that turn or stand tilted may touch by an edge or a corner: there, and where the normals
 /// differ by more than bodies do that touch where they are smooth, n_j is that of the smooth one; the row of an edge is
 /// against what the line along n_j meets. Nodes at edges of the second surface then have rows of their own, against the
-/// first, but for those that lie on a face all of whose nodes have rows.
+/// first, but for those that lie on a face all of whose nodes have rows. Edges of solids that cross have one, too,
+/// across both.
 ///
 /// Rows are rates; what they start from is the gap of the surfaces along n_j at the node. Between the corners of a
 /// face, of shape functions N and with normals n_k, the surface is
@@ -84,6 +86,9 @@ class OppositeFaces {
   /// nodes.
   [[nodiscard]] RowSums sums(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                              const Normals& normals_of, bool edges_touch, bool overlaps = false) const;
+  /// Adds the rows of edges that cross, of solids.
+  void add_crossing_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                         std::vector<MortarRow>& rows) const;
   /// Adds the rows of nodes at edges of this surface.
   void add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                      std::vector<MortarRow>& rows) const;
@@ -99,6 +104,7 @@ class OppositeFaces {
   void find_edges();
   std::vector<SurfaceFace> faces_;
   std::vector<EdgeNode> edges_;
+  RimEdges rim_edges_;
   Eigen::Vector2d period_m_;
   std::vector<Image> images_;
   BoxTree tree_;

@@ -52,6 +52,10 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
   return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from), shape};
 }
 
+double most_depth_m(double thickness_m, double other_thickness_m) {
+  return 0.5 * std::min(thickness_m, other_thickness_m);
+}
+
 bool has_edge(const SurfaceFace& face) {
   return std::find(face.sharp.begin(), face.sharp.end(), true) != face.sharp.end();
 }

@@ -25,6 +25,10 @@ struct SurfaceFace {
   double thickness_m = std::numeric_limits<double>::infinity();
 };
 
+/// Faces of surfaces that go around their bodies also have their fronts towards each other where the bodies turn their
+/// backs on each other: one of the bodies lies between them, or both. None can be so deep in the other.
+[[nodiscard]] double most_depth_m(double thickness_m, double other_thickness_m);
+
 /// Whether a smooth piece of the surface ends at the rim of a face, or of one of these faces, but for planes of
 /// symmetry.
 [[nodiscard]] bool has_edge(const SurfaceFace& face);

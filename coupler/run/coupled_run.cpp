@@ -219,7 +219,6 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions,
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
   suspicion_.links_told = untold.interface.empty();
-  suspicion_.edges = scene::edges_that_may_cross(problem_);
   for (const auto& participant : scene_.participants) {
     if (participant.foreign()) suspicion_.foreign.push_back(participant.name);
   }

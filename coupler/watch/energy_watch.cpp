@@ -53,10 +53,6 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
                     "lower contact.penalty_pa_m or use enforcement = \"multiplier\"",
                     suspicion.penalty_step_ratio));
   }
-  for (const auto& bodies : suspicion.edges) {
-    causes.push_back(fmt::format(
-        "edges of bodies {} crossed, of each of which only the nodes meet the other surface (docs/limits.md)", bodies));
-  }
   for (const auto& name : suspicion.foreign) {
     causes.push_back(check_advice(name, suspicion.scene_path));
   }

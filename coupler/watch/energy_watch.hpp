@@ -26,7 +26,6 @@ struct Suspicion {
   };
   std::vector<Step> steps;
   std::vector<std::string> foreign;  ///< participants that are programs of somebody else's
-  std::vector<std::string> edges;    ///< pairs of bodies whose edges may cross: "'a' and 'b'"
   std::string scene_path;
   bool links_told = true;  ///< everyone tells the work of its link, by which it is known who makes energy
 };

@@ -250,6 +250,40 @@ protocol = "{}"
   EXPECT_GT(*std::min_element(gap.begin(), gap.end()), -1e-12);
 }
 
+/// Where two corners meet a node has a row of its own and one of the other's corner: what the watch on slip divides by
+/// is an edge, not their distance.
+TEST_P(TiltedBlock, LandsOnABlockAsWideAsItself) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(fmt::format(R"(model = "plane_strain"
+[[body]]
+name = "low"
+material = {{ youngs_modulus_pa = 70e9, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }}
+mesh = {{ length_m = 0.004, height_m = 0.006, elements = [8, 4] }}
+[[body]]
+name = "high"
+material = {{ youngs_modulus_pa = 20e9, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }}
+initial_velocity_m_s = [0.0, -5.0]
+[body.mesh]
+length_m = 0.006
+height_m = 0.006
+elements = [3, 2]
+place = {{ turned_deg = 0.5, about_m = [0.006, 0.0], moved_m = [0.0, 0.00406] }}
+[contact]
+surfaces = ["high.start", "low.end"]
+[time]
+step_s = 6e-8
+end_s = 5e-5
+[partition]
+implicit_length_m = {{ low = 0.002, high = 0.003 }}
+[coupling]
+protocol = "{}"
+)",
+                                             GetParam()),
+                                 folder);
+  EXPECT_GT(run.last("contact_impulse_n_s"), 0.0);
+  EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Protocols, TiltedBlock, testing::Values("all_explicit", "all_implicit", "hughes_liu"));
 
 /// In the flight after a slide that has left a pair without a partner, twice: each process begins with the pairs of the

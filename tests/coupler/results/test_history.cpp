@@ -523,12 +523,6 @@ TEST(EnergyWatch, InterfacePenaltyAndProtocolAreNamed) {
               AllOf(HasSubstr("made at the interface"), HasSubstr("kim_predicted is unstable"), HasSubstr("penalty")));
 }
 
-TEST(EnergyWatch, EdgesThatMayHaveCrossedAreNamed) {
-  Suspicion suspicion;
-  suspicion.edges = {"'brick' and 'table'"};
-  EXPECT_THAT(likely_cause(suspicion, 0, 1), HasSubstr("likely cause: edges of bodies 'brick' and 'table' crossed"));
-}
-
 TEST(EnergyWatch, NothingObviousSaysSo) { EXPECT_THAT(likely_cause({}, 0, 1), HasSubstr("not obvious")); }
 
 TEST(EnergyWatch, NonFiniteStops) {

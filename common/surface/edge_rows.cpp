@@ -1,0 +1,92 @@
+// Rows of edges, where bodies touch by these.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "common/surface/face_plane.hpp"
+#include "common/surface/mortar.hpp"
+
+namespace ricochet::surface {
+namespace {
+
+/// A face that is tilted by less against another lies on it, and its edge with it [rad].
+constexpr double least_edge_tilt = 1e-3;
+
+}  // namespace
+
+void OppositeFaces::find_edges() {
+  std::map<int, EdgeNode> edges;
+  for (const SurfaceFace& face : faces_) {
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      if (!face.sharp[i]) continue;
+      EdgeNode& edge = edges[face.node[i]];
+      edge.node = face.node[i];
+      edge.x = face.x[i];
+      edge.thickness_m = std::max(edge.thickness_m, face.thickness_m);
+      edge.normals.push_back(face.normal);
+      const Polygon own = Plane(face).of(face, Eigen::Vector3d::Zero());
+      edge.area_m2 += face.measure[i] * measure_of(own) / static_cast<double>(face.node.size());
+    }
+  }
+  for (auto& [node, edge] : edges) edges_.push_back(std::move(edge));
+  rim_edges_ = RimEdges(faces_);
+}
+
+void OppositeFaces::add_crossing_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                      std::vector<MortarRow>& rows) const {
+  if (rim_edges_.empty()) return;
+  const int first_patch = -3 - edges_.back().node;  // below those of nodes at edges
+  for (const EdgeCrossing& crossing : rim_edges_.crossings(RimEdges(first), shift_m, least_edge_tilt)) {
+    MortarRow row{crossing.first[0].first,       crossing.area_m2, {},
+                  first_patch - crossing.number, crossing.normal,  crossing.gap_m};
+    for (const auto& [node, share] : std::map(crossing.first.begin(), crossing.first.end()))
+      row.own.push_back({node, share});
+    for (const auto& [node, share] : std::map(crossing.second.begin(), crossing.second.end()))
+      row.opposite.push_back({node, share});
+    rows.push_back(std::move(row));
+  }
+}
+
+void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
+                                  std::vector<MortarRow>& rows) const {
+  std::set<int> with_rows;
+  for (const MortarRow& row : rows) with_rows.insert(row.node);
+  std::vector<bool> has_rows;  // at all nodes of a face
+  for (const SurfaceFace& face : first)
+    has_rows.push_back(std::all_of(face.node.begin(), face.node.end(), [&](int n) { return with_rows.count(n) > 0; }));
+  for (const EdgeNode& edge : edges_) {
+    const Eigen::Vector3d place = edge.x + shift_m;
+    const SurfaceFace* opposite = nullptr;
+    Hit nearest{0.0, std::numeric_limits<double>::infinity()};
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const SurfaceFace& face = first[i];
+      const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
+        return -normal.dot(face.normal) > std::cos(least_edge_tilt);
+      };
+      if (has_rows[i] && std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;
+      if (std::none_of(edge.normals.begin(), edge.normals.end(),
+                       [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
+        continue;
+      const Hit hit = hit_of(place, -face.normal, face);
+      if (hit.inside < 0.0 || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
+      if (std::abs(hit.far_m) < std::abs(nearest.far_m)) std::tie(nearest, opposite) = std::pair(hit, &face);
+    }
+    if (opposite == nullptr) continue;
+    MortarRow row{-1, edge.area_m2, {{edge.node, 1.0}}, -2 - edge.node, opposite->normal, nearest.far_m};
+    std::map<int, double> shares;
+    for (std::size_t k = 0; k < opposite->node.size(); ++k)
+      shares[opposite->node[k]] = nearest.shape[static_cast<Eigen::Index>(k)];
+    double largest = 0.0;
+    for (const auto& [node, share] : shares) {
+      row.own.push_back({node, share});
+      if (share > largest) std::tie(largest, row.node) = std::pair(share, node);
+    }
+    rows.push_back(std::move(row));
+  }
+}
+
+}  // namespace ricochet::surface
