@@ -16,6 +16,17 @@ namespace {
 /// A face that is tilted by less against another lies on it, and its edge with it [rad].
 constexpr double least_edge_tilt = 1e-3;
 
+/// No line along the face's normal through the place meets the face.
+bool lies_beside(const Eigen::Vector3d& place, const SurfaceFace& face) {
+  constexpr double margin = 1.1;  // of faces that are not quite flat
+  double reach_m2 = 0.0;
+  for (std::size_t i = 1; i < face.node.size(); ++i)
+    reach_m2 = std::max(reach_m2, (face.x[i] - face.x[0]).squaredNorm());
+  const Eigen::Vector3d from = place - face.x[0];
+  const double along = from.dot(face.normal);
+  return from.squaredNorm() - along * along > margin * margin * reach_m2;
+}
+
 }  // namespace
 
 void OppositeFaces::find_edges() {
@@ -64,6 +75,7 @@ void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const E
     Hit nearest{0.0, std::numeric_limits<double>::infinity()};
     for (std::size_t i = 0; i < first.size(); ++i) {
       const SurfaceFace& face = first[i];
+      if (lies_beside(place, face)) continue;
       const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
         return -normal.dot(face.normal) > std::cos(least_edge_tilt);
       };
