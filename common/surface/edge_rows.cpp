@@ -51,15 +51,14 @@ void OppositeFaces::add_crossing_rows(const std::vector<SurfaceFace>& first, con
                                       std::vector<MortarRow>& rows) const {
   if (rim_edges_.empty()) return;
   const int first_patch = -3 - edges_.back().node;  // below those of nodes at edges
-  for (const EdgeCrossing& crossing : rim_edges_.crossings(RimEdges(first), shift_m, least_edge_tilt)) {
-    MortarRow row{crossing.first[0].first,       crossing.area_m2, {},
-                  first_patch - crossing.number, crossing.normal,  crossing.gap_m};
-    for (const auto& [node, share] : std::map(crossing.first.begin(), crossing.first.end()))
-      row.own.push_back({node, share});
-    for (const auto& [node, share] : std::map(crossing.second.begin(), crossing.second.end()))
-      row.opposite.push_back({node, share});
-    rows.push_back(std::move(row));
-  }
+  for (EdgeCrossing& crossing : rim_edges_.crossings(RimEdges(first), shift_m, least_edge_tilt))
+    rows.push_back({.node = crossing.first[0].node,
+                    .area_m2 = crossing.area_m2,
+                    .opposite = std::move(crossing.second),
+                    .patch = first_patch - crossing.number,
+                    .normal = crossing.normal,
+                    .gap_m = crossing.gap_m,
+                    .own = std::move(crossing.first)});
 }
 
 void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,

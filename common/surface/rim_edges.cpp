@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace ricochet::surface {
 namespace {
@@ -32,8 +33,8 @@ std::optional<EdgeCrossing> crossing_of(const RimEdge& first, const RimEdge& sec
   const Eigen::Vector3d from = second.x[0] + shift_m - first.x[0];
   const double s = from.cross(e).dot(across) / square, t = from.cross(d).dot(across) / square;
   if (s < 0.0 || s >= 1.0 || t < 0.0 || t >= 1.0) return std::nullopt;
-  return EdgeCrossing{{std::pair{first.node[0], 1.0 - s}, std::pair{first.node[1], s}},
-                      {std::pair{second.node[0], 1.0 - t}, std::pair{second.node[1], t}},
+  return EdgeCrossing{{{first.node[0], 1.0 - s}, {first.node[1], s}},
+                      {{second.node[0], 1.0 - t}, {second.node[1], t}},
                       0,
                       n,
                       from.dot(n),
@@ -70,7 +71,8 @@ RimEdges::RimEdges(const std::vector<SurfaceFace>& faces) : tree_({}) {
   for (const auto& [nodes, of] : halves) {
     const auto [face, from, to] = of.front();
     if (of.size() > 2 || (of.size() == 2 && of[1].face->patch == face->patch)) continue;
-    RimEdge edge{{face->node[from], face->node[to]}, {face->x[from], face->x[to]}, {}, face->thickness_m};
+    const auto [low, high] = face->node[from] < face->node[to] ? std::pair(from, to) : std::pair(to, from);
+    RimEdge edge{{face->node[low], face->node[high]}, {face->x[low], face->x[high]}, {}, face->thickness_m};
     edge.outward = {face->normal, away(*face, from, to)};
     if (of.size() == 2) {
       if (of[1].face->normal.dot(edge.outward[1]) <= 0.0) continue;  // not convex
@@ -101,7 +103,7 @@ std::vector<EdgeCrossing> RimEdges::crossings(const RimEdges& first, const Eigen
       if (!crossing || crossing->gap_m < -most_depth_m(std::min(edge.thickness_m, reach_m), edges_[j].thickness_m))
         continue;
       crossing->number = static_cast<int>(j * first.edges_.size() + i);
-      crossings.push_back(*crossing);
+      crossings.push_back(std::move(*crossing));
     }
   }
   return crossings;

@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <utility>
 #include <vector>
 
+#include "common/fem/mesh.hpp"
 #include "common/surface/box_tree.hpp"
 #include "common/surface/surface_face.hpp"
 
@@ -12,7 +12,7 @@ namespace ricochet::surface {
 
 /// A convex edge of a solid's surface: two smooth pieces meet there, or one ends.
 struct RimEdge {
-  std::array<int, 2> node;
+  std::array<int, 2> node;                 ///< ascending
   std::array<Eigen::Vector3d, 2> x;        ///< of its nodes [m]
   std::array<Eigen::Vector3d, 2> outward;  ///< out of both faces; where there is one, also away from it in its plane
   double thickness_m;                      ///< of the thicker face
@@ -20,11 +20,11 @@ struct RimEdge {
 
 /// Where the lines through an edge of one surface and an edge of another are nearest, within both.
 struct EdgeCrossing {
-  std::array<std::pair<int, double>, 2> first, second;  ///< nodes and their shares
-  int number;                                           ///< of this pair of edges, from 0
-  Eigen::Vector3d normal;                               ///< across both, out of the first surface
-  double gap_m;                                         ///< along it
-  double area_m2;                                       ///< a quarter of the product of their lengths
+  std::vector<fem::WeightedNode> first, second;  ///< ascending by node
+  int number;                                    ///< of this pair of edges, from 0
+  Eigen::Vector3d normal;                        ///< across both, out of the first surface
+  double gap_m;                                  ///< along it
+  double area_m2;                                ///< a quarter of the product of their lengths
 };
 
 /// Edges of a surface in its place.

@@ -66,7 +66,7 @@ TEST(RimEdges, OfAValleyAndOfASmoothSurfaceAreNone) {
   const auto crosses_the_middle = [](const std::vector<SurfaceFace>& faces) {
     const auto crossings = RimEdges(roof(across())).crossings(RimEdges(faces), {0.25, 0.5, 0.1}, least_tilt);
     return std::any_of(crossings.begin(), crossings.end(),
-                       [](const EdgeCrossing& found) { return found.first[0].first + found.first[1].first == 1; });
+                       [](const EdgeCrossing& found) { return found.first[0].node + found.first[1].node == 1; });
   };
   auto smooth = roof(Eigen::Matrix3d::Identity());
   EXPECT_TRUE(crosses_the_middle(smooth));
