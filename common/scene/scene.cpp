@@ -78,7 +78,7 @@ double Amplitude::at(double t) const {
 std::string Scene::where(const std::string& key) const {
   for (std::string at = key;; at.resize(at.find_last_of(".["))) {
     const auto found = lines.find(at);
-    if (found != lines.end()) return fmt::format("{}:{}: {}", path, found->second, key);
+    if (found != lines.end() && found->second > 0) return fmt::format("{}:{}: {}", path, found->second, key);
     if (at.find_first_of(".[") == std::string::npos) return fmt::format("{}: {}", path, key);
   }
 }

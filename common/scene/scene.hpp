@@ -194,9 +194,10 @@ struct Scene {
   std::map<std::string, double> accuracy;
   /// [mass_scaling] of `all_explicit`: elements that this step is too long for are made heavier until they bear it.
   std::optional<double> mass_scaling_step_s;
-  std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file
+  std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file; 0: it says nothing
 
-  /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read.
+  /// "file:line: key" for the front of an error text; the line is that of the nearest enclosing key that was read, and
+  /// left out where it says nothing.
   [[nodiscard]] std::string where(const std::string& key) const;
   /// The law of all contacts, which are solved together: their keys but surfaces, normal, gap, nose and friction
   /// coefficient.

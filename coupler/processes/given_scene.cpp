@@ -45,10 +45,13 @@ scene::Problem GivenScene::load() const {
   if (set.empty()) return load_problem(path);
   const TemporaryScene changed;
   scene::write_variant(path, changes(), changed.path());
+  // The changed file has its keys in another order: its lines say nothing.
   try {
-    return load_problem(changed.path());
+    auto problem = load_problem(changed.path());
+    problem.scene.path = path;
+    for (auto& [key, line] : problem.scene.lines) line = 0;
+    return problem;
   } catch (const ConfigError& error) {
-    // The changed file has its keys in another order: its lines say nothing.
     const std::string text = error.what(), title = text.substr(0, text.find('\n'));
     const std::regex place("^\\S*/ricochet_\\w{6}\\.toml(:\\d+)?: ");
     throw ConfigError(

@@ -86,8 +86,8 @@ wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t 
   request.output_directory = output_directory;
   request.protocol = scene.coupling.protocol.name;
   request.substeps = scene.coupling.substeps;
-  request.history_every =
-      std::gcd(static_cast<std::int64_t>(scene.output.history_every), EnergyWatch::every_of(last_window));  // for both
+  request.history_every = std::gcd(static_cast<std::int64_t>(scene.output.history_every),
+                                   EnergyWatch::every_of(problem.windows_of_scene));  // for both
   request.fields_every = scene.output.fields_every;
   request.axial_stress_every = scene.output.axial_stress_every;
   request.probes_every = scene.output.probes_told_every();

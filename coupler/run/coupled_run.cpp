@@ -200,14 +200,14 @@ void CoupledRun::note_untold(const Untold& untold) {
 }
 
 void CoupledRun::note_lost_momentum() {
-  constexpr double rounding = 1e-6, tight_iteration = 1e-8;
+  constexpr double rounding = 1e-6, tight_iteration = 1e-8, much = 0.01;
   const auto& coupling = scene_.coupling;
   const bool exact = scene_.substeps().most <= coupling.protocol.exact_up_to_substeps &&
                      (!coupling.protocol.iterated || coupling.tolerance <= tight_iteration);
-  if (!exact || watch_->momentum_lost() <= rounding) return;
-  std::string text =
-      fmt::format("{:.3g} % of the momentum came from nowhere or got lost, protocol {} keeps it to rounding",
-                  100 * watch_->momentum_lost(), coupling.protocol.name);
+  if (watch_->momentum_lost() <= (exact ? rounding : much)) return;
+  std::string text = fmt::format("{:.3g} % of the momentum came from nowhere or got lost, protocol {} {}",
+                                 100 * watch_->momentum_lost(), coupling.protocol.name,
+                                 exact ? "keeps it to rounding" : "does not keep it; \"hughes_liu\" does");
   for (const auto& name : suspicion_.foreign) text += "; " + check_advice(name, scene_.path);
   warn(text);
 }
@@ -229,8 +229,9 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions,
       suspicion_.steps.push_back({description.participant, description.critical_time_step_s});
   }
   const double growth = untold.energy.empty() ? scene_.coupling.energy_growth_limit : HUGE_VAL;
-  watch_ = std::make_unique<EnergyWatch>(growth, energy_floor_j(problem_), suspicion_, names, scene_.body_names(),
-                                         EnergyWatch::every_of(plan_.windows), loss_limits(problem_, untold));
+  watch_ =
+      std::make_unique<EnergyWatch>(growth, energy_floor_j(problem_), suspicion_, names, scene_.body_names(),
+                                    EnergyWatch::every_of(problem_.windows_of_scene), loss_limits(problem_, untold));
 }
 
 /// Only who enforces the contact knows when it is over, and it must be able to integrate a whole window explicitly.

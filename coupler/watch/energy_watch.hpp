@@ -57,7 +57,7 @@ class EnergyWatch {
  public:
   static constexpr std::int64_t every = 8;  ///< windows from look to look
   /// The same of a run of so many windows: a short one is looked at after each.
-  [[nodiscard]] static std::int64_t every_of(std::int64_t windows) { return windows < 1000 ? 1 : every; }
+  [[nodiscard]] static std::int64_t every_of(double windows) { return windows < 1000.0 ? 1 : every; }
   static constexpr std::int64_t patience =
       32;  ///< windows that growth must last where most of the energy comes from outside
 

@@ -223,6 +223,26 @@ TEST(Resume, GoesOnToALaterEnd) {
   EXPECT_THAT(back.error, HasSubstr("--until: found 1e-05 s, which is window 5; allowed: from window "));
 }
 
+/// A run of less than 1000 windows is watched after each of them, a longer one every eight.
+TEST(Resume, GoesOnToAnEndThatIsWatchedAtOtherWindows) {
+  const TemporaryFolder folder;
+  const auto text = [](int checkpoint_every, const std::string& end_s) {
+    const std::string scene = with_checkpoints(config_text("two_bars"), checkpoint_every);
+    return with_key(with_key(with_key(scene, "time", "step_s", "2e-7"), "output", "history_every", "4"), "time",
+                    "end_s", end_s);
+  };
+  const RunResult early = run_text(text(70, "1e-4"), folder, "early"),
+                  late = run_text(text(702, "2.4e-4"), folder, "late");
+  const auto longer = resume(early.folder, folder, {"--until", "2.4e-4"});
+  ASSERT_EQ(longer.code, 0) << longer.error;
+  EXPECT_EQ(file_text(early.folder + "/history.csv"), file_text(late.folder + "/history.csv"));
+  forget_the_end(late.folder);
+  const auto shorter = resume(late.folder, folder, {"--until", "1.6e-4"});
+  ASSERT_EQ(shorter.code, 0) << shorter.error;
+  const RunResult whole = run_text(text(702, "1.6e-4"), folder, "whole");
+  EXPECT_EQ(file_text(late.folder + "/history.csv"), file_text(whole.folder + "/history.csv"));
+}
+
 class Refused : public testing::Test {
  protected:
   void SetUp() override {

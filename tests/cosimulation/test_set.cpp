@@ -57,6 +57,8 @@ TEST_F(Set, RefusesByKeyAndArgumentBeforeAnythingIsWritten) {
   }
   EXPECT_THAT(command({"check", scene_, "--set", "time.step_s=-1"}).error,
               HasSubstr("bars.toml with --set time.step_s=-1: "));
+  EXPECT_THAT(command({"check", scene_, "--set", "time.step_s=1e-4"}).error,  // found after it was read
+              HasSubstr("bars.toml: time.step_s: found a step of 0.0001 s"));
   EXPECT_EQ(file_text(out_ + "/history.csv"), history);
 }
 
