@@ -15,6 +15,9 @@ namespace {
 constexpr int most_newton_steps = 30;
 constexpr int most_sweeps_of_fallback = 5000;
 constexpr double round_off = 1e-12;
+/// Of what a pair yields along its normal: less along its tangent is the square of round-off in its row. Supports hold
+/// it, as at an axis that nodes of a divided mesh miss by 1e-19 m.
+constexpr double held_along = round_off * round_off;
 /// Change of force by which Newton's method has settled where its rows turn.
 constexpr double settled_step = 1e-11;
 /// Largest residual that a run goes on with; from `converged_contact_residual` on it is counted.
@@ -36,8 +39,11 @@ RootProblem::RootProblem(const scene::Contact& law, Compliance compliance, const
     if (law.enforcement == scene::Enforcement::penalty) block.slack = 1.0 / (law.penalty_pa_m * pair.area_m2);
     block.normal = compliance_.alone(i) + block.slack;
     if (pair.friction_coefficient == 0.0) continue;
-    for (int d = 1; d < directions_; ++d) block.along(d - 1, d - 1) = compliance_.alone(unknown(i, d));
-    if (directions_ == 3 && compliance_.has_columns())
+    for (int d = 1; d < directions_; ++d) {
+      const double along = compliance_.alone(unknown(i, d));
+      if (along > held_along * block.normal) block.along(d - 1, d - 1) = along;
+    }
+    if (directions_ == 3 && compliance_.has_columns() && block.slides(0) && block.slides(1))
       block.along(0, 1) = block.along(1, 0) = compliance_.entry(unknown(i, 1), unknown(i, 2));
   }
   solution_ = open();

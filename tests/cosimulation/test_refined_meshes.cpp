@@ -369,6 +369,30 @@ TEST(RefinedBlocks, DividedThroughoutAreTheFinerMesh) {
   for (std::size_t n = 0; n < force.size(); ++n) ASSERT_NEAR(force[n], expected[n], 1e-8 * scale) << n;
 }
 
+/// Nodes of the divided part miss the axis by 1e-19 m, so the pair there yields 1e-39 m/N along the surface.
+TEST(RefinedBlocks, RubAboutAnAxisAsTheFinerMesh) {
+  const auto impact = [](const std::string& elements, bool divided) {
+    return "model = \"axisymmetric\"\n[[body]]\nname = \"low\"\nmaterial = { youngs_modulus_pa = 70e9, "
+           "poisson_ratio = 0.3, density_kg_m3 = 8000.0 }\n[body.mesh]\nlength_m = 0.02\nradius_m = 0.004\n"
+           "elements = " +
+           elements + "\n" + (divided ? box({-1.0, 0.014}, {1.0, 1.0}, 3) : "") +
+           "[[body]]\nname = \"high\"\nmaterial = { youngs_modulus_pa = 200e9, poisson_ratio = 0.3, "
+           "density_kg_m3 = 2700.0 }\ninitial_velocity_m_s = [0.0, -2.0]\nmesh = { start_m = 0.02, length_m = 0.02, "
+           "radius_m = 0.004, elements = [3, 18] }\n[contact]\nsurfaces = [\"low.end\", \"high.start\"]\n"
+           "friction_coefficient = 0.3\nnose_radius_m = 0.5\n[partition]\nimplicit_length_m = { low = 0.004, "
+           "high = 0.004 }\n[time]\nstep_s = 6e-8\nend_s = 2.4e-5\n";
+  };
+  const TemporaryFolder folder;
+  const RunResult divided = run_text(impact("[2, 8]", true), folder, "divided");
+  const RunResult fine = run_text(impact("[6, 24]", false), folder, "fine");
+  const auto apart = [&](const char* key) {
+    return divided.summary.at(key).get<double>() / fine.summary.at(key).get<double>() - 1.0;
+  };
+  EXPECT_LT(std::abs(apart("contact_impulse_n_s")), 0.005);
+  EXPECT_LT(std::abs(apart("friction_impulse_n_s")), 0.03);
+  EXPECT_LT(divided.summary.at("energy_error_highest").get<double>(), 1e-12);
+}
+
 TEST(RefinedMeshes, AreRefusedWhereTheyCannotBe) {
   const std::string square = strained_square("all_explicit");
   EXPECT_THAT(check_refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.003, 0.006]")),
