@@ -64,7 +64,7 @@ void CoupledRun::run() {
   } catch (const EnergyGrowth&) {
     throw;
   } catch (const Error& error) {
-    if (error.code() != ExitCode::unstable) throw;
+    if (error.code() != ExitCode::unstable || !loop_) throw;
     // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
     throw SolverError(fmt::format("{}; {}", error.what(), likely_cause(suspicion_, 0.0, 0.0)));
   }
@@ -200,14 +200,12 @@ void CoupledRun::note_untold(const Untold& untold) {
 }
 
 void CoupledRun::note_lost_momentum() {
-  constexpr double rounding = 1e-6, tight_iteration = 1e-8, much = 0.01;
-  const auto& coupling = scene_.coupling;
-  const bool exact = scene_.substeps().most <= coupling.protocol.exact_up_to_substeps &&
-                     (!coupling.protocol.iterated || coupling.tolerance <= tight_iteration);
+  constexpr double rounding = 1e-6, much = 0.01;
+  const bool exact = suspicion_.keeps_momentum;
   if (watch_->momentum_lost() <= (exact ? rounding : much)) return;
   std::string text = fmt::format("{:.3g} % of the momentum came from nowhere or got lost, protocol {} {}",
-                                 100 * watch_->momentum_lost(), coupling.protocol.name,
-                                 exact ? "keeps it to rounding" : "does not keep it; \"hughes_liu\" does");
+                                 100 * watch_->momentum_lost(), scene_.coupling.protocol.name,
+                                 exact ? "keeps it to rounding" : does_not_keep_momentum);
   for (const auto& name : suspicion_.foreign) text += "; " + check_advice(name, scene_.path);
   warn(text);
 }
@@ -215,6 +213,9 @@ void CoupledRun::note_lost_momentum() {
 void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions, const Untold& untold) {
   suspicion_.protocol = scene_.coupling.protocol.name;
   suspicion_.protocol_trouble = scene_.coupling.protocol.trouble;
+  constexpr double tight_iteration = 1e-8;
+  suspicion_.keeps_momentum = scene_.substeps().most <= scene_.coupling.protocol.exact_up_to_substeps &&
+                              (!scene_.coupling.protocol.iterated || scene_.coupling.tolerance <= tight_iteration);
   suspicion_.step_s = problem_.clock.largest_size_s() / scene_.substeps().most;
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;

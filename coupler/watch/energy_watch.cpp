@@ -122,9 +122,11 @@ bool EnergyWatch::counts(bool beyond, std::int64_t window, std::optional<std::in
 }
 
 void EnergyWatch::check_losses(const HistoryRow& row, double lost_j, double reference_j) {
-  const auto stop_for = [&](const std::string& what) {
-    throw EnergyGrowth(fmt::format("wrong in window {} (t = {:.6g} s): {}; {}", row.window, row.time_s, what,
-                                   likely_cause(suspicion_, 0.0, 0.0)));
+  const auto stop_for = [&](const std::string& what, bool protocol_may) {
+    const std::string cause =
+        protocol_may ? fmt::format("likely cause: protocol {} {}", suspicion_.protocol, does_not_keep_momentum)
+                     : likely_cause(suspicion_, 0.0, 0.0);
+    throw EnergyGrowth(fmt::format("wrong in window {} (t = {:.6g} s): {}; {}", row.window, row.time_s, what, cause));
   };
   // Bodies that swing in themselves have no momentum but rounding.
   const double reference_kg_m_s =
@@ -133,11 +135,13 @@ void EnergyWatch::check_losses(const HistoryRow& row, double lost_j, double refe
   if (reference_kg_m_s > 0.0) momentum_lost_ = std::max(momentum_lost_, lost_kg_m_s / reference_kg_m_s);
   if (counts(lost_kg_m_s > losses_.momentum * reference_kg_m_s, row.window, drifting_since_)) {
     stop_for(fmt::format("{:.3g} % of the momentum came from nowhere or got lost, allowed are {:.3g} %",
-                         100 * lost_kg_m_s / reference_kg_m_s, 100 * losses_.momentum));
+                         100 * lost_kg_m_s / reference_kg_m_s, 100 * losses_.momentum),
+             !suspicion_.keeps_momentum && suspicion_.foreign.empty());
   }
   if (counts(lost_j > losses_.energy * reference_j, row.window, losing_since_)) {
     stop_for(fmt::format("{:.3g} % of the energy got lost (coupling.energy_loss_limit = {:.3g} %)",
-                         100 * lost_j / reference_j, 100 * losses_.energy));
+                         100 * lost_j / reference_j, 100 * losses_.energy),
+             false);
   }
 }
 

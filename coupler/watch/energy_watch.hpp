@@ -14,6 +14,9 @@
 
 namespace ricochet::coupler {
 
+/// Of momentum, after the name of a protocol.
+inline constexpr const char* does_not_keep_momentum = "does not keep it; \"hughes_liu\" does";
+
 /// What is known before the run about why it might blow up.
 struct Suspicion {
   std::string protocol;
@@ -27,7 +30,8 @@ struct Suspicion {
   std::vector<Step> steps;
   std::vector<std::string> foreign;  ///< participants that are programs of somebody else's
   std::string scene_path;
-  bool links_told = true;  ///< everyone tells the work of its link, by which it is known who makes energy
+  bool links_told = true;      ///< everyone tells the work of its link, by which it is known who makes energy
+  bool keeps_momentum = true;  ///< the protocol does, to rounding
 };
 
 /// How much of a balance may be lost before a run is stopped; infinite: as much as there is.

@@ -120,10 +120,14 @@ ReducedPart::ReducedPart(const solver::BodyState& state, int modes, std::vector<
   }
   flexibility_ = (0.5 * (flexibility_ + flexibility_.transpose())).eval();
   rest_.compute(flexibility_);
-  if (rest_.info() != Eigen::Success)
+  constexpr double least_rcond =
+      1e-11;  // else forces are round-off: of some motion of its shared nodes it has all modes
+  if (rest_.info() != Eigen::Success || !(rest_.rcond() > least_rcond))
     throw SolverError(
-        fmt::format("body '{}': its {} modes leave its shared nodes no flexibility of their own; ask for fewer",
-                    state.name, modes));
+        fmt::format("body '{}': its {} modes leave its shared nodes no flexibility of their own; ask for fewer, or for "
+                    "none: it has "
+                    "{} unknowns",
+                    state.name, modes, state.part.dofs()));
   set_momenta();
   set_supports(force, moved);
   motion_.force.setZero(size);

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
@@ -195,6 +198,35 @@ TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
     EXPECT_NEAR(hoop[e], factor * 0.3 * strain, 1e-9 * factor * strain);
     EXPECT_NEAR(shear[e], 0.0, 1e-9 * factor * strain);
   }
+}
+
+/// Half of a contact node is explicit under `kim`, which takes its force from the window before.
+TEST(KimMomentum, IsSaidToBeLostAndEndsTheRunBeyondAFifth) {
+  const auto bars = [](const std::string& driven) {
+    const auto bar = [](const std::string& name, double modulus_pa, double density_kg_m3, double start_m) {
+      return fmt::format(
+          "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = {}, density_kg_m3 = {} }}\narea_m2 = 1e-5\n"
+          "mesh = {{ start_m = {}, length_m = 0.01, elements = 8 }}\n",
+          name, modulus_pa, density_kg_m3, start_m);
+    };
+    return "model = \"bar\"\n" + bar("low", 70e9, 8000, 0.0) + driven + bar("high", 200e9, 2700, 0.01) +
+           "initial_velocity_m_s = [-5.0]\n[contact]\nsurfaces = [\"low.end\", \"high.start\"]\n"
+           "multiplier_update = \"fully_implicit\"\n[partition]\nimplicit_length_m = { low = 0.002, high = 0.0 }\n"
+           "[time]\nstep_s = 6e-8\nend_s = 1.2e-5\n[coupling]\nprotocol = \"kim\"\n";
+  };
+  const TemporaryFolder folder;
+  const auto ran = run_file(folder.write(bars("")), folder);
+  ASSERT_EQ(ran.outcome.code, 0) << ran.outcome.error;
+  EXPECT_THAT(ran.outcome.error,
+              testing::ContainsRegex("warning: .* % of the momentum came from nowhere or got lost, protocol kim does "
+                                     "not keep it; \"hughes_liu\" does"));
+  const auto stopped =
+      run_file(folder.write(bars("[[body.prescribed]]\nsurface = \"start\"\ncomponent = \"x\"\ndisplacement_m = 1e-6\n"
+                                 "amplitude = { time_s = [0.0, 4e-6, 2e-5], factor = [0.0, 1.0, 0.5] }\n")),
+               folder);
+  EXPECT_EQ(stopped.outcome.code, 3);
+  EXPECT_THAT(stopped.outcome.error,
+              testing::HasSubstr("allowed are 20 %; likely cause: protocol kim does not keep it"));
 }
 
 TEST(Recontact, TheImplicitSideIsBackBeforeTheyTouch) {
