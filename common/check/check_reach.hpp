@@ -7,10 +7,10 @@
 
 namespace ricochet::scene {
 
-/// What `check` says about the ends of bodies that no wave reaches before `time.end_s`, a line each; nothing where
-/// everything is reached. A wave starts at a contact surface when the bodies have met, at loaded, prescribed and
-/// stopped surfaces at t = 0, and runs along the axis with the fastest speed there is: the dilatational one, in bars
-/// sqrt(E/rho).
+/// What `check` says about the ends of bodies that a contact hears nothing of before `time.end_s`, a line each; nothing
+/// where it hears of everything. A wave starts at a contact surface when the bodies have met and has to come back, or
+/// at loaded, prescribed and stopped surfaces at t = 0, and runs along the axis with the fastest speed there is: the
+/// dilatational one, in bars sqrt(E/rho).
 [[nodiscard]] std::vector<std::string> unreached_ends(const Problem& problem);
 
 /// When the two bodies of a contact, which only fly until then, first touch; 0 where they do more than fly, infinity

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <regex>
+
 #include "tests/support/run.hpp"
 
 // Acceptance A4 with less of the long bar: an absorbing end stands in for the rest. Each run is compared, window by
@@ -235,6 +237,46 @@ void expect_bar_waves_absorbed(std::string (*scene)(const std::string&, int), do
 
 TEST(AbsorbingCylinder, TakesUpItsLongWavesAtTheBarSpeed) {
   expect_bar_waves_absorbed(cylinders, 3.14159265 * 0.002 * 0.002);
+}
+
+/// Two bars of 254 mm that meet after 49.5 µs, of which the first `kept` elements from the contact are there.
+std::string ends_cut(const std::string& protocol, int elements, int kept) {
+  const double length_m = 0.254 * kept / elements;
+  const auto bar = [&](const char* name, double start_m, double velocity_m_s) {
+    return fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = 206.8e9, density_kg_m3 = 7844.066 }}\n"
+        "initial_velocity_m_s = [{}]\nmesh = {{ start_m = {}, length_m = {}, elements = {} }}\n",
+        name, velocity_m_s, start_m, length_m, kept);
+  };
+  return "model = \"bar\"\n" + bar("left", -length_m, 5.13588) + bar("right", 0.508e-3, -5.13588) +
+         fmt::format(
+             "[contact]\nsurfaces = [\"left.end\", \"right.start\"]\n[partition]\nimplicit_length_m = {{ left = "
+             "{0}, right = {0} }}\n[time]\nstep_s = {1}\nend_s = 70e-6\n[coupling]\nprotocol = \"{2}\"\n",
+             0.508 / elements, 2.226e-6 * 20 / elements, protocol);
+}
+
+TEST(UnreachedEnds, CanBeLeftOut) {
+  const TemporaryFolder folder;
+  for (const int elements : {20, 80})
+    for (const char* protocol : {"all_explicit", "all_implicit", "hughes_liu"}) {
+      const std::string scene = folder.write(ends_cut(protocol, elements, elements));
+      const std::string told = run_command({ricochet_binary(), "check", scene}, folder.path().string()).out;
+      std::smatch found;
+      ASSERT_TRUE(std::regex_search(told, found, std::regex(R"(no wave comes back from [^(]*\((\d+) of)"))) << told;
+      const int kept = elements - std::stoi(found[1]);
+      EXPECT_LT(kept, elements / 2);
+      const RunResult whole = run_file(scene, folder, "whole");
+      const auto apart = [&](int left_in) {
+        const RunResult cut = run_text(ends_cut(protocol, elements, left_in), folder, "cut");
+        const auto &force = cut.column("contact_force_n"), &expected = whole.column("contact_force_n");
+        double largest = 0.0;
+        for (std::size_t n = 0; n < expected.size(); ++n)
+          largest = std::max(largest, std::abs(force.at(n) - expected[n]));
+        return largest / whole.largest("contact_force_n");
+      };
+      EXPECT_LT(apart(kept), 2e-5) << protocol << ", " << elements;
+      EXPECT_GT(apart(kept / 2), 1e-2) << protocol << ", " << elements << ": others matter";
+    }
 }
 
 TEST(AbsorbingStrip, TakesUpItsLongWavesAtThePlateSpeed) { expect_bar_waves_absorbed(strips, 0.004); }
