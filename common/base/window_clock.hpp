@@ -27,11 +27,13 @@ class WindowClock {
   [[nodiscard]] double size_s(std::int64_t window) const { return last_before(window).size_s; }
   /// Size of the windows after the last change [s].
   [[nodiscard]] double size_s() const { return segments_.back().size_s; }
-  /// Largest of all windows [s].
+  /// Largest of all windows, those that may come included [s].
   [[nodiscard]] double largest_size_s() const {
     const auto smaller = [](const Segment& a, const Segment& b) { return a.size_s < b.size_s; };
-    return std::max_element(segments_.begin(), segments_.end(), smaller)->size_s;
+    return std::max(may_come_s_, std::max_element(segments_.begin(), segments_.end(), smaller)->size_s);
   }
+  /// What only the run will know: windows of this size, too [s].
+  void let_come(double size_s) { may_come_s_ = std::max(may_come_s_, size_s); }
 
   /// Windows after `window` have another size, and no other change follows.
   void change(std::int64_t window, double size_s) {
@@ -41,7 +43,7 @@ class WindowClock {
     if (window == 0) segments_.erase(segments_.begin());
   }
   bool operator==(const WindowClock& other) const { return segments_ == other.segments_; }
-  [[nodiscard]] bool changes() const { return segments_.size() > 1; }
+  [[nodiscard]] bool changes() const { return segments_.size() > 1 || may_come_s_ > 0.0; }
   /// The first window after `window` whose successor has another size; < 0: none.
   [[nodiscard]] std::int64_t next_change(std::int64_t window) const {
     for (const auto& segment : segments_)
@@ -71,6 +73,7 @@ class WindowClock {
     return *segment;
   }
 
+  double may_come_s_ = 0.0;
   std::vector<Segment> segments_;
 };
 

@@ -103,7 +103,8 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
 /// "time.step_s", or "time" if the step follows from the safety factor, or where a longer one comes later.
 std::string step_place(const Problem& problem) {
   const Scene& scene = problem.scene;
-  if (problem.clock.largest_size_s() > problem.clock.size_s(1)) return scene.where("time.changes");
+  if (problem.clock.largest_size_s() > problem.clock.size_s(1))
+    return scene.where(std::string("time.") + scene.time.key_of_sizes());
   return scene.where(scene.time.largest_step_s ? "time.largest_step_s" : scene.time.step_s ? "time.step_s" : "time");
 }
 
@@ -130,9 +131,10 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
                     ratio, participant.name, 0.9 * substeps * critical));
 }
 
-/// Steps up to the latest end.
+/// Steps up to the latest end; if they have two sizes, as if all were short.
 long long count_windows(const Problem& problem) {
-  const double windows = problem.clock.window_at(problem.scene.time.end_s);
+  const Time& time = problem.scene.time;
+  const double windows = (time.flight_step_s ? WindowClock(*time.step_s) : problem.clock).window_at(time.end_s);
   if (!(windows <= most_windows))
     throw ConfigError(fmt::format(
         "{}: found {:.6g} s, which takes {:.3g} steps of {:.6g} s; allowed: an end after at most {:g} steps",

@@ -96,7 +96,7 @@ bool explicit_side_can(const Scene& scene, const std::string& body) {
   const auto found =
       std::find_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.name == body; });
   return protocol.layout == Layout::hybrid && !protocol.dual && scene.substeps(body).most == 1 &&
-         scene.time.changes.empty() && found != scene.bodies.end() && !found->large_rotation &&
+         scene.time.one_step() && found != scene.bodies.end() && !found->large_rotation &&
          std::all_of(scene.participants.begin(), scene.participants.end(), ours);
 }
 

@@ -155,6 +155,7 @@ Problem build_problem(const Scene& scene) {
   set_window_size(problem);
   for (const StepChange& change : scene.time.changes)
     problem.clock.change(static_cast<std::int64_t>(problem.clock.window_at(change.from_s)), change.step_s);
+  if (scene.time.flight_step_s) problem.clock.let_come(*scene.time.flight_step_s);
   problem.windows_of_scene = problem.clock.window_at(scene.time.end_s);
   find_fewest_substeps(problem);
   count_windows_of_output(problem);

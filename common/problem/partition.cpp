@@ -60,6 +60,7 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
 /// Explicit elements have to bear every one.
 double longest_step_s(const Time& time) {
   double longest_s = time.step_s.value();
+  if (time.flight_step_s) longest_s = std::max(longest_s, *time.flight_step_s);
   for (const StepChange& change : time.changes) longest_s = std::max(longest_s, change.step_s);
   return longest_s;
 }

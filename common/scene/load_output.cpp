@@ -18,8 +18,9 @@ void load_every(TableReader& table, const std::string& key, const Scene& scene, 
   const std::string key_s = key + "_s";
   if (table.has(key) && table.has(key_s)) table.refuse(key_s, fmt::format("both {} and {}", key, key_s), "one of them");
   every = table.integer(key, least, most_windows, every);
-  table.only_if(scene.time.changes.empty(), key_s,
-                fmt::format("windows of one size; with time.changes give {}, a number of windows", key));
+  table.only_if(
+      scene.time.one_step(), key_s,
+      fmt::format("windows of one size; with time.{} give {}, a number of windows", scene.time.key_of_sizes(), key));
   if (table.has(key_s)) every_s = table.number(key_s, above(0.0));
 }
 

@@ -84,6 +84,14 @@ Time load_time(TableReader& table, bool has_contact) {
                  fmt::format("at least {} = {}", time.largest_step_s ? "largest_step_s" : "step_s", *time.step_s));
   table.only_if(!time.largest_step_s, "changes", "step_s or safety_factor: largest_step_s chooses one step");
   time.changes = load_changes(table, time.end_s);
+  table.only_if(has_contact && time.step_s && !time.largest_step_s && time.changes.empty(), "flight_step_s",
+                "a [contact] table and step_s, the step of windows in which bodies may touch, without changes");
+  if (table.has("flight_step_s")) {
+    time.flight_step_s = table.number("flight_step_s", above(0.0));
+    if (!(*time.flight_step_s > *time.step_s))
+      table.refuse("flight_step_s", fmt::format("{}", *time.flight_step_s),
+                   fmt::format("longer than step_s = {}", *time.step_s));
+  }
   table.only_if(has_contact, "until_separated_plus_s", "a [contact] table");
   if (table.has("until_separated_plus_s"))
     time.until_separated_plus_s = table.number("until_separated_plus_s", at_least(0.0));

@@ -89,8 +89,9 @@ void check_local_steps(TableReader& root, const TableReader& time, const Scene& 
   if (!scene.time.step_s)
     root.refuse("time", "no step_s, which \"local_explicit\" needs: the step of the coarse elements",
                 "step_s; elements that it is too long for take several steps in it");
-  if (!scene.time.changes.empty())
-    time.refuse("changes", "steps of other sizes under \"local_explicit\"", "one step_s, or \"all_explicit\"");
+  if (!scene.time.one_step())
+    time.refuse(scene.time.key_of_sizes(), "steps of other sizes under \"local_explicit\"",
+                "one step_s, or \"all_explicit\"");
   if (scene.contacts.empty()) return;
   const Contact& law = scene.contact_law();
   for (const auto& contact : root.table_or_tables("contact", "contact")) {

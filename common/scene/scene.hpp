@@ -71,9 +71,14 @@ struct Time {
   std::optional<double> largest_step_s;  ///< then step_s is this, or the largest that leaves explicit elements, until
                                          ///< `ricochet run` chooses
   std::vector<StepChange> changes;       ///< in ascending order of time
+  std::optional<double> flight_step_s;   ///< of windows in which no contact can close
   double safety_factor = 0.9;
   double end_s = 0.0;  ///< latest end
   std::optional<double> until_separated_plus_s;
+
+  [[nodiscard]] bool one_step() const { return changes.empty() && !flight_step_s; }
+  /// Key of what makes steps of several sizes, if there is such.
+  [[nodiscard]] const char* key_of_sizes() const { return flight_step_s ? "flight_step_s" : "changes"; }
 };
 
 /// What a run does that turns a body by 10 degrees or strains it by 10 %.

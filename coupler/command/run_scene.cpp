@@ -56,7 +56,7 @@ bool try_report(const std::string& results) {
 namespace {
 
 /// A run that is accepted, to its last word.
-void run_accepted(const scene::Problem& problem, scene::Plan plan, const std::vector<std::string>& executables,
+void run_accepted(scene::Problem& problem, scene::Plan plan, const std::vector<std::string>& executables,
                   const ResultsDirectory& results, std::optional<Checkpoint> from) {
   const std::string stem = std::filesystem::path(problem.scene.path).stem().string();
   if (const auto warning = address_warning(problem.scene); !warning.empty()) plan.warnings.push_back(warning);
@@ -121,8 +121,10 @@ scene::Problem problem_of(const Checkpoint& from, const std::string& scene_path,
                     scene.path, from.scene_sha256, scene.sha256));
   }
   if (until_s) scene.time.end_s = *until_s;
-  Archive in(from.coupler, "the coupler's part of the checkpoint");
-  in(problem.clock);  // another step than the scene's may be an earlier resume's
+  read_clock(from, problem.clock);  // another step than the scene's may be an earlier resume's
+  if (step_s && scene.time.flight_step_s)
+    throw ConfigError(fmt::format("--step: found {}, with {}; allowed: the steps of the scene", *step_s,
+                                  scene.where("time.flight_step_s")));
   if (step_s) problem.clock.change(from.window, *step_s);
   return problem;
 }
@@ -211,7 +213,7 @@ void resume_run(const std::string& folder, const std::string& scene_path, std::o
   if (step_s && !(*step_s > 0.0))
     throw ConfigError(fmt::format("--step: found {}, allowed: a number of seconds > 0", *step_s));
   auto from = last_checkpoint(folder);
-  const auto problem = problem_of(from, scene_path, until_s, step_s);
+  auto problem = problem_of(from, scene_path, until_s, step_s);
   const auto executables = find_executables(problem.scene);
   const auto programs = programs_text(problem.scene, executables);
   if (scene_path.empty() && !from.by_this_user) {

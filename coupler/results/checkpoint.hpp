@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/archive.hpp"
 #include "common/base/computer.hpp"
+#include "common/base/window_clock.hpp"
 #include "coupler/results/beginning.hpp"
 
 namespace ricochet::coupler {
@@ -26,6 +28,12 @@ struct Checkpoint {
   bool by_this_user = false;  ///< of one that was read: this user's key signed it
   Computer computer{};        ///< of one that was read: of the coupler that wrote it
 };
+
+/// The sizes of windows so far, with which the coupler's part begins.
+inline void read_clock(const Checkpoint& from, WindowClock& clock) {
+  Archive in(from.coupler, "the coupler's part of the checkpoint");
+  in(clock);
+}
 
 /// The folder `checkpoint` of a run's results. A cut is a file WINDOW.state of the coupler, one WINDOW.NAME.state of
 /// each participant, and last of all WINDOW.json, the manifest, with the size and the SHA-256 of each, of the history

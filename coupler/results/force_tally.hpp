@@ -36,8 +36,10 @@ class ForceTally {
 
   ForceTally() = default;
   /// So many windows at or below the level are a separation. `rise_time_s`: 2h/c.
-  ForceTally(WindowClock clock, double rise_time_s, int separation_windows)
-      : clock_(std::move(clock)), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
+  /// `clock` must outlive it.
+  ForceTally(const WindowClock& clock, double rise_time_s, int separation_windows)
+      : clock_(&clock), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
+  ForceTally(WindowClock&& clock, double rise_time_s, int separation_windows) = delete;
 
   /// Mean force over a window [N]; windows ascend, and one that is left out has the force of the next.
   void add(std::int64_t window, double force_n);
@@ -54,7 +56,7 @@ class ForceTally {
   [[nodiscard]] double first_window_n() const { return rises_.empty() ? 0.0 : rises_.front().force_n; }
   [[nodiscard]] double gauge_n() const { return gauge_n_; }
   [[nodiscard]] double rise_time_s() const { return rise_time_s_; }
-  [[nodiscard]] double time_s(std::int64_t window) const { return clock_.time_s(window); }
+  [[nodiscard]] double time_s(std::int64_t window) const { return clock_->time_s(window); }
 
   void archive(Archive& a);
 
@@ -64,7 +66,7 @@ class ForceTally {
   void note_settled(const Peak& now);
   void note_gauge(const Peak& now);
 
-  WindowClock clock_;
+  const WindowClock* clock_;
   double rise_time_s_ = 0.0;
   int separation_windows_ = 1;
   std::int64_t last_window_ = 0;

@@ -14,10 +14,10 @@ namespace ricochet::coupler {
 
 /// What `run_scene` does once the scene is accepted, without report.html and without a word but the progress: one run
 /// into `results`, from the start or `from` a checkpoint on. With on_failure = "resume" it begins again from the last
-/// checkpoint when a participant is lost. Returns the table of its end.
-std::string compute_scene(const scene::Problem& problem, const scene::Plan& plan,
-                          const std::vector<std::string>& executables, const ResultsDirectory& results,
-                          std::optional<Checkpoint> from = {});
+/// checkpoint when a participant is lost. Returns the table of its end. The problem's clock becomes that of the windows
+/// there were.
+std::string compute_scene(scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
+                          const ResultsDirectory& results, std::optional<Checkpoint> from = {});
 
 /// The last whole checkpoint in a folder of results, if it is of this very scene. Says on stderr which are damaged.
 [[nodiscard]] std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene::Scene& scene);

@@ -40,9 +40,8 @@ Summary first_summary(const scene::Problem& problem, const scene::Plan& plan) {
 
 }  // namespace
 
-CoupledRun::CoupledRun(const scene::Problem& problem, const scene::Plan& plan,
-                       const std::vector<std::string>& executables, const ResultsDirectory& results,
-                       const Checkpoint* from)
+CoupledRun::CoupledRun(scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
+                       const ResultsDirectory& results, const Checkpoint* from)
     : problem_(problem),
       scene_(problem.scene),
       plan_(plan),
@@ -127,8 +126,10 @@ void CoupledRun::setup() {
   protocol_ = make_protocol(scene_.coupling.protocol.name, protocol_settings(scene_.coupling));
   protocol_->start(*coupling_, initialize_request(problem_, plan_.windows, results_.file("fields")));
   try_links();
-  const LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
-                              may_switch(),  outside_.watches_overlaps(),         scene_.checkpoint.every_windows};
+  LoopSettings settings{plan_.windows, scene_.coupling.resynchronise_every, scene_.coupling.protocol.coupled(),
+                        may_switch(),  outside_.watches_overlaps(),         scene_.checkpoint.every_windows};
+  if (const auto& time = scene_.time; time.flight_step_s)
+    settings.flight = FlightSteps{*time.step_s, *time.flight_step_s, time.end_s, &problem_.clock};
   loop_ = std::make_unique<TimeLoop>(
       *coupling_, *protocol_, settings, [this](std::int64_t window) { take_records(window); },
       [this](std::int64_t window) {

@@ -30,7 +30,7 @@ namespace ricochet::coupler {
 class CoupledRun {
  public:
   /// The arguments must outlive the run. `from`: where an earlier run of the scene is to go on; null: at the start.
-  CoupledRun(const scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
+  CoupledRun(scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
              const ResultsDirectory& results, const Checkpoint* from = nullptr);
 
   /// To the end. Throws what ended it early; then call `fail`.
@@ -83,7 +83,7 @@ class CoupledRun {
   void write_summary();
   void reserve_summary() const;
 
-  const scene::Problem& problem_;
+  scene::Problem& problem_;  ///< whose clock is that of the windows so far
   const scene::Scene& scene_;
   const scene::Plan& plan_;
   const std::vector<std::string>& executables_;

@@ -137,6 +137,7 @@ void CoupledRun::write_files() {
   summary_.cpu_s = cpu_spent_s();
   if (loop_) {
     summary_.windows = loop_->window();
+    summary_.clock = problem_.clock;
     summary_.switches = loop_->switches();
   }
   if (coupling_) {

@@ -25,12 +25,13 @@ TimeLoop::TimeLoop(Coupling& coupling, Protocol& protocol, const LoopSettings& s
 
 void TimeLoop::archive(Archive& a) {
   a(window_, separation_, switches_);
+  if (settings_.flight) a(flight_);
   records_window_ = window_;
 }
 
 void TimeLoop::run() {
   on_records_(window_);
-  while (window_ < settings_.last_window && !coupling_.contact().finished_early) {
+  while (goes_on()) {
     change_window_size();
     const Step step = next_step();
     const auto begin = Clock::now();
@@ -47,11 +48,18 @@ void TimeLoop::run() {
   }
 }
 
+/// Before the first window nobody knows how fast bodies close.
+bool TimeLoop::goes_on() {
+  if (settings_.flight && window_ > 0) choose_window_size(*settings_.flight);
+  return window_ < settings_.last_window && !coupling_.contact().finished_early;
+}
+
 Step TimeLoop::next_step() {
   Step step;
   step.accepted_window = window_;
   step.touching = coupling_.contact().pairs_closed > 0;
-  step.windows = settings_.coupled ? 1 : std::min(chunk_, settings_.last_window - window_);
+  const bool one_by_one = settings_.coupled || settings_.flight;
+  step.windows = one_by_one ? 1 : std::min(chunk_, settings_.last_window - window_);
   if (settings_.frequent_records) step.windows = std::min(step.windows, windows_between_records);
   if (settings_.stop_every > 0)
     step.windows = std::min<std::int64_t>(step.windows, settings_.stop_every - window_ % settings_.stop_every);
@@ -60,8 +68,8 @@ Step TimeLoop::next_step() {
   const std::int64_t end = window_ + step.windows;
   step.absolute = settings_.coupled && settings_.resynchronise_every > 0 && end % settings_.resynchronise_every == 0;
   const auto now = Clock::now();
-  step.records = !settings_.coupled || end == settings_.last_window ||
-                 end - records_window_ >= windows_between_records || now - records_time_ >= time_between_records;
+  step.records = !one_by_one || end == settings_.last_window || end - records_window_ >= windows_between_records ||
+                 now - records_time_ >= time_between_records;
   if (step.records) {
     records_window_ = end;
     records_time_ = now;
@@ -72,6 +80,14 @@ Step TimeLoop::next_step() {
 void TimeLoop::adapt_chunk(double elapsed_s) {
   if (elapsed_s < 0.5 * chunk_s) chunk_ = std::min(2 * chunk_, largest_chunk);
   if (elapsed_s > 2.0 * chunk_s) chunk_ = std::max<std::int64_t>(chunk_ / 2, 1);
+}
+
+/// From what all know of the window before, not from how long it took: a run that goes on has the same sizes.
+void TimeLoop::choose_window_size(const FlightSteps& steps) {
+  const bool flies = flight_.apart(coupling_.contact(), steps.flight_step_s);
+  coupling_.change_window_size(flies ? steps.flight_step_s : steps.step_s);
+  *steps.clock = coupling_.clock();
+  settings_.last_window = static_cast<std::int64_t>(coupling_.clock().window_at(steps.end_s));
 }
 
 void TimeLoop::change_window_size() {

@@ -118,7 +118,7 @@ void require_companions(const scene::Scene& scene, const std::string& asked) {
     if (participant.start == scene::Start::by_hand)
       refuse(fmt::format("participant '{}', started by hand", participant.name), "participants that ricochet starts");
   }
-  if (!scene.time.changes.empty()) refuse("time.changes", "one step for the whole run");
+  if (!scene.time.one_step()) refuse(std::string("time.") + scene.time.key_of_sizes(), "one step for the whole run");
 }
 
 }  // namespace ricochet::coupler

@@ -153,5 +153,110 @@ INSTANTIATE_TEST_SUITE_P(Protocols, AnotherStep,
                          testing::Values("hughes_liu", "gravouil_combescure", "all_implicit", "all_explicit"),
                          name_of_protocol);
 
+/// configs/bouncing_bar.toml: impacts of 2 ms, flights of 25 ms.
+std::string bouncing(const std::string& protocol, const std::string& step_s, const std::string& flight_step_s = "") {
+  std::string text = replaced(config_text("bouncing_bar"), "safety_factor = 0.9\n", "step_s = " + step_s + "\n");
+  if (!flight_step_s.empty()) text = with_key(text, "time", "flight_step_s", flight_step_s);
+  return with_key(text, "coupling", "protocol", '"' + protocol + '"');
+}
+
+/// When the bar comes down again, the last after three bounces [s].
+std::vector<double> landings(const RunResult& run) {
+  const auto &time = run.column("time_s"), &force = run.column("contact_force_n");
+  std::vector<double> found;
+  double touched = -1.0;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    if (force[row] == 0.0) continue;
+    if (time[row] - touched > 5e-3) found.push_back(time[row]);
+    touched = time[row];
+  }
+  return found;
+}
+
+/// A sixth of the windows, and as near to what short ones find as these are to each other.
+TEST(Flight, TakesLongWindowsForTheAnswerOfShortOnes) {
+  const TemporaryFolder folder;
+  const RunResult shorter = run_text(bouncing("all_implicit", "2.25e-6"), folder, "shorter"),
+                  even = run_text(bouncing("all_implicit", "9e-6"), folder, "even"),
+                  flight = run_text(bouncing("all_implicit", "9e-6", "144e-6"), folder, "flight"),
+                  coarse = run_text(bouncing("all_implicit", "36e-6"), folder, "coarse");
+  const auto windows = [](const RunResult& run) { return run.summary.at("windows").get<int>(); };
+  EXPECT_LT(6 * windows(flight), windows(even) + 50);
+  EXPECT_LT(windows(flight), windows(coarse));
+  const auto exact = landings(shorter), near = landings(even), flown = landings(flight), far = landings(coarse);
+  ASSERT_EQ(exact.size(), 4U);
+  ASSERT_EQ(flown.size(), 4U);
+  const double of_short = std::abs(near.back() - exact.back());
+  EXPECT_LT(std::abs(flown.back() - exact.back()), of_short);
+  EXPECT_GT(std::abs(far.back() - exact.back()), 2.0 * of_short) << "as many windows of one size";
+  EXPECT_NEAR(flown.front(), std::sqrt(2.0 * 7.964e-4 / 9.81), 2.0 * 9e-6) << "no long window meets the plane";
+  EXPECT_LT(flight.summary.at("energy_error_highest").get<double>(), 1e-9);
+  EXPECT_LT(flight.summary.at("momentum_error_max").get<double>(), 1e-9);
+}
+
+class FlightUnder : public testing::TestWithParam<const char*> {};
+
+/// Two bars that fly 0.508 mm at 10.3 m/s before they meet, by windows that `step_s` divides by four in contact.
+std::string flying_bars(const std::string& protocol) {
+  const auto text = with_key(with_protocol_of_two_steps(config_text("two_bars"), protocol), "time", "step_s",
+                             fmt::format("{:.17g}", 0.25 * window_s));
+  return with_key(text, "time", "flight_step_s", fmt::format("{:.17g}", window_s));
+}
+
+TEST_P(FlightUnder, KeepsForceReleaseAndMomentum) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(flying_bars(GetParam()), folder);
+  EXPECT_NEAR(run.mean("contact_force_n", 60e-6, 140e-6), force_n, 0.01 * force_n);
+  EXPECT_NEAR(run.summary.at("first_contact_s").get<double>(), impact_s, 0.5 * window_s);
+  EXPECT_NEAR(run.summary.at("separation_time_s").get<double>(), release_s, window_s);
+  EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-12);
+  const auto windows = run.summary.at("windows").get<int>();
+  EXPECT_LT(windows, 300) << "of 450 short ones";
+  EXPECT_NEAR(run.summary.at("end_time_s").get<double>(), run.column("time_s").back(), 1e-12);
+  EXPECT_GE(run.column("time_s").back(), 250e-6 - 1e-12);
+  EXPECT_LT(run.column("time_s").back(), 250e-6 + window_s);
+}
+
+TEST_P(FlightUnder, GoesOnToTheSameBytes) {
+  const TemporaryFolder folder;
+  const auto text = with_key(flying_bars(GetParam()), "checkpoint", "every_windows", "60");
+  const RunResult whole = run_text(text, folder, "whole");
+  for (const char* end : {"40e-6", "120e-6", "200e-6"}) {  // in flight, in contact, in flight
+    const RunResult part = run_text(with_key(text, "time", "end_s", end), folder, "part");
+    const auto outcome =
+        run_command({ricochet_binary(), "resume", part.folder, "--until", "250e-6"}, folder.path().string());
+    ASSERT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_EQ(file_text(part.folder + "/history.csv"), file_text(whole.folder + "/history.csv")) << end;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, FlightUnder,
+                         testing::Values("hughes_liu", "belytschko_mullen", "prakash_hjelmstad", "all_implicit",
+                                         "all_explicit"),
+                         name_of_protocol);
+
+TEST(Flight, IsRefusedWhereItCannotBe) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& text) {
+    const auto run = run_file(folder.write(text), folder);
+    EXPECT_EQ(run.outcome.code, 2);
+    return run.outcome.error;
+  };
+  EXPECT_THAT(refused(bouncing("all_implicit", "9e-6", "9e-6")),
+              HasSubstr("time.flight_step_s: found 9e-06; allowed: longer than step_s = 9e-06"));
+  EXPECT_THAT(refused(bouncing("hughes_liu", "9e-6", "1e-4")), HasSubstr("time.flight_step_s: found a step of 0.0001"));
+  EXPECT_THAT(refused(bouncing("local_explicit", "9e-6", "1e-4")),
+              HasSubstr("time.flight_step_s: found steps of other"));
+  EXPECT_THAT(refused(with_key(bouncing("all_implicit", "9e-6", "1e-4"), "time", "changes",
+                               "[{ from_s = 1e-3, step_s = 1e-6 }]")),
+              HasSubstr("without changes"));
+  const RunResult run = run_text(
+      with_key(bouncing("all_implicit", "9e-6", "144e-6"), "checkpoint", "every_windows", "1000"), folder, "ran");
+  const auto outcome = run_command({ricochet_binary(), "resume", run.folder, "--until", "0.12", "--step", "1e-6"},
+                                   folder.path().string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.error, HasSubstr("--step: found 1e-06, with "));
+}
+
 }  // namespace
 }  // namespace ricochet::test

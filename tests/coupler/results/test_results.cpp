@@ -197,10 +197,12 @@ Summary finished() {
   return summary;
 }
 
-/// In contact from 1 to 30 windows; `window_s`: as long as a second of the rows' own time is.
-Tally tally_on_plateau(double window_s = 1e-6) {
+const WindowClock micro_second(1e-6), three_eighths(0.375), half_second(0.5), one_second(1.0);
+
+/// In contact from 1 to 30 windows; `clock`: of windows as long as a second of the rows' own time is.
+Tally tally_on_plateau(const WindowClock& clock = micro_second) {
   Tally tally(ImpactTheory{31.2e-6, "striker", 850e6, 30.0, true, 31.2e-6}, false,
-              ForceTally(window_s, 4.5 * window_s, 10));
+              ForceTally(clock, 4.5 * clock.size_s(), 10));
   HistoryRow row;
   for (int i = 0; i <= 60; ++i) {
     const double force_n = i == 1 ? 300.0 : i > 30 || i == 0 ? 0.0 : 100.0 + i;
@@ -267,7 +269,7 @@ TEST(Summary, HasTheKeysOfTheResultsPageAndNoOther) {
   summary.outside_model.emplace_back();
   summary.limits.emplace_back();
   summary.processes = {{"coupler", {}, 1, {}, 1.0, 0.2, 0.8, {{"NAME", 0.8}}}};
-  const ForceTally forces(0.5, 0.4, 2);
+  const ForceTally forces(half_second, 0.4, 2);
   const Tally several(std::nullopt, true, forces, {{"NAME", forces, {}}});
   Tally one_solid(std::nullopt, true, forces);
   one_solid.plastic.emplace().hottest_k = 300.0;
@@ -287,7 +289,7 @@ TEST(Summary, TableSetsResultsBesideTheory) {
 TEST(Summary, TimesInTheirUnitAndManySwitchesInShort) {
   auto summary = finished();
   summary.switches.assign(7, {2.5e-3, Role::implicit_solver});
-  const std::string table = to_table(summary, tally_on_plateau(0.375));
+  const std::string table = to_table(summary, tally_on_plateau(three_eighths));
   EXPECT_THAT(table, AllOf(HasSubstr("11.2500 s"), HasSubstr("2.5000 ms"), HasSubstr("and 3 times more")));
 }
 
@@ -299,7 +301,7 @@ TEST(Summary, WithoutContactNoContactRows) {
 
 /// Rows of every second window of 0.5 s; two windows without force are a separation.
 TEST(Summary, TellsOfEachOfSeveralContacts) {
-  const ForceTally forces(0.5, 0.4, 2);
+  const ForceTally forces(half_second, 0.4, 2);
   Tally tally(std::nullopt, true, forces, {{"hit", forces, {}}, {"missed", forces, {}}});
   const double force[] = {0.0, 3.0, 5.0, 0.0, 0.0};
   for (int i = 0; i < 5; ++i) {
@@ -530,7 +532,7 @@ TEST(Summary, HasTheLimitsOfTheMaterials) {
 }
 
 ForceTally told(const std::vector<double>& forces, double rise_time_s = 2.0) {
-  ForceTally tally(1.0, rise_time_s, 3);
+  ForceTally tally(one_second, rise_time_s, 3);
   for (std::size_t i = 0; i < forces.size(); ++i) tally.add(static_cast<std::int64_t>(i), forces[i]);
   return tally;
 }
@@ -564,7 +566,7 @@ TEST(ForceTally, TakesThePeakBeyondTheRiseTimeOfEachContact) {
 
 /// As many windows as one likes: the lists stay short.
 TEST(ForceTally, IsFoundOfALongSlowRise) {
-  ForceTally tally(1.0, 1.0, 3);
+  ForceTally tally(one_second, 1.0, 3);
   for (int i = 1; i <= 200000; ++i) tally.add(i, i);
   for (int i = 199999; i >= 0; --i) tally.add(400000 - i, i);
   EXPECT_NEAR(*tally.first_contact_s(), 201.0, 1.0);
