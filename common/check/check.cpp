@@ -269,8 +269,9 @@ std::string to_text(const Problem& problem, const Plan& plan) {
                         p.unknowns, p.interface_nodes, critical);
   }
   text += body_rows(problem.scene.model, plan);
-  text += fmt::format("step {:.6g} s, at most {} steps, {} contact pairs\n", problem.clock.size_s(1), plan.windows,
-                      plan.contact_pairs);
+  const auto& flight = problem.scene.time.flight_step_s;
+  text += fmt::format("step {:.6g} s{}, at most {} steps, {} contact pairs\n", problem.clock.size_s(1),
+                      flight ? fmt::format(", in flight {:.6g} s", *flight) : "", plan.windows, plan.contact_pairs);
   if (plan.penalty_step_ratio > 0.0)
     text += fmt::format("penalty: sqrt(2 alpha_n/m) dt = {:.4g}, alpha_n/k = {:.4g}\n", plan.penalty_step_ratio,
                         plan.penalty_stiffness_ratio);

@@ -113,7 +113,7 @@ struct Problem {
   std::vector<Joint> joints;              ///< in the order of the scene's foreign bodies
   std::vector<ContactGeometry> contacts;  ///< in the scene's order, none without pairs
   WindowClock clock;                      ///< of windows Delta t, from step_s or the safety factor
-  double windows_of_scene = 0.0;          ///< up to the end of the scene; one that goes on may have another end and step
+  double windows_of_scene = 0.0;  ///< up to the end of the scene; one that goes on may have another end and step
   /// Per body, if Delta t is from the safety factor: the critical step of its explicit elements (explicit_elements)
   /// that was found for it [s]; else empty.
   std::vector<double> critical_time_steps_s;

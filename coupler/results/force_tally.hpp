@@ -66,7 +66,8 @@ class ForceTally {
   void note_settled(const Peak& now);
   void note_gauge(const Peak& now);
 
-  const WindowClock* clock_;
+  inline static const WindowClock none_;  ///< of no contact
+  const WindowClock* clock_ = &none_;
   double rise_time_s_ = 0.0;
   int separation_windows_ = 1;
   std::int64_t last_window_ = 0;

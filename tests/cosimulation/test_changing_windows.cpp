@@ -194,6 +194,21 @@ TEST(Flight, TakesLongWindowsForTheAnswerOfShortOnes) {
   EXPECT_LT(flight.summary.at("momentum_error_max").get<double>(), 1e-9);
 }
 
+/// The rod vibrates in flight as strongly as it flies: fewer windows of one size have less of an error.
+TEST(Flight, GainsNothingForABodyThatVibratesInIt) {
+  const TemporaryFolder folder;
+  const auto rod = [&](const std::string& steps, const std::string& out) {
+    const auto text = replaced(replaced(config_text("rod_on_stop"), "elements = 100", "elements = 400"),
+                               "safety_factor = 0.9", steps);
+    const RunResult run = run_text(with_key(text, "coupling", "protocol", "\"all_implicit\""), folder, out);
+    return std::pair(run.summary.at("windows").get<int>(),
+                     std::abs(run.summary.at("contact_impulse_n_s").get<double>() / 2.0 - 1.0));
+  };
+  const auto flight = rod("step_s = 2.25e-3\nflight_step_s = 9e-3", "flight"), even = rod("step_s = 4.5e-3", "even");
+  EXPECT_LT(even.first, flight.first);
+  EXPECT_LT(even.second, flight.second);
+}
+
 class FlightUnder : public testing::TestWithParam<const char*> {};
 
 /// Two bars that fly 0.508 mm at 10.3 m/s before they meet, by windows that `step_s` divides by four in contact.
