@@ -32,7 +32,7 @@ class WindowClock {
     const auto smaller = [](const Segment& a, const Segment& b) { return a.size_s < b.size_s; };
     return std::max(may_come_s_, std::max_element(segments_.begin(), segments_.end(), smaller)->size_s);
   }
-  /// What only the run will know: windows of this size, too [s].
+  /// Windows of this size may come, too, as only the run will know [s].
   void let_come(double size_s) { may_come_s_ = std::max(may_come_s_, size_s); }
 
   /// Windows after `window` have another size, and no other change follows.

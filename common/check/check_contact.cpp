@@ -31,6 +31,12 @@ constexpr double longest_reset_window = 5.0, most_unequal_windows = 8.0, most_un
 /// Strain that counts as small.
 constexpr double small_strain = 0.02;
 
+/// The longest of windows in which bodies may touch.
+double contact_step_s(const Problem& problem) {
+  const Time& time = problem.scene.time;
+  return time.flight_step_s ? *time.step_s : problem.clock.largest_size_s();
+}
+
 /// A body on one side of the contact, and its node of a pair.
 struct Sides {
   std::vector<const BodyProblem*> body;
@@ -121,14 +127,14 @@ double release_delay(const Problem& problem, const ContactGeometry& contact) {
 void check_explicit_penalty(const Problem& problem, Plan& plan) {
   plan.penalty_critical_s = penalty_critical_time_step(problem);
   const Scene& scene = problem.scene;
-  const double ratio = problem.clock.largest_size_s() / plan.penalty_critical_s;
+  const double ratio = contact_step_s(problem) / plan.penalty_critical_s;
   if (ratio > 1.0 + 1e-9)
     throw ConfigError(fmt::format(
         "{}: found {:.6g} Pa/m with a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of central "
         "difference with this penalty; allowed: step_s = {:.3g} or less, a softer penalty, or enforcement = "
         "\"multiplier\"",
         scene.where(scene.contact_law().key() + ".penalty_pa_m"), scene.contact_law().penalty_pa_m,
-        problem.clock.largest_size_s(), ratio, plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
+        contact_step_s(problem), ratio, plan.penalty_critical_s, intermittent_share * plan.penalty_critical_s));
   if (ratio > intermittent_share)
     plan.warnings.push_back(fmt::format(
         "the step is {:.3g} times the critical time step with this penalty: contact that opens and closes may gain "
@@ -158,7 +164,7 @@ void check_penalty(const Problem& problem, Plan& plan) {
     for (std::size_t i = 0; i < mass.size(); ++i) {
       const double stiffness = law.penalty_pa_m * contact.pairs[i].area_m2;
       plan.penalty_step_ratio =
-          std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * problem.clock.largest_size_s());
+          std::max(plan.penalty_step_ratio, std::sqrt(2.0 * stiffness / mass[i]) * contact_step_s(problem));
     }
     plan.penalty_stiffness_ratio = std::max(plan.penalty_stiffness_ratio, stiffness_ratio(problem, contact));
     if (problem.scene.model == Model::bar)
@@ -231,7 +237,7 @@ void check_friction(const Problem& problem, Plan& plan) {
     const std::vector<double> mass = pair_masses(problem, contact);
     for (std::size_t i = 0; i < mass.size(); ++i)
       needed = std::max(needed, problem.scene.contacts[c].friction_coefficient * pressure * contact.pairs[i].area_m2 *
-                                    problem.clock.largest_size_s() / (2.0 * mass[i]));
+                                    contact_step_s(problem) / (2.0 * mass[i]));
   }
   const double scale = 1.0 / law.friction_regularisation_s_m;
   if (ringing_ratio * scale < needed)
@@ -247,7 +253,7 @@ void check_friction(const Problem& problem, Plan& plan) {
 namespace {
 
 void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& plan) {
-  const double speed = approach_speed(problem, contact), moved_m = speed * problem.clock.largest_size_s();
+  const double speed = approach_speed(problem, contact), moved_m = speed * contact_step_s(problem);
   const Sides sides(problem, contact);
   double compliance = 0.0;
   for (const fem::Material* material : sides.material) compliance += 1.0 / impedance(problem.scene.model, *material);
@@ -265,7 +271,7 @@ void check_impact(const Problem& problem, const ContactGeometry& contact, Plan& 
         "a step of {:.6g} s, in which the bodies move {:.3g} m towards each "
         "other, {:.3g} of the depth of an "
         "element of body \"{}\" at the contact",
-        problem.clock.largest_size_s(), moved_m, moved_m / depth_m, body.name);
+        contact_step_s(problem), moved_m, moved_m / depth_m, body.name);
     if (moved_m > thickness(body, contact.normal))
       throw ConfigError(
           fmt::format("{}: found {}: more than its thickness, they would pass through it; allowed: {:.3g} s or less",
@@ -288,8 +294,8 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
     const BodyProblem& body = *sides.body[side];
     if (body.mesh.rigid_nodes > 0) return;  // its strain is as fast as the finest element of the other body
     const double depth_m = element_depth(body, Sides::node(contact.pairs.front(), side), contact.normal);
-    windows[side] = problem.clock.largest_size_s() *
-                    fem::longitudinal_wave_speed(body.section.model, *sides.material[side]) / depth_m;
+    windows[side] =
+        contact_step_s(problem) * fem::longitudinal_wave_speed(body.section.model, *sides.material[side]) / depth_m;
   }
   const std::size_t stiff = windows[0] > windows[1] ? 0 : 1;
   const double most = windows[stiff], ratio = most / windows[1 - stiff];
@@ -302,9 +308,9 @@ void check_reset_law(const Problem& problem, const ContactGeometry& contact) {
       "but {:.3g} times through those of body \"{}\": the law \"trapezoidal_reset\" gains energy where these differ by "
       "more than {:.0f} times and the larger is above {:.0f}; allowed: time.step_s = {:.3g} or less, or "
       "{}.multiplier_update = \"massless\" (surfaces whose nodes face each other in pairs) or \"fully_implicit\"",
-      problem.scene.where("time"), problem.clock.largest_size_s(), most, sides.body[stiff]->name, most / ratio,
+      problem.scene.where("time"), contact_step_s(problem), most, sides.body[stiff]->name, most / ratio,
       sides.body[1 - stiff]->name, most_unequal_windows, longest_reset_window,
-      problem.clock.largest_size_s() * longest_reset_window / most, problem.scene.contact_law().key()));
+      contact_step_s(problem) * longest_reset_window / most, problem.scene.contact_law().key()));
 }
 
 }  // namespace

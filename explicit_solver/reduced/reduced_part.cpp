@@ -58,6 +58,10 @@ fem::SparseMatrix rows_of(const fem::SparseMatrix& stiffness, const std::vector<
   return rows;
 }
 
+/// Of what is left beside the modes. Below, they are all there is of some motion of the shared nodes, and forces
+/// against the rest of it would be round-off.
+constexpr double least_rcond = 1e-11;
+
 /// Forces at the interface hardly reach supports: a P = a (D V)(V^T D^-1 P) of both matrices, V with few columns, D
 /// those forces that have one energy each.
 struct Seen {
@@ -120,13 +124,10 @@ ReducedPart::ReducedPart(const solver::BodyState& state, int modes, std::vector<
   }
   flexibility_ = (0.5 * (flexibility_ + flexibility_.transpose())).eval();
   rest_.compute(flexibility_);
-  constexpr double least_rcond =
-      1e-11;  // else forces are round-off: of some motion of its shared nodes it has all modes
   if (rest_.info() != Eigen::Success || !(rest_.rcond() > least_rcond))
     throw SolverError(
-        fmt::format("body '{}': its {} modes leave its shared nodes no flexibility of their own; ask for fewer, or for "
-                    "none: it has "
-                    "{} unknowns",
+        fmt::format("body '{}': its {} modes leave its shared nodes no flexibility of their own; ask for fewer, or "
+                    "for none: it has {} unknowns",
                     state.name, modes, state.part.dofs()));
   set_momenta();
   set_supports(force, moved);

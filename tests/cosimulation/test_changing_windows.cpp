@@ -250,6 +250,21 @@ INSTANTIATE_TEST_SUITE_P(Protocols, FlightUnder,
                                          "all_explicit"),
                          name_of_protocol);
 
+TEST(Flight, LeavesTheBoundsOfContactToShortWindows) {
+  const TemporaryFolder folder;
+  const auto penalty = [&](const std::string& flight_step_s) {
+    const auto text =
+        with_key(with_key(bouncing("all_implicit", "9e-6", flight_step_s), "contact", "enforcement", "\"penalty\""),
+                 "contact", "penalty_pa_m", "1e12");
+    const auto checked = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string());
+    EXPECT_EQ(checked.code, 0) << checked.error;
+    const auto at = checked.out.find("penalty: ");
+    return checked.out.substr(at, checked.out.find('\n', at) - at);
+  };
+  EXPECT_THAT(penalty("144e-6"), HasSubstr("penalty: sqrt(2 alpha_n/m) dt = "));
+  EXPECT_EQ(penalty("144e-6"), penalty(""));
+}
+
 TEST(Flight, IsRefusedWhereItCannotBe) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text) {
