@@ -4,16 +4,12 @@
 are told, held, rigid, yielding, with and without friction, in either order of names, by five protocols each. A line
 beginning with ! for each run that fails by another code than those of a refusal or of leaving the model, makes energy,
 or loses momentum; then how many runs there were. Needs Python 3.11 alone."""
-import argparse
 import json
 import math
-import pathlib
-import random
 import subprocess
-import sys
-import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from drawn_runs import draw
+
 PROTOCOLS = ("all_explicit", "all_implicit", "hughes_liu", "local_explicit", "prakash_hjelmstad")
 REFUSED, LEFT_THE_MODEL = 2, 6
 MOST_ENERGY, MOST_MOMENTUM = 2e-2, 1e-7  # made, of the largest; lost, of the largest
@@ -104,30 +100,10 @@ def verdict(ricochet, path, protocol):
     return f"energy +{made:.1e}, momentum {lost:.1e}" if made > MOST_ENERGY or lost > MOST_MOMENTUM else ""
 
 
-def main():
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
-    options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--count", type=int, default=100)
-    options.add_argument("--keep", type=pathlib.Path, help="folder that scenes and results stay in")
-    options = options.parse_args()
-    runs = refused = wrong = 0
-    with tempfile.TemporaryDirectory() as folder:
-        keep = options.keep or pathlib.Path(folder)
-        keep.mkdir(parents=True, exist_ok=True)
-        for number in range(options.count):
-            path = keep / f"impact_{options.seed}_{number}.toml"
-            path.write_text(scene(random.Random(f"{options.seed} {number}")))
-            for protocol in PROTOCOLS:
-                said = verdict(options.build / "ricochet", path, protocol)
-                runs += 1
-                refused += said is None
-                if said:
-                    wrong += 1
-                    print(f"! {path.name}, {protocol}: {said}", flush=True)
-    print(f"{runs} runs, {refused} refused, {wrong} wrong")
-    return 1 if wrong else 0
+def verdicts(ricochet, path):
+    for protocol in PROTOCOLS:
+        yield protocol, True, verdict(ricochet, path, protocol)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    draw(__doc__, "impact", scene, verdicts)
