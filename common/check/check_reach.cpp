@@ -20,6 +20,13 @@ double axis_of(const BodyProblem& body, int node) {
   return fem::axis_coordinate(body.section.model, body.mesh.position[at(node)]);
 }
 
+/// What an element takes up along the axis.
+Interval extent_of(const BodyProblem& body, const fem::Element& element) {
+  Interval extent;
+  for (const int node : element) extent.add(axis_of(body, node));
+  return extent;
+}
+
 bool any(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double x) { return x != 0.0; });
 }
@@ -55,8 +62,7 @@ Interval disturbed(const Body& spec, const BodyProblem& body) {
 double foot_m(const Problem& problem, const BodyProblem& body, double speed_m_s, double way_m) {
   double longest_m = speed_m_s * problem.clock.largest_size_s();  // of implicit ones, whatever their elements
   for (const auto& element : body.mesh.elements) {
-    Interval extent;
-    for (const int node : element) extent.add(axis_of(body, node));
+    const Interval extent = extent_of(body, element);
     longest_m = std::max(longest_m, extent.high - extent.low);
   }
   return 2.0 * std::cbrt(way_m * longest_m * longest_m);
@@ -91,8 +97,7 @@ std::string beyond(const BodyProblem& body, const Reached& reached, bool above, 
   Interval whole, unreached;
   int elements = 0;
   for (const auto& element : body.mesh.elements) {
-    Interval extent;
-    for (const int node : element) extent.add(axis_of(body, node));
+    const Interval extent = extent_of(body, element);
     whole.add(extent.low);
     whole.add(extent.high);
     if (above ? extent.low < place : extent.high > place) continue;

@@ -54,7 +54,7 @@ class Coupling {
   /// Times and sizes of windows [s], and the size of the next one.
   [[nodiscard]] const WindowClock& clock() const { return clock_; }
   [[nodiscard]] double window_size_s() const { return clock_.size_s(window() + 1); }
-  /// Of the windows to come; `reconfigure` tells the participants.
+  /// Windows to come have this size [s]; `reconfigure` tells the participants.
   void change_window_size(double size_s) { clock_.change(window(), size_s); }
   /// Per row of a link and component, summed over all participants [kg].
   [[nodiscard]] std::vector<double> summed_mass_kg(const Link& link) const;

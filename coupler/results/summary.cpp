@@ -298,8 +298,8 @@ std::string to_json(const Summary& s, const Tally& tally) {
 
 std::string to_table(const Summary& s, const Tally& tally) {
   const std::string status = s.status == RunStatus::left_model ? "left the model" : std::string(name_of(s.status));
-  std::string text = fmt::format("{}: {} windows of {:.6g} s with {}, {:.3f} s wall\n", status, s.windows,
-                                 s.clock.size_s(1), s.protocol, s.wall_s);
+  std::string text = fmt::format("{}: {} windows{} of {:.6g} s with {}, {:.3f} s wall\n", status, s.windows,
+                                 s.clock.changes() ? ", the first" : "", s.clock.size_s(1), s.protocol, s.wall_s);
   text += contact_rows(tally);
   const auto balance = [](const std::vector<std::string>& not_told_by, const std::string& error) {
     return not_told_by.empty() ? error : fmt::format("not told by {}", fmt::join(not_told_by, ", "));

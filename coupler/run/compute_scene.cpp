@@ -84,15 +84,12 @@ std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene:
 std::string compute_scene(scene::Problem& problem, const scene::Plan& plan, const std::vector<std::string>& executables,
                           const ResultsDirectory& results, std::optional<Checkpoint> from) {
   const auto& asked = problem.scene.checkpoint;
-  const WindowClock begun = problem.clock;
   for (int attempt = 1;; ++attempt) {
     try {
       return compute_once(problem, plan, executables, results, from ? &*from : nullptr);
     } catch (const ParticipantError& error) {
       if (asked.on_failure != scene::OnFailure::resume || attempt > asked.attempts) throw;
       if (auto last = checkpoint_of(results.path(), problem.scene)) from = std::move(last);
-      problem.clock = begun;
-      if (problem.scene.time.flight_step_s && from) read_clock(*from, problem.clock);
       results.go_on_from(from ? from->window : 0, participant_names(problem.scene));
       fmt::print(stderr, "warning: {}\nwarning: going on from window {} (attempt {} of {})\n", printable(error.what()),
                  from ? from->window : 0, attempt, asked.attempts);

@@ -14,7 +14,7 @@
 
 namespace ricochet::coupler {
 
-/// Of momentum, after the name of a protocol.
+/// Follows the name of a protocol that loses momentum.
 inline constexpr const char* does_not_keep_momentum = "does not keep it; \"hughes_liu\" does";
 
 /// What is known before the run about why it might blow up.

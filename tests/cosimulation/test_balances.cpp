@@ -200,7 +200,7 @@ TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
   }
 }
 
-/// Half of a contact node is explicit under `kim`, which takes its force from the window before.
+/// The contact node of one bar has an explicit element beside it.
 TEST(KimMomentum, IsSaidToBeLostAndEndsTheRunBeyondAFifth) {
   const auto bars = [](const std::string& driven) {
     const auto bar = [](const std::string& name, double modulus_pa, double density_kg_m3, double start_m) {

@@ -182,6 +182,8 @@ TEST(Flight, TakesLongWindowsForTheAnswerOfShortOnes) {
                   coarse = run_text(bouncing("all_implicit", "36e-6"), folder, "coarse");
   const auto windows = [](const RunResult& run) { return run.summary.at("windows").get<int>(); };
   EXPECT_LT(6 * windows(flight), windows(even) + 50);
+  EXPECT_THAT(flight.outcome.out, HasSubstr(" windows, the first of 9e-06 s with all_implicit"));
+  EXPECT_THAT(even.outcome.out, HasSubstr(" windows of 9e-06 s with all_implicit"));
   EXPECT_LT(windows(flight), windows(coarse));
   const auto exact = landings(shorter), near = landings(even), flown = landings(flight), far = landings(coarse);
   ASSERT_EQ(exact.size(), 4U);

@@ -159,6 +159,22 @@ INSTANTIATE_TEST_SUITE_P(Kills, Resumed,
                                          Kills{"all_processes", Victim::everything}, Kills{"the_power", Victim::power}),
                          [](const auto& test) { return test.param.name; });
 
+/// Kills participants of a run, one after the other, each when there is a further checkpoint and the run goes on.
+void kill_each_in_turn(const std::vector<std::string>& names, const std::string& scene, const std::string& out,
+                       const std::string& errors) {
+  for (std::size_t killed = 0; killed < names.size(); ++killed) {
+    const auto before = checkpoints_in(out);
+    ASSERT_TRUE(wait_until([&] { return checkpoints_in(out) != before && !checkpoints_in(out).empty(); }, 20.0));
+    std::vector<pid_t> found;
+    ASSERT_TRUE(wait_until(
+        [&] { return !(found = processes_with("--scene " + scene + " --name " + names[killed])).empty(); }, 20.0));
+    kill(found.front(), SIGKILL);
+    const auto words = fmt::format("(attempt {} of 10)", killed + 1);
+    ASSERT_TRUE(wait_until([&] { return file_text(errors).find(words) != std::string::npos; }, 20.0))
+        << file_text(errors);
+  }
+}
+
 /// Ten times a participant is killed, and nobody does anything about it.
 TEST(ResumedByItself, ThroughTenKills) {
   const TemporaryFolder folder;
@@ -170,18 +186,24 @@ TEST(ResumedByItself, ThroughTenKills) {
   const RunResult whole = run_text(text, folder, "whole");
   const auto scene = (folder.path() / "whole.toml").string(), out = (folder.path() / "out").string();
   Process run({ricochet_binary(), "run", scene, "--out", out}, folder.path() / "o", folder.path() / "e");
-  for (int killed = 0; killed < 10; ++killed) {
-    const std::string name = killed % 2 == 0 ? "explicit" : "implicit";
-    const auto before = checkpoints_in(out);
-    ASSERT_TRUE(wait_until([&] { return checkpoints_in(out) != before && !checkpoints_in(out).empty(); }, 20.0));
-    std::vector<pid_t> found;
-    ASSERT_TRUE(
-        wait_until([&] { return !(found = processes_with("--scene " + scene + " --name " + name)).empty(); }, 20.0));
-    kill(found.front(), SIGKILL);
-    const auto words = fmt::format("(attempt {} of 10)", killed + 1);
-    ASSERT_TRUE(wait_until([&] { return file_text(folder.path() / "e").find(words) != std::string::npos; }, 20.0))
-        << file_text(folder.path() / "e");
-  }
+  std::vector<std::string> names;
+  for (int killed = 0; killed < 10; ++killed) names.emplace_back(killed % 2 == 0 ? "explicit" : "implicit");
+  ASSERT_NO_FATAL_FAILURE(kill_each_in_turn(names, scene, out, (folder.path() / "e").string()));
+  EXPECT_EQ(run.wait(60.0), 0) << file_text(folder.path() / "e");
+  expect_same_results(out, whole.folder);
+}
+
+/// The sizes of windows after the checkpoint are forgotten with these windows: WindowClock::change drops them.
+TEST(ResumedByItself, InAFlightOfLongWindows) {
+  const TemporaryFolder folder;
+  std::string text =
+      replaced(config_text("bouncing_bar"), "safety_factor = 0.9\n", "step_s = 9e-7\nflight_step_s = 9e-6\n");
+  text = with_key(with_key(text, "checkpoint", "every_windows", "2000"), "checkpoint", "on_failure", "\"resume\"");
+  const RunResult whole = run_text(text, folder, "whole");
+  const auto scene = (folder.path() / "whole.toml").string(), out = (folder.path() / "out").string();
+  Process run({ricochet_binary(), "run", scene, "--out", out}, folder.path() / "o", folder.path() / "e");
+  ASSERT_NO_FATAL_FAILURE(
+      kill_each_in_turn({"explicit", "explicit", "explicit"}, scene, out, (folder.path() / "e").string()));
   EXPECT_EQ(run.wait(60.0), 0) << file_text(folder.path() / "e");
   expect_same_results(out, whole.folder);
 }
