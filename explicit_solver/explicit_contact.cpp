@@ -14,6 +14,9 @@ using solver::Pair;
 
 namespace {
 
+/// By how much the entries of a part's rotation may change before the contact's compliance is made anew.
+constexpr double turns_at_once = 1e-2;
+
 auto acceleration_of(const std::vector<BodyState>& states) {
   return [&states](int part) -> const Eigen::VectorXd& { return states[static_cast<std::size_t>(part)].a; };
 }
@@ -47,9 +50,11 @@ void ExplicitContact::settle(const std::vector<BodyState>& states, const std::ve
       [&](std::size_t part) -> Eigen::VectorXd& { return *u[part]; });
 }
 
-/// The degrees of freedom of the rows and, of surfaces that slide, of all nodes of theirs.
+/// The degrees of freedom of the rows and, of surfaces that slide or turn, of all nodes of theirs.
 void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::InternalForce>>& forces,
                                   const std::vector<BodyState>& states) {
+  const bool turns =
+      std::any_of(forces.begin(), forces.end(), [](const auto& force) { return force->turn() != nullptr; });
   std::vector<std::pair<int, int>> dofs;
   const auto add_node = [&](int part, int node) {
     for (int c = 0; c < surface_.components; ++c) dofs.emplace_back(part, node * surface_.components + c);
@@ -57,7 +62,7 @@ void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::Inte
   for (const auto& pair : surface_.pairs)
     for (const auto* row : {&pair.normal, &pair.tangent, &pair.binormal})
       for (const auto& e : row->entries) {
-        if (sliding_) add_node(e.part, e.dof / surface_.components);
+        if (sliding_ || turns) add_node(e.part, e.dof / surface_.components);
         if (row == &pair.normal || pair.friction_coefficient > 0.0) dofs.emplace_back(e.part, e.dof);
       }
   for (const auto& idle : surface_.idle) add_node(idle.part, idle.node);
@@ -72,6 +77,8 @@ void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::Inte
     for (const auto& c : state.constrained) held_.back()[static_cast<std::size_t>(c.dof)] = true;
   }
   old_spread_ = spread_;
+  if (turns) state_.turns.resize(forces.size());
+  note_turns();
   responses_ = solver::unit_responses(std::move(dofs), through_, states);
 }
 
@@ -88,8 +95,9 @@ void ExplicitContact::make_root(const std::vector<BodyState>& states) {
   const Eigen::Index directions = any ? surface_.components : 1;
   const bool rigid =
       std::any_of(states.begin(), states.end(), [](const BodyState& state) { return state.part.mesh.rigid_nodes > 0; });
-  solver::Compliance compliance = responses_ ? solver::compliance_of(surface_.pairs, *responses_, directions)
-                                             : solver::inverse_mass_of(surface_.pairs, states, directions);
+  solver::Compliance compliance =
+      responses_ ? solver::compliance_of(surface_.pairs, *responses_, state_.turns, surface_.components, directions)
+                 : solver::inverse_mass_of(surface_.pairs, states, directions);
   if (rigid && compliance.sparse()) compliance = Eigen::MatrixXd(*compliance.sparse());
   root_.emplace(law, std::move(compliance), pairs, 2.0 * dt());
 }
@@ -168,22 +176,71 @@ void ExplicitContact::spread_forces() {
     if (!spread_[b].isZero(0.0)) through_[b]->spread(spread_[b]);
 }
 
-double ExplicitContact::unspread_j(const std::vector<BodyState>& states) const {
+double ExplicitContact::unspread_j(const std::vector<BodyState>& states) {
+  strained_.resize(states.size());
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    if (!states[b].frame) continue;
+    const fem::RigidMotion motion = states[b].frame->fit(states[b].u).motion;
+    states[b].frame->straining(states[b].u, motion, strained_[b]);
+    solver::turn_nodes(motion.rotation, surface_.components, strained_[b]);
+  }
+  const auto by = [&](int part) -> const Eigen::VectorXd& {
+    const auto b = static_cast<std::size_t>(part);
+    return states[b].frame ? strained_[b] : states[b].u;
+  };
   double work_j = 0.0;
   for (std::size_t i = 0; i < pairs(); ++i) {
     const auto& pair = surface_.pairs[i];
     const Force& force = state_.forces[i];
-    work_j += force.normal * pair.normal.times(displacement_of(states)) +
-              force.tangential[0] * pair.tangent.times(displacement_of(states)) +
-              force.tangential[1] * pair.binormal.times(displacement_of(states));
+    work_j += force.normal * pair.normal.times(by) + force.tangential[0] * pair.tangent.times(by) +
+              force.tangential[1] * pair.binormal.times(by);
   }
-  for (std::size_t b = 0; b < states.size(); ++b) work_j -= spread_[b].dot(states[b].u);
+  for (std::size_t b = 0; b < states.size(); ++b) work_j -= spread_[b].dot(by(static_cast<int>(b)));
   return 0.5 * work_j;
 }
 
 void ExplicitContact::add_reactions(std::size_t part, const BodyState& state, Eigen::VectorXd& external) const {
   if (!inside_small_steps()) return;
   for (const auto& c : state.constrained) external[c.dof] -= spread_[part][c.dof];
+}
+
+void ExplicitContact::note_turns() {
+  for (std::size_t b = 0; b < state_.turns.size(); ++b) {
+    const Eigen::Matrix3d* const turn = through_[b]->turn();
+    state_.turns[b] = turn != nullptr ? *turn : Eigen::Matrix3d::Identity();
+  }
+}
+
+/// The compliance of parts that step locally turns with them.
+bool ExplicitContact::turned() const {
+  for (std::size_t b = 0; b < state_.turns.size(); ++b) {
+    const Eigen::Matrix3d* const turn = through_[b]->turn();
+    if (turn != nullptr && (*turn - state_.turns[b]).cwiseAbs().maxCoeff() > turns_at_once) return true;
+  }
+  return false;
+}
+
+/// What the forces of the window before do now, beyond what the compliance says: a normal force that pushes along a
+/// direction which has turned would be answered by friction.
+void ExplicitContact::add_turn(const std::vector<BodyState>& states, double acting_time) {
+  const auto last = last_forces(acting_time);
+  Eigen::VectorXd told(last.force.size());
+  root_->compliance().times(last.force, told);
+  const auto does = [&](const ContactRow& row) {
+    double rate = 0.0;
+    for (const auto& e : row.entries) {
+      const auto part = static_cast<std::size_t>(e.part);
+      rate += e.coefficient * states[part].inverse_mass[e.dof] * spread_[part][e.dof];
+    }
+    return dt() * acting_time * rate;
+  };
+  const auto n = static_cast<Eigen::Index>(pairs());
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto& pair = surface_.pairs[static_cast<std::size_t>(k)];
+    gap_free_[k] += does(pair.normal) - told[k];
+    if (told.size() > n) slip_free_[k] += does(pair.tangent) - told[n + k];
+    if (told.size() > 2 * n) slip_free_[n + k] += does(pair.binormal) - told[2 * n + k];
+  }
 }
 
 /// Adds a share of what the forces do to the accelerations.
@@ -200,7 +257,7 @@ void ExplicitContact::push_all(double share, std::vector<BodyState>& states) {
 }
 
 const solver::RootProblem::Solution& ExplicitContact::solution(double acting_time) {
-  if (!root_->dense() || (known_normal_.size() > 0 && !inside_small_steps()))
+  if (root_->compliance().dense() == nullptr || (known_normal_.size() > 0 && !inside_small_steps()))
     return root_->sweep_from_none(gap_free_, slip_free_, known_normal_, frozen_.has_value());
   if (frozen_) return root_->hold(gap_free_, slip_free_);
   return root_->solve(gap_free_, slip_free_, Eigen::VectorXd::Zero(slip_free_.size()), last_forces(acting_time));
@@ -208,14 +265,24 @@ const solver::RootProblem::Solution& ExplicitContact::solution(double acting_tim
 
 /// `rate` of a row with the accelerations so far, to which a force adds over `acting_time`.
 template <class Rate>
-void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time) {
+void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rate, double acting_time, bool anew) {
   auto& forces = state_.forces;
   if (frozen_ == participant::FrozenContact::open || forces.empty()) {
     std::fill(forces.begin(), forces.end(), Force{});
     return;
   }
-  if (!root_) make_root(states);
   find_free_motion(states, rate);
+  if (turned()) {
+    root_.reset();
+    anew = true;
+    if (gap_free_.minCoeff() > 0.0) {  // as it mostly is
+      std::fill(forces.begin(), forces.end(), Force{});
+      return;
+    }
+  }
+  if (anew) note_turns();
+  if (!root_) make_root(states);
+  if (!anew && !state_.turns.empty()) add_turn(states, acting_time);
   find_known_normals(states, acting_time);
   const auto& found = solution(acting_time);
   const auto n = static_cast<Eigen::Index>(pairs()), size = found.force.size();
@@ -233,7 +300,7 @@ void ExplicitContact::start(std::vector<BodyState>& states) {
   const auto rate = [&](const ContactRow& row) {
     return row.times(velocity_of(states)) + 0.5 * dt() * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, 0.5 * dt());
+  find_forces(states, rate, 0.5 * dt(), true);
   if (inside_small_steps()) spread_forces();
   act(1.0, states);
 }
@@ -284,7 +351,7 @@ void ExplicitContact::apply(std::vector<BodyState>& states, const std::vector<co
     const double half_velocity = (row.times(displacement_of(states)) - row.times(before_of(u_before))) / dt();
     return half_velocity + dt() * row.times(acceleration_of(states));
   };
-  find_forces(states, rate, dt());
+  find_forces(states, rate, dt(), followed);
   if (inside_small_steps()) {
     old_spread_.swap(spread_);
     spread_forces();

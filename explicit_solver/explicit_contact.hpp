@@ -23,11 +23,10 @@
 /// 14), of solids radially to the circular one. All pairs are those of a root problem whose compliance is N M^-1 N^T
 /// (RootProblem::sweep_from_none): where they share nodes the pairs are gone through again until no force changes.
 /// Where elements step locally the force, held over the window, acts inside the small steps: M a = S N^T r - P, with S
-/// of fem::LocalSteps. Then the compliance is N M^-1 S N^T, which couples pairs; it is found by unit forces, and the
-/// pairs by Newton's method (RootProblem::solve). With the mass of the contact nodes alone a contact would last 18 %
-/// too long where elements are 32 times finer.
-/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
-/// does.
+/// of fem::LocalSteps. Then the compliance is N M^-1 S N^T, which couples pairs; it is found by unit forces, is
+/// made anew as the part turns, and the pairs are found by Newton's method (RootProblem::solve). With the mass of the
+/// contact nodes alone a contact would last 18 % too long where elements are 32 times finer. Neither force lowers the
+/// critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
 namespace ricochet::explicit_solver {
 
 class ExplicitContact {
@@ -66,8 +65,9 @@ class ExplicitContact {
   /// Whether forces act inside small steps of the part.
   [[nodiscard]] bool inside_small_steps() const { return !through_.empty(); }
   /// 1/2 u . (1 - S) N^T r of all parts, r the forces of the pairs and N their rows: what small steps leave out of
-  /// the work of forces that press slowly [J].
-  [[nodiscard]] double unspread_j(const std::vector<solver::BodyState>& states) const;
+  /// the work of forces that press slowly [J]. Of a part that turns u is what strains it: S does not change a motion
+  /// as a whole.
+  [[nodiscard]] double unspread_j(const std::vector<solver::BodyState>& states);
   /// Contact quantities at the present displacement (principal stress and energies included). `unspread_j` joins the
   /// work of the forces.
   [[nodiscard]] const ContactRecord& report(const std::vector<solver::BodyState>& states, double unspread_j = 0.0);
@@ -91,11 +91,12 @@ class ExplicitContact {
     Eigen::VectorXd static_normal_n;  ///< of massless nodes: r at n + 1
     std::optional<solver::MasslessNodes::State> massless;
     solver::SlidingRows::State sliding;
+    std::vector<Eigen::Matrix3d> turns;  ///< per part, where one turns and steps locally: R of the compliance
 
     void archive(Archive& a) {
       ContactAccount::archive(a);
       a.any_size(forces, mean_forces);  // pairs come and go as surfaces slide
-      a(static_normal_n, massless, sliding);
+      a(static_normal_n, massless, sliding, turns);
     }
   };
   [[nodiscard]] State state() const;
@@ -114,12 +115,16 @@ class ExplicitContact {
   void push(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states) const;
   [[nodiscard]] solver::RootProblem::Solution last_forces(double acting_time) const;
   void spread_forces();
+  void note_turns();
+  void add_turn(const std::vector<solver::BodyState>& states, double acting_time);
+  [[nodiscard]] bool turned() const;
   [[nodiscard]] const solver::RootProblem::Solution& solution(double acting_time);
   void push_all(double share, std::vector<solver::BodyState>& states);
   [[nodiscard]] double work_inside(const std::vector<solver::BodyState>& states,
                                    const std::vector<const Eigen::VectorXd*>& u_before) const;
+  /// `anew`: the rows are, or nothing acted before.
   template <class Rate>
-  void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time);
+  void find_forces(const std::vector<solver::BodyState>& states, Rate rate, double acting_time, bool anew);
   /// The work and impulse of a pair's force over a window; returns the work along the normal [J].
   double account(const solver::Pair& pair, const Force& force, std::vector<solver::BodyState>& states,
                  const std::vector<const Eigen::VectorXd*>& u_before);
@@ -145,7 +150,8 @@ class ExplicitContact {
   /// Per part, where a contact force acts inside small steps: what spreads it, and S N^T r of this window and the last.
   std::vector<solver::InternalForce*> through_;
   std::vector<Eigen::VectorXd> spread_, old_spread_;
-  std::vector<std::vector<bool>> held_;  ///< per part and degree of freedom: constrained
+  std::vector<Eigen::VectorXd> strained_;  ///< u of `unspread_j`, of parts that turn; kept so that no record allocates
+  std::vector<std::vector<bool>> held_;    ///< per part and degree of freedom: constrained
   std::optional<solver::UnitResponses> responses_;
   std::vector<double> made_j_;  ///< per pair: energy made by the normal force over the window
   ContactRecord report_;        ///< kept so that no record allocates

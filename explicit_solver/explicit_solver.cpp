@@ -60,7 +60,7 @@ bool ExplicitSolver::any_small_steps() const {
 std::unique_ptr<solver::InternalForce> ExplicitSolver::make_force(const solver::BodyState& state,
                                                                   const std::vector<int>& driven) const {
   if (!solver::takes_small_steps(problem_, state)) return make_force_(state, driven);
-  return std::make_unique<LocalForce>(state, driven, solver::local_steps(problem_, state, setup_.clock.size_s()));
+  return local_force(state, driven, solver::local_steps(problem_, state, setup_.clock.size_s()));
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
@@ -171,7 +171,7 @@ void ExplicitSolver::take_totals() {
     set_totals(part_sums(state, internal), dt, state);
     double& strain_j = state.totals.energy_strain_j;
     const auto unspread = stepping_->force(b).unspread(state.u, internal);
-    strain_j = stepping_->force(b).stored(state.u, internal, strain_j + unspread.half_work_j);
+    strain_j = stepping_->force(b).stored(state.u, internal, strain_j) + unspread.half_work_j;
     unspread_work_j_ += unspread.work_j;
   }
 }
@@ -179,7 +179,7 @@ void ExplicitSolver::take_totals() {
 /// Where contact alone acts inside small steps all that they leave out of the work is its own, else what its forces
 /// leave out [J].
 double ExplicitSolver::unspread_of_contact_j() {
-  const auto* const c = contact();
+  auto* const c = contact();
   if (!c->inside_small_steps()) return 0.0;
   const auto driven = [](const solver::BodyState& state) {
     return !state.external.zero() || std::any_of(state.constrained.begin(), state.constrained.end(),

@@ -2,27 +2,30 @@
 
 #include <utility>
 
+#include "common/body/material_elements.hpp"
+#include "common/body/turning_elements.hpp"
+#include "explicit_solver/material_force.hpp"
+
 namespace ricochet::explicit_solver {
-namespace {
 
-std::vector<int> with(std::vector<int> nodes, const std::vector<int>& more) {
-  nodes.insert(nodes.end(), more.begin(), more.end());
-  return nodes;
-}
-
-}  // namespace
-
-LocalForce::LocalForce(const solver::BodyState& state, const std::vector<int>& driven, fem::LocalSteps steps)
-    : state_(&state), steps_(std::move(steps)), elements_(material_force(state, with(driven, steps_.reached()))) {
+LocalForce::LocalForce(const solver::BodyState& state, std::unique_ptr<solver::InternalForce> elements,
+                       fem::LocalSteps steps)
+    : state_(&state), steps_(std::move(steps)), elements_(std::move(elements)) {
   steps_.compute_with(state.parallel);
   if (steps_.any() && !state.u.isZero(0.0)) {
-    Eigen::VectorXd force(state.u.size());
-    state.stiffness.multiply(state.u, force);
-    start_j_ = 0.5 * state.u.dot(force);
+    const Eigen::VectorXd u = straining();
+    Eigen::VectorXd force(u.size());
+    state.stiffness.multiply(u, force);
+    start_j_ = 0.5 * u.dot(force);
     steps_.spread(force);
-    start_j_ -= 0.5 * state.u.dot(force);
+    start_j_ -= 0.5 * u.dot(force);
   }
-  if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, state.u, state.plastic->force_n});
+  if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, straining(), state.plastic->force_n});
+}
+
+/// Of the present motion.
+Eigen::VectorXd LocalForce::straining() const {
+  return state_->frame ? state_->frame->straining(state_->u) : state_->u;
 }
 
 void LocalForce::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
@@ -74,9 +77,19 @@ void LocalForce::archive(Archive& a) {
   if (!flow_) return;
   a(flow_->work_j);
   if (!a.reading()) return;
-  flow_->u_before = state_->u;
+  flow_->u_before = straining();
   flow_->force = state_->plastic->force_n;
   flow_->plastic_work_j = state_->plastic->work_j;
+}
+
+std::unique_ptr<solver::InternalForce> local_force(const solver::BodyState& state, const std::vector<int>& driven,
+                                                   fem::LocalSteps steps) {
+  if (state.frame)
+    return std::make_unique<solver::TurningElements>(
+        state, std::make_unique<LocalForce>(state, solver::straining_elements(state), std::move(steps)));
+  std::vector<int> nodes = driven;
+  nodes.insert(nodes.end(), steps.reached().begin(), steps.reached().end());
+  return std::make_unique<LocalForce>(state, material_force(state, nodes), std::move(steps));
 }
 
 }  // namespace ricochet::explicit_solver

@@ -5,17 +5,19 @@
 #include <optional>
 #include <vector>
 
+#include "common/body/body_state.hpp"
+#include "common/body/internal_force.hpp"
 #include "common/fem/local_steps.hpp"
-#include "explicit_solver/material_force.hpp"
 
 namespace ricochet::explicit_solver {
 
 /// S P(u) of a part that steps locally (fem::LocalSteps), of elements that are linear or yield. S is that of K, the
-/// largest stiffness that yielding elements have. Nodes that others share take no small step.
+/// largest stiffness that yielding elements have. Nodes that others share take no small step. In the frame of a part
+/// that turns u is what strains it.
 class LocalForce final : public solver::InternalForce {
  public:
-  /// As material_force. Rows that step locally are computed from the start on.
-  LocalForce(const solver::BodyState& state, const std::vector<int>& driven, fem::LocalSteps steps);
+  /// `elements`: of `state`, which must outlive this object unmoved; they compute all rows that step locally.
+  LocalForce(const solver::BodyState& state, std::unique_ptr<solver::InternalForce> elements, fem::LocalSteps steps);
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override;
   void follow(const Eigen::VectorXd& force) override { elements_->follow(force); }
@@ -45,6 +47,7 @@ class LocalForce final : public solver::InternalForce {
     Eigen::VectorXd u, u_before, force;  ///< of the last evaluation; of the last window; F of it
   };
   void note_flow();
+  [[nodiscard]] Eigen::VectorXd straining() const;
 
   const solver::BodyState* state_;
   fem::LocalSteps steps_;
@@ -52,5 +55,10 @@ class LocalForce final : public solver::InternalForce {
   std::optional<Flow> flow_;
   double start_j_ = 0.0;  ///< 1/2 u . (1 - S) K u of the motion that the run begins with
 };
+
+/// A LocalForce by the material of the part and its body: of one that turns in solver::TurningElements. `driven`: see
+/// WaveFront.
+[[nodiscard]] std::unique_ptr<solver::InternalForce> local_force(const solver::BodyState& state,
+                                                                 const std::vector<int>& driven, fem::LocalSteps steps);
 
 }  // namespace ricochet::explicit_solver

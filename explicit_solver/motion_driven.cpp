@@ -29,17 +29,39 @@ MotionDriven::MotionDriven(std::vector<solver::BodyState>& states, std::optional
   if (contact_) settle_at_start();
   for (std::size_t b = 0; b < states_.size(); ++b) {
     forces_.push_back(make_force(states_[b], driven_nodes(b)));
-    left_out_loads_.push_back(states_[b].external);
-    states_[b].external.transform([&](Eigen::VectorXd& load) { forces_[b]->spread(load); });
-    left_out_loads_[b].transform([&](Eigen::VectorXd& load) {
-      Eigen::VectorXd spread = load;
-      forces_[b]->spread(spread);
-      load -= spread;
-      loads_inside_ = loads_inside_ || !load.isZero(0.0);
-    });
+    spread_loads(b);
   }
   if (!loads_inside_) left_out_loads_.clear();
   if (contact_) contact_->act_through(forces_, states_);
+}
+
+/// S f of the loads, once and for all. S of a part that turns turns with it: each window spreads the loads it has.
+void MotionDriven::spread_loads(std::size_t b) {
+  auto& state = states_[b];
+  left_out_loads_.push_back(state.external);
+  if (state.frame) {
+    bool inside = false;
+    for (int dof = 0; dof < state.part.dofs() && !inside; ++dof) inside = forces_[b]->spreads(dof);
+    if (!inside || state.external.zero()) return;
+    loads_inside_ = true;
+    for (auto* forces : {&state_.parts[b], &trials_[b].forces}) forces->left_out.setZero(state.part.dofs());
+    return;
+  }
+  state.external.transform([&](Eigen::VectorXd& load) { forces_[b]->spread(load); });
+  left_out_loads_[b].transform([&](Eigen::VectorXd& load) {
+    Eigen::VectorXd spread = load;
+    forces_[b]->spread(spread);
+    load -= spread;
+    loads_inside_ = loads_inside_ || !load.isZero(0.0);
+  });
+}
+
+void MotionDriven::spread_load(std::size_t b) {
+  auto& forces = trials_[b].forces;
+  if (forces.left_out.size() == 0) return;
+  forces.left_out = forces.external;
+  forces_[b]->spread(forces.external);
+  forces.left_out -= forces.external;
 }
 
 /// Massless contact nodes begin in balance with the others.
@@ -165,6 +187,7 @@ void MotionDriven::keep_trial_forces() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     state_.parts[b].internal.swap(trials_[b].forces.internal);
     state_.parts[b].external.swap(trials_[b].forces.external);
+    state_.parts[b].left_out.swap(trials_[b].forces.left_out);
   }
   predicted_ = answered_with_trial_ = false;
 }
@@ -193,6 +216,7 @@ void MotionDriven::find_accelerations(double time_s, Velocity velocity) {
     Eigen::VectorXd& external = trials_[b].forces.external;
     forces_[b]->follow(internal);
     forces_[b]->settle();
+    spread_load(b);
     if (velocity == Velocity::now) {
       for (const auto& d : state.dashpots) external[d.dof] += d.force(state.v[d.dof]);
     } else {
@@ -227,6 +251,10 @@ void MotionDriven::account_left_out_loads(double time_s) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (state.external.zero()) continue;
+    if (const auto& now = trials_[b].forces.left_out; now.size() > 0) {
+      state.totals.energy_external_j += 0.5 * (state_.parts[b].left_out + now).dot(state.u - trials_[b].u);
+      continue;
+    }
     for (const double at_s : {time_s - dt(), time_s}) {
       left_out_load_.resize(state.part.dofs());
       left_out_loads_[b].at(at_s, left_out_load_);
@@ -255,9 +283,9 @@ MotionDriven::State MotionDriven::state() const {
 void MotionDriven::restore(const State& state) {
   state_ = state;
   state_.elements.clear();  // `state` asks the forces, also after a restore that was refused halfway
-  if (contact_) contact_->restore(*state.contact);
+  for (std::size_t b = 0; b < states_.size(); ++b) put_back(state.elements[b], *forces_[b]);
+  if (contact_) contact_->restore(*state.contact);  // whose forces act through those
   for (std::size_t b = 0; b < states_.size(); ++b) {
-    put_back(state.elements[b], *forces_[b]);
     trials_[b].forces =
         state_.parts[b];  // rows that are not computed are never written: they must hold what they held then
   }

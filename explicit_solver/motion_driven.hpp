@@ -42,8 +42,9 @@ class MotionDriven {
   struct State {
     struct Forces {
       Eigen::VectorXd internal, external;  ///< P(u); f, reactions included, at the end of the window [N]
+      Eigen::VectorXd left_out;            ///< f - S f of a part that turns and steps locally; else empty
 
-      void archive(Archive& a) { a(internal, external); }
+      void archive(Archive& a) { a(internal, external, left_out); }
     };
     std::vector<Forces> parts;
     std::vector<std::string> elements;  ///< per part: what its InternalForce keeps
@@ -82,6 +83,8 @@ class MotionDriven {
   void half_a_step(std::size_t part);
   void set_shared_velocity(std::size_t part);
   void account();
+  void spread_loads(std::size_t part);
+  void spread_load(std::size_t part);
   void account_left_out_loads(double time_s);
   void account_interface(std::size_t part);
   void keep_trial_forces();
@@ -94,9 +97,9 @@ class MotionDriven {
   std::vector<Trial> trials_;
   std::vector<const Eigen::VectorXd*> u_before_, trial_external_;  ///< per part: into trials_
   std::vector<Eigen::VectorXd*> trial_u_;
-  std::vector<scene::ExternalForce> left_out_loads_;  ///< per part: f - S f; empty if that is 0
+  std::vector<scene::ExternalForce> left_out_loads_;  ///< per part that does not turn: f - S f; empty if that is 0
   Eigen::VectorXd left_out_load_;                     ///< of one of them, at one time
-  bool loads_inside_ = false;                         ///< any of them is not 0
+  bool loads_inside_ = false;                         ///< any of the loads acts inside small steps
   bool predicted_ = false;
   bool answered_with_trial_ = false;  ///< the last link output is of the trial
 };

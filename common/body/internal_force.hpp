@@ -57,8 +57,10 @@ class InternalForce {
   /// f acts inside the small steps, and S is not 1 (fem::LocalSteps).
   virtual void spread(Eigen::VectorXd& force);
   [[nodiscard]] virtual bool spreads(int dof) const;
-  /// What S leaves out [J]: of u . P(u)/2, with S P(u) in `force`, and of the work of the forces inside the small steps
-  /// so far.
+  /// R where that is R S R^T: of the frame of a part that turns, at its last evaluation. Else null.
+  [[nodiscard]] virtual const Eigen::Matrix3d* turn() const;
+  /// What S leaves out [J]: of the energy of the elements at u, with S P(u) in `force`, and of the work of the forces
+  /// inside the small steps so far.
   struct Unspread {
     double half_work_j = 0.0, work_j = 0.0;
   };
@@ -107,6 +109,7 @@ inline void InternalForce::evaluate_at_rest(Eigen::VectorXd& u, Eigen::VectorXd&
 inline void InternalForce::reach_all() {}
 inline void InternalForce::spread(Eigen::VectorXd&) {}
 inline bool InternalForce::spreads(int) const { return false; }
+inline const Eigen::Matrix3d* InternalForce::turn() const { return nullptr; }
 inline InternalForce::Unspread InternalForce::unspread(const Eigen::VectorXd&, const Eigen::VectorXd&) { return {}; }
 inline bool InternalForce::keeps_tangent() const { return linear(); }
 inline void InternalForce::archive(Archive&) {}

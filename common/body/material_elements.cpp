@@ -9,13 +9,16 @@
 
 namespace ricochet::solver {
 
+std::unique_ptr<InternalForce> straining_elements(const BodyState& state) {
+  if (!state.plastic) return linear_elements(state);
+  std::unique_ptr<InternalForce> elements = std::make_unique<PlasticElements>(state);
+  if (state.part.mesh.hanging.empty()) return elements;
+  return std::make_unique<HangingElements>(state, std::move(elements));
+}
+
 std::unique_ptr<InternalForce> material_elements(const BodyState& state) {
-  std::unique_ptr<InternalForce> elements = linear_elements(state);
-  if (state.plastic) elements = std::make_unique<PlasticElements>(state);
-  if (state.plastic && !state.part.mesh.hanging.empty())
-    elements = std::make_unique<HangingElements>(state, std::move(elements));
-  if (state.frame) elements = std::make_unique<TurningElements>(state, std::move(elements));
-  return elements;
+  if (!state.frame) return straining_elements(state);
+  return std::make_unique<TurningElements>(state, straining_elements(state));
 }
 
 }  // namespace ricochet::solver

@@ -7,8 +7,10 @@
 
 namespace ricochet::solver {
 
-/// P of a part by its material and its body: LinearElements or PlasticElements, of one that turns in TurningElements.
+/// P of a part's elements by its material, in the frame of a part that turns: LinearElements or PlasticElements.
 /// `state` must outlive it unmoved.
+[[nodiscard]] std::unique_ptr<InternalForce> straining_elements(const BodyState& state);
+/// P of a part by its material and its body: those, of one that turns in TurningElements.
 [[nodiscard]] std::unique_ptr<InternalForce> material_elements(const BodyState& state);
 
 }  // namespace ricochet::solver

@@ -135,6 +135,19 @@ Eigen::VectorXd PartFrame::straining(const Eigen::VectorXd& u) const {
   return d;
 }
 
+namespace {
+template <int components>
+void turn_each(const Eigen::Matrix3d& by, Eigen::VectorXd& of_nodes) {
+  const Eigen::Matrix<double, components, components> turn = by.topLeftCorner<components, components>();
+  for (Eigen::Index dof = 0; dof < of_nodes.size(); dof += components)
+    of_nodes.segment<components>(dof) = turn * of_nodes.segment<components>(dof);
+}
+}  // namespace
+
+void turn_nodes(const Eigen::Matrix3d& by, int components, Eigen::VectorXd& of_nodes) {
+  components == 2 ? turn_each<2>(by, of_nodes) : turn_each<3>(by, of_nodes);
+}
+
 template <int components>
 void PartFrame::force_of(const Fit& fit, const Eigen::VectorXd& d, const Eigen::VectorXd& g, Eigen::VectorXd& p,
                          Parallel* parallel) const {

@@ -12,6 +12,9 @@ namespace ricochet::solver {
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Matrix2d& h);
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& h);
 
+/// The vector of each node, turned in place.
+void turn_nodes(const Eigen::Matrix3d& by, int components, Eigen::VectorXd& of_nodes);
+
 /// The frame of a part that turns by any angle. It has the rigid motion that leaves least of the part's motion, in the
 /// measure of the masses: with m_i the lumped mass of node i, X_i its place, x_i = X_i + u_i, and Y_i,
 /// y_i the same from the centre of mass,

@@ -10,14 +10,16 @@ TurningElements::TurningElements(const BodyState& state, std::unique_ptr<Interna
     : state_(&state), elements_(std::move(elements)), all_{{0, state.part.dofs()}} {
   straining_.setZero(state.part.dofs());
   force_in_frame_.setZero(state.part.dofs());
+  fit_ = state.frame->fit(state.u);
+  for (int dof = 0; dof < state.part.dofs() && !spreads_; ++dof) spreads_ = elements_->spreads(dof);
 }
 
 void TurningElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   Parallel* const threads = state_->parallel.get();
-  const auto fit = state_->frame->fit(u, threads);
-  state_->frame->straining(u, fit.motion, straining_, threads);
+  fit_ = state_->frame->fit(u, threads);
+  state_->frame->straining(u, fit_.motion, straining_, threads);
   elements_->evaluate(step_s, straining_, force_in_frame_);
-  state_->frame->force(fit, straining_, force_in_frame_, force, threads);
+  state_->frame->force(fit_, straining_, force_in_frame_, force, threads);
 }
 
 namespace {
@@ -64,6 +66,36 @@ const fem::SparseMatrix& TurningElements::tangent(const Eigen::VectorXd& u) {
     }
   }
   return tangent_;
+}
+
+/// S does not change the moment of a force about where the part began. What that is not about where it is goes to the
+/// part as a whole, as in PartFrame::force.
+void TurningElements::spread(Eigen::VectorXd& force) {
+  if (!spreads_) return;
+  in_frame_ = force;
+  turn_nodes(fit_.motion.rotation.transpose(), fem::components(state_->part.mesh.model), in_frame_);
+  change_ = in_frame_;
+  elements_->spread(change_);
+  change_ -= in_frame_;
+  state_->frame->force(fit_, straining_, change_, in_frame_, state_->parallel.get());
+  force += in_frame_;
+}
+
+/// d . g = d . R^T P, as in `stored`.
+InternalForce::Unspread TurningElements::unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force) {
+  if (!spreads_) return {};
+  const fem::RigidMotion motion = state_->frame->fit(u).motion;
+  Eigen::VectorXd d, in_frame = force;
+  state_->frame->straining(u, motion, d);
+  turn_nodes(motion.rotation.transpose(), fem::components(state_->part.mesh.model), in_frame);
+  return elements_->unspread(d, in_frame);
+}
+
+void TurningElements::archive(Archive& a) {
+  elements_->archive(a);
+  if (!a.reading()) return;
+  fit_ = state_->frame->fit(state_->u);
+  state_->frame->straining(state_->u, fit_.motion, straining_);
 }
 
 }  // namespace ricochet::solver

@@ -29,13 +29,21 @@ class TurningElements final : public InternalForce {
                               double half_work_j) const override;
   /// R K R^T, without what the turn of the frame adds where the part is under stress.
   [[nodiscard]] const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) override;
-  void archive(Archive& a) override { elements_->archive(a); }
+  /// R S R^T f, but for what that changes of its moment: the small steps are those of elements in the frame.
+  void spread(Eigen::VectorXd& force) override;
+  [[nodiscard]] bool spreads(int dof) const override { return elements_->spreads(dof); }
+  [[nodiscard]] const Eigen::Matrix3d* turn() const override { return spreads_ ? &fit_.motion.rotation : nullptr; }
+  [[nodiscard]] Unspread unspread(const Eigen::VectorXd& u, const Eigen::VectorXd& force) override;
+  void archive(Archive& a) override;
 
  private:
   const BodyState* state_;
   std::unique_ptr<InternalForce> elements_;
   std::vector<Rows> all_;
-  Eigen::VectorXd straining_, force_in_frame_;  ///< d and g of the last evaluation
+  bool spreads_ = false;                        ///< some of the elements step locally
+  PartFrame::Fit fit_;                          ///< of the last evaluation
+  Eigen::VectorXd straining_, force_in_frame_;  ///< d and g of it
+  Eigen::VectorXd in_frame_, change_;           ///< of `spread`, kept so that no window allocates
   mutable Eigen::VectorXd looked_at_;           ///< d of `stored`, kept so that no window allocates
   fem::SparseMatrix tangent_;
 };

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "common/base/error.hpp"
 #include "common/problem/build.hpp"
@@ -32,6 +34,38 @@ void refuse_absorbing(const Problem& problem, const ParticipantPart& part, const
         problem.scene.where("time.step_s"), body.name, fem::place_text(body.mesh.model, body.mesh.position[at(node)]),
         problem.clock.size_s()));
   }
+}
+
+/// Small steps are those of the frame of a body that turns: a direction that is held in space stays one of the frame's
+/// only where a plane of nodes is held along its normal.
+void refuse_half_held(const Problem& problem, const ParticipantPart& part) {
+  const BodyProblem& body = problem.bodies[at(part.body)];
+  const int components = fem::components(body.section.model);
+  std::optional<int> normal;
+  Eigen::AlignedBox3d box;
+  int where = -1;
+  bool plane = components == 3;
+  for (int i = 0; i < part.part.nodes(); ++i) {
+    const int node = part.part.body_node[at(i)];
+    const auto first = body.fixed_dof.begin() + node * components, end = first + components;
+    const auto held = std::count(first, end, true);
+    if (held == 0 || held == components) continue;
+    const auto along = static_cast<int>(std::find(first, end, true) - first);
+    plane = plane && held == 1 && normal.value_or(along) == along;
+    normal = along;
+    where = node;
+    box.extend(body.mesh.position[at(node)]);
+  }
+  if (!normal) return;
+  for (int c = 0; c < components; ++c) plane = plane && (c == *normal || box.sizes()[c] > 0.0);
+  if (plane) return;
+  throw ConfigError(fmt::format(
+      "{}: found large_rotation of a body whose node at {} is held in some directions, among elements that take "
+      "several steps in a window; allowed: a smaller step, supports in all directions, or one plane of nodes held "
+      "along "
+      "its normal",
+      problem.scene.where("body." + body.name + ".large_rotation"),
+      fem::place_text(body.mesh.model, body.mesh.position[at(where)])));
 }
 
 /// Velocities of a piecewise linear motion up to `end_s`: before its first time v_0, then of each piece, then 0 [m/s].
@@ -104,6 +138,7 @@ LocalStepsPlan plan_local_steps(const Problem& problem, const ParticipantPart& p
     }
   }();
   if (steps.any()) refuse_absorbing(problem, part, steps);
+  if (steps.any() && problem.scene.bodies[at(part.body)].large_rotation) refuse_half_held(problem, part);
   const bool with_contact = !problem.scene.coupling.protocol.coupled();  // else the implicit side has it
   return {body.name, steps.nodes_by_level(), with_contact ? extra_rows(problem, part.body, steps) : steps.extra_rows(),
           steps.longest_window_s(), jump_among_small_steps(problem, part, steps)};

@@ -46,8 +46,6 @@ void check_elements(const Nonlinear& nonlinear) {
 void check_protocol(const Nonlinear& nonlinear) {
   const ProtocolTraits& protocol = nonlinear.problem.scene.coupling.protocol;
   const std::string name = fmt::format("under \"{}\"", protocol.name);
-  if (protocol.local_steps && nonlinear.key == "large_rotation")
-    nonlinear.refuse(name + ", whose small steps are those of elements that do not turn", "\"all_explicit\"");
   const std::string others = "\"hughes_liu\", \"kim\", \"fixed_point\" or \"prakash_hjelmstad\" without substeps";
   const ParticipantSpec* const on_explicit_side = nonlinear.owner(Role::explicit_solver);
   if (protocol.name == "belytschko_mullen" && on_explicit_side)

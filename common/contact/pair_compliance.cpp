@@ -66,12 +66,35 @@ UnitResponses unit_responses(std::vector<std::pair<int, int>> dofs, const std::v
   return responses;
 }
 
-Compliance compliance_of(const std::vector<Pair>& pairs, const UnitResponses& responses, Eigen::Index directions) {
+namespace {
+
+/// R: from the degrees of freedom of the responses in space to those in the frames of the parts.
+Compliance::Sparse turn_of(const UnitResponses& responses, const std::vector<Eigen::Matrix3d>& turns,
+                           Eigen::Index components) {
+  const auto size = std::ssize(responses.dofs);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const auto& [part, dof] = responses.dofs[static_cast<std::size_t>(i)];
+    const Eigen::Index c = dof % components, first = i - c;
+    for (Eigen::Index d = 0; d < components; ++d)
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(first + d),
+                           turns[static_cast<std::size_t>(part)](c, d));
+  }
+  Compliance::Sparse turn(size, size);
+  turn.setFromTriplets(entries.begin(), entries.end());
+  return turn;
+}
+
+}  // namespace
+
+Compliance compliance_of(const std::vector<Pair>& pairs, const UnitResponses& responses,
+                         const std::vector<Eigen::Matrix3d>& turns, Eigen::Index components, Eigen::Index directions) {
   const auto& dofs = responses.dofs;
   const auto column = [&](const RowEntry& e) {
     return static_cast<int>(std::lower_bound(dofs.begin(), dofs.end(), std::pair(e.part, e.dof)) - dofs.begin());
   };
-  const Compliance::Sparse rows = matrix_of_rows(pairs, directions, std::ssize(dofs), column);
+  Compliance::Sparse rows = matrix_of_rows(pairs, directions, std::ssize(dofs), column);
+  if (!turns.empty()) rows = Compliance::Sparse(rows * turn_of(responses, turns, components));
   return Eigen::MatrixXd(rows * responses.matrix * rows.transpose());
 }
 

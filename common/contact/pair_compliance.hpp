@@ -27,6 +27,7 @@ namespace ricochet::solver {
 
 /// Accelerations of some degrees of freedom by forces on them that are held over a window where elements step locally:
 /// M^-1 S, one column a unit force [1/kg]. Not symmetric where one of two neighbours takes more steps than the other.
+/// Those of a part that turns are in its frame.
 struct UnitResponses {
   std::vector<std::pair<int, int>> dofs;  ///< part and number, ascending
   Eigen::MatrixXd matrix;
@@ -34,8 +35,10 @@ struct UnitResponses {
 [[nodiscard]] UnitResponses unit_responses(std::vector<std::pair<int, int>> dofs,
                                            const std::vector<InternalForce*>& of_part,
                                            const std::vector<BodyState>& states);
-/// G M^-1 S G^T; every degree of freedom of a row is one of the responses'.
+/// G R M^-1 S R^T G^T with R = `turns` of the frame of each part (none: of no part); every degree of freedom of a row,
+/// and then of its node, is one of the responses'.
 [[nodiscard]] Compliance compliance_of(const std::vector<Pair>& pairs, const UnitResponses& responses,
+                                       const std::vector<Eigen::Matrix3d>& turns, Eigen::Index components,
                                        Eigen::Index directions);
 
 }  // namespace ricochet::solver

@@ -65,7 +65,7 @@ class RootProblem {
   const Solution& spring(const Eigen::VectorXd& gap, const Eigen::VectorXd& slip);
 
   [[nodiscard]] Solution open() const;  ///< all pairs open, no force
-  [[nodiscard]] bool dense() const { return compliance_.dense() != nullptr; }
+  [[nodiscard]] const Compliance& compliance() const { return compliance_; }
 
  private:
   struct Window {

@@ -93,11 +93,8 @@ bool explicit_side_can(const Scene& scene, const std::string& body) {
            (!participant.foreign() && !participant.reduced && participant.ranks.value_or(1) == 1 &&
             participant.groups.empty());
   };
-  const auto found =
-      std::find_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.name == body; });
   return protocol.layout == Layout::hybrid && !protocol.dual && scene.substeps(body).most == 1 &&
-         scene.time.one_step() && found != scene.bodies.end() && !found->large_rotation &&
-         std::all_of(scene.participants.begin(), scene.participants.end(), ours);
+         scene.time.one_step() && std::all_of(scene.participants.begin(), scene.participants.end(), ours);
 }
 
 /// Few, or not much too stiff for the window: none is as fine as what is better off implicit.

@@ -61,9 +61,7 @@ double extra_rows(const Problem& problem, int body, const fem::LocalSteps& steps
 bool takes_local_steps(const Problem& problem) {
   const Scene& scene = problem.scene;
   const bool penalty = !scene.contacts.empty() && scene.contact_law().enforcement == Enforcement::penalty;
-  const bool turns =
-      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& body) { return body.large_rotation; });
-  return !turns && scene.time.step_s && scene.time.one_step() && scene.coupling.substeps == 1 && !penalty &&
+  return scene.time.step_s && scene.time.one_step() && scene.coupling.substeps == 1 && !penalty &&
          !scene.massless_contact();
 }
 

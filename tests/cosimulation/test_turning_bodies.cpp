@@ -23,10 +23,11 @@ using testing::HasSubstr;
 
 constexpr const char* steel = "{ youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7850.0 }";
 
-/// Windows of an implicit contact end with closed gaps.
-void expect_no_overlap(const RunResult& run) {
+/// Windows of an implicit contact end with closed gaps. Small steps take what the turn of a window changes from the
+/// forces of the one before.
+void expect_no_overlap(const RunResult& run, const std::string& protocol) {
   const auto gaps = run.column("gap_min_m");
-  EXPECT_GT(*std::min_element(gaps.begin(), gaps.end()), -1e-15);
+  EXPECT_GT(*std::min_element(gaps.begin(), gaps.end()), protocol == "local_explicit" ? -1e-9 : -1e-15) << protocol;
 }
 
 double at_most(const RunResult& run, const char* error) { return run.summary.at(error).get<double>(); }
@@ -296,15 +297,16 @@ std::string spinning_ball(const std::string& protocol, double spin_rad_s) {
                   fmt::format("large_rotation = true\ninitial_angular_velocity_rad_s = [0.0, {}, 0.0]\n"
                               "initial_velocity_m_s",
                               spin_rad_s));
+  if (protocol == "local_explicit") return text + "[coupling]\nprotocol = \"local_explicit\"\n";
   if (protocol != "all_explicit") return with_protocol(text, protocol);
   return replaced(text, "step_s = 1.8e-7", "safety_factor = 0.9") + "[coupling]\nprotocol = \"all_explicit\"\n";
 }
 
 /// With back spin it slips all the time. With top spin its surface hardly slides over the plane, and friction is less.
-TEST(SpinningBall, SlipsWithBackSpinAndSticksWithTopSpinByEitherMethod) {
+TEST(SpinningBall, SlipsWithBackSpinAndSticksWithTopSpinByEveryMethod) {
   const TemporaryFolder folder;
   std::vector<double> with_top_spin;
-  for (const char* protocol : {"hughes_liu", "all_explicit"}) {
+  for (const char* protocol : {"hughes_liu", "all_explicit", "local_explicit"}) {
     for (const double spin : {-60.0, 60.0}) {
       const RunResult run = run_text(spinning_ball(protocol, spin), folder, fmt::format("{}{}", protocol, spin));
       const double share = run.last("friction_impulse_n_s") / run.last("contact_impulse_n_s");
@@ -313,19 +315,21 @@ TEST(SpinningBall, SlipsWithBackSpinAndSticksWithTopSpinByEitherMethod) {
       } else {
         EXPECT_NEAR(std::abs(share) / 0.092, 1.0, 1e-3) << protocol << ": the surface also spreads sideways";
       }
-      if (protocol != std::string("all_explicit")) expect_no_overlap(run);
+      if (protocol != std::string("all_explicit")) expect_no_overlap(run, protocol);
       EXPECT_LT(at_most(run, "momentum_error_max"), 1e-10) << protocol;
       EXPECT_LT(at_most(run, "angular_momentum_error_max"), 1e-7) << protocol;
-      EXPECT_LT(at_most(run, "energy_error_max"), 1e-4) << protocol;
+      EXPECT_LT(at_most(run, "energy_error_max"), 2e-4) << protocol;
     }
   }
   EXPECT_LT(with_top_spin[1], 0.06);
   EXPECT_NEAR(with_top_spin[0] / with_top_spin[1], 1.0, 5e-3);
+  EXPECT_NEAR(with_top_spin[2] / with_top_spin[1], 1.0, 5e-3);
 }
 
 /// Two discs of 20 mm that meet head on at 10 m/s.
 std::string two_discs(const std::string& protocol, double spin_rad_s, const std::string& more = "") {
-  const std::string rest = protocol.rfind("all_", 0) == 0 ? "" : "[partition]\nrule = \"auto\"\n";
+  const bool one_process = protocol.rfind("all_", 0) == 0 || protocol == "local_explicit";
+  const std::string rest = one_process ? "" : "[partition]\nrule = \"auto\"\n";
   const auto body = [&](const char* name, double speed) {
     return fmt::format(R"([[body]]
 name = "{0}"
@@ -380,12 +384,13 @@ TEST(SpinningDiscs, PressAlikeByEveryMethod) {
   const TemporaryFolder folder;
   write_discs(folder, 24, 28);
   const RunResult expected = run_text(two_discs("all_explicit", 500.0), folder, "all_explicit");
-  for (const char* protocol : {"hughes_liu", "kim", "fixed_point", "prakash_hjelmstad", "all_implicit"}) {
+  for (const char* protocol :
+       {"hughes_liu", "kim", "fixed_point", "prakash_hjelmstad", "all_implicit", "local_explicit"}) {
     const RunResult run = run_text(two_discs(protocol, 500.0), folder, protocol);
     EXPECT_NEAR(run.largest("contact_force_n") / expected.largest("contact_force_n"), 1.0, 0.01) << protocol;
     EXPECT_NEAR(run.last("contact_impulse_n_s") / expected.last("contact_impulse_n_s"), 1.0, 1e-3) << protocol;
     EXPECT_LT(at_most(run, "angular_momentum_error_max"), 2e-4) << protocol;
-    expect_no_overlap(run);
+    expect_no_overlap(run, protocol);
     const bool keeps_momentum = std::string(protocol) != "kim";  // no protocol of staggered sides does
     EXPECT_LT(at_most(run, "momentum_error_max"), keeps_momentum ? 1e-11 : 1e-3) << protocol;
     EXPECT_TRUE(run.summary.at("separation_time_s").is_number()) << protocol;
@@ -608,6 +613,97 @@ TEST(SpinningDisc, ThatYieldsDentsAlikeByEveryMethod) {
   EXPECT_NEAR(work_j[1] / work_j[0], 1.0, 0.01);
 }
 
+/// A brick of 10 x 20 mm that stands on its corner, spins and falls over onto a rigid plane. Elements of 1 mm at that
+/// corner, or else higher up, are divided by six.
+std::string brick_of_two_sizes(const std::string& protocol, bool fine_at_corner, bool yields = false) {
+  const bool small = protocol == "all_explicit";
+  const std::string text = fmt::format(
+      R"(model = "plane_strain"
+[[body]]
+name = "brick"
+material = {{ youngs_modulus_pa = 2e9, poisson_ratio = 0.3, density_kg_m3 = 2000.0{} }}
+large_rotation = true
+initial_velocity_m_s = [0.0, -0.4]
+initial_angular_velocity_rad_s = 100.0
+gravity_m_s2 = [0.0, -1000.0]
+[body.mesh]
+length_m = 0.02
+height_m = 0.01
+elements = [20, 10]
+refine = [{{ from_m = {}, ratio = 6 }}]
+place = {{ turned_deg = 30.0, moved_m = [0.0, 1e-5] }}
+[contact]
+surfaces = ["brick.inner", "rigid_plane"]
+rigid_place_m = [0.0, 0.0]
+normal = [0.0, -1.0]
+friction_coefficient = 0.2
+[time]
+{}
+end_s = 2e-3
+[output]
+history_every = 20
+fields_every = {}
+[checkpoint]
+every_windows = {}
+[coupling]
+protocol = "{}"
+)",
+      yields ? ", plasticity = { yield_stress_pa = 4e7, hardening_pa = 2e8 }" : "",
+      fine_at_corner ? "[0.0, 0.0], to_m = [0.004, 0.004]" : "[0.003, 0.0132], to_m = [0.007, 0.017]",
+      small ? "safety_factor = 0.9" : "step_s = 3.6e-7", small ? 20000 : 4000, small ? 13000 : 2000, protocol);
+  return protocol == "hughes_liu" ? text + "[partition]\nrule = \"auto\"\n" : text;
+}
+
+/// Fine elements of a body that turns by a quarter take small steps in its frame, inside the contact and away from it:
+/// they do what all elements do in steps that short, and the book of its loads is right.
+TEST(BrickOfTwoSizes, TopplesInSmallStepsAsInOnesOfAll) {
+  const TemporaryFolder folder;
+  struct Case {
+    const char* protocol;
+    bool fine_at_corner, yields;
+  };
+  for (const auto& [protocol, fine_at_corner, yields] :
+       {Case{"local_explicit", true, false}, Case{"local_explicit", true, true}, Case{"local_explicit", false, false},
+        Case{"hughes_liu", false, false}}) {
+    const std::string name = fmt::format("{}{}{}", protocol, fine_at_corner, yields);
+    const RunResult all =
+        run_text(brick_of_two_sizes("all_explicit", fine_at_corner, yields), folder, name + "_in_all");
+    const RunResult run = run_text(brick_of_two_sizes(protocol, fine_at_corner, yields), folder, name);
+    EXPECT_NEAR(run.last("contact_impulse_n_s") / all.last("contact_impulse_n_s"), 1.0, 1e-3) << name;
+    EXPECT_NEAR(run.last("friction_impulse_n_s") / all.last("friction_impulse_n_s"), 1.0, 3e-3) << name;
+    EXPECT_LT(at_most(run, "momentum_error_max"), 1e-11) << name;
+    EXPECT_LT(at_most(run, "angular_momentum_error_max"), 1e-7) << name;
+    EXPECT_LT(at_most(run, "energy_error_highest"), 1e-8) << name;
+    EXPECT_GT(run.summary.at("energy_error_lowest").get<double>(), -2e-3) << name;
+    if (!yields) continue;
+    EXPECT_NEAR(run.last("plastic_work_j") / all.last("plastic_work_j"), 1.0, 0.01);
+  }
+}
+
+TEST(BrickOfTwoSizes, GoesOnFromACheckpointToTheSameBytes) {
+  const TemporaryFolder folder;
+  for (const char* protocol : {"local_explicit", "hughes_liu"}) {
+    const bool fine_at_corner = protocol == std::string("local_explicit");
+    const RunResult whole = run_text(brick_of_two_sizes(protocol, fine_at_corner, true), folder, protocol);
+    (void)expect_the_same_from_the_earlier_checkpoint(whole, folder);
+  }
+}
+
+/// A support along one direction is none in the frame of a body that turns, but for the plane that it turns about.
+TEST(BrickOfTwoSizes, IsRefusedWhereItIsHeldInSomeDirections) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& text) {
+    const auto outcome = run_command({ricochet_binary(), "check", folder.write(text)}, folder.path().string());
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_THAT(outcome.error,
+                AllOf(HasSubstr("body.brick.large_rotation: found large_rotation of a body whose node at ("),
+                      HasSubstr("is held in some directions"), HasSubstr("allowed: a smaller step")));
+  };
+  const char* const roller = "[[body.support]]\nsurface = \"end\"\nfixed = [\"x\"]\n[contact]";
+  refused(replaced(brick_of_two_sizes("local_explicit", true), "[contact]", roller));
+  refused(replaced(brick_of_two_sizes("hughes_liu", false), "[contact]", roller));
+}
+
 TEST(TurningBody, IsRefusedWhereSomethingKeepsItsDirection) {
   const TemporaryFolder folder;
   write_discs(folder, 6, 8);
@@ -634,7 +730,6 @@ TEST(TurningBody, IsRefusedWhereSomethingKeepsItsDirection) {
           "or bodies that turn on the implicit side alone");
   refused(two_discs("gravouil_combescure", 10.0), "found large_rotation under \"gravouil_combescure\"",
           "\"hughes_liu\"");
-  refused(two_discs("local_explicit", 10.0), "found large_rotation under \"local_explicit\"", "\"all_explicit\"");
   refused(replaced(plate(10.0), "large_rotation = true\n", ""), "initial_angular_velocity_rad_s",
           "large_rotation = true beside it");
   refused(replaced(replaced(spinning_disc(10.0, 0.0), "rigid_plane", "rigid_cylinder"), "normal = [0.0, -1.0]\n",

@@ -33,6 +33,9 @@ def block(lot, model, name, low_m, top):
     told = first and lot.random() < 0.3 and model != "axisymmetric"
     held = first and not told and lot.random() < 0.4 and not (turns and rigid)
     tilt = lot.choice([0.0, 0.0, 0.5, 5.0]) if top and model != "axisymmetric" else 0.0
+    upto = f"to_m = [{0.4 * width}, {f'{0.6 * width}, ' if model == 'solid' else ''}{0.5 * height}]"
+    finer = f", refine = [{{ from_m = {[0.0] * (3 if model == 'solid' else 2)}, {upto}, ratio = {lot.choice([2, 4])} }}]"
+    finer = finer if lot.random() < 0.3 and not rigid and model != "axisymmetric" else ""
     lift = low_m + 0.5 * width * math.sin(math.radians(tilt))
     if model == "axisymmetric":
         text += f"initial_velocity_m_s = [0.0, {down}]\n"
@@ -41,13 +44,13 @@ def block(lot, model, name, low_m, top):
     elif model == "plane_strain":
         text += f"initial_velocity_m_s = [{aside}, {down}]\n"
         turned = f"turned_deg = {tilt}, about_m = [{0.5 * width}, 0.0], " if tilt else ""
-        text += f"mesh = {{ length_m = {height}, height_m = {width}, elements = [{across}, {along}], "
+        text += f"mesh = {{ length_m = {height}, height_m = {width}, elements = [{across}, {along}]{finer}, "
         text += f"place = {{ {turned}moved_m = [{-0.5 * width}, {lift}] }} }}\n"
     else:
         text += f"initial_velocity_m_s = [{aside}, {-aside / 3.0}, {down}]\n"
         turned = f"turned_deg = [0.0, {tilt}, 0.0], about_m = [{0.5 * width}, {0.5 * width}, 0.0], " if tilt else ""
         text += f"mesh = {{ length_m = {height}, height_m = {width}, width_m = {width}, "
-        text += f"elements = [{across}, {max(2, across - 1)}, {along}], "
+        text += f"elements = [{across}, {max(2, across - 1)}, {along}]{finer}, "
         text += f"place = {{ {turned}moved_m = [{-0.5 * width}, {-0.5 * width}, {lift}] }} }}\n"
     solid = model == "solid"
     if turns and lot.random() < 0.4 and not told and not held:
