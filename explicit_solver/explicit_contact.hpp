@@ -23,10 +23,12 @@
 /// 14), of solids radially to the circular one. All pairs are those of a root problem whose compliance is N M^-1 N^T
 /// (RootProblem::sweep_from_none): where they share nodes the pairs are gone through again until no force changes.
 /// Where elements step locally the force, held over the window, acts inside the small steps: M a = S N^T r - P, with S
-/// of fem::LocalSteps. Then the compliance is N M^-1 S N^T, which couples pairs; it is found by unit forces, is
-/// made anew as the part turns, and the pairs are found by Newton's method (RootProblem::solve). With the mass of the
-/// contact nodes alone a contact would last 18 % too long where elements are 32 times finer. Neither force lowers the
-/// critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10) does.
+/// of fem::LocalSteps. Then the compliance is N M^-1 S N^T, which couples pairs: unit forces find it, and Newton's
+/// method the forces (RootProblem::solve). It is turned as the part turns. With the mass of the contact nodes alone a
+/// contact would last 18 % too long where elements are 32 times finer.
+///
+/// Neither force lowers the critical time step. With enforcement "penalty", r = alpha w max(0, -g(u_n)) (Eq. 8-10)
+/// does.
 namespace ricochet::explicit_solver {
 
 class ExplicitContact {

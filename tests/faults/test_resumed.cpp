@@ -50,7 +50,7 @@ void PrintTo(const Kills& kills, std::ostream* out) { *out << kills.name; }
 /// Runs, and goes on with, scenes that are killed again and again.
 class Resumed : public testing::TestWithParam<Kills> {
  protected:
-  static constexpr int wanted = 40, most_of_a_run = 5;
+  static constexpr int wanted = 24, most_of_a_run = 5;
 
   /// How long an undisturbed run takes [s], and its results.
   struct Whole {
