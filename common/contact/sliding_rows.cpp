@@ -249,20 +249,35 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
                           const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
   struct Jump {
     double work_j = 0.0, force_n = 0.0;
-    double overlap_m = 0.0, overlap_of_new_m = 0.0;  ///< that rows make where no force is; of pairs that come in
+    double overlap_m = 0.0;  ///< that rows make where no force is
+    std::vector<Slide::Own> own;
   };
   const auto gap = [&](const Pair& pair) {
     return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
+  };
+  const auto own_of = [&](const Pair& pair) {
+    for (const auto& sliding : contacts_) {
+      if (sliding.contact != pair.contact) continue;
+      for (const auto& own : sliding.slide.own)
+        if (own.node == pair.node_a && own.patch == pair.patch) return own.offset_m;
+    }
+    return 0.0;
   };
   std::vector<Jump> jumps(problem_->contacts.size());
   const std::vector<int> same = same_pairs(before, pairs);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Jump& jump = jumps[pairs[i].contact];
     const auto old = static_cast<std::size_t>(same[i]);
-    const double was_m = same[i] < 0 ? 0.0 : gap(before[old]), now_m = gap(pairs[i]);
-    if (same[i] < 0 || !(forces[old].normal > 0.0)) {
+    const bool pressed = same[i] >= 0 && forces[old].normal > 0.0;
+    double now_m = gap(pairs[i]);
+    const double overlap_m = std::max(0.0, -now_m), own_m = same[i] < 0 ? overlap_m
+                                                            : pressed   ? own_of(pairs[i])
+                                                                        : std::min(own_of(pairs[i]), overlap_m);
+    if (own_m > 0.0) jump.own.push_back({pairs[i].node_a, pairs[i].patch, own_m});
+    now_m += own_m;
+    const double was_m = same[i] < 0 ? 0.0 : gap(before[old]);
+    if (!pressed) {
       jump.overlap_m = std::max(jump.overlap_m, std::min(was_m, 0.0) - std::min(now_m, 0.0));
-      if (same[i] < 0) jump.overlap_of_new_m = std::max(jump.overlap_of_new_m, -now_m);
     } else {
       jump.work_j += forces[old].normal * (was_m - now_m);
       jump.force_n += forces[old].normal;
@@ -271,20 +286,24 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
   for (auto& sliding : contacts_) {
     const auto& geometry = problem_->contacts[sliding.contact];
     if (!sliding.changed || geometry.flat) continue;
-    const Jump& jump = jumps[sliding.contact];
+    Jump& jump = jumps[sliding.contact];
     const double most_m = slide_share * geometry.sliding->edge_m;
     double& offset_m = sliding.slide.offset_m;
-    offset_m = jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m) : 0.0;
-    const double overlap_m = jump.force_n > 0.0 ? jump.overlap_of_new_m : jump.overlap_m;
-    if (overlap_m > 0.0) offset_m = std::max(offset_m, std::min(overlap_m, most_m));
+    offset_m =
+        jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m) : std::min(jump.overlap_m, most_m);
+    sliding.slide.own = std::move(jump.own);
   }
 }
 
 void SlidingRows::offset(std::vector<Pair>& pairs) {
   for (auto& sliding : contacts_) {
     if (!sliding.changed) continue;
-    for (Pair& pair : pairs)
-      if (pair.contact == sliding.contact) pair.gap0_m += sliding.slide.offset_m;
+    for (Pair& pair : pairs) {
+      if (pair.contact != sliding.contact) continue;
+      pair.gap0_m += sliding.slide.offset_m;
+      for (const auto& own : sliding.slide.own)
+        if (own.node == pair.node_a && own.patch == pair.patch) pair.gap0_m += own.offset_m;
+    }
     sliding.changed = false;
   }
 }

@@ -34,10 +34,11 @@ namespace ricochet::solver {
 /// at the same motion, and the forces r do work sum r (g - g') while they close them. All gaps of a curved contact
 /// therefore have an offset,
 ///   c = sum r (g - g') / sum r,   |c| <= slide_share of the edge,
-/// with which that work is none. A pair that comes in with an overlap, as that of a corner, would be pushed apart
-/// within a window, at overlap over dt, and so would any pair where none has a force: c is at least that overlap,
-/// within the same bound. A pair that opens by more than that bound has left, and its work counts for nothing. c is
-/// handed back as soon as no pair has a force and none would overlap.
+/// with which that work is none. Where no pair has a force, one that overlaps would be pushed apart within a window, at
+/// overlap over dt: c is at least that overlap, within the same bound. A pair that opens by more than that bound has
+/// left, and its work counts for nothing. c is handed back as soon as no pair has a force and none would overlap.
+/// A pair that comes in with an overlap, as that of a corner from beside the other surface, has an offset of its own:
+/// it touches where it came in. It is handed back as the pair opens.
 class SlidingRows {
  public:
   static constexpr double slide_share = 0.01;
@@ -59,10 +60,20 @@ class SlidingRows {
     Eigen::Vector3d place_m{0.0, 0.0, 0.0};  ///< s when they were
     double free_m = 0.0;                     ///< how far from there it may get before it may touch
     double offset_m = 0.0;                   ///< c, that all gaps have
+    struct Own {
+      int node = -1, patch = 0;
+      double offset_m = 0.0;
+
+      void archive(Archive& a) { a(node, patch, offset_m); }
+    };
+    std::vector<Own> own{};  ///< of pairs that came in with an overlap
     /// R of both bodies that the rows are written for.
     Eigen::Matrix3d turn_a = Eigen::Matrix3d::Identity(), turn_b = Eigen::Matrix3d::Identity();
 
-    void archive(Archive& a) { a(follows, asleep, shift_m, normal, place_m, free_m, offset_m, turn_a, turn_b); }
+    void archive(Archive& a) {
+      a(follows, asleep, shift_m, normal, place_m, free_m, offset_m, turn_a, turn_b);
+      a.any_size(own);
+    }
   };
   using State = std::vector<Slide>;  ///< per contact of the scene that may slide
   [[nodiscard]] State state() const;

@@ -213,6 +213,58 @@ INSTANTIATE_TEST_SUITE_P(Protocols, CornerThatComesIn,
                                          std::tuple("all_implicit", "fully_implicit"),
                                          std::tuple("hughes_liu", "fully_implicit")));
 
+/// A tilted block that spins and slides presses by one edge, whose end comes in from beside the other surface when it
+/// is 22 um deep, more than a hundredth of an edge. It touches there from then on, and moves no other pair.
+TEST(CornerFromBeside, MakesNoEnergy) {
+  const TemporaryFolder folder;
+  for (const char* protocol : {"all_explicit", "all_implicit"}) {
+    const RunResult run = run_text(fmt::format(R"(model = "solid"
+[[body]]
+name = "low"
+large_rotation = true
+material = {{ youngs_modulus_pa = 20e9, poisson_ratio = 0.3, density_kg_m3 = 8000.0 }}
+[body.mesh]
+length_m = 0.004
+height_m = 0.006
+width_m = 0.006
+elements = [3, 2, 2]
+refine = [{{ from_m = [0.0, 0.0, 0.0], to_m = [0.0024, 0.0036, 0.002], ratio = 2 }}]
+place = {{ moved_m = [-0.003, -0.003, 0.0] }}
+[[body.prescribed]]
+surface = "start"
+turn_rad = [0.0, 200.0, 0.0]
+about_m = [0.003, 0.0, -0.002]
+amplitude = {{ time_s = [0.0, 1.0], factor = [0.0, 1.0] }}
+[[body]]
+name = "high"
+large_rotation = true
+initial_angular_velocity_rad_s = [100.0, 200.0, 50.0]
+initial_velocity_m_s = [0.0, 0.0, -5.0]
+material = {{ youngs_modulus_pa = 70e9, poisson_ratio = 0.0, density_kg_m3 = 8000.0 }}
+[body.mesh]
+length_m = 0.006
+height_m = 0.006
+width_m = 0.006
+elements = [3, 2, 4]
+place = {{ turned_deg = [0.0, 5.0, 0.0], about_m = [0.003, 0.003, 0.0], moved_m = [-0.003, -0.003, 0.004461467228242974] }}
+[contact]
+surfaces = ["high.start", "low.end"]
+friction_coefficient = 0.3
+[time]
+step_s = 6e-8
+end_s = 8e-5
+[coupling]
+protocol = "{}"
+)",
+                                               protocol),
+                                   folder, protocol);
+    EXPECT_GT(run.last("contact_impulse_n_s"), 0.005) << protocol;
+    EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-6) << protocol;
+    EXPECT_GT(run.summary["energy_error_lowest"].get<double>(), -0.05) << protocol;
+    EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-10) << protocol;
+  }
+}
+
 class CrossingEdges : public testing::TestWithParam<const char*> {};
 
 /// Two bricks meet edge across edge, in the middle and beside it, on nodes of the edges and between them: when they are
