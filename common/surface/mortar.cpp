@@ -221,7 +221,7 @@ OppositeFaces::RowSums OppositeFaces::sums(const std::vector<SurfaceFace>& first
     double covered = 0.0;
     for (const std::size_t image : near) {
       const SurfaceFace& other = faces_[images_[image].face];
-      if (face.normal.dot(other.normal) >= 0.0) continue;
+      if (face.normal.dot(other.normal) >= -least_facing) continue;
       const Eigen::Vector3d moved_m = images_[image].moved_m + shift_m;
       if (back_to_back(face, other, moved_m)) continue;
       Polygon opposite =

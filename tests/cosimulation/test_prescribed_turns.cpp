@@ -176,7 +176,6 @@ TEST(WrongTurns, AreRefusedByName) {
   EXPECT_THAT(given(turned, turned + turned), HasSubstr("held by body.rocker.prescribed[0] already; allowed: one"));
   EXPECT_THAT(given(turned, turned + "[[body.support]]\nsurface = \"end\"\nfixed = [\"x\"]\n"),
               HasSubstr("held by body.rocker.support[0] already"));
-  EXPECT_THAT(given("\"all_explicit\"", "\"local_explicit\""), HasSubstr("body.rocker.large_rotation"));
 }
 
 TEST(WrongTurns, NothingFreeIsNoImplicitSide) {

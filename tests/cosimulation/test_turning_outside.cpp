@@ -213,6 +213,49 @@ INSTANTIATE_TEST_SUITE_P(Protocols, CornerThatComesIn,
                                          std::tuple("all_implicit", "fully_implicit"),
                                          std::tuple("hughes_liu", "fully_implicit")));
 
+/// A side of the one body is seen by a side of the other almost along itself: it lies opposite nothing, else its shape
+/// functions there were up to 1e65.
+TEST(LandingOutside, HasNoRowsOfFacesThatAreSeenFromTheSide) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(R"(model = "solid"
+[[body]]
+name = "low"
+large_rotation = true
+material = { youngs_modulus_pa = 20e9, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }
+[body.mesh]
+length_m = 0.004
+height_m = 0.016
+width_m = 0.016
+elements = [3, 2, 4]
+place = { moved_m = [-0.008, -0.008, 0.0] }
+[[body]]
+name = "high"
+rigid = true
+large_rotation = true
+material = { youngs_modulus_pa = 70e9, poisson_ratio = 0.0, density_kg_m3 = 8000.0 }
+initial_velocity_m_s = [0.0, 0.0, -5.0]
+[body.mesh]
+length_m = 0.006
+height_m = 0.006
+width_m = 0.006
+elements = [5, 4, 4]
+place = { turned_deg = [0.0, 5.0, 0.0], about_m = [0.003, 0.003, 0.0], moved_m = [-0.003, -0.003, 0.0042614672282429746] }
+[contact]
+surfaces = ["high.outside", "low.outside"]
+normal = [0.0, 0.0, -1.0]
+friction_coefficient = 0.3
+[time]
+step_s = 6e-8
+end_s = 4e-5
+[coupling]
+protocol = "all_explicit"
+)",
+                                 folder);
+  EXPECT_GT(run.last("contact_impulse_n_s"), 1e-3);
+  EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-6);
+  EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-10);
+}
+
 /// A tilted block that spins and slides presses by one edge, whose end comes in from beside the other surface when it
 /// is 22 um deep, more than a hundredth of an edge. It touches there from then on, and moves no other pair.
 TEST(CornerFromBeside, MakesNoEnergy) {
