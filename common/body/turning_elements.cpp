@@ -68,8 +68,8 @@ const fem::SparseMatrix& TurningElements::tangent(const Eigen::VectorXd& u) {
   return tangent_;
 }
 
-/// S does not change the moment of a force about where the part began. What that is not about where it is goes to the
-/// part as a whole, as in PartFrame::force.
+/// S keeps the moment of a force about where the part began, but not about where the part is. The part as a whole takes
+/// the difference, as in PartFrame::force.
 void TurningElements::spread(Eigen::VectorXd& force) {
   if (!spreads_) return;
   in_frame_ = force;

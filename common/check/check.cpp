@@ -100,6 +100,11 @@ ParticipantPlan plan_participant(const Problem& problem, const ParticipantSpec& 
   return plan;
 }
 
+/// Whether it is the longer windows of a flight that elements have to bear.
+bool flight_is_longest(const Problem& problem) {
+  return problem.scene.time.flight_step_s && problem.clock.largest_size_s() > problem.clock.size_s(1);
+}
+
 /// "time.step_s", or "time" if the step follows from the safety factor, or where a longer one comes later.
 std::string step_place(const Problem& problem) {
   const Scene& scene = problem.scene;
@@ -112,13 +117,15 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
                          std::vector<std::string>& warnings) {
   const ProtocolTraits& protocol = problem.scene.coupling.protocol;
   const int substeps = problem.scene.participant(participant.name).substeps;
+  const bool flight = flight_is_longest(problem);
+  const char* const key = flight ? "flight_step_s" : "step_s";
   const double critical = participant.critical_time_step_s;
   const double step = problem.clock.largest_size_s() / substeps, ratio = step / critical;
   if (ratio > 1.0 + 1e-9)
     throw ConfigError(fmt::format(
         "{}: found a step of {:.6g} s, {:.4g} times the critical time step {:.6g} s of participant \"{}\"; allowed: "
-        "step_s = {:.3g} or less, {}or a larger implicit part",
-        step_place(problem), step, ratio, critical, participant.name, 0.9 * substeps * critical,
+        "{} = {:.3g} or less, {}or a larger implicit part",
+        step_place(problem), step, ratio, critical, participant.name, key, 0.9 * substeps * critical,
         protocol.own_substeps ? fmt::format("substeps = {} of that participant, ", std::ceil(substeps * ratio / 0.9))
         : protocol.dual       ? "more coupling.substeps, "
                               : ""));
@@ -127,8 +134,9 @@ void check_critical_step(const Problem& problem, const ParticipantPlan& particip
     warnings.push_back(
         fmt::format("the step is {:.5g} times the critical time step of \"{}\": the shortest wave of the mesh may grow "
                     "from impact to "
-                    "impact; step_s = {:.3g} leaves room",
-                    ratio, participant.name, 0.9 * substeps * critical));
+                    "impact{}; {} = {:.3g} leaves room",
+                    ratio, participant.name, flight ? ", and energy change at the end of a flight" : "", key,
+                    0.9 * substeps * critical));
 }
 
 /// Steps up to the latest end; if they have two sizes, as if all were short.

@@ -62,8 +62,7 @@ void refuse_half_held(const Problem& problem, const ParticipantPart& part) {
   throw ConfigError(fmt::format(
       "{}: found large_rotation of a body whose node at {} is held in some directions, among elements that take "
       "several steps in a window; allowed: a smaller step, supports in all directions, or one plane of nodes held "
-      "along "
-      "its normal",
+      "along its normal",
       problem.scene.where("body." + body.name + ".large_rotation"),
       fem::place_text(body.mesh.model, body.mesh.position[at(where)])));
 }

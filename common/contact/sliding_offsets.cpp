@@ -8,54 +8,47 @@
 
 namespace ricochet::solver {
 
+double SlidingRows::Slide::own_of(const Pair& pair) const {
+  for (const Own& one : own)
+    if (one.node == pair.node_a && one.patch == pair.patch) return one.offset_m;
+  return 0.0;
+}
+
 /// Finds the offsets of contacts that have changed; `pairs` are without them.
 void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<PairForce>& forces,
                           const std::vector<BodyState>& states, double middle_s, const std::vector<Pair>& pairs) {
-  struct Jump {
-    double work_j = 0.0, force_n = 0.0;
-    double overlap_m = 0.0;  ///< that rows make where no force is
-    std::vector<Slide::Own> own;
-  };
   const auto gap = [&](const Pair& pair) {
     return pair.gap(displacement_of(states)) + middle_s * pair.normal.times(velocity_of(states));
   };
-  const auto own_of = [&](const Pair& pair) {
-    for (const auto& sliding : contacts_) {
-      if (sliding.contact != pair.contact) continue;
-      for (const auto& own : sliding.slide.own)
-        if (own.node == pair.node_a && own.patch == pair.patch) return own.offset_m;
-    }
-    return 0.0;
-  };
-  std::vector<Jump> jumps(problem_->contacts.size());
   const std::vector<int> same = same_pairs(before, pairs);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Jump& jump = jumps[pairs[i].contact];
-    const auto old = static_cast<std::size_t>(same[i]);
-    const bool pressed = same[i] >= 0 && forces[old].normal > 0.0;
-    double now_m = gap(pairs[i]);
-    const double overlap_m = std::max(0.0, -now_m), own_m = same[i] < 0 ? overlap_m
-                                                            : pressed   ? own_of(pairs[i])
-                                                                        : std::min(own_of(pairs[i]), overlap_m);
-    if (own_m > 0.0) jump.own.push_back({pairs[i].node_a, pairs[i].patch, own_m});
-    now_m += own_m;
-    const double was_m = same[i] < 0 ? 0.0 : gap(before[old]);
-    if (!pressed) {
-      jump.overlap_m = std::max(jump.overlap_m, std::min(was_m, 0.0) - std::min(now_m, 0.0));
-    } else {
-      jump.work_j += forces[old].normal * (was_m - now_m);
-      jump.force_n += forces[old].normal;
-    }
-  }
   for (auto& sliding : contacts_) {
     const auto& geometry = problem_->contacts[sliding.contact];
     if (!sliding.changed || geometry.flat) continue;
-    Jump& jump = jumps[sliding.contact];
+    Slide& slide = sliding.slide;
+    double work_j = 0.0, force_n = 0.0;
+    std::vector<Slide::Own> own;
+    const auto keep = [&own](const Pair& pair, double offset_m) {
+      if (offset_m > 0.0) own.push_back({pair.node_a, pair.patch, offset_m});
+    };
+    const auto force_of = [&](std::size_t i) {
+      return same[i] < 0 ? 0.0 : forces[static_cast<std::size_t>(same[i])].normal;
+    };
+    const auto was_m = [&](std::size_t i) { return gap(before[static_cast<std::size_t>(same[i])]); };
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const double force = force_of(i);
+      if (pairs[i].contact != sliding.contact || !(force > 0.0)) continue;
+      const double own_m = slide.own_of(pairs[i]);
+      keep(pairs[i], own_m);
+      work_j += force * (was_m(i) - (gap(pairs[i]) + own_m));
+      force_n += force;
+    }
     const double most_m = slide_share * geometry.sliding->edge_m;
-    double& offset_m = sliding.slide.offset_m;
-    offset_m =
-        jump.force_n > 0.0 ? std::clamp(jump.work_j / jump.force_n, -most_m, most_m) : std::min(jump.overlap_m, most_m);
-    sliding.slide.own = std::move(jump.own);
+    slide.offset_m = force_n > 0.0 ? std::clamp(work_j / force_n, -most_m, most_m) : 0.0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (pairs[i].contact != sliding.contact || force_of(i) > 0.0) continue;
+      keep(pairs[i], (same[i] < 0 ? 0.0 : std::min(was_m(i), 0.0)) - (gap(pairs[i]) + slide.offset_m));
+    }
+    slide.own = std::move(own);
   }
 }
 
@@ -64,9 +57,7 @@ void SlidingRows::offset(std::vector<Pair>& pairs) {
     if (!sliding.changed) continue;
     for (Pair& pair : pairs) {
       if (pair.contact != sliding.contact) continue;
-      pair.gap0_m += sliding.slide.offset_m;
-      for (const auto& own : sliding.slide.own)
-        if (own.node == pair.node_a && own.patch == pair.patch) pair.gap0_m += own.offset_m;
+      pair.gap0_m += sliding.slide.offset_m + sliding.slide.own_of(pair);
     }
     sliding.changed = false;
   }

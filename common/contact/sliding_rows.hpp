@@ -34,11 +34,11 @@ namespace ricochet::solver {
 /// at the same motion, and the forces r do work sum r (g - g') while they close them. All gaps of a curved contact
 /// therefore have an offset,
 ///   c = sum r (g - g') / sum r,   |c| <= slide_share of the edge,
-/// with which that work is none. Where no pair has a force, one that overlaps would be pushed apart within a window, at
-/// overlap over dt: c is at least that overlap, within the same bound. A pair that opens by more than that bound has
-/// left, and its work counts for nothing. c is handed back as soon as no pair has a force and none would overlap.
-/// A pair that comes in with an overlap, as that of a corner from beside the other surface, has an offset of its own:
-/// it touches where it came in. It is handed back as the pair opens.
+/// with which that work is none. A pair that opens by more than that bound has left, and its work counts for nothing.
+/// A pair without a force that overlaps with the new rows would be pushed apart within a window, at overlap over dt: a
+/// corner that comes in from beside the other surface, or where c is negative. It has an offset of its own, by which it
+/// touches as it is. Each is handed back as soon as it can be: c where no pair has a force, the other as its pair
+/// opens.
 class SlidingRows {
  public:
   static constexpr double slide_share = 0.01;
@@ -67,6 +67,8 @@ class SlidingRows {
       void archive(Archive& a) { a(node, patch, offset_m); }
     };
     std::vector<Own> own{};  ///< of pairs that came in with an overlap
+
+    [[nodiscard]] double own_of(const Pair& pair) const;
     /// R of both bodies that the rows are written for.
     Eigen::Matrix3d turn_a = Eigen::Matrix3d::Identity(), turn_b = Eigen::Matrix3d::Identity();
 

@@ -114,9 +114,9 @@ void ImplicitContact::prepare(const std::vector<BodyState>& states, SolveFor sol
              most = std::min(most_kept_columns, most_kept_numbers / std::max(dofs, std::ptrdiff_t{1}));
   // The columns of S^-1 outlive the rows, and all copies of the product share them. Those of the pairs belong to one
   // set of rows: a copy that new rows take begins without any.
-  const auto kept = std::make_shared<KeptColumns>(std::move(solve), dofs, most / 2, most);
-  response_.product = KeptColumns(of_rows([kept](const auto& forces, auto& motion) { (*kept)(forces, motion); }),
-                                  rows(), most / 8, most / 4);
+  const auto kept = std::make_shared<KeptColumns>(std::move(solve), most / 2, most);
+  response_.product =
+      KeptColumns(of_rows([kept](const auto& forces, auto& motion) { (*kept)(forces, motion); }), most / 8, most / 4);
   start({response_.product, bound_of_couplings(states)});
 }
 

@@ -8,12 +8,8 @@ namespace {
 constexpr Eigen::Index more = 64;  ///< columns, room for so many more at a time
 }  // namespace
 
-KeptColumns::KeptColumns(SolveFor product, Eigen::Index size, Eigen::Index most_pushed, Eigen::Index most_kept)
-    : product_(std::move(product)),
-      most_pushed_(most_pushed),
-      most_kept_(most_kept),
-      column_(static_cast<std::size_t>(size), -1),
-      unit_(Eigen::VectorXd::Zero(size)) {}
+KeptColumns::KeptColumns(SolveFor product, Eigen::Index most_pushed, Eigen::Index most_kept)
+    : product_(std::move(product)), most_pushed_(most_pushed), most_kept_(most_kept) {}
 
 void KeptColumns::keep(Eigen::Index force) {
   unit_[force] = 1.0;
@@ -25,6 +21,12 @@ void KeptColumns::keep(Eigen::Index force) {
 }
 
 void KeptColumns::operator()(const Eigen::VectorXd& forces, Eigen::VectorXd& motion) {
+  if (unit_.size() != forces.size()) {
+    unit_.setZero(forces.size());
+    columns_.resize(0, 0);
+    column_.assign(static_cast<std::size_t>(forces.size()), -1);
+    kept_ = 0;
+  }
   pushed_.clear();
   Eigen::Index missing = 0;
   for (Eigen::Index j = 0; j < forces.size(); ++j) {

@@ -14,7 +14,8 @@ namespace ricochet::implicit_solver {
 class KeptColumns {
  public:
   /// `product` is asked for more forces than `most_pushed`. At most `most_kept` columns are kept, no fewer than those.
-  KeptColumns(SolveFor product, Eigen::Index size, Eigen::Index most_pushed, Eigen::Index most_kept);
+  KeptColumns(SolveFor product, Eigen::Index most_pushed, Eigen::Index most_kept);
+  /// Forces of another number than before are those of other rows: nothing is kept of these.
   void operator()(const Eigen::VectorXd& forces, Eigen::VectorXd& motion);
 
  private:
