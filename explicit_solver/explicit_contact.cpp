@@ -154,7 +154,7 @@ void ExplicitContact::find_forces(const std::vector<BodyState>& states, Rate rat
   if (turned()) {
     root_.reset();
     anew = true;
-    if (gap_free_.minCoeff() > 0.0) {  // as it mostly is
+    if (gap_free_.minCoeff() > 0.0) {  // a flight needs no compliance
       std::fill(forces.begin(), forces.end(), Force{});
       return;
     }

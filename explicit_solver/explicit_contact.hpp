@@ -67,8 +67,8 @@ class ExplicitContact {
   /// Whether forces act inside small steps of the part.
   [[nodiscard]] bool inside_small_steps() const { return !through_.empty(); }
   /// 1/2 u . (1 - S) N^T r of all parts, r the forces of the pairs and N their rows: what small steps leave out of
-  /// the work of forces that press slowly [J]. Of a part that turns u is what strains it: S does not change a motion
-  /// as a whole.
+  /// the work of forces that press slowly [J]. u is what strains a part that turns, since S
+  /// does not change a motion as a whole.
   [[nodiscard]] double unspread_j(const std::vector<solver::BodyState>& states);
   /// Contact quantities at the present displacement (principal stress and energies included). `unspread_j` joins the
   /// work of the forces.

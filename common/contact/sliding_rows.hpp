@@ -60,18 +60,18 @@ class SlidingRows {
     Eigen::Vector3d place_m{0.0, 0.0, 0.0};  ///< s when they were
     double free_m = 0.0;                     ///< how far from there it may get before it may touch
     double offset_m = 0.0;                   ///< c, that all gaps have
+    /// Offset of one pair, by its node of the surface with the rows and its patch [m].
     struct Own {
       int node = -1, patch = 0;
       double offset_m = 0.0;
 
       void archive(Archive& a) { a(node, patch, offset_m); }
     };
-    std::vector<Own> own{};  ///< of pairs that came in with an overlap
-
-    [[nodiscard]] double own_of(const Pair& pair) const;
+    std::vector<Own> own{};  ///< of pairs that new rows would have overlap
     /// R of both bodies that the rows are written for.
     Eigen::Matrix3d turn_a = Eigen::Matrix3d::Identity(), turn_b = Eigen::Matrix3d::Identity();
 
+    [[nodiscard]] double own_of(const Pair& pair) const;  ///< 0 where it has none [m]
     void archive(Archive& a) {
       a(follows, asleep, shift_m, normal, place_m, free_m, offset_m, turn_a, turn_b);
       a.any_size(own);

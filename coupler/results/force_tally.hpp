@@ -35,7 +35,7 @@ class ForceTally {
   };
 
   ForceTally() = default;
-  /// So many windows at or below the level are a separation. `rise_time_s`: 2h/c. `clock` must outlive it.
+  /// `separation_windows` at or below the level are a separation. `rise_time_s`: 2h/c. `clock` must outlive it.
   ForceTally(const WindowClock& clock, double rise_time_s, int separation_windows)
       : clock_(&clock), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
   ForceTally(WindowClock&& clock, double rise_time_s, int separation_windows) = delete;

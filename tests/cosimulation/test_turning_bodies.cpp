@@ -318,7 +318,7 @@ TEST(SpinningBall, SlipsWithBackSpinAndSticksWithTopSpinByEveryMethod) {
       if (protocol != std::string("all_explicit")) expect_no_overlap(run, protocol);
       EXPECT_LT(at_most(run, "momentum_error_max"), 1e-10) << protocol;
       EXPECT_LT(at_most(run, "angular_momentum_error_max"), 1e-7) << protocol;
-      EXPECT_LT(at_most(run, "energy_error_max"), 2e-4) << protocol;
+      EXPECT_LT(at_most(run, "energy_error_max"), 1e-4) << protocol;
     }
   }
   EXPECT_LT(with_top_spin[1], 0.06);
