@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <string_view>
 
@@ -134,10 +135,15 @@ Checkpointing load_checkpoint(TableReader& table) {
   return checkpoint;
 }
 
-std::map<std::string, double> load_accuracy(TableReader& table, const Scene& scene) {
-  auto errors = table.numbers_by_name("relative_error", {0.0, 1.0, false, false}, scene.quantities_with_bars());
+void load_accuracy(TableReader& table, Scene& scene) {
+  scene.accuracy = table.numbers_by_name("relative_error", {0.0, 1.0, false, false}, scene.quantities_with_bars());
+  if (table.has("elements_times")) {
+    auto& times = scene.elements_times;
+    times = table.numbers("elements_times", {1.0 / 64.0, 64.0, true, true}, 0);
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+  }
   table.finish();
-  return errors;
 }
 
 }  // namespace ricochet::scene

@@ -177,7 +177,7 @@ void load_tables(TableReader& root, Scene& scene) {
   }
   if (root.has("accuracy")) {
     TableReader table = root.table("accuracy", "accuracy");
-    scene.accuracy = load_accuracy(table, scene);
+    load_accuracy(table, scene);
   }
   root.finish();
 }

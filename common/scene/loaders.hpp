@@ -42,7 +42,7 @@ void check_reduced_bodies(const Scene& scene);
 [[nodiscard]] Output load_output(TableReader& table, const Scene& scene);
 Checkpointing load_checkpoint(TableReader& table);
 /// `scene` has its bodies and contacts already.
-[[nodiscard]] std::map<std::string, double> load_accuracy(TableReader& table, const Scene& scene);
+void load_accuracy(TableReader& table, Scene& scene);
 /// Entries of [[participant]], checked one by one and against each other.
 [[nodiscard]] std::vector<ParticipantSpec> load_participants(std::vector<TableReader>& tables, const Scene& scene);
 /// Throws ConfigError if a foreign body of the scene is nobody's.

@@ -195,8 +195,11 @@ struct Scene {
   Output output;
   Checkpointing checkpoint;
   /// [accuracy]: relative errors that are asked of results, by their names; empty: none is. What the scene leaves open
-  /// of protocol and step, `ricochet run` then chooses.
+  /// of protocol, step and mesh, `ricochet run` then chooses.
   std::map<std::string, double> accuracy;
+  /// [accuracy]: meshes that the choice may take, by their numbers of elements along each coordinate over those of the
+  /// file; rising.
+  std::vector<double> elements_times{1.0};
   /// [mass_scaling] of `all_explicit`: elements that this step is too long for are made heavier until they bear it.
   std::optional<double> mass_scaling_step_s;
   std::map<std::string, int> lines;  ///< key ("body.steel.support[0].surface") -> line of the file; 0: it says nothing
@@ -222,9 +225,11 @@ struct Scene {
   [[nodiscard]] std::vector<std::string> quantities_with_bars() const;
   /// The file names one.
   [[nodiscard]] bool protocol_given() const { return lines.count("coupling.protocol") > 0; }
-  /// `ricochet run` chooses the step, or protocol and step, before it starts.
+  /// The choice may take another mesh than the file's.
+  [[nodiscard]] bool mesh_open() const { return elements_times != std::vector{1.0}; }
+  /// `ricochet run` chooses the step, or protocol, step and mesh, before it starts.
   [[nodiscard]] bool leaves_open() const {
-    return time.largest_step_s || (!accuracy.empty() && !(protocol_given() && time.step_s));
+    return time.largest_step_s || (!accuracy.empty() && (mesh_open() || !(protocol_given() && time.step_s)));
   }
   [[nodiscard]] int components() const { return fem::components(model); }
   [[nodiscard]] const Body& body(const std::string& name) const;                    ///< ConfigError if unknown

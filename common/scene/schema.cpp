@@ -67,7 +67,7 @@ const Schema& scene_schema() {
        {"name", "role", "bodies", "groups", "executable", "differing_bodies", "start", "launch", "ranks", "threads",
         "substeps"}},
       {"mass_scaling", {"step_s"}},
-      {"accuracy", {"relative_error"}},
+      {"accuracy", {"relative_error", "elements_times"}},
       {"output",
        {"history_every", "history_every_s", "fields_every", "fields_every_s", "axial_stress_every", "probes_every",
         "probes_every_s", "probe", "gauge"}},

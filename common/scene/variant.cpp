@@ -1,6 +1,7 @@
 #include "common/scene/variant.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -164,6 +165,14 @@ Override parse_override(const std::string& argument) {
   if (value->is_array()) return {key, list_in(*value, argument)};
   throw ConfigError(fmt::format("--set {}: found {}, allowed: a number, a text, true, false or a list", argument,
                                 value->is_table() ? "a table" : "a date"));
+}
+
+std::string to_argument(const Override& change) {
+  if (const auto* text = std::get_if<std::string>(&change.value)) return change.key + "=" + *text;
+  if (const auto* number = std::get_if<double>(&change.value)) return fmt::format("{}={}", change.key, *number);
+  if (const auto* numbers = std::get_if<std::vector<double>>(&change.value))
+    return fmt::format("{}=[{}]", change.key, fmt::join(*numbers, ","));
+  return change.key + "=" + toml::format(to_toml(change.value));
 }
 
 void write_variant(const std::string& scene_path, const std::vector<Override>& overrides, const std::string& out_path) {

@@ -16,6 +16,8 @@ struct Override {
 
 /// "KEY=VALUE" as a command line has it: a value as in a scene file, and a text needs no quotes. Throws ConfigError.
 [[nodiscard]] Override parse_override(const std::string& argument);
+/// The other way round; a text gets no quotes. The numbers that are read again have the same bits.
+[[nodiscard]] std::string to_argument(const Override& change);
 
 /// Writes the scene file with some keys changed, to be loaded like any other: tables that are missing are added, paths
 /// in it and in the changes count from its folder, a step takes the place of a safety factor or of a largest step.

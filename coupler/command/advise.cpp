@@ -1,6 +1,7 @@
 #include "coupler/command/advise.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -33,10 +34,9 @@ void print(const MethodChoice& choice, const AskedErrors& asked) {
   std::fflush(stdout);
 }
 
-std::string command_of(const GivenScene& given, const Proposal& proposal) {
-  std::string text = fmt::format("{} run {}", command_name, given.path);
-  for (const auto& setting : given.set) text += " --set " + setting;
-  return text + fmt::format(" --set coupling.protocol={} --set time.step_s={:.6g}", proposal.protocol, proposal.step_s);
+std::string command_of(GivenScene given, const scene::Scene& scene, const Proposal& proposal) {
+  given.add(proposal.changes(scene));
+  return fmt::format("{} run {} --set {}", command_name, given.path, fmt::join(given.set, " --set "));
 }
 
 }  // namespace
@@ -58,7 +58,9 @@ void advise(const AdviceRequest& request) {
   write_atomically(results.file("advice.csv"), to_csv(choice, asked));
   print(choice, asked);
   if (!choice.best) refuse_unreached(problem, choice, asked, in_scene);
-  const auto command = [&](std::size_t i) { return printable(command_of(request.scene, choice.proposals[i])); };
+  const auto command = [&](std::size_t i) {
+    return printable(command_of(request.scene, problem.scene, choice.proposals[i]));
+  };
   fmt::print("least time: {}\n", command(*choice.best));
   fmt::print("next:       {}\n", choice.next ? command(*choice.next) : "none by another protocol");
   fmt::print("all candidates: {}\n", printable(results.file("advice.csv")));
@@ -68,14 +70,14 @@ std::string choose_by_accuracy(const scene::Problem& problem, const ResultsDirec
   const auto& scene = problem.scene;
   require_choice(problem, scene.accuracy, "accuracy");
   // Where the error bars of the run find them.
-  const auto choice =
-      choose_method({scene.path}, problem, scene.accuracy, open_in_scene(problem), results.file("accuracy"));
+  auto freedom = open_in_scene(problem);
+  freedom.with_next = false;
+  const auto choice = choose_method({scene.path}, problem, scene.accuracy, freedom, results.file("accuracy"));
   write_atomically(results.file("advice.csv"), to_csv(choice, scene.accuracy));
   print(choice, scene.accuracy);
   if (!choice.best) refuse_unreached(problem, choice, scene.accuracy, true);
   const auto& best = choice.proposals[*choice.best];
-  return write_changed_scene(scene.path, {{"coupling.protocol", best.protocol}, {"time.step_s", best.step_s}},
-                             results.path());
+  return write_changed_scene(scene.path, best.changes(scene), results.path());
 }
 
 }  // namespace ricochet::coupler

@@ -13,7 +13,6 @@
 #include "coupler/command/announcer.hpp"
 #include "coupler/command/cost_text.hpp"
 #include "coupler/command/impact_text.hpp"
-#include "coupler/results/csv_cell.hpp"
 #include "coupler/results/theory.hpp"
 #include "coupler/study/companions.hpp"
 #include "coupler/study/error_bar.hpp"
@@ -24,71 +23,103 @@ namespace {
 /// Over the scene's step. A step that is refused or unstable costs no more than its pilot.
 constexpr double step_factors[] = {16.0, 8.0, 4.0, 2.0, 1.0, 0.5};
 
+/// Pilots have elements and step of 2, 4 and that many times the length.
+constexpr int coarsest = 8;
+
 /// The coarsest pilot of a contact has five windows of it: with fewer the bar is chance.
 constexpr double least_steps_of_contact = 40.0;
 
-/// The first line without the place in the scene file that was written for it.
+/// The first line without the place in the scene file, or the arguments of --set, that were written for it.
 std::string reason_of(const std::string& error) {
   const std::string line = error.substr(0, error.find('\n'));
-  const auto place = line.find(".toml:");
-  return place == std::string::npos ? line : line.substr(line.find(' ', place) + 1);
+  const auto place = std::min(line.find(".toml:"), line.find(" with --set "));
+  return place == std::string::npos ? line : line.substr(line.find(": ", place) + 2);
 }
 
-/// Predicts what the proposal costs on the scene's own mesh; says why it is refused.
-void predict(GivenScene given, const cost::MachineSpeed& speed, Proposal& proposal) {
-  given.set.push_back("coupling.protocol=" + proposal.protocol);
-  given.set.push_back(fmt::format("time.step_s={:.17g}", proposal.step_s));
+/// The numbers of elements for one mesh; none where the scene's own are the only ones.
+std::vector<scene::Override> changes_of_mesh(const scene::Scene& scene, double times) {
+  if (!scene.mesh_open() && times == 1.0) return {};
+  auto changes = *with_elements(scene, times);
+  if (scene.mesh_open()) changes.push_back({"accuracy.elements_times", std::vector{1.0}});
+  return changes;
+}
+
+/// The proposal's problem, `factor` times as coarse as it is meant.
+scene::Problem problem_of(GivenScene given, const scene::Scene& scene, const Proposal& proposal, int factor = 1) {
+  given.add(proposal.changes(scene, factor));
+  return given.load();
+}
+
+std::string with_times(int factor) { return fmt::format("with {} times the element and step", factor); }
+
+/// Predicts what the proposal costs; says why it is refused. Its coarsest pilot tells so most cheaply.
+void predict(const GivenScene& given, const scene::Scene& scene, const cost::MachineSpeed& speed, Proposal& proposal) {
+  std::string what = with_times(coarsest) + ": ";
   try {
-    const auto problem = given.load();
+    static_cast<void>(scene::plan(problem_of(given, scene, proposal, coarsest)));
+    what.clear();
+    const auto problem = problem_of(given, scene, proposal);
     const auto plan = scene::plan(problem);
     const auto cost =
         cost::predict_cost(problem, plan, expected_end_s(problem), speed, contact_durations_s(problem, plan));
     proposal.predicted_s = cost.setup_s + cost.stepping_s();
   } catch (const Error& error) {
-    proposal.refused = reason_of(error.what());
+    proposal.refused = what + reason_of(error.what());
   } catch (const std::bad_alloc&) {
     proposal.refused = "its factor does not fit into memory";
   }
 }
 
 /// What baselines would cost. Where the scene leaves the protocol open, its step may be one that the default protocol
-/// does not bear.
+/// does not bear, and another mesh may not bear the scene's.
 cost::PredictedCost predict_baselines(GivenScene given, const scene::Problem& problem,
                                       const cost::MachineSpeed& speed) {
   const auto predicted = [&](const scene::Problem& of) {
     return cost::predict_cost(of, scene::plan(of), expected_end_s(of), speed);
   };
-  if (problem.scene.protocol_given()) return predicted(problem);
+  const bool open = problem.scene.mesh_open();
+  if (problem.scene.protocol_given() && !open) return predicted(problem);
   try {
-    return predicted(problem);
+    return predicted(open ? given.load() : problem);
   } catch (const ConfigError&) {
     given.set.emplace_back("coupling.protocol=all_implicit");
     return predicted(given.load());
   }
 }
 
-std::vector<Proposal> find_proposals(const GivenScene& given, const scene::Problem& problem, const Freedom& freedom) {
-  const auto speed = cost::measure_speed();
-  const auto here = predict_baselines(given, problem, speed);
+/// Those on one mesh.
+void add_proposals(GivenScene given, const scene::Problem& problem, const Freedom& freedom, double times,
+                   const cost::MachineSpeed& speed, std::vector<Proposal>& proposals) {
+  given.add(changes_of_mesh(problem.scene, times));
   const auto& own = problem.scene.coupling.protocol;
+  const bool own_alone = !freedom.protocols.empty() && (freedom.explicit_step || own.name != "all_explicit");
+  const auto here = own_alone ? cost::PredictedCost{} : predict_baselines(given, problem, speed);
   auto protocols = freedom.protocols;
   if (protocols.empty()) {
     protocols = {"all_explicit", "all_implicit"};
     if (here.local_explicit_s > 0.0 && !own.local_steps) protocols.emplace_back("local_explicit");
     if (own.coupled() || own.local_steps) protocols.push_back(own.name);
   }
-  std::vector<Proposal> proposals;
   for (const auto& protocol : protocols) {
     if (protocol == "all_explicit" && !freedom.explicit_step) {
-      proposals.push_back({protocol, here.all_explicit_step_s});
+      proposals.push_back({protocol, here.all_explicit_step_s, times});
       continue;
     }
-    for (const double step_s : freedom.steps_s) {
+    for (const double unscaled_s : freedom.steps_s) {
+      const double step_s = freedom.one_step ? unscaled_s : unscaled_s / times;
+      if (freedom.largest_step_s && step_s > *freedom.largest_step_s) continue;
       const bool is_all_explicit = protocol == "local_explicit" && step_s <= here.all_explicit_step_s * (1.0 + 1e-9);
-      if (!is_all_explicit || protocols.size() == 1) proposals.push_back({protocol, step_s});
+      if (!is_all_explicit || protocols.size() == 1) proposals.push_back({protocol, step_s, times});
     }
   }
-  for (auto& proposal : proposals) predict(given, speed, proposal);
+}
+
+std::vector<Proposal> find_proposals(const GivenScene& given, const scene::Problem& problem, const Freedom& freedom) {
+  const auto speed = cost::measure_speed();
+  std::vector<Proposal> proposals;
+  for (const double times : problem.scene.elements_times)
+    add_proposals(given, problem, freedom, times, speed, proposals);
+  for (auto& proposal : proposals) predict(given, problem.scene, speed, proposal);
   std::stable_sort(proposals.begin(), proposals.end(), [](const Proposal& a, const Proposal& b) {
     return a.runs() != b.runs() ? a.runs() : a.predicted_s < b.predicted_s;
   });
@@ -100,43 +131,28 @@ double expected_bar(double coarse_bar, const std::optional<double>& order) {
   return order ? coarse_bar / std::exp2(std::min(*order, 1.0)) : coarse_bar;
 }
 
-/// Bars of proposals on the scene's mesh, from their pilots on coarser ones.
+/// Bars of proposals on their meshes, from their pilots on coarser ones.
 class Pilots {
  public:
   Pilots(const scene::Scene& scene, const AskedErrors& asked, const std::string& folder)
       : scene_(scene), asked_(asked), runs_(scene, folder) {}
 
+  /// The coarsest first: where it fails no other is computed.
   void measure(Proposal& proposal) {
-    const auto first = run(proposal, 2);
-    if (!first.error.empty()) {
-      proposal.refused = "with elements and step doubled: " + reason_of(first.error);
-      return;
+    std::map<int, Companion> levels;
+    for (const int factor : {coarsest, 4, 2}) {
+      auto& run = levels[factor] = compute(proposal, factor);
+      proposal.refused = why_no_bar(run, factor, proposal.step_s);
+      if (!proposal.runs()) return;
     }
     for (const auto& [quantity, error] : asked_) {
-      if (first.value(quantity)) continue;
-      proposal.refused = fmt::format("with elements and step doubled it has no {}", quantity);
-      return;
-    }
-    if (const auto contact_s = first.value("contact_duration_s");
-        contact_s && *contact_s < least_steps_of_contact * proposal.step_s) {
-      proposal.refused = fmt::format("the contact lasts {:.0f} steps, and a bar needs {:g}",
-                                     *contact_s / proposal.step_s, least_steps_of_contact);
-      return;
-    }
-    const auto second = run(proposal, 4), third = run(proposal, 8);
-    for (const auto& [quantity, error] : asked_) {
-      QuantityLevels levels;
-      levels.floor = floor_of(quantity, 2.0 * proposal.step_s);
-      levels.run = *first.value(quantity);
-      levels.coarse = second.value(quantity);
-      levels.coarsest = third.value(quantity);
-      const ErrorBar bar = error_bar(levels);
-      if (!bar.total || levels.run == 0.0) {
-        proposal.refused = fmt::format("a coarser mesh has no {}", quantity);
-        proposal.bars.clear();
-        return;
-      }
-      proposal.bars[quantity] = {expected_bar(*bar.total, bar.order) / std::abs(levels.run), bar.order};
+      QuantityLevels values;
+      values.floor = floor_of(quantity, 2.0 * proposal.step_s);
+      values.run = *levels[2].value(quantity);
+      values.coarse = levels[4].value(quantity);
+      values.coarsest = levels[coarsest].value(quantity);
+      const ErrorBar bar = error_bar(values);
+      proposal.bars[quantity] = {expected_bar(*bar.total, bar.order) / std::abs(values.run), bar.order};
     }
   }
   [[nodiscard]] std::size_t count() const { return runs_.all().size(); }
@@ -147,10 +163,23 @@ class Pilots {
   }
 
  private:
-  Companion run(const Proposal& proposal, int factor) {
-    return runs_.compute(fmt::format("{} {}", proposal.protocol, factor),
-                         with(*coarser(scene_, factor),
-                              {{"coupling.protocol", proposal.protocol}, {"time.step_s", factor * proposal.step_s}}));
+  Companion compute(const Proposal& proposal, int factor) {
+    return runs_.compute(fmt::format("{} {}", proposal.protocol, factor), proposal.changes(scene_, factor));
+  }
+
+  /// Empty: the proposal may have a bar. `step_s`: of the proposal, not of this pilot.
+  [[nodiscard]] std::string why_no_bar(const Companion& run, int factor, double step_s) const {
+    const std::string which = with_times(factor);
+    if (!run.error.empty()) return which + ": " + reason_of(run.error);
+    for (const auto& [quantity, error] : asked_) {
+      const auto value = run.value(quantity);
+      if (!value) return fmt::format("{} it has no {}", which, quantity);
+      if (*value == 0.0) return fmt::format("{} its {} is 0, which has no relative error", which, quantity);
+    }
+    const auto contact_s = run.value("contact_duration_s");
+    if (!contact_s || *contact_s >= least_steps_of_contact * step_s) return {};
+    return fmt::format("the contact lasts {:.0f} steps, and a bar needs {:g}", *contact_s / step_s,
+                       least_steps_of_contact);
   }
 
   const scene::Scene& scene_;
@@ -173,6 +202,11 @@ double rounded_up(double value) {
 
 }  // namespace
 
+std::vector<scene::Override> Proposal::changes(const scene::Scene& scene, int factor) const {
+  return with(changes_of_mesh(scene, elements_times / factor),
+              {{"coupling.protocol", protocol}, {"time.step_s", factor * step_s}});
+}
+
 bool Proposal::reaches(const AskedErrors& asked) const { return !bars.empty() && worst_ratio(*this, asked) <= 1.0; }
 
 Freedom any_method(const scene::Problem& problem) {
@@ -187,9 +221,10 @@ Freedom open_in_scene(const scene::Problem& problem) {
   if (scene.protocol_given()) freedom.protocols = {scene.coupling.protocol.name};
   if (scene.time.largest_step_s) {
     for (double& step_s : freedom.steps_s) step_s /= step_factors[0];
+    freedom.largest_step_s = scene.time.largest_step_s;
   } else if (scene.time.step_s) {
     freedom.steps_s = {*scene.time.step_s};
-    freedom.explicit_step = true;
+    freedom.explicit_step = freedom.one_step = true;
   }
   return freedom;
 }
@@ -204,7 +239,7 @@ MethodChoice choose_method(const GivenScene& given, const scene::Problem& proble
     choice.proposals = find_proposals(given, problem, freedom);
   }
   Pilots pilots(problem.scene, asked, folder);
-  for (std::size_t i = 0; i < choice.proposals.size() && !choice.next; ++i) {
+  for (std::size_t i = 0; i < choice.proposals.size() && !(freedom.with_next ? choice.next : choice.best); ++i) {
     auto& proposal = choice.proposals[i];
     if (!proposal.runs() || (choice.best && proposal.protocol == choice.proposals[*choice.best].protocol)) continue;
     pilots.measure(proposal);
@@ -224,7 +259,7 @@ void require_choice(const scene::Problem& problem, const AskedErrors& asked, con
                                     did_you_mean(quantity, known)));
   }
   require_companions(scene, asked_by);
-  if (!coarser(scene, 2))
+  if (!with_elements(scene, 0.5))
     throw ConfigError(fmt::format("{}: {}: found a mesh of a file; allowed: meshes by elements, which it can coarsen",
                                   scene.path, asked_by));
   if (!impact_theory(problem)) return;
@@ -254,59 +289,19 @@ void refuse_unreached(const scene::Problem& problem, const MethodChoice& choice,
   const auto& [quantity, bar] = *worst;
   const double order = std::clamp(bar.order.value_or(1.0), 0.5, 1.0);
   const std::string less = fmt::format("{:.1g}", rounded_up(bar.relative));
+  const double shorter = std::pow(bar.relative / asked.at(quantity), 1.0 / order);
+  const double finer = std::exp2(std::ceil(std::log2(least->elements_times * shorter)));
+  const bool open = problem.scene.mesh_open();
   throw ConfigError(fmt::format(
-      "{}: no protocol and step is expected to have {} within {:g} % on this mesh; found {:.2g} % at the least, by {} "
-      "in steps of {:.4g} s. Type {}, or make elements {:.2g} times shorter",
-      problem.scene.path, quantity, 100.0 * asked.at(quantity), 100.0 * bar.relative, least->protocol, least->step_s,
+      "{}: no protocol and step is expected to have {} within {:g} % on {}; found {:.2g} % at the least, by {} in "
+      "steps "
+      "of {:.4g} s{}. Type {}, or {}",
+      problem.scene.path, quantity, 100.0 * asked.at(quantity), open ? "these meshes" : "this mesh",
+      100.0 * bar.relative, least->protocol, least->step_s,
+      open ? fmt::format(" on elements times {:g}", least->elements_times) : "",
       in_scene ? fmt::format("relative_error = {{ \"{}\" = {} }}", quantity, less) : "--error " + less,
-      std::pow(bar.relative / asked.at(quantity), 1.0 / order)));
-}
-
-std::string to_csv(const MethodChoice& choice, const AskedErrors& asked) {
-  std::string text = "protocol,step_s,predicted_s";
-  for (const auto& [quantity, error] : asked) text += fmt::format(",expected_error/{0},order/{0}", quantity);
-  text += ",refused\n";
-  for (const auto& p : choice.proposals) {
-    text += fmt::format("{},{:.6g},{}", p.protocol, p.step_s,
-                        p.predicted_s > 0.0 ? fmt::format("{:.6g}", p.predicted_s) : "");
-    for (const auto& [quantity, error] : asked) {
-      const auto bar = p.bars.find(quantity);
-      if (bar == p.bars.end()) {
-        text += ",,";
-      } else {
-        text += fmt::format(",{:.6g},{}", bar->second.relative,
-                            bar->second.order ? fmt::format("{:.6g}", *bar->second.order) : "");
-      }
-    }
-    text += "," + csv_cell(p.refused) + "\n";
-  }
-  return text;
-}
-
-std::string to_table(const MethodChoice& choice, const AskedErrors& asked) {
-  std::string text = fmt::format("{:<20} {:>11} {:>14}", "protocol", "step [s]", "predicted [s]");
-  for (const auto& [quantity, error] : asked)
-    text += fmt::format("  {}", asked.size() == 1 ? " expected error" : "error of " + quantity);
-  text += "\n";
-  for (std::size_t i = 0; i < choice.proposals.size(); ++i) {
-    const auto& p = choice.proposals[i];
-    if (p.bars.empty() && (p.refused.empty() || p.predicted_s == 0.0)) continue;
-    text += fmt::format("{:<20} {:>11.4g} {:>14.3g}", p.protocol, p.step_s, p.predicted_s);
-    for (const auto& [quantity, bar] : p.bars) {
-      const std::size_t width = asked.size() == 1 ? 15 : quantity.size() + 9;
-      text += fmt::format("  {:>{}.2g} %", 100.0 * bar.relative, width - 2);
-    }
-    if (p.bars.empty()) text += "  " + p.refused;
-    text += i == choice.best ? "  best\n" : i == choice.next ? "  next\n" : "\n";
-  }
-  return text;
-}
-
-std::string to_text(const AskedErrors& asked) {
-  std::string text;
-  for (const auto& [quantity, error] : asked)
-    text += fmt::format("{}{} within {:g} %", text.empty() ? "" : ", ", quantity, 100.0 * error);
-  return text;
+      in_scene ? fmt::format("accuracy.elements_times = [{:g}, {:g}], which allows a finer mesh", finer / 2, finer)
+               : fmt::format("make elements {:.2g} times shorter", shorter)));
 }
 
 }  // namespace ricochet::coupler

@@ -17,17 +17,20 @@ using AskedErrors = std::map<std::string, double>;
 struct Freedom {
   std::vector<std::string> protocols;  ///< empty: the scene's and the baselines
   std::vector<double> steps_s;         ///< of all but all_explicit
-  bool explicit_step = false;          ///< all_explicit, too, takes those steps, and not the longest of its own
+  std::optional<double> largest_step_s{};
+  bool explicit_step = false;  ///< all_explicit, too, takes those steps, and not the longest of its own
+  bool with_next = true;       ///< looks on for the cheapest of another protocol
+  bool one_step = false;       ///< the same step on each mesh; elsewhere steps and elements are in proportion
 };
 /// `ricochet advise --quantity`: any protocol, in steps of 1/2 to 16 times the scene's.
 [[nodiscard]] Freedom any_method(const scene::Problem& problem);
 /// Table [accuracy]: what the scene leaves open. A largest step has halves of it below.
 [[nodiscard]] Freedom open_in_scene(const scene::Problem& problem);
 
-/// One protocol and step.
+/// One protocol, step and mesh.
 struct Proposal {
   std::string protocol;
-  double step_s = 0.0, predicted_s = 0.0;
+  double step_s = 0.0, elements_times = 1.0, predicted_s = 0.0;
   std::string refused{};  ///< why it cannot be run, or has no bar
   struct Bar {
     double relative = 0.0;
@@ -36,6 +39,8 @@ struct Proposal {
   std::map<std::string, Bar> bars{};  ///< by quantity; empty: no pilot was computed
   [[nodiscard]] bool runs() const { return refused.empty(); }
   [[nodiscard]] bool reaches(const AskedErrors& asked) const;
+  /// What makes of `scene` the one to run; `factor`: with elements and step of that many times the length.
+  [[nodiscard]] std::vector<scene::Override> changes(const scene::Scene& scene, int factor = 1) const;
 };
 
 struct MethodChoice {
@@ -45,10 +50,10 @@ struct MethodChoice {
   double pilots_s = 0.0;
 };
 
-/// Finds the protocol and step that reach the errors on the scene's own mesh in the least predicted time. In the order
-/// of their predicted time proposals are computed with elements and step of two, four and eight times the length, in
-/// `folder`. The bar of the first of these pilots (error_bar), halved at an observed order of one, is what the proposal
-/// is expected to have on the scene's mesh. `given`: the scene whose problem this is.
+/// Finds the protocol and step, and the mesh of those that the scene allows, that reach the errors in the least
+/// predicted time. In the order of their predicted time proposals are computed with elements and step of two, four and
+/// eight times the length, in `folder`. The bar of the first of these pilots (error_bar), halved at an observed order
+/// of one, is what the proposal is expected to have on its own mesh. `given`: the scene whose problem this is.
 [[nodiscard]] MethodChoice choose_method(const GivenScene& given, const scene::Problem& problem,
                                          const AskedErrors& asked, const Freedom& freedom, const std::string& folder);
 

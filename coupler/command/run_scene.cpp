@@ -178,6 +178,12 @@ std::string write_scene_page(const std::string& scene_path, const std::string& p
   return (folder / name).string();
 }
 
+void add_error_bars(const scene::Problem& problem, const ResultsDirectory& results) {
+  std::fflush(stdout);
+  fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results)));
+  try_report(results.path());
+}
+
 }  // namespace
 
 void run_scene(const GivenScene& given, const std::string& out, bool with_error_bars) {
@@ -202,10 +208,7 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
     executables = find_executables(problem.scene);  // another protocol may have other participants
   }
   run_accepted(problem, std::move(plan), executables, results, {});
-  if (!with_error_bars && problem.scene.accuracy.empty()) return;
-  std::fflush(stdout);
-  fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results)));
-  try_report(results.path());
+  if (with_error_bars || !problem.scene.accuracy.empty()) add_error_bars(problem, results);
 }
 
 void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s,
@@ -239,6 +242,8 @@ void resume_run(const std::string& folder, const std::string& scene_path, std::o
                printable(from.computer.processor), printable(from.computer.blas), printable(here.processor),
                printable(here.blas));
   run_accepted(problem, plan, executables, results, std::move(from));
+  // Those of other ends and steps would be of the scene file, which has neither.
+  if (!problem.scene.accuracy.empty() && !until_s && !step_s) add_error_bars(problem, results);
 }
 
 void request_checkpoint(const std::string& folder) {
@@ -277,7 +282,7 @@ void check_scene(const GivenScene& given, const std::optional<std::string>& pict
     say(fmt::format("warning: {}\n", printable(warning)));
   if (!problem.scene.accuracy.empty()) {
     say(fmt::format("asked: {}; `ricochet run` {}\n", to_text(problem.scene.accuracy),
-                    problem.scene.leaves_open() ? "chooses what the scene leaves open of protocol and step, as "
+                    problem.scene.leaves_open() ? "chooses what the scene leaves open of protocol, step and mesh, as "
                                                   "`ricochet advise` would, and says what was reached"
                                                 : "says whether that was reached"));
   } else if (problem.scene.time.largest_step_s) {

@@ -41,6 +41,10 @@ std::vector<scene::Override> GivenScene::changes() const {
   return result;
 }
 
+void GivenScene::add(const std::vector<scene::Override>& changes) {
+  std::transform(changes.begin(), changes.end(), std::back_inserter(set), scene::to_argument);
+}
+
 scene::Problem GivenScene::load() const {
   if (set.empty()) return load_problem(path);
   const TemporaryScene changed;

@@ -14,6 +14,7 @@ struct GivenScene {
   std::vector<std::string> set{};
 
   [[nodiscard]] std::vector<scene::Override> changes() const;  ///< throws ConfigError naming the argument
+  void add(const std::vector<scene::Override>& changes);       ///< as arguments behind the others
   /// The problem of the changed scene, of which no file is left. Throws as load_problem; errors then name key and
   /// arguments, not lines.
   [[nodiscard]] scene::Problem load() const;

@@ -218,6 +218,7 @@ void CoupledRun::prepare_watch(const std::vector<PeerDescription>& descriptions,
   suspicion_.keeps_momentum = scene_.substeps().most <= scene_.coupling.protocol.exact_up_to_substeps &&
                               (!scene_.coupling.protocol.iterated || scene_.coupling.tolerance <= tight_iteration);
   suspicion_.step_s = problem_.clock.largest_size_s() / scene_.substeps().most;
+  suspicion_.step_key = scene_.time.flight_step_s ? "time.flight_step_s" : "time.step_s";
   suspicion_.penalty_step_ratio = plan_.penalty_step_ratio;
   suspicion_.scene_path = scene_.path;
   suspicion_.links_told = untold.interface.empty();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -79,9 +80,10 @@ Companion Companions::compute(const std::string& what, const std::vector<Overrid
   return all_.emplace_back(std::move(companion));
 }
 
-std::optional<std::vector<Override>> coarser(const scene::Scene& scene, int factor) {
+std::optional<std::vector<Override>> with_elements(const scene::Scene& scene, double times) {
   std::vector<Override> changes;
-  const auto count = [factor](int elements) { return static_cast<double>(std::max(1, elements / factor)); };
+  // The addend: 30 elements times 1.1 are 33, and not 32.
+  const auto count = [times](int elements) { return std::max(1.0, std::floor(elements * times + 1e-9)); };
   for (const auto& body : scene.bodies) {
     for (const auto& piece : body.pieces) {
       const auto* mesh = std::get_if<scene::StructuredMesh>(&piece.elements);

@@ -47,9 +47,9 @@ class Companions {
   std::vector<Companion> all_;
 };
 
-/// Every element `factor` times as long along each coordinate, rounded towards longer ones, which a longer step suits.
+/// `times` as many elements along each coordinate, rounded down, which suits a step that is longer in proportion.
 /// Empty: a mesh of Gmsh.
-[[nodiscard]] std::optional<std::vector<scene::Override>> coarser(const scene::Scene& scene, int factor);
+[[nodiscard]] std::optional<std::vector<scene::Override>> with_elements(const scene::Scene& scene, double times);
 
 [[nodiscard]] std::vector<scene::Override> with(std::vector<scene::Override> changes,
                                                 const std::vector<scene::Override>& more);

@@ -6,9 +6,8 @@
 namespace ricochet::coupler {
 namespace {
 
-/// Least of a bar over an extrapolated difference that held the scenes with exact answers (docs/accuracy.md); where no
-/// order is to be seen, Roache's factor for two levels.
-constexpr double safety = 2.0, safety_without_order = 3.0;
+/// Least of a bar over an extrapolated difference that held the scenes with exact answers (docs/accuracy.md).
+constexpr double safety = 2.0, safety_of_slow = 1.5;
 constexpr double lowest_order = 0.5, highest_order = 2.0, believed_order = 1.0;
 
 /// What turns a difference of two levels into a bar, and what is left of a coarse level's difference on the fine one.
@@ -33,8 +32,10 @@ Scales measure_total(const QuantityLevels& levels, ErrorBar& bar) {
     return {safety / (growth - 1.0), 1.0 / growth};
   }
   bar.found = "not converging";
-  bar.total = std::max(levels.floor, safety_without_order * std::max(std::abs(d1), std::abs(d2)));
-  return {safety_without_order, 1.0};
+  // What goes on in one direction is farther from its limit than what jumps around it.
+  const bool goes_on = d1 * d2 > 0.0 && order < lowest_order;
+  bar.total = std::max(levels.floor, (goes_on ? safety_of_slow : 1.0) * (std::abs(d1) + std::abs(d2)));
+  return {safety, 1.0};
 }
 
 /// Of a mesh that cannot be coarsened, by an order of 1, the least of any shipped protocol.

@@ -30,9 +30,10 @@ struct ErrorBar {
 
 /// With Q1, Q2, Q4 of the levels h, 2h, 4h (step in proportion), d1 = Q1 - Q2 and d2 = Q2 - Q4: where d1 d2 > 0 and the
 /// observed order log2(d2/d1) is within [1/2, 2], the bar is 2 |d1|/(2^p - 1) with p that order, but 1 at most: impacts
-/// are of first order, whatever a smooth problem has (form of Roache's grid convergence index, 1994). Elsewhere it is 3
-/// times the larger of |d1| and |d2|. Time and space are what the two changes of d1 make one after the other, so they
-/// may cancel; coupling and contact law are differences on the level 2h, reduced by 2^-p.
+/// are of first order, whatever a smooth problem has (form of Roache's grid convergence index, 1994). Elsewhere it is
+/// |d1| + |d2|, and 1.5 times that where d1 d2 > 0 and the order is lower. Time and space are what the two changes of
+/// d1 make one after the other, so they may cancel; coupling and contact law are differences on the level 2h, reduced
+/// by 2^-p.
 [[nodiscard]] ErrorBar error_bar(const QuantityLevels& levels);
 
 }  // namespace ricochet::coupler

@@ -70,15 +70,15 @@ void compare_methods(const scene::Scene& scene, const std::vector<Override>& coa
 
 /// False if the first companion fails, as where an element cannot be twice as wide.
 bool estimate_by_meshes(const scene::Scene& scene, double step_s, Estimate& estimate) {
-  const auto coarse = *coarser(scene, 2);
+  const auto coarse = *with_elements(scene, 0.5);
   const auto both = with(coarse, {{"time.step_s", 2.0 * step_s}});
   auto& runs = estimate.companions;
   const auto first = runs.compute("elements and step doubled", both);
   estimate.take(first, &QuantityLevels::coarse, {"total", "space", "coupling", "contact_law"});
   if (!first.error.empty()) return false;
-  estimate.take(
-      runs.compute("elements and step four times as long", with(*coarser(scene, 4), {{"time.step_s", 4.0 * step_s}})),
-      &QuantityLevels::coarsest, {"total", "time", "space", "coupling", "contact_law"});
+  estimate.take(runs.compute("elements and step four times as long",
+                             with(*with_elements(scene, 0.25), {{"time.step_s", 4.0 * step_s}})),
+                &QuantityLevels::coarsest, {"total", "time", "space", "coupling", "contact_law"});
   estimate.take(runs.compute("elements doubled", with(coarse, {{"time.step_s", step_s}})), &QuantityLevels::coarse_mesh,
                 {"time", "space"});
   compare_methods(scene, both, estimate);
@@ -163,7 +163,7 @@ std::string verdict_of(const std::string& name, double asked, Json& quantities) 
 
 std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results) {
   Estimate estimate{{scene, results.file("accuracy")}, levels_of(results.path(), scene, step_s)};
-  if (!coarser(scene, 2) || !estimate_by_meshes(scene, step_s, estimate)) estimate_by_steps(step_s, estimate);
+  if (!with_elements(scene, 0.5) || !estimate_by_meshes(scene, step_s, estimate)) estimate_by_steps(step_s, estimate);
   Json block = block_of(estimate.companions.all());
   std::string text;
   std::set<std::string> reasons;

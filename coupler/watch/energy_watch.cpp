@@ -43,8 +43,8 @@ std::string likely_cause(const Suspicion& suspicion, double interface_j, double 
     const double ratio = suspicion.step_s / step.critical_time_step_s;
     if (ratio > 0.999) {
       causes.push_back(
-          fmt::format("the time step is {:.4g} times the critical step {:.4g} s of participant '{}'; lower time.step_s",
-                      ratio, step.critical_time_step_s, step.participant));
+          fmt::format("the time step is {:.4g} times the critical step {:.4g} s of participant '{}'; lower {}", ratio,
+                      step.critical_time_step_s, step.participant, suspicion.step_key));
     }
   }
   if (suspicion.penalty_step_ratio > 1.0) {

@@ -21,7 +21,8 @@ inline constexpr const char* does_not_keep_momentum = "does not keep it; \"hughe
 struct Suspicion {
   std::string protocol;
   std::string protocol_trouble;     ///< empty: none known
-  double step_s = 0.0;              ///< of the explicit participants
+  double step_s = 0.0;              ///< the longest of the explicit participants
+  std::string step_key{};           ///< of the scene, which sets it
   double penalty_step_ratio = 0.0;  ///< sqrt(2 alpha_n/m) dt, 0 without penalty
   struct Step {
     std::string participant;

@@ -102,8 +102,8 @@ TEST(Advice, NamesABaselineWhereThatIsCheaper) {
   };
   EXPECT_NEAR(impulse(best) / impulse(next), 1.0, 0.06);
   const std::string table = file_text(folder.path() / "advice" / "advice.csv");
-  EXPECT_THAT(table, HasSubstr("protocol,step_s,predicted_s,expected_error/contact_impulse_n_s,"
-                               "order/contact_impulse_n_s,refused\nall_implicit,8.64e-07,"));
+  EXPECT_THAT(table, HasSubstr("protocol,step_s,elements_times,predicted_s,expected_error/contact_impulse_n_s,"
+                               "order/contact_impulse_n_s,refused\nall_implicit,8.64e-07,1,"));
 }
 
 TEST(Advice, IsOfTheSceneThatSetMakes) {
@@ -216,6 +216,54 @@ TEST(Accuracy, LeavesWhatTheSceneFixes) {
   for (const auto& step : candidates(largest).second) EXPECT_LE(std::stod(step), 1.114e-6);
 }
 
+/// The bars with 20 elements cannot have the impulse within half a percent, and one with eight times as many can.
+TEST(Accuracy, TakesAFinerMeshThatTheSceneAllowsAndNoFinerThanItNeeds) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string() + "/run";
+  const auto with_meshes = [&](const std::string& times, const char* error) {
+    const auto text = asking(without_step(bars_of(1)), std::string("contact_impulse_n_s = ") + error);
+    return folder.write(replaced(text, "[accuracy]\n", "[accuracy]\nelements_times = [" + times + "]\n"));
+  };
+  const auto compute = [&](const std::string& scene) {
+    return run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 120.0);
+  };
+  const auto exact = compute(with_meshes("16, 1, 2, 4, 8, 1", "0.005"));
+  ASSERT_EQ(exact.code, 0) << exact.error;
+  EXPECT_THAT(exact.out, testing::ContainsRegex(" x (4|8|16) .*best\n"));
+  const auto summary = nlohmann::json::parse(file_text(out + "/summary.json"));
+  EXPECT_NEAR(summary.at("contact_impulse_n_s").get<double>(), bars_force_n * bars_contact_s,
+              0.005 * bars_force_n * bars_contact_s);
+  const auto again = compute(out + "/scene/scene.toml");
+  EXPECT_EQ(again.code, 0) << again.error;
+  EXPECT_THAT(again.out, AllOf(testing::Not(HasSubstr("pilot runs")), HasSubstr("contact_impulse_n_s within 0.5 %")));
+  const auto rough = compute(with_meshes("1, 2, 4, 8, 16", "0.2"));
+  EXPECT_EQ(rough.code, 0) << rough.error;
+  EXPECT_THAT(rough.out, HasSubstr("   x 1 "));
+  EXPECT_THAT(file_text(out + "/scene/scene.toml"), HasSubstr("elements=20"));
+  const auto refused = compute(with_meshes("1, 2", "0.001"));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.error, AllOf(HasSubstr("within 0.1 % on these meshes"), HasSubstr("on elements times 2"),
+                                   HasSubstr("accuracy.elements_times = [")));
+  const auto none = compute(with_meshes("0, 1", "0.1"));
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.error, AllOf(HasSubstr("accuracy.elements_times"), HasSubstr("0.015625")));
+}
+
+/// The command that is printed has the mesh, in words of which each is an argument.
+TEST(Advice, NamesTheMesh) {
+  const TemporaryFolder folder;
+  const std::string text = asking(without_step(bars_of(1)), "contact_impulse_n_s = 0.005");
+  const auto scene = folder.write(replaced(text, "[accuracy]\n", "[accuracy]\nelements_times = [4, 8, 16]\n"));
+  const auto outcome = run_command({ricochet_binary(), "advise", scene, "--out", folder.path().string() + "/advice"},
+                                   folder.path().string(), 120.0);
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  const auto settings = settings_in(outcome.out, "least time:");
+  EXPECT_THAT(settings, testing::Contains(testing::StartsWith("body.left.mesh.elements=")));
+  const auto summary = run_with(scene, folder, settings);
+  EXPECT_NEAR(summary.at("contact_impulse_n_s").get<double>(), bars_force_n * bars_contact_s,
+              0.005 * bars_force_n * bars_contact_s);
+}
+
 /// A step above the critical one, which no explicit side bears.
 TEST(Accuracy, TakesAProtocolThatBearsTheStepOfTheScene) {
   const TemporaryFolder folder;
@@ -259,6 +307,26 @@ name = "left")";
   const auto checked = run_command({ricochet_binary(), "check", balls}, folder.path().string(), 120.0);
   EXPECT_EQ(checked.code, 2);
   EXPECT_THAT(checked.error, HasSubstr("accuracy: found a mesh of a file; allowed: meshes by elements"));
+}
+
+TEST(Accuracy, OfARunThatIsGoneOnWithIsFoundAgain) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string() + "/run";
+  const auto scene = folder.write(asking(without_step(bars_of(2)), "contact_impulse_n_s = 0.05") +
+                                  "[checkpoint]\nevery_windows = 50\nevery_s = 0\n");
+  const auto run = run_command({ricochet_binary(), "run", scene, "--out", out}, folder.path().string(), 120.0);
+  ASSERT_EQ(run.code, 0) << run.error;
+  const auto bars = [&] {
+    return nlohmann::json::parse(file_text(out + "/summary.json")).value("error_bar", nlohmann::json{});
+  };
+  const auto before = bars().at("quantities");
+  const auto again = run_command({ricochet_binary(), "resume", out}, folder.path().string(), 120.0);
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_THAT(again.out, HasSubstr("asked: contact_impulse_n_s within 5 %: reached"));
+  EXPECT_EQ(bars().at("quantities"), before);
+  const auto longer = run_command({ricochet_binary(), "resume", out, "--until", "3e-4"}, folder.path().string(), 120.0);
+  ASSERT_EQ(longer.code, 0) << longer.error;
+  EXPECT_TRUE(bars().empty());
 }
 
 TEST(Accuracy, ThatIsNotReachedIsSaid) {

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Asks scenes with exact answers for results within 10, 3, 1 and 0.3 %, by the table [accuracy], and compares what the
-run has with the exact answer: tests/experiments/accuracy_cases.py [--build DIR] [--only WORD]. One line for each case:
-asked, expected before the run, bar after it, true error, what was chosen; then how often the answer holds. Needs
-Python 3.11 alone."""
+run has with the exact answer: tests/experiments/accuracy_cases.py [--build DIR] [--only WORD] [--meshes]. With --meshes
+the choice may take twice to 16 times the elements, too. One line for each case: asked, expected before the run, bar
+after it, true error, what was chosen; then how often the answer holds. Needs Python 3.11 alone."""
 import argparse
 import csv
 import json
@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ERRORS = (0.1, 0.03, 0.01, 0.003)
@@ -54,22 +55,26 @@ def cases():
 
 
 def expected_of(folder):
-    """Protocol, step and expected error of the run, from the candidates."""
+    """Protocol, step, elements over those of the file and expected error of the run, from the candidates."""
     with open(folder / "advice.csv", newline="") as table:
         rows = list(csv.DictReader(table))
     chosen = json.loads((folder / "summary.json").read_text())
+    meshes = [tomllib.loads(path.read_text())["body"][0]["mesh"]["elements"]
+              for path in (folder / "scene" / "scene.toml", folder.parent / "scene.toml")]
     column = next(name for name in rows[0] if name.startswith("expected_error/"))
     for row in rows:
-        if row["protocol"] == chosen["protocol"] and row[column] and abs(float(row["step_s"]) / chosen["window_size_s"] - 1) < 1e-4:
-            return row["protocol"], float(row["step_s"]), float(row[column])
+        times = float(row["elements_times"])
+        if (row["protocol"] == chosen["protocol"] and row[column] and times == meshes[0] / meshes[1]
+                and abs(float(row["step_s"]) / chosen["window_size_s"] - 1) < 1e-4):
+            return row["protocol"], float(row["step_s"]), times, float(row[column])
     raise RuntimeError(f"{folder}: the run is none of the candidates")
 
 
-def try_case(build, scene, quantity, asked):
+def try_case(build, scene, quantity, asked, meshes):
     """None where the program says that this cannot be had on the mesh."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        (folder / "scene.toml").write_text(f"{scene}\n[accuracy]\nrelative_error = {{ {quantity} = {asked} }}\n")
+        (folder / "scene.toml").write_text(f"{scene}\n[accuracy]\nrelative_error = {{ {quantity} = {asked} }}\n{meshes}\n")
         run = subprocess.run([build / "ricochet", "run", "scene.toml", "--out", "run"], cwd=folder, text=True,
                              capture_output=True)
         if run.returncode == 2 and "no protocol and step" in run.stderr:
@@ -85,26 +90,28 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--build", default=ROOT / "build", type=pathlib.Path)
     parser.add_argument("--only", default="", help="cases with this word in name or quantity")
+    parser.add_argument("--meshes", action="store_true", help="the choice may take other meshes, too")
     arguments = parser.parse_args()
+    meshes = "elements_times = [1, 2, 4, 8, 16]" if arguments.meshes else ""
     print(f"{'scene':<22} {'result':<26} {'asked':>7} {'expected':>9} {'bar':>9} {'true':>9}  chosen")
     answered = kept = bars = within = refused = 0
     for name, scene, quantity, exact in cases():
         if arguments.only not in name + " " + quantity:
             continue
         for asked in ERRORS:
-            found = try_case(arguments.build.resolve(), scene, quantity, asked)
+            found = try_case(arguments.build.resolve(), scene, quantity, asked, meshes)
             if found is None:
                 refused += 1
-                print(f"{name:<22} {quantity:<26} {100 * asked:>6g}%   not to be had on this mesh")
+                print(f"{name:<22} {quantity:<26} {100 * asked:>6g}%   not to be had on {'these meshes' if meshes else 'this mesh'}")
                 continue
-            protocol, step_s, expected, bar, value = found
+            protocol, step_s, times, expected, bar, value = found
             true = abs(value / exact - 1.0)
             answered, kept = answered + 1, kept + (true <= asked)
             if bar is not None:
                 bars, within = bars + 1, within + (0.5 * true <= bar <= 3.0 * true)
             shown = f"{100 * bar:>8.2g}%" if bar is not None else f"{'unknown':>9}"
             print(f"{name:<22} {quantity:<26} {100 * asked:>6g}% {100 * expected:>8.2g}% {shown} {100 * true:>8.2g}%"
-                  f"{'' if true <= asked else ' *'}  {protocol}, {step_s:.3g} s")
+                  f"{'' if true <= asked else ' *'}  {protocol}, {step_s:.3g} s, {times:g} x the elements")
             sys.stdout.flush()
     print(f"{answered} answered, {kept} with a true error within what was asked; {refused} said not to be had; "
           f"{within} of {bars} bars are 0.5 to 3 times the true error")

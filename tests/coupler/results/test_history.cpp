@@ -502,12 +502,14 @@ TEST(EnergyWatch, LossesAndSmallGrowthPass) {
 TEST(EnergyWatch, GrowthStopsAndNamesWindowTimeParticipantAndStepRatio) {
   Suspicion suspicion;
   suspicion.step_s = 1.2e-6;
+  suspicion.step_key = "time.flight_step_s";
   suspicion.steps = {{"explicit", 1e-6}};
   Watched watched(suspicion);
   watched.row(1, 0);
   const std::string text = text_of([&] { watched.row(1.2, 0, {0.19, 0.01}); });
   EXPECT_THAT(text, AllOf(HasSubstr("window 8"), HasSubstr("8e-06 s"), HasSubstr("20 %"), HasSubstr("body 'rod'"),
-                          HasSubstr("participant 'explicit'"), HasSubstr("1.2 times the critical step")));
+                          HasSubstr("participant 'explicit'"), HasSubstr("1.2 times the critical step"),
+                          HasSubstr("lower time.flight_step_s")));
 }
 
 TEST(EnergyWatch, InterfacePenaltyAndProtocolAreNamed) {

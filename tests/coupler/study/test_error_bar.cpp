@@ -30,15 +30,23 @@ TEST(ErrorBar, BelievesNoMoreThanFirstOrder) {
   EXPECT_NEAR(*bar.total, 2.0 * (std::pow(0.2, 1.5) - std::pow(0.1, 1.5)), 1e-12);
 }
 
-TEST(ErrorBar, WithoutAnOrderIsThreeTimesTheLargestDifference) {
+TEST(ErrorBar, WithoutAnOrderIsTheSumOfBothDifferences) {
   auto levels = sequence(1.0);
   levels.coarsest = 1.05;  // d1 = -0.1, d2 = 0.15
   const auto bar = error_bar(levels);
-  EXPECT_NEAR(*bar.total, 0.45, 1e-12);
+  EXPECT_NEAR(*bar.total, 0.25, 1e-12);
   EXPECT_FALSE(bar.order);
   EXPECT_EQ(bar.found, "not converging");
   EXPECT_EQ(error_bar(sequence(3.0)).found, "not converging");  // too good to be true
-  EXPECT_EQ(error_bar(sequence(0.3)).found, "not converging");
+}
+
+/// d1 = -0.1, d2 = -0.11: as a front's stress.
+TEST(ErrorBar, OfASlowSequenceIsOneAndAHalfTimesThatSum) {
+  auto levels = sequence(1.0);
+  levels.coarsest = *levels.coarse + 0.11;
+  const auto bar = error_bar(levels);
+  EXPECT_NEAR(*bar.total, 1.5 * 0.21, 1e-12);
+  EXPECT_EQ(bar.found, "not converging");
 }
 
 TEST(ErrorBar, IsNeverBelowItsFloor) {
