@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "common/problem/drawing.hpp"
 #include "coupler/report/assets/assets.hpp"
 #include "coupler/report/parts/text.hpp"
+#include "coupler/report/scene_page/drawn_obstacles.hpp"
 #include "coupler/report/shapes/cell_looks.hpp"
 #include "coupler/report/shapes/shape_viewer.hpp"
 
@@ -30,7 +33,8 @@ constexpr std::array<const char*, 4> contact_colours{"#d7191c", "#e66101", "#b21
 
 Place place_of(const Eigen::Vector3d& x) { return {x[0], x[1], x[2]}; }
 
-Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn) {
+Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn,
+                  const std::vector<DrawnObstacle>& obstacles) {
   Shapes shapes;
   shapes.model = fem::model_name(problem.scene.model);
   shapes.times_s = {0.0};
@@ -48,10 +52,20 @@ Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn) {
     shapes.pieces.push_back(std::move(piece));
     shapes.bodies.push_back({body.name, bar ? std::sqrt(body.section.measure) : 0.0, {}});
   }
+  for (const auto& obstacle : obstacles) {
+    ShapePiece piece;
+    piece.body = static_cast<int>(shapes.bodies.size());
+    piece.node.resize(obstacle.place.size());
+    std::iota(piece.node.begin(), piece.node.end(), 0);
+    piece.position = obstacle.place;
+    piece.cells = obstacle.cells;
+    shapes.pieces.push_back(std::move(piece));
+    shapes.bodies.push_back({obstacle.name, obstacle.strip_m, {}});
+  }
   return shapes;
 }
 
-/// Who integrates elements: an entry for each participant.
+/// Who integrates elements: an entry for each participant, and one for what is rigid.
 Json kinds_of(const Problem& problem) {
   Json kinds = Json::array();
   std::size_t next = 0;
@@ -63,6 +77,7 @@ Json kinds_of(const Problem& problem) {
                                           implicit ? "implicitly" : "explicitly")},
                      {"colour", colour}});
   }
+  kinds.push_back({{"name", "rigid obstacles"}, {"colour", "#a6a6a6"}});
   return kinds;
 }
 
@@ -101,7 +116,7 @@ Json marks_of(const Problem& problem, const Shapes& shapes) {
 }
 
 Json data_of(const Problem& problem, const std::vector<DrawnBody>& drawn) {
-  const auto shapes = undeformed(problem, drawn);
+  const auto shapes = undeformed(problem, drawn, drawn_obstacles(problem));
   Json data = {{"model", shapes.model},
                {"first", 0},
                {"times", Json::array({""})},
@@ -109,11 +124,17 @@ Json data_of(const Problem& problem, const std::vector<DrawnBody>& drawn) {
                {"pieces", Json::array()},
                {"kinds", kinds_of(problem)},
                {"marks", marks_of(problem, shapes)}};
-  const auto looks = cell_looks(shapes);
-  for (std::size_t b = 0; b < drawn.size(); ++b) {
+  auto looks = cell_looks(shapes);
+  for (std::size_t b = drawn.size(); b < looks.size(); ++b) {  // what is rigid has no elements
+    for (auto& look : looks[b]) std::replace(look.edges.begin(), look.edges.end(), EdgeKind::inner, EdgeKind::none);
+  }
+  const auto rigid = static_cast<std::uint8_t>(problem.scene.participants.size());
+  for (std::size_t b = 0; b < shapes.bodies.size(); ++b) {
     data["bodies"].push_back({{"name", shapes.bodies[b].name}, {"strip_m", shapes.bodies[b].strip_m}});
     auto piece = cells_data(shapes.pieces[b], looks[b]);
-    piece["kind"] = packed(std::vector<std::uint8_t>(drawn[b].owner.begin(), drawn[b].owner.end()));
+    const auto kinds = b < drawn.size() ? std::vector<std::uint8_t>(drawn[b].owner.begin(), drawn[b].owner.end())
+                                        : std::vector<std::uint8_t>(shapes.pieces[b].cells.size(), rigid);
+    piece["kind"] = packed(kinds);
     piece["place"] = Json::array({packed(node_places(shapes, shapes.pieces[b].position))});
     data["pieces"].push_back(std::move(piece));
   }
@@ -140,8 +161,8 @@ std::string note_of(const Problem& problem) {
   if (given.model == scene::Model::solid) note += " Only surfaces are drawn; a section shows what lies inside.";
   for (const auto& contact : given.contacts) {
     const std::string name = contact.name.empty() ? "the contact" : "contact " + contact.name;
-    if (!contact.second) note += fmt::format(" What is rigid in {} is not drawn.", name);
-    if (contact.initial_gap_m > 0.0)
+    if (!contact.second) note += fmt::format(" What is rigid in {} goes on beyond what is drawn of it.", name);
+    if (contact.second && contact.initial_gap_m > 0.0)
       note += fmt::format(" In {} initial_gap_m adds {:g} m, which is not drawn.", name, contact.initial_gap_m);
     if (contact.nose_radius_m > 0.0) note += fmt::format(" The rounded nose of {} is not drawn.", name);
   }

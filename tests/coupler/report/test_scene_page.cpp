@@ -1,6 +1,8 @@
 // A scene drawn before it runs: whose elements are whose, and which nodes are marked.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <regex>
@@ -8,6 +10,7 @@
 
 #include "common/base/base64.hpp"
 #include "coupler/report/parts/chart.hpp"
+#include "coupler/report/scene_page/drawn_obstacles.hpp"
 #include "coupler/report/scene_page/scene_page.hpp"
 #include "tests/coupler/report/sample_run.hpp"
 #include "tests/support/scene_file.hpp"
@@ -117,10 +120,110 @@ TEST(ScenePage, SaysWhatTheSceneIsAndWhatIsNotDrawn) {
   const auto page = scene_page(problem_of(blocks), "2 < 3 windows\n");
   EXPECT_THAT(page, HasSubstr("2 &lt; 3 windows"));
   EXPECT_THAT(page, HasSubstr("In the contact initial_gap_m adds 0.25 m, which is not drawn."));
-  auto rigid = test::replaced(blocks, "[\"lower.end\", \"upper.start\"]\ninitial_gap_m = 0.25",
-                              "[\"upper.start\", \"rigid_plane\"]");
-  rigid = test::replaced(rigid, "lower = 1.0, ", "");
-  EXPECT_THAT(scene_page(problem_of(rigid), ""), HasSubstr("What is rigid in the contact is not drawn."));
+}
+
+std::string on_obstacle(const std::string& obstacle) {
+  const auto text = test::replaced(blocks, "[\"lower.end\", \"upper.start\"]", "[\"upper.start\", " + obstacle);
+  return test::replaced(text, "lower = 1.0, ", "");
+}
+
+/// A plate below the upper block, as far from it as the initial gap.
+TEST(ScenePage, DrawsARigidPlaneWhereTheGapHasIt) {
+  const auto problem = problem_of(on_obstacle("\"rigid_plane\"]"));
+  const auto drawn = drawn_obstacles(problem);
+  ASSERT_EQ(drawn.size(), 1U);
+  EXPECT_EQ(drawn[0].name, "rigid plane");
+  EXPECT_EQ(drawn[0].cells.size(), 1U);
+  double highest_m = -1.0, left_m = 0.0, right_m = 0.0;
+  for (const auto& x : drawn[0].place) {
+    highest_m = std::max(highest_m, x[1]);
+    left_m = std::min(left_m, x[0]);
+    right_m = std::max(right_m, x[0]);
+  }
+  EXPECT_NEAR(highest_m, -0.25, 1e-12);
+  EXPECT_NEAR(left_m, -0.1, 1e-12);
+  EXPECT_NEAR(right_m, 1.1, 1e-12);
+  const auto page = scene_page(problem, "");
+  EXPECT_THAT(page, HasSubstr("What is rigid in the contact goes on beyond what is drawn of it."));
+  const auto data = data_on(page);
+  EXPECT_EQ(data.at("bodies").back().at("name"), "rigid plane");
+  const auto kind = numbers<std::uint8_t>(data.at("pieces").back().at("kind")).at(0);
+  EXPECT_EQ(data.at("kinds").at(kind).at("name"), "rigid obstacles");
+}
+
+TEST(ScenePage, DrawsACylinderOnItsRadiusAboutItsMiddle) {
+  const auto text = on_obstacle("\"rigid_cylinder\"]\nrigid_radius_m = 2.0\nrigid_place_m = [1.0, -5.0]");
+  const auto drawn =
+      drawn_obstacles(problem_of(test::replaced(text, "traction = [{ surface = \"end\", pressure_pa = 1e3 }]\n", "")));
+  ASSERT_EQ(drawn.size(), 1U);
+  EXPECT_EQ(drawn[0].name, "rigid cylinder");
+  double highest_m = -9.0;
+  for (std::size_t i = 0; i <= drawn[0].place.size() / 2 - 1; ++i) {
+    const auto& x = drawn[0].place[i];
+    EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] + 2.25), 2.0, 1e-12) << "lifted to the block, then lowered by the gap";
+    highest_m = std::max(highest_m, x[1]);
+  }
+  EXPECT_NEAR(highest_m, -0.25, 1e-12);
+}
+
+/// What is nearest to the block is the pole; all places of the sphere lie on it.
+TEST(ScenePage, DrawsTheCapOfASphereAndTheShellOfACylinderUnderASolid) {
+  const std::string text = R"(model = "solid"
+[[body]]
+name = "block"
+material = { youngs_modulus_pa = 1e9, poisson_ratio = 0.3, density_kg_m3 = 1e3 }
+mesh = { length_m = 1.0, height_m = 2.0, width_m = 2.0, elements = [2, 2, 1] }
+initial_velocity_m_s = [0.0, 0.0, -1.0]
+[contact]
+surfaces = ["block.start", "rigid_sphere"]
+rigid_radius_m = 3.0
+rigid_place_m = [1.0, 1.0, -7.0]
+initial_gap_m = 0.5
+[coupling]
+protocol = "all_explicit"
+[time]
+end_s = 1e-2
+)";
+  const auto sphere = drawn_obstacles(problem_of(text)).at(0);
+  double highest_m = -9.0;
+  for (const auto& x : sphere.place) {
+    EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] - 1.0, x[2] + 3.5), 3.0, 1e-12);
+    highest_m = std::max(highest_m, x[2]);
+  }
+  EXPECT_NEAR(highest_m, -0.5, 1e-12);
+  const auto lying = test::replaced(text, "rigid_sphere\"]\n", "rigid_cylinder\"]\nrigid_axis = \"x\"\n");
+  const auto cylinder = drawn_obstacles(problem_of(lying)).at(0);
+  for (const auto& x : cylinder.place) EXPECT_NEAR(std::hypot(x[1] - 1.0, x[2] + 3.5), 3.0, 1e-12);
+  EXPECT_NEAR(cylinder.place.front()[0] + cylinder.place.back()[0], 2.0, 1e-12) << "as far on both sides";
+}
+
+TEST(ScenePage, DrawsTheStopOfABarAndThePlateUnderADisc) {
+  const std::string text = R"(model = "bar"
+[[body]]
+name = "rod"
+material = { youngs_modulus_pa = 1e9, density_kg_m3 = 1e3 }
+area_m2 = 0.04
+mesh = { start_m = 1.0, length_m = 1.0, elements = 4 }
+[contact]
+surfaces = ["rod.start", "rigid_plane"]
+[coupling]
+protocol = "all_explicit"
+[time]
+end_s = 1e-2
+)";
+  const auto stop = drawn_obstacles(problem_of(text)).at(0);
+  ASSERT_EQ(stop.place.size(), 2U);
+  EXPECT_EQ(stop.place[0][0], 1.0);
+  EXPECT_LT(stop.place[1][0], 1.0);
+  EXPECT_NEAR(stop.strip_m, 0.6, 1e-12);
+  auto disc = test::replaced(text, "\"bar\"", "\"axisymmetric\"");
+  disc = test::replaced(disc, "area_m2 = 0.04\n", "");
+  disc = test::replaced(disc, "length_m = 1.0, elements = 4", "length_m = 1.0, radius_m = 2.0, elements = [2, 4]");
+  disc = test::replaced(disc, "youngs_modulus_pa = 1e9,", "youngs_modulus_pa = 1e9, poisson_ratio = 0.3,");
+  std::set<double> radii;
+  const auto plate = drawn_obstacles(problem_of(disc)).at(0);
+  for (const auto& x : plate.place) radii.insert(x[0]);
+  EXPECT_THAT(radii, ElementsAre(0.0, testing::DoubleNear(2.4, 1e-12)));
 }
 
 TEST(ScenePage, RefusesMoreElementsThanABrowserDraws) {
