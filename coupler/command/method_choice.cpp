@@ -4,15 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "common/base/error.hpp"
 #include "common/base/names.hpp"
-#include "common/check/check.hpp"
-#include "common/cost/predicted_cost.hpp"
-#include "coupler/command/announcer.hpp"
-#include "coupler/command/cost_text.hpp"
-#include "coupler/command/impact_text.hpp"
+#include "coupler/command/candidates.hpp"
 #include "coupler/results/theory.hpp"
 #include "coupler/study/companions.hpp"
 #include "coupler/study/error_bar.hpp"
@@ -23,108 +18,8 @@ namespace {
 /// Over the scene's step. A step that is refused or unstable costs no more than its pilot.
 constexpr double step_factors[] = {16.0, 8.0, 4.0, 2.0, 1.0, 0.5};
 
-/// Pilots have elements and step of 2, 4 and that many times the length.
-constexpr int coarsest = 8;
-
 /// The coarsest pilot of a contact has five windows of it: with fewer the bar is chance.
 constexpr double least_steps_of_contact = 40.0;
-
-/// The first line without the place in the scene file, or the arguments of --set, that were written for it.
-std::string reason_of(const std::string& error) {
-  const std::string line = error.substr(0, error.find('\n'));
-  const auto place = std::min(line.find(".toml:"), line.find(" with --set "));
-  return place == std::string::npos ? line : line.substr(line.find(": ", place) + 2);
-}
-
-/// The numbers of elements for one mesh; none where the scene's own are the only ones.
-std::vector<scene::Override> changes_of_mesh(const scene::Scene& scene, double times) {
-  if (!scene.mesh_open() && times == 1.0) return {};
-  auto changes = *with_elements(scene, times);
-  if (scene.mesh_open()) changes.push_back({"accuracy.elements_times", std::vector{1.0}});
-  return changes;
-}
-
-/// The proposal's problem, `factor` times as coarse as it is meant.
-scene::Problem problem_of(GivenScene given, const scene::Scene& scene, const Proposal& proposal, int factor = 1) {
-  given.add(proposal.changes(scene, factor));
-  return given.load();
-}
-
-std::string with_times(int factor) { return fmt::format("with {} times the element and step", factor); }
-
-/// Predicts what the proposal costs; says why it is refused. Its coarsest pilot tells so most cheaply.
-void predict(const GivenScene& given, const scene::Scene& scene, const cost::MachineSpeed& speed, Proposal& proposal) {
-  std::string what = with_times(coarsest) + ": ";
-  try {
-    static_cast<void>(scene::plan(problem_of(given, scene, proposal, coarsest)));
-    what.clear();
-    const auto problem = problem_of(given, scene, proposal);
-    const auto plan = scene::plan(problem);
-    const auto cost =
-        cost::predict_cost(problem, plan, expected_end_s(problem), speed, contact_durations_s(problem, plan));
-    proposal.predicted_s = cost.setup_s + cost.stepping_s();
-  } catch (const Error& error) {
-    proposal.refused = what + reason_of(error.what());
-  } catch (const std::bad_alloc&) {
-    proposal.refused = "its factor does not fit into memory";
-  }
-}
-
-/// What baselines would cost. Where the scene leaves the protocol open, its step may be one that the default protocol
-/// does not bear, and another mesh may not bear the scene's.
-cost::PredictedCost predict_baselines(GivenScene given, const scene::Problem& problem,
-                                      const cost::MachineSpeed& speed) {
-  const auto predicted = [&](const scene::Problem& of) {
-    return cost::predict_cost(of, scene::plan(of), expected_end_s(of), speed);
-  };
-  const bool open = problem.scene.mesh_open();
-  if (problem.scene.protocol_given() && !open) return predicted(problem);
-  try {
-    return predicted(open ? given.load() : problem);
-  } catch (const ConfigError&) {
-    given.set.emplace_back("coupling.protocol=all_implicit");
-    return predicted(given.load());
-  }
-}
-
-/// Those on one mesh.
-void add_proposals(GivenScene given, const scene::Problem& problem, const Freedom& freedom, double times,
-                   const cost::MachineSpeed& speed, std::vector<Proposal>& proposals) {
-  given.add(changes_of_mesh(problem.scene, times));
-  const auto& own = problem.scene.coupling.protocol;
-  const bool own_alone = !freedom.protocols.empty() && (freedom.explicit_step || own.name != "all_explicit");
-  const auto here = own_alone ? cost::PredictedCost{} : predict_baselines(given, problem, speed);
-  auto protocols = freedom.protocols;
-  if (protocols.empty()) {
-    protocols = {"all_explicit", "all_implicit"};
-    if (here.local_explicit_s > 0.0 && !own.local_steps) protocols.emplace_back("local_explicit");
-    if (own.coupled() || own.local_steps) protocols.push_back(own.name);
-  }
-  for (const auto& protocol : protocols) {
-    if (protocol == "all_explicit" && !freedom.explicit_step) {
-      proposals.push_back({protocol, here.all_explicit_step_s, times});
-      continue;
-    }
-    for (const double unscaled_s : freedom.steps_s) {
-      const double step_s = freedom.one_step ? unscaled_s : unscaled_s / times;
-      if (freedom.largest_step_s && step_s > *freedom.largest_step_s) continue;
-      const bool is_all_explicit = protocol == "local_explicit" && step_s <= here.all_explicit_step_s * (1.0 + 1e-9);
-      if (!is_all_explicit || protocols.size() == 1) proposals.push_back({protocol, step_s, times});
-    }
-  }
-}
-
-std::vector<Proposal> find_proposals(const GivenScene& given, const scene::Problem& problem, const Freedom& freedom) {
-  const auto speed = cost::measure_speed();
-  std::vector<Proposal> proposals;
-  for (const double times : problem.scene.elements_times)
-    add_proposals(given, problem, freedom, times, speed, proposals);
-  for (auto& proposal : proposals) predict(given, problem.scene, speed, proposal);
-  std::stable_sort(proposals.begin(), proposals.end(), [](const Proposal& a, const Proposal& b) {
-    return a.runs() != b.runs() ? a.runs() : a.predicted_s < b.predicted_s;
-  });
-  return proposals;
-}
 
 /// The bar on the elements and step of the scene, from that on elements and step of twice the length.
 double expected_bar(double coarse_bar, const std::optional<double>& order) {
@@ -202,11 +97,6 @@ double rounded_up(double value) {
 
 }  // namespace
 
-std::vector<scene::Override> Proposal::changes(const scene::Scene& scene, int factor) const {
-  return with(changes_of_mesh(scene, elements_times / factor),
-              {{"coupling.protocol", protocol}, {"time.step_s", factor * step_s}});
-}
-
 bool Proposal::reaches(const AskedErrors& asked) const { return !bars.empty() && worst_ratio(*this, asked) <= 1.0; }
 
 Freedom any_method(const scene::Problem& problem) {
@@ -232,19 +122,19 @@ Freedom open_in_scene(const scene::Problem& problem) {
 /// Pilots in the order of predicted times, no more than are needed.
 MethodChoice choose_method(const GivenScene& given, const scene::Problem& problem, const AskedErrors& asked,
                            const Freedom& freedom, const std::string& folder) {
+  Candidates candidates(given, problem, freedom);
   MethodChoice choice;
-  {
-    Announcer announcer;
-    announcer.begin("predicting the cost of each protocol and step");
-    choice.proposals = find_proposals(given, problem, freedom);
-  }
+  auto& tried = choice.proposals;
   Pilots pilots(problem.scene, asked, folder);
-  for (std::size_t i = 0; i < choice.proposals.size() && !(freedom.with_next ? choice.next : choice.best); ++i) {
-    auto& proposal = choice.proposals[i];
-    if (!proposal.runs() || (choice.best && proposal.protocol == choice.proposals[*choice.best].protocol)) continue;
-    pilots.measure(proposal);
-    if (proposal.reaches(asked)) (choice.best ? choice.next : choice.best) = i;
+  while (!(freedom.with_next ? choice.next : choice.best)) {
+    auto proposal = candidates.take_next();
+    if (!proposal) break;
+    tried.push_back(std::move(*proposal));
+    if (choice.best && tried.back().protocol == tried[*choice.best].protocol) continue;
+    pilots.measure(tried.back());
+    if (tried.back().reaches(asked)) (choice.best ? choice.next : choice.best) = tried.size() - 1;
   }
+  for (auto& proposal : candidates.take_rest()) tried.push_back(std::move(proposal));
   choice.pilots = pilots.count();
   choice.pilots_s = pilots.wall_s();
   return choice;
@@ -280,8 +170,13 @@ void refuse_unreached(const scene::Problem& problem, const MethodChoice& choice,
     if (!p.bars.empty() && (!least || worst_ratio(p, asked) < worst_ratio(*least, asked))) least = &p;
   if (!least) {
     const auto tried = std::find_if(proposals.begin(), proposals.end(), [](const Proposal& p) { return !p.runs(); });
-    throw ConfigError(fmt::format("{}: no protocol and step can be tried on coarser meshes: {}", problem.scene.path,
-                                  tried == proposals.end() ? "none has a bar" : tried->refused));
+    const double twice = 2.0 * problem.scene.elements_times.back();
+    throw ConfigError(fmt::format(
+        "{}: no protocol and step can be tried on coarser meshes: {}. {}", problem.scene.path,
+        tried == proposals.end() ? "none has a bar" : tried->refused,
+        in_scene ? fmt::format("Type accuracy.elements_times = [{:g}, {:g}], of which the coarser meshes are finer",
+                               twice, 2.0 * twice)
+                 : "Make elements shorter, so that the coarser meshes are finer"));
   }
   const auto worst = std::max_element(least->bars.begin(), least->bars.end(), [&](const auto& a, const auto& b) {
     return a.second.relative / asked.at(a.first) < b.second.relative / asked.at(b.first);

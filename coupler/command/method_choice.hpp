@@ -31,7 +31,9 @@ struct Freedom {
 struct Proposal {
   std::string protocol;
   double step_s = 0.0, elements_times = 1.0, predicted_s = 0.0;
-  std::string refused{};  ///< why it cannot be run, or has no bar
+  bool estimated = false;      ///< predicted_s is, from another mesh
+  bool without_pilot = false;  ///< refused since its coarsest pilot's mesh cannot be built
+  std::string refused{};       ///< why it cannot be run, or has no bar
   struct Bar {
     double relative = 0.0;
     std::optional<double> order{};
@@ -44,7 +46,9 @@ struct Proposal {
 };
 
 struct MethodChoice {
-  std::vector<Proposal> proposals;        ///< in the order of predicted times, refused ones last
+  /// Those tried, in the order of predicted times, then others, refused ones last. Proposals on finer meshes that would
+  /// cost more are left out.
+  std::vector<Proposal> proposals;
   std::optional<std::size_t> best, next;  ///< next: the cheapest by another protocol that reaches the errors
   std::size_t pilots = 0;
   double pilots_s = 0.0;
