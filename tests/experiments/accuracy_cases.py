@@ -74,7 +74,8 @@ def try_case(build, scene, quantity, asked, meshes):
     """None where the program says that this cannot be had on the mesh."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        (folder / "scene.toml").write_text(f"{scene}\n[accuracy]\nrelative_error = {{ {quantity} = {asked} }}\n{meshes}\n")
+        accuracy = f"[accuracy]\nrelative_error = {{ {quantity} = {asked} }}\n{meshes}\n"
+        (folder / "scene.toml").write_text(f"{scene}\n{accuracy}")
         run = subprocess.run([build / "ricochet", "run", "scene.toml", "--out", "run"], cwd=folder, text=True,
                              capture_output=True)
         if run.returncode == 2 and "no protocol and step" in run.stderr:
@@ -102,7 +103,8 @@ def main():
             found = try_case(arguments.build.resolve(), scene, quantity, asked, meshes)
             if found is None:
                 refused += 1
-                print(f"{name:<22} {quantity:<26} {100 * asked:>6g}%   not to be had on {'these meshes' if meshes else 'this mesh'}")
+                where = "these meshes" if meshes else "this mesh"
+                print(f"{name:<22} {quantity:<26} {100 * asked:>6g}%   not to be had on {where}")
                 continue
             protocol, step_s, times, expected, bar, value = found
             true = abs(value / exact - 1.0)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Compares error bars with true errors where the answer is known exactly: runs scenes of configs/ with --estimate-error,
-by several protocols, in steps of several lengths, on meshes of 40 to 320 elements a body.
+"""Compares error bars with true errors where the answer is known exactly: runs scenes of configs/ with
+--estimate-error, by several protocols, in steps of several lengths, on meshes of 40 to 320 elements a body.
 tests/experiments/error_bars.py [--build DIR] [--only WORD]. One line for each scene and result: how many runs, in how
 many the bar holds the true error, in how many it is half to three times that error, and the least, middle and largest
 of their ratios. Needs Python 3.11 alone."""
@@ -14,7 +14,8 @@ import tempfile
 from accuracy_cases import ROOT, impulse_of_unequal_bars, open_scene
 
 FORCE, CONTACT = 1.33453e5, 98.937e-6  # N and s, of two_bars
-STEPS = {"hughes_liu": (0.45, 0.9), "kim": (0.45, 0.9), "all_explicit": (0.45, 0.9), "all_implicit": (0.5, 0.9, 1.7, 3.3)}
+STEPS = {"hughes_liu": (0.45, 0.9), "kim": (0.45, 0.9), "all_explicit": (0.45, 0.9),
+         "all_implicit": (0.5, 0.9, 1.7, 3.3)}
 
 
 def scenes():
@@ -70,7 +71,8 @@ def main():
               f"{sum(0.5 <= r <= 3 for r in of):>8} {min(of):>7.2g} {statistics.median(of):>7.2g} {max(of):>8.2g}")
     all_ratios = [r for of in ratios.values() for r in of]
     print(f"{len(all_ratios)} bars: {sum(r >= 1 for r in all_ratios)} hold, "
-          f"{sum(0.5 <= r <= 3 for r in all_ratios)} are 0.5 to 3 times the true error; {failed} runs were refused or unstable")
+          f"{sum(0.5 <= r <= 3 for r in all_ratios)} are 0.5 to 3 times the true error; "
+          f"{failed} runs were refused or unstable")
 
 
 if __name__ == "__main__":
