@@ -43,21 +43,6 @@ std::string why_no_pilot(const GivenScene& given, const scene::Scene& scene, con
   }
 }
 
-/// Predicts what the proposal costs; says why it is refused.
-void predict(const GivenScene& given, const scene::Scene& scene, const cost::MachineSpeed& speed, Proposal& proposal) {
-  try {
-    const auto problem = problem_of(given, scene, proposal);
-    const auto plan = scene::plan(problem);
-    const auto cost =
-        cost::predict_cost(problem, plan, expected_end_s(problem), speed, contact_durations_s(problem, plan));
-    proposal.predicted_s = cost.setup_s + cost.stepping_s();
-  } catch (const Error& error) {
-    proposal.refused = reason_of(error.what());
-  } catch (const std::bad_alloc&) {
-    proposal.refused = "its factor does not fit into memory";
-  }
-}
-
 /// What baselines would cost. Where the scene leaves the protocol open, its step may be one that the default protocol
 /// does not bear, and another mesh may not bear the scene's.
 cost::PredictedCost predict_baselines(GivenScene given, const scene::Problem& problem,
@@ -178,13 +163,22 @@ void Candidates::add(Proposal proposal) {
 }
 
 void Candidates::settle(Proposal& proposal) const {
-  const bool first = !proposal.estimated;
-  proposal.estimated = false;
-  if (in_own_step(proposal.protocol) && !first)
-    proposal.step_s = baselines_on(proposal.elements_times).all_explicit_step_s;
+  const bool step_of_first_mesh = std::exchange(proposal.estimated, false) && in_own_step(proposal.protocol);
   proposal.refused = why_no_pilot(given_, problem_.scene, proposal);
   proposal.without_pilot = !proposal.runs();
-  if (proposal.runs()) predict(given_, problem_.scene, speed_, proposal);
+  if (!proposal.runs()) return;
+  try {
+    if (step_of_first_mesh) proposal.step_s = baselines_on(proposal.elements_times).all_explicit_step_s;
+    const auto problem = problem_of(given_, problem_.scene, proposal);
+    const auto plan = scene::plan(problem);
+    const auto cost =
+        cost::predict_cost(problem, plan, expected_end_s(problem), speed_, contact_durations_s(problem, plan));
+    proposal.predicted_s = cost.setup_s + cost.stepping_s();
+  } catch (const Error& error) {
+    proposal.refused = reason_of(error.what());
+  } catch (const std::bad_alloc&) {
+    proposal.refused = "its factor does not fit into memory";
+  }
 }
 
 }  // namespace ricochet::coupler

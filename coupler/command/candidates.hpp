@@ -35,6 +35,7 @@ class Candidates {
   void add_first_mesh(double times);
   void add_like(const Proposal& first, double times);
   void add(Proposal proposal);
+  /// Predicts what it costs, in the step of its own mesh; says why it is refused.
   void settle(Proposal& proposal) const;
 
   const GivenScene& given_;

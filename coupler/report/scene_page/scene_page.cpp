@@ -161,7 +161,7 @@ std::string note_of(const Problem& problem) {
   if (given.model == scene::Model::solid) note += " Only surfaces are drawn; a section shows what lies inside.";
   for (const auto& contact : given.contacts) {
     const std::string name = contact.name.empty() ? "the contact" : "contact " + contact.name;
-    if (!contact.second) note += fmt::format(" What is rigid in {} goes on beyond what is drawn of it.", name);
+    if (!contact.second) note += fmt::format(" The rigid obstacle of {} goes on beyond what is drawn of it.", name);
     if (contact.second && contact.initial_gap_m > 0.0)
       note += fmt::format(" In {} initial_gap_m adds {:g} m, which is not drawn.", name, contact.initial_gap_m);
     if (contact.nose_radius_m > 0.0) note += fmt::format(" The rounded nose of {} is not drawn.", name);

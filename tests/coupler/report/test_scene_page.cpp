@@ -144,7 +144,7 @@ TEST(ScenePage, DrawsARigidPlaneWhereTheGapHasIt) {
   EXPECT_NEAR(left_m, -0.1, 1e-12);
   EXPECT_NEAR(right_m, 1.1, 1e-12);
   const auto page = scene_page(problem, "");
-  EXPECT_THAT(page, HasSubstr("What is rigid in the contact goes on beyond what is drawn of it."));
+  EXPECT_THAT(page, HasSubstr("The rigid obstacle of the contact goes on beyond what is drawn of it."));
   const auto data = data_on(page);
   EXPECT_EQ(data.at("bodies").back().at("name"), "rigid plane");
   const auto kind = numbers<std::uint8_t>(data.at("pieces").back().at("kind")).at(0);
