@@ -45,7 +45,7 @@ participant::Description ExplicitSolver::describe() {
                               Capability::save_state};
   if (!any_small_steps()) description.capabilities.push_back(Capability::reconfigure);  // they are of one window size
   // The motion of a massless node is no state; that of nodes of other ranks is nothing this process could be given.
-  // What is loaded is to be continued linearly.
+  // A loaded state is to be continued linearly.
   const bool linear = std::all_of(states_.begin(), states_.end(), [](const auto& state) { return state.linear(); });
   if (ranks_ == nullptr && linear && (!alone() || !problem_.scene.massless_contact()))
     description.capabilities.push_back(Capability::load_state);

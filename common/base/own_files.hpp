@@ -22,7 +22,7 @@ class OwnFiles {
 
   /// What this command reads, wherever it lies: from now on it is neither removed nor claimed, though it may be ours.
   void keep(const std::vector<std::string>& paths) { kept_ = paths; }
-  /// What was changed since it was written, or copied, is somebody else's, unless a run goes on from it.
+  /// A file that was changed since it was written, or copied, is somebody else's, unless a run goes on from it.
   enum class Changed { refused, accepted };
   /// Makes names below the folder ours, on disk before it returns; '#' stands for one or more digits. With each name
   /// goes that of its half, ".part" appended. Throws ConfigError that names the first file which is there already and

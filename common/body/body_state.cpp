@@ -150,7 +150,7 @@ void set_directions(const scene::Problem& problem, BodyState& state) {
   if (problem.scene.components() == 3) state.binormal = state.normal.cross(state.tangent);
 }
 
-/// What turns about an axis of symmetry, or along a bar, has no angular momentum.
+/// A body that turns about an axis of symmetry, or along a bar, has no angular momentum.
 void set_places(BodyState& state) {
   if (state.part.mesh.model != fem::Model::plane_strain && state.part.mesh.model != fem::Model::solid) return;
   const int components = fem::components(state.part.mesh.model);

@@ -20,7 +20,7 @@ namespace {
 
 /// From foams to osmium, and to diamond [kg/m^3, m/s].
 constexpr double least_density = 0.5, largest_density = 3e4, largest_speed = 3e4;
-/// What has a solid's density is not so soft; model problems have neither [kg/m^3, m/s].
+/// A body with a solid's density is not so soft; model problems have neither [kg/m^3, m/s].
 constexpr double solid_density = 100.0, least_speed = 10.0;
 /// A body of this size that no wave crosses so far of in the run, and what a mesh of tens of tonnes is [m, kg].
 constexpr double large_m = 0.5, least_crossing = 0.05, huge_m = 5.0, huge_kg = 2e4;

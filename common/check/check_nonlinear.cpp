@@ -78,7 +78,7 @@ void check_ranks(const Nonlinear& nonlinear) {
                        "no ranks (and threads)");
 }
 
-/// What acts along directions of the start would go on acting along those.
+/// Surroundings that act along directions of the start would go on acting along those.
 void check_surroundings(const Nonlinear& turns, const Body& spec) {
   if (!spec.absorbing.empty())
     turns.refuse("of a body with an absorbing surface, whose dashpots keep their directions", "no absorbing surface");

@@ -23,7 +23,7 @@ namespace ricochet::solver {
 ///   K_cc u_c = f_c - K_ci u_i + N^T r,   gap = g0 + N u >= 0,   r >= 0,   r . gap = 0
 /// (`settle`). K_cc couples the nodes along a contact surface only and is factored once.
 ///
-/// What remains is of the order of one window: over a window in which a pair closes or opens, the trapezoidal rule and
+/// The rest is of the order of one window: over a window in which a pair closes or opens, the trapezoidal rule and
 /// central difference give it the work 1/2 (r_n + r_{n+1}) (g_{n+1} - g_n), which is not zero. `give_back` returns it
 /// by an impulse between the inward nodes of the two sides, as a discrete gradient of the contact's potential would
 /// (Gonzalez 1996), so that energy is kept over any number of impacts.

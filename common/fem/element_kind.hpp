@@ -10,7 +10,7 @@
 
 #include "common/fem/model.hpp"
 
-/// What an element is, apart from the model (model.hpp) that says which strains it has.
+/// Says what an element is, apart from the model (model.hpp) that says which strains it has.
 namespace ricochet::fem {
 
 enum class ElementKind : unsigned char { bar, triangle, quadrilateral, tetrahedron, hexahedron };

@@ -40,7 +40,7 @@ double smallest_determinant(const ElementGeometry& element) {
   return smallest;
 }
 
-/// So far from the origin that the coordinates have too few digits left for the size of the element.
+/// Names a place so far from the origin that its coordinates have too few digits left for the size of the element.
 std::optional<std::string> far_away(const Mesh& mesh, const ElementCoordinates& x, double size) {
   const double distance = x.cwiseAbs().maxCoeff();
   if (distance <= furthest * size) return std::nullopt;

@@ -45,7 +45,7 @@ struct Rows {
   }
 };
 
-// What the loop calls must become part of it: only then is it compiled for the loop's processor.
+// All that the loop calls must become part of it: only then is it compiled for the loop's processor.
 [[gnu::always_inline]] inline Quad load_quad(const double* from) {
   Quad quad;
   std::memcpy(&quad, from, sizeof quad);

@@ -11,7 +11,7 @@
 ///   at(p)                             N_i at a natural point, a vector
 ///   natural_gradient(p)               N_i,xi N_i,eta N_i,zeta, a row per node
 ///   points                            quadrature points and weights
-/// What looks like more than it need be is written so that GCC 12 raises no false alarm in its own AVX-512 headers.
+/// Code that looks longer than it need be is written so that GCC 12 raises no false alarm in its own AVX-512 headers.
 namespace ricochet::fem {
 
 using Voigt = Eigen::Matrix<double, 6, 1>;

@@ -34,7 +34,7 @@ const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("
 /// Rows that are worth a thread: some ten microseconds of work, where handing it over takes one or two.
 constexpr int least_rows(int components) { return components == 3 ? 2000 : 4000; }
 
-/// So many doubles that the processor computes at once.
+/// As many doubles as the processor computes at once.
 template <int width>
 struct Pack {
   using Vector __attribute__((vector_size(width * sizeof(double)))) = double;
@@ -42,7 +42,7 @@ struct Pack {
 template <int width>
 using Vector = typename Pack<width>::Vector;
 
-// What the loop calls must become part of it: only then is it compiled for the loop's processor.
+// All that the loop calls must become part of it: only then is it compiled for the loop's processor.
 template <int width>
 [[gnu::always_inline]] inline Vector<width> load(const double* from) {
   Vector<width> v;

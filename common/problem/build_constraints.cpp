@@ -19,7 +19,7 @@ std::string node_text(const BodyProblem& body, int node) {
                      fem::place_text(body.mesh.model, body.mesh.position[at(node)]));
 }
 
-/// Who holds which dof, for the error text.
+/// Names the holder of each dof, for the error text.
 using Holders = std::vector<std::string>;
 
 void fix_axis(BodyProblem& body, Holders& holders) {

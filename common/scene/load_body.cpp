@@ -158,7 +158,7 @@ AbsorbingSurface load_absorbing(TableReader& table, Model model, const std::vect
   return absorbing;
 }
 
-/// What moves as one has no waves, no plastic points and no place that a support could hold alone.
+/// A body that moves as one has no waves, no plastic points and no place that a support could hold alone.
 void load_rigid(TableReader& table, Body& body) {
   body.rigid = table.boolean("rigid", false);
   if (!body.rigid) return;

@@ -12,7 +12,7 @@
 
 namespace ricochet::wire {
 
-/// Who gets in at a listening socket: asks everybody for a key of this run (ZAP, the authentication protocol of
+/// Decides who gets in at a listening socket: asks everybody for a key of this run (ZAP, the authentication protocol of
 /// ZeroMQ), and watches the connections. Works when `attend` is called. Taking a connection and closing it costs some
 /// tens of microseconds; once the door is closed, so many at most are taken per second that they slow no run, and the
 /// kernel drops the others before anybody here hears of them.

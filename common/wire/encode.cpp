@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "array data travel as they lie in memory");
 
-/// What is larger is not copied; for anything smaller the copy costs less than the bookkeeping.
+/// Larger arrays are not copied; for anything smaller the copy costs less than the bookkeeping.
 constexpr std::size_t largest_small = 1024;
 
 template <class Stream>

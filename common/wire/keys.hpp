@@ -2,7 +2,7 @@
 
 #include <string>
 
-/// Who may talk: key pairs made for one run (CURVE of ZeroMQ; texts of 40 characters, Z85).
+/// Says who may talk: key pairs made for one run (CURVE of ZeroMQ; texts of 40 characters, Z85).
 namespace ricochet::wire {
 
 struct KeyPair {

@@ -203,7 +203,7 @@ bool Listener::receive(std::string& identity, Message& message, Deadline deadlin
       impl_->next_look = now + look_every;
       const auto seen = impl_->look(until, ready);
       if (seen == Impl::Look::stop) return false;
-      // Who closed its connection may have left last words.
+      // A peer that closed its connection may have left last words.
       if (seen == Impl::Look::closed)
         return impl_->receive_socket(identity, message) || impl_->receive_shared(awaited, identity, message);
       if (seen == Impl::Look::something && impl_->receive_socket(identity, message)) return true;

@@ -166,7 +166,7 @@ void RingReceiver::wait(Deadline until) {
   sleep(until);
 }
 
-/// Who spins on the sender's own processor keeps it from sending.
+/// A receiver that spins on the sender's own processor keeps it from sending.
 bool RingReceiver::sender_runs_here() const {
   return memory_.processor.load(std::memory_order_relaxed) == static_cast<std::uint32_t>(sched_getcpu());
 }

@@ -143,7 +143,7 @@ void SharedMemory::flush_all() noexcept try {
   const auto deadline = Clock::now() + linger;
   while (!sender_->flush() && Clock::now() < deadline) std::this_thread::sleep_for(between_pieces);
 } catch (const ProtocolError&) {
-  // Who puts nonsense into the memory does not read.
+  // A process that puts nonsense into the memory does not read.
 }
 
 }  // namespace ricochet::wire

@@ -14,7 +14,8 @@ namespace {
 /// Kinds of `departures`, from 1 on.
 constexpr double departure_kinds = 8;
 
-/// So many contacts does the owner tell the forces of: those that its history columns are of, or the one there is.
+/// The number of contacts that the owner tells the forces of: those that its history columns are of, or the one there
+/// is.
 std::size_t contacts_of(const PeerDescription& description) {
   std::size_t named = 0;
   for (const auto& column : description.record_columns) named += column.rfind("contact_force_n/", 0) == 0 ? 1 : 0;
@@ -259,7 +260,7 @@ void Link::take_rates(wire::Rates& answer) {
   acceleration_.swap(answer.acceleration_m_s2.data);
 }
 
-/// What nobody asked for is no harmless extra: who sends it means something else by its messages.
+/// An array that nobody asked for is no harmless extra: a sender of it means something else by its messages.
 void Link::require_asked_for(const wire::Array& array, bool asked_for, const char* field) const {
   if (asked_for || array.rows == 0) return;
   throw ProtocolError(

@@ -71,7 +71,7 @@ std::string Peers::place(const Remote& peer) const {
   return fmt::format("in window {} (t = {:.6g} s)", peer.window, run_.clock.time_s(peer.window));
 }
 
-/// Who was turned away may have been meant to be this peer.
+/// A caller that was turned away may have been meant to be this peer.
 std::string Peers::refusal_text(const Remote& peer) const {
   if (!peer.refusal.empty()) return "; a peer of that name was turned away: " + peer.refusal;
   return peer.identity.empty() && !last_refusal_.empty() ? "; a peer was turned away: " + last_refusal_ : "";

@@ -91,7 +91,7 @@ wire::Message& Peers::wait(std::size_t index) {
   const auto patience = seconds(starts(peer) ? run_.start_wait_s() : run_.timeout_s);
   if (peer.inside) work_inside();
   while (!peer.has_message) {
-    // Who has said that it works is waited for anew.
+    // A peer that has said that it works is waited for anew.
     if (!receive_one(std::max(begin, peer.last_heard) + patience, peer.identity)) throw_silent(peer);
   }
   peer.doing.clear();
@@ -139,7 +139,7 @@ bool Peers::receive_one(wire::Deadline deadline, const std::string& awaited) {
   return Clock::now() < deadline || launcher_.events() != seen_events_ || listener_.closings() != seen_closings_;
 }
 
-/// What a program prints goes to the disk of the user, and some never stop.
+/// All that a program prints goes to the disk of the user, and some never stop.
 void Peers::check_logs() {
   next_look_at_logs_ = Clock::now() + between_looks_at_logs;
   for (const auto& peer : peers_) {

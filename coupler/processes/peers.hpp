@@ -29,7 +29,7 @@ struct ExpectedPeer {
   bool inside = false;           ///< it is no process
 };
 
-/// What a process said before it ended is in the socket after this time [s].
+/// The last words of a process that ended are in the socket after this time [s].
 inline constexpr double drain_s = 0.25;
 
 /// What all peers of a run have in common.
@@ -57,7 +57,7 @@ class Peers {
  public:
   Peers(wire::Listener& listener, Launcher& launcher, std::vector<ExpectedPeer> expected, RunIdentity run);
 
-  /// Who is expected to be `inside` is there.
+  /// A peer that is expected to be `inside` is there.
   void enter(std::size_t index, std::unique_ptr<participant::Participant> participant);
   /// Called with what a participant says of its progress before it is initialized; `share_done` < 0: it does not know.
   using OnProgress = std::function<void(const std::string& name, std::string_view doing, double share_done)>;
@@ -130,7 +130,7 @@ class Peers {
   [[noreturn]] void throw_broken(const Remote& peer, const ProtocolError& error) const;
   [[noreturn]] void throw_failure(const Remote& peer) const;
   [[noreturn]] void throw_silent(const Remote& peer) const;
-  /// What it was asked last is part of its start.
+  /// The last request to it is part of its start.
   [[nodiscard]] static bool starts(const Remote& peer);
   [[nodiscard]] static std::string who(const Remote& peer);
   [[nodiscard]] std::string place(const Remote& peer) const;

@@ -16,7 +16,7 @@ namespace ricochet::coupler {
 /// What a participant on this machine connects to, given what the listener is bound to: "any address" becomes loopback.
 [[nodiscard]] std::string local_endpoint(const std::string& bound);
 
-/// What a participant on another machine would connect to: "any address" becomes this machine's name.
+/// The address that a participant on another machine would connect to: "any address" becomes this machine's name.
 [[nodiscard]] std::string remote_endpoint(const std::string& bound);
 
 }  // namespace ricochet::coupler

@@ -66,7 +66,7 @@ std::string FieldDigests::lines_until(std::int64_t window) const {
   return lines;
 }
 
-/// What an attempt that failed may have left behind the list goes.
+/// Files that a failed attempt may have left behind the list go.
 Beginning FieldDigests::take(std::int64_t window) {
   const auto lines = lines_until(window);
   const auto path = results_ + "/" + list_name;

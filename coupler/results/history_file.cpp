@@ -127,7 +127,7 @@ int angular_components(const scene::Problem& problem) {
   const bool periodic = std::any_of(problem.bodies.begin(), problem.bodies.end(), [](const auto& body) {
     return body.mesh.period_m > 0.0 || body.mesh.period_wide_m > 0.0;
   });
-  // What keeps a rigid body from turning takes moments that nobody books.
+  // A guide that keeps a rigid body from turning takes moments that nobody books.
   const bool guided = std::any_of(problem.bodies.begin(), problem.bodies.end(), [&](const auto& body) {
     return body.mesh.rigid_nodes > 0 && body.mesh.rigid_nodes <= problem.scene.components();
   });

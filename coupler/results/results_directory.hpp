@@ -44,7 +44,7 @@ class ResultsDirectory {
   std::unique_ptr<OwnFiles> own_;
 };
 
-/// Who holds the lock of a folder of results.
+/// The holder of the lock of a folder of results.
 struct LockHolder {
   bool a_run = false;  ///< else a program of another kind, which writes nothing of ours
   std::string text;    ///< says so, with its process and, if that is another one, its user

@@ -64,7 +64,7 @@ void CoupledRun::run() {
     throw;
   } catch (const Error& error) {
     if (error.code() != ExitCode::unstable || !loop_) throw;
-    // What a participant says of its own overflow knows nothing of steps, penalties and protocols.
+    // A participant's word on its own overflow knows nothing of steps, penalties and protocols.
     throw SolverError(fmt::format("{}; {}", error.what(), likely_cause(suspicion_, 0.0, 0.0)));
   }
 }

@@ -39,7 +39,7 @@ double CoupledRun::stepping_s() const {
 
 void CoupledRun::fail(RunStatus status, int exit_code, const std::string& error) {
   progress_.close();
-  // Who has computed windows writes what the report's picture is drawn from.
+  // A participant that has computed windows writes what the report's picture is drawn from.
   set_.fail(exit_code, error, std::chrono::milliseconds(loop_ ? 1000 : 0));
   summary_.status = status;
   summary_.exit_code = exit_code;

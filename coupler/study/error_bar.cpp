@@ -32,7 +32,7 @@ Scales measure_total(const QuantityLevels& levels, ErrorBar& bar) {
     return {safety / (growth - 1.0), 1.0 / growth};
   }
   bar.found = "not converging";
-  // What goes on in one direction is farther from its limit than what jumps around it.
+  // A value that goes on in one direction is farther from its limit than one that jumps around it.
   const bool goes_on = d1 * d2 > 0.0 && order < lowest_order;
   bar.total = std::max(levels.floor, (goes_on ? safety_of_slow : 1.0) * (std::abs(d1) + std::abs(d2)));
   return {safety, 1.0};

@@ -79,7 +79,7 @@ bool StudyCase::read_repeat(int repeat) {
   if (!scene::is_file(path)) return false;
   const auto summary = report::read_summary(path);
   const auto status = find_named<RunStatus>(summary.value("status", ""));
-  // Who left the model but by so much that the run stopped has its results; its own page says what they are worth.
+  // A run that left the model, but was not stopped by that, has its results; its own page says what they are worth.
   const bool ended =
       status == RunStatus::done || (status == RunStatus::left_model && summary.value("exit_code", 0) == 0);
   if (status == RunStatus::unstable || (status == RunStatus::left_model && !ended)) {

@@ -186,7 +186,7 @@ void OutsideModel::add(Departed departed, std::vector<std::string>& news) {
     departed.first_size = known->first_size;
     departed.first_place_m = known->first_place_m;
   }
-  // What has only now become wrong was none at the last look.
+  // A departure that has only now become wrong was none at the last look.
   const bool now_wrong = departed.wrong && !known->wrong;
   departed.within_s = now_wrong ? last_update_s_ : std::min(departed.within_s, known->within_s);
   departed.wrong = departed.wrong || known->wrong;

@@ -14,7 +14,7 @@ class Communicator {
 
   /// The first rank's bytes to all.
   virtual void broadcast(std::string& bytes) = 0;
-  /// So many bytes, on all ranks.
+  /// Gives `size` bytes of the first rank to all.
   virtual void broadcast(void* bytes, int size) = 0;
   /// Numbers of all ranks, one rank after another, to the first. `counts`: how many each has, on the first.
   virtual void gather(const std::vector<double>& own, const std::vector<int>& counts, std::vector<double>& all) = 0;

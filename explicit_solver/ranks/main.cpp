@@ -47,7 +47,7 @@ int take_part(int argc, char** argv, MpiCommunicator& communicator) {
   return code;
 }
 
-/// What is wrong with the scene the first rank says as well, to the coupler: the others wait for that.
+/// The first rank says what is wrong with the scene as well, to the coupler: the others wait for that.
 void follow(int argc, char** argv, MpiCommunicator& communicator) {
   std::string said, name;
   std::optional<scene::Problem> problem;

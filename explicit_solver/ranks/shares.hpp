@@ -8,7 +8,7 @@
 
 namespace ricochet::explicit_solver {
 
-/// Who steps which nodes of one part.
+/// Says which rank steps which nodes of one part.
 struct SharedPart {
   int body = -1;                   ///< index into Problem::bodies
   std::vector<int> nodes;          ///< of the whole part, as the body numbers them, ascending

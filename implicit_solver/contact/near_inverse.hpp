@@ -27,7 +27,7 @@ struct NearGroups {
 /// Where what is far from a force hardly moves, A^-1 has few entries that matter. With steps of the size that a wave
 /// needs for an element A = M + dt^2/4 K is nearly its mass, and from node to node A^-1 falls by
 /// (sqrt(c) - 1)/(sqrt(c) + 1), c the condition of A (Demko, Moss, Smith 1984), some power of ten an element.
-/// What is less than 1e-16 of the diagonal counts nothing. From which distance on that is so is measured at a few
+/// An entry below 1e-16 of the diagonal counts nothing. From which distance on that is so is measured at a few
 /// nodes. All nodes that are further apart than twice that are pushed at once, and what moves belongs to the nearest
 /// (Curtis, Powell, Reid 1974), so that the number of solves does not grow with that of the nodes. None if it takes
 /// more than `most_solves`.

@@ -41,7 +41,7 @@ int guarded(const ricochet_loop* loop, const Act& act) noexcept {
   }
 }
 
-/// What the conversation fails by stands on standard error already.
+/// The reason why the conversation fails stands on standard error already.
 template <class Act>
 int guarded_exchange(const Act& act) noexcept {
   try {

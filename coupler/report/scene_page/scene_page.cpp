@@ -65,7 +65,7 @@ Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn,
   return shapes;
 }
 
-/// Who integrates elements: an entry for each participant, and one for what is rigid.
+/// The kinds of cells: an entry for each participant, and one for what is rigid.
 Json kinds_of(const Problem& problem) {
   Json kinds = Json::array();
   std::size_t next = 0;
