@@ -139,7 +139,8 @@ void load_accuracy(TableReader& table, Scene& scene) {
   scene.accuracy = table.numbers_by_name("relative_error", {0.0, 1.0, false, false}, scene.quantities_with_bars());
   if (table.has("elements_times")) {
     auto& times = scene.elements_times;
-    times = table.numbers("elements_times", {1.0 / 64.0, 64.0, true, true}, 0);
+    times =
+        table.numbers("elements_times", {1.0 / Scene::most_elements_times, Scene::most_elements_times, true, true}, 0);
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
   }

@@ -197,6 +197,7 @@ struct Scene {
   /// [accuracy]: relative errors that are asked of results, by their names; empty: none is. What the scene leaves open
   /// of protocol, step and mesh, `ricochet run` then chooses.
   std::map<std::string, double> accuracy;
+  static constexpr double most_elements_times = 64.0;
   /// [accuracy]: meshes that the choice may take, by their numbers of elements along each coordinate over those of the
   /// file; rising.
   std::vector<double> elements_times{1.0};

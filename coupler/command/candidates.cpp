@@ -36,10 +36,10 @@ scene::Problem problem_of(GivenScene given, const scene::Scene& scene, const Pro
 /// Why the proposal has no pilots: its coarsest mesh cannot be built. Empty: it has.
 std::string why_no_pilot(const GivenScene& given, const scene::Scene& scene, const Proposal& proposal) {
   try {
-    static_cast<void>(scene::plan(problem_of(given, scene, proposal, coarsest)));
+    static_cast<void>(scene::plan(problem_of(given, scene, proposal, coarsest_pilot)));
     return {};
   } catch (const Error& error) {
-    return with_times(coarsest) + ": " + reason_of(error.what());
+    return with_times(coarsest_pilot) + ": " + reason_of(error.what());
   }
 }
 
@@ -164,6 +164,7 @@ void Candidates::add(Proposal proposal) {
 
 void Candidates::settle(Proposal& proposal) const {
   const bool step_of_first_mesh = std::exchange(proposal.estimated, false) && in_own_step(proposal.protocol);
+  proposal.predicted_s = 0.0;
   proposal.refused = why_no_pilot(given_, problem_.scene, proposal);
   proposal.without_pilot = !proposal.runs();
   if (!proposal.runs()) return;

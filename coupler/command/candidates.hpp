@@ -10,7 +10,7 @@
 namespace ricochet::coupler {
 
 /// Pilots have elements and step of 2, 4 and that many times the length.
-inline constexpr int coarsest = 8;
+inline constexpr int coarsest_pilot = 8;
 [[nodiscard]] std::string with_times(int factor);
 /// The first line of an error without the place in the scene file, or the arguments of --set, that were written for it.
 [[nodiscard]] std::string reason_of(const std::string& error);

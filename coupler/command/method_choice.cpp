@@ -35,7 +35,7 @@ class Pilots {
   /// The coarsest first: where it fails no other is computed.
   void measure(Proposal& proposal) {
     std::map<int, Companion> levels;
-    for (const int factor : {coarsest, 4, 2}) {
+    for (const int factor : {coarsest_pilot, 4, 2}) {
       auto& run = levels[factor] = compute(proposal, factor);
       proposal.refused = why_no_bar(run, factor, proposal.step_s);
       if (!proposal.runs()) return;
@@ -45,7 +45,7 @@ class Pilots {
       values.floor = floor_of(quantity, 2.0 * proposal.step_s);
       values.run = *levels[2].value(quantity);
       values.coarse = levels[4].value(quantity);
-      values.coarsest = levels[coarsest].value(quantity);
+      values.coarsest = levels[coarsest_pilot].value(quantity);
       const ErrorBar bar = error_bar(values);
       proposal.bars[quantity] = {expected_bar(*bar.total, bar.order) / std::abs(values.run), bar.order};
     }
@@ -69,7 +69,8 @@ class Pilots {
     for (const auto& [quantity, error] : asked_) {
       const auto value = run.value(quantity);
       if (!value) return fmt::format("{} it has no {}", which, quantity);
-      if (*value == 0.0) return fmt::format("{} its {} is 0, which has no relative error", which, quantity);
+      if (factor == 2 && *value == 0.0)  // the bar is relative to this one
+        return fmt::format("{} its {} is 0, which has no relative error", which, quantity);
     }
     const auto contact_s = run.value("contact_duration_s");
     if (!contact_s || *contact_s >= least_steps_of_contact * step_s) return {};
@@ -169,14 +170,15 @@ void refuse_unreached(const scene::Problem& problem, const MethodChoice& choice,
   for (const auto& p : proposals)
     if (!p.bars.empty() && (!least || worst_ratio(p, asked) < worst_ratio(*least, asked))) least = &p;
   if (!least) {
+    const double finest = 4.0 * problem.scene.elements_times.back();
     const auto tried = std::find_if(proposals.begin(), proposals.end(), [](const Proposal& p) { return !p.runs(); });
-    const double twice = 2.0 * problem.scene.elements_times.back();
     throw ConfigError(fmt::format(
         "{}: no protocol and step can be tried on coarser meshes: {}. {}", problem.scene.path,
         tried == proposals.end() ? "none has a bar" : tried->refused,
-        in_scene ? fmt::format("Type accuracy.elements_times = [{:g}, {:g}], of which the coarser meshes are finer",
-                               twice, 2.0 * twice)
-                 : "Make elements shorter, so that the coarser meshes are finer"));
+        in_scene && finest <= scene::Scene::most_elements_times
+            ? fmt::format("Type accuracy.elements_times = [{:g}, {:g}], of which the coarser meshes are finer",
+                          0.5 * finest, finest)
+            : "Make elements shorter, so that the coarser meshes are finer"));
   }
   const auto worst = std::max_element(least->bars.begin(), least->bars.end(), [&](const auto& a, const auto& b) {
     return a.second.relative / asked.at(a.first) < b.second.relative / asked.at(b.first);
@@ -189,14 +191,14 @@ void refuse_unreached(const scene::Problem& problem, const MethodChoice& choice,
   const bool open = problem.scene.mesh_open();
   throw ConfigError(fmt::format(
       "{}: no protocol and step is expected to have {} within {:g} % on {}; found {:.2g} % at the least, by {} in "
-      "steps "
-      "of {:.4g} s{}. Type {}, or {}",
+      "steps of {:.4g} s{}. Type {}, or {}",
       problem.scene.path, quantity, 100.0 * asked.at(quantity), open ? "these meshes" : "this mesh",
       100.0 * bar.relative, least->protocol, least->step_s,
       open ? fmt::format(" on elements times {:g}", least->elements_times) : "",
       in_scene ? fmt::format("relative_error = {{ \"{}\" = {} }}", quantity, less) : "--error " + less,
-      in_scene ? fmt::format("accuracy.elements_times = [{:g}, {:g}], which allows a finer mesh", finer / 2, finer)
-               : fmt::format("make elements {:.2g} times shorter", shorter)));
+      in_scene && finer <= scene::Scene::most_elements_times
+          ? fmt::format("accuracy.elements_times = [{:g}, {:g}], which allows a finer mesh", finer / 2, finer)
+          : fmt::format("make elements {:.2g} times shorter", shorter)));
 }
 
 }  // namespace ricochet::coupler

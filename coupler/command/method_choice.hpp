@@ -15,12 +15,12 @@ using AskedErrors = std::map<std::string, double>;
 
 /// What a choice may vary.
 struct Freedom {
-  std::vector<std::string> protocols;  ///< empty: the scene's and the baselines
-  std::vector<double> steps_s;         ///< of all but all_explicit
-  std::optional<double> largest_step_s{};
-  bool explicit_step = false;  ///< all_explicit, too, takes those steps, and not the longest of its own
-  bool with_next = true;       ///< looks on for the cheapest of another protocol
-  bool one_step = false;       ///< the same step on each mesh; elsewhere steps and elements are in proportion
+  std::vector<std::string> protocols;      ///< empty: the scene's and the baselines
+  std::vector<double> steps_s;             ///< of all but all_explicit
+  std::optional<double> largest_step_s{};  ///< no longer one on any mesh; all_explicit in its own step aside
+  bool explicit_step = false;              ///< all_explicit, too, takes those steps, and not the longest of its own
+  bool with_next = true;                   ///< looks on for the cheapest of another protocol
+  bool one_step = false;  ///< the same step on each mesh; elsewhere steps and elements are in proportion
 };
 /// `ricochet advise --quantity`: any protocol, in steps of 1/2 to 16 times the scene's.
 [[nodiscard]] Freedom any_method(const scene::Problem& problem);
@@ -41,13 +41,14 @@ struct Proposal {
   std::map<std::string, Bar> bars{};  ///< by quantity; empty: no pilot was computed
   [[nodiscard]] bool runs() const { return refused.empty(); }
   [[nodiscard]] bool reaches(const AskedErrors& asked) const;
-  /// What makes of `scene` the one to run; `factor`: with elements and step of that many times the length.
+  /// Keys to change so that `scene` becomes the one to run; `factor`: with elements and step of that many times the
+  /// length.
   [[nodiscard]] std::vector<scene::Override> changes(const scene::Scene& scene, int factor = 1) const;
 };
 
 struct MethodChoice {
-  /// Those tried, in the order of predicted times, then others, refused ones last. Proposals on finer meshes that would
-  /// cost more are left out.
+  /// Those tried, in the order of predicted times, then others, refused ones last. Proposals on other meshes that
+  /// would cost more are left out.
   std::vector<Proposal> proposals;
   std::optional<std::size_t> best, next;  ///< next: the cheapest by another protocol that reaches the errors
   std::size_t pilots = 0;

@@ -244,6 +244,9 @@ TEST(Accuracy, TakesAFinerMeshThatTheSceneAllowsAndNoFinerThanItNeeds) {
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.error, AllOf(HasSubstr("within 0.1 % on these meshes"), HasSubstr("on elements times 2"),
                                    HasSubstr("accuracy.elements_times = [")));
+  const auto too_fine = compute(with_meshes("1", "1e-6"));
+  EXPECT_THAT(too_fine.error, AllOf(HasSubstr("within 0.0001 %"), HasSubstr("times shorter")));
+  EXPECT_THAT(too_fine.error, testing::Not(HasSubstr("elements_times"))) << "more than the key allows";
   const auto none = compute(with_meshes("0, 1", "0.1"));
   EXPECT_EQ(none.code, 2);
   EXPECT_THAT(none.error, AllOf(HasSubstr("accuracy.elements_times"), HasSubstr("0.015625")));

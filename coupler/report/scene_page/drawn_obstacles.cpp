@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,13 +23,17 @@ struct Reach {
   double farthest_radius_m = 0.0;
 };
 
-const Vector3d& node_place(const Problem& problem, const ContactGeometry& contact, const scene::ContactPair& pair) {
-  return problem.bodies[fem::at(contact.body_a)].mesh.position[fem::at(pair.node_a)];
+/// A hanging node has no place of its own.
+Vector3d own_place(const Problem& problem, const ContactGeometry& contact, const scene::ContactPair& pair) {
+  Vector3d place(0.0, 0.0, 0.0);
+  for (const auto& node : scene::own_nodes(pair))
+    place += node.weight * problem.bodies[fem::at(contact.body_a)].mesh.position[fem::at(node.node)];
+  return place;
 }
 
 Reach reach_of(const Problem& problem, const ContactGeometry& contact) {
   Eigen::AlignedBox3d surface, body;
-  for (const auto& pair : contact.pairs) surface.extend(node_place(problem, contact, pair));
+  for (const auto& pair : contact.pairs) surface.extend(own_place(problem, contact, pair));
   for (const auto& x : problem.bodies[fem::at(contact.body_a)].mesh.position) body.extend(x);
   const double whole_m = body.sizes().maxCoeff();
   return {surface.center(), 0.6 * std::max(surface.sizes().maxCoeff(), 0.2 * whole_m), surface.max()[0]};
@@ -42,10 +47,10 @@ class Drawing {
         model_(problem.scene.model),
         reach_(reach_of(problem, geometry_)) {
     const auto& pair = geometry_.pairs.front();
-    first_place_ = node_place(problem, geometry_, pair);
+    first_place_ = own_place(problem, geometry_, pair);
     plane_m_ = first_place_.dot(normal()) + pair.gap0_m;
     for (const auto& other : geometry_.pairs)
-      plane_m_ = std::min(plane_m_, node_place(problem, geometry_, other).dot(normal()) + other.gap0_m);
+      plane_m_ = std::min(plane_m_, own_place(problem, geometry_, other).dot(normal()) + other.gap0_m);
     const double own_strip_m = std::sqrt(problem.bodies[fem::at(geometry_.body_a)].section.measure);
     drawn_.strip_m = model_ == scene::Model::bar ? 3.0 * own_strip_m : 0.0;
   }

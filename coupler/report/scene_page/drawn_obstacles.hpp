@@ -9,8 +9,8 @@
 
 namespace ricochet::report {
 
-/// What is rigid and stands in a body's way, as a picture shows it: of a plane a plate behind it, of what is round the
-/// part that faces the body. It lies where the gaps at the start have it, the initial gap included.
+/// A rigid plane, sphere or cylinder that stands in a body's way, as a picture shows it: of a plane a plate behind it,
+/// of the others the part that faces the body. It lies where the gaps at the start have it, the initial gap included.
 struct DrawnObstacle {
   std::string name;
   double strip_m = 0.0;  ///< of a bar: the width of the plate

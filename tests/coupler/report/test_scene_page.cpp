@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <regex>
 #include <set>
@@ -127,6 +128,13 @@ std::string on_obstacle(const std::string& obstacle) {
   return test::replaced(text, "lower = 1.0, ", "");
 }
 
+/// The largest of one coordinate.
+double farthest_m(const DrawnObstacle& drawn, std::size_t coordinate) {
+  double most_m = -std::numeric_limits<double>::infinity();
+  for (const auto& x : drawn.place) most_m = std::max(most_m, x[coordinate]);
+  return most_m;
+}
+
 /// A plate below the upper block, as far from it as the initial gap.
 TEST(ScenePage, DrawsARigidPlaneWhereTheGapHasIt) {
   const auto problem = problem_of(on_obstacle("\"rigid_plane\"]"));
@@ -134,15 +142,11 @@ TEST(ScenePage, DrawsARigidPlaneWhereTheGapHasIt) {
   ASSERT_EQ(drawn.size(), 1U);
   EXPECT_EQ(drawn[0].name, "rigid plane");
   EXPECT_EQ(drawn[0].cells.size(), 1U);
-  double highest_m = -1.0, left_m = 0.0, right_m = 0.0;
-  for (const auto& x : drawn[0].place) {
-    highest_m = std::max(highest_m, x[1]);
-    left_m = std::min(left_m, x[0]);
-    right_m = std::max(right_m, x[0]);
-  }
-  EXPECT_NEAR(highest_m, -0.25, 1e-12);
+  double left_m = 0.0;
+  for (const auto& x : drawn[0].place) left_m = std::min(left_m, x[0]);
+  EXPECT_NEAR(farthest_m(drawn[0], 1), -0.25, 1e-12);
   EXPECT_NEAR(left_m, -0.1, 1e-12);
-  EXPECT_NEAR(right_m, 1.1, 1e-12);
+  EXPECT_NEAR(farthest_m(drawn[0], 0), 1.1, 1e-12);
   const auto page = scene_page(problem, "");
   EXPECT_THAT(page, HasSubstr("The rigid obstacle of the contact goes on beyond what is drawn of it."));
   const auto data = data_on(page);
@@ -157,13 +161,11 @@ TEST(ScenePage, DrawsACylinderOnItsRadiusAboutItsMiddle) {
       drawn_obstacles(problem_of(test::replaced(text, "traction = [{ surface = \"end\", pressure_pa = 1e3 }]\n", "")));
   ASSERT_EQ(drawn.size(), 1U);
   EXPECT_EQ(drawn[0].name, "rigid cylinder");
-  double highest_m = -9.0;
   for (std::size_t i = 0; i <= drawn[0].place.size() / 2 - 1; ++i) {
     const auto& x = drawn[0].place[i];
     EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] + 2.25), 2.0, 1e-12) << "lifted to the block, then lowered by the gap";
-    highest_m = std::max(highest_m, x[1]);
   }
-  EXPECT_NEAR(highest_m, -0.25, 1e-12);
+  EXPECT_NEAR(farthest_m(drawn[0], 1), -0.25, 1e-12);
 }
 
 /// What is nearest to the block is the pole; all places of the sphere lie on it.
@@ -185,12 +187,12 @@ protocol = "all_explicit"
 end_s = 1e-2
 )";
   const auto sphere = drawn_obstacles(problem_of(text)).at(0);
-  double highest_m = -9.0;
-  for (const auto& x : sphere.place) {
-    EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] - 1.0, x[2] + 3.5), 3.0, 1e-12);
-    highest_m = std::max(highest_m, x[2]);
-  }
-  EXPECT_NEAR(highest_m, -0.5, 1e-12);
+  for (const auto& x : sphere.place) EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] - 1.0, x[2] + 3.5), 3.0, 1e-12);
+  EXPECT_NEAR(farthest_m(sphere, 2), -0.5, 1e-12);
+  const auto divided =
+      test::replaced(text, "elements = [2, 2, 1] }",
+                     "elements = [2, 2, 1], refine = [{ from_m = [0, 0, 0], to_m = [1, 1, 1], ratio = 2 }] }");
+  EXPECT_NEAR(farthest_m(drawn_obstacles(problem_of(divided)).at(0), 2), -0.5, 1e-12) << "hanging nodes touch it, too";
   const auto lying = test::replaced(text, "rigid_sphere\"]\n", "rigid_cylinder\"]\nrigid_axis = \"x\"\n");
   const auto cylinder = drawn_obstacles(problem_of(lying)).at(0);
   for (const auto& x : cylinder.place) EXPECT_NEAR(std::hypot(x[1] - 1.0, x[2] + 3.5), 3.0, 1e-12);
