@@ -40,6 +40,7 @@ std::vector<std::string> files_of_run(const scene::Scene& scene) {
                                     "summary.json",
                                     "trace.json",
                                     "report.html",
+                                    "fields/obstacles.json",
                                     "fields/" + stem + ".pvd",
                                     "fields/" + stem + "_#.vtm"};
   for (const auto& participant : scene.participants) {

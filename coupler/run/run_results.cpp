@@ -11,6 +11,7 @@
 #include "common/base/error.hpp"
 #include "common/base/process.hpp"
 #include "common/base/write_file.hpp"
+#include "coupler/results/obstacles_file.hpp"
 #include "coupler/run/coupled_run.hpp"
 
 namespace ricochet::coupler {
@@ -164,6 +165,8 @@ void CoupledRun::write_fields_and_trace() {
   std::vector<std::string> bodies;
   for (const auto& body : scene_.bodies) bodies.push_back(body.name);
   write_collection(results_, std::filesystem::path(scene_.path).stem().string(), bodies, names, problem_.clock);
+  if (const auto obstacles = obstacles_text(problem_); !obstacles.empty())
+    write_atomically(results_.file("fields/obstacles.json"), obstacles);
   const double begin_s = std::chrono::duration<double>(begin_.time_since_epoch()).count();
   write_atomically(results_.file("trace.json"), to_trace(tracks_, begin_s));
   if (axial_stress_ && axial_stress_->told())

@@ -132,6 +132,17 @@ TEST(BodiesPicture, SaysWhoLeftNothingToDraw) {
       testing::HasSubstr("The elements of &#39;explicit&#39; are not drawn: it left no fields/explicit.shapes.json."));
 }
 
+TEST(BodiesPicture, HasTheRigidObstacle) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(replaced(config_text("rod_on_stop"), "end_s = 12.0", "end_s = 0.5"), folder);
+  const auto drawn = nlohmann::json::parse(file_text(run.folder + "/fields/obstacles.json")).at("obstacles");
+  ASSERT_EQ(drawn.size(), 1U);
+  EXPECT_EQ(drawn[0].at("name"), "rigid plane");
+  EXPECT_EQ(drawn[0].at("place_m")[0][0], 0.0) << "where the rod's end is without its displacement";
+  EXPECT_LT(drawn[0].at("place_m")[1][0], 0.0);
+  EXPECT_THAT(file_text(run.folder + "/report.html"), testing::HasSubstr("Grey bodies are rigid"));
+}
+
 TEST(BodiesPicture, OfAFormerRunIsRemovedByTheNext) {
   const TemporaryFolder folder;
   const RunResult first = run_text(config_text("two_bars"), folder);

@@ -80,6 +80,7 @@ class Bodies {
   }
   colour(piece, time, cell) {
     if (this.kinds) return this.colours[piece.kind[cell]];
+    if (!piece.stress) return [0.65, 0.65, 0.65];  // what is rigid
     const size = this.value(piece, time, cell) / this.field.high, share = this.field.signed ? 0.5 + 0.5 * size : size;
     const at = Math.min(1, Math.max(0, share)) * (this.colours.length - 1);
     const below = Math.min(Math.floor(at), this.colours.length - 2);
@@ -91,6 +92,7 @@ class Bodies {
   says(piece, cell, time) {
     const body = this.bodies[piece.body].name;
     if (this.kinds) return `${body}, ${this.kinds[piece.kind[cell]].name}`;
+    if (!piece.stress) return body;
     const { name, factor, unit } = this.field;
     return `${body}: ${name} ${(this.value(piece, time, cell) * factor).toPrecision(4)} ${unit}`;
   }

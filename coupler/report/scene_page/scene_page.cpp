@@ -2,20 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/problem/drawing.hpp"
+#include "common/problem/drawn_obstacles.hpp"
 #include "coupler/report/assets/assets.hpp"
 #include "coupler/report/parts/text.hpp"
-#include "coupler/report/scene_page/drawn_obstacles.hpp"
 #include "coupler/report/shapes/cell_looks.hpp"
 #include "coupler/report/shapes/shape_viewer.hpp"
 
@@ -33,8 +31,7 @@ constexpr std::array<const char*, 4> contact_colours{"#d7191c", "#e66101", "#b21
 
 Place place_of(const Eigen::Vector3d& x) { return {x[0], x[1], x[2]}; }
 
-Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn,
-                  const std::vector<DrawnObstacle>& obstacles) {
+Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn) {
   Shapes shapes;
   shapes.model = fem::model_name(problem.scene.model);
   shapes.times_s = {0.0};
@@ -52,15 +49,10 @@ Shapes undeformed(const Problem& problem, const std::vector<DrawnBody>& drawn,
     shapes.pieces.push_back(std::move(piece));
     shapes.bodies.push_back({body.name, bar ? std::sqrt(body.section.measure) : 0.0, {}});
   }
-  for (const auto& obstacle : obstacles) {
-    ShapePiece piece;
-    piece.body = static_cast<int>(shapes.bodies.size());
-    piece.node.resize(obstacle.place.size());
-    std::iota(piece.node.begin(), piece.node.end(), 0);
-    piece.position = obstacle.place;
-    piece.cells = obstacle.cells;
-    shapes.pieces.push_back(std::move(piece));
-    shapes.bodies.push_back({obstacle.name, obstacle.strip_m, {}});
+  for (const auto& obstacle : scene::drawn_obstacles(problem)) {
+    std::vector<Place> places;
+    for (const auto& x : obstacle.place) places.push_back(place_of(x));
+    add_obstacle(shapes, obstacle.name, obstacle.strip_m, places, obstacle.cells);
   }
   return shapes;
 }
@@ -116,7 +108,7 @@ Json marks_of(const Problem& problem, const Shapes& shapes) {
 }
 
 Json data_of(const Problem& problem, const std::vector<DrawnBody>& drawn) {
-  const auto shapes = undeformed(problem, drawn, drawn_obstacles(problem));
+  const auto shapes = undeformed(problem, drawn);
   Json data = {{"model", shapes.model},
                {"first", 0},
                {"times", Json::array({""})},
@@ -124,10 +116,7 @@ Json data_of(const Problem& problem, const std::vector<DrawnBody>& drawn) {
                {"pieces", Json::array()},
                {"kinds", kinds_of(problem)},
                {"marks", marks_of(problem, shapes)}};
-  auto looks = cell_looks(shapes);
-  for (std::size_t b = drawn.size(); b < looks.size(); ++b) {  // what is rigid has no elements
-    for (auto& look : looks[b]) std::replace(look.edges.begin(), look.edges.end(), EdgeKind::inner, EdgeKind::none);
-  }
+  const auto looks = cell_looks(shapes);
   const auto rigid = static_cast<std::uint8_t>(problem.scene.participants.size());
   for (std::size_t b = 0; b < shapes.bodies.size(); ++b) {
     data["bodies"].push_back({{"name", shapes.bodies[b].name}, {"strip_m", shapes.bodies[b].strip_m}});

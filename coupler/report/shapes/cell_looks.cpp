@@ -125,7 +125,8 @@ std::vector<std::vector<CellLook>> cell_looks(const Shapes& shapes) {
   for (std::size_t i = 0; i < uses.size();) {
     std::size_t end = i;
     while (end < uses.size() && uses[end].key() == uses[i].key()) ++end;
-    const auto kind = kind_of(shapes, &uses[i], &uses[i] + (end - i));
+    auto kind = kind_of(shapes, &uses[i], &uses[i] + (end - i));
+    if (kind == EdgeKind::inner && shapes.pieces[uses[i].piece].rigid) kind = EdgeKind::none;  // it has no elements
     for (; i < end; ++i) looks[uses[i].piece][uses[i].cell].edges[uses[i].edge] = kind;
   }
   return looks;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -65,6 +66,15 @@ std::vector<Place> places_of(const std::vector<float>& values, std::size_t compo
   return places;
 }
 
+void check_cell(const std::array<int, 4>& cell, std::size_t nodes, std::size_t components, const std::string& path) {
+  const int least = components == 1 ? 2 : 3;
+  for (int k = 0; k < 4; ++k) {
+    const int node = cell[static_cast<std::size_t>(k)];
+    if (node >= static_cast<int>(nodes) || node < (k < least ? 0 : -1))
+      refuse_shapes(path, fmt::format("found the node {}", node));
+  }
+}
+
 ShapePiece piece_of(const Json& json, const ShapeFile& file) {
   const auto components = components_of(file.model, file.path);
   ShapePiece piece;
@@ -76,13 +86,7 @@ ShapePiece piece_of(const Json& json, const ShapeFile& file) {
     refuse_shapes(file.path, fmt::format("\"cell\" holds {} numbers, not four for each cell", cells.size()));
   for (std::size_t i = 0; i < cells.size(); i += 4) {
     piece.cells.push_back({cells[i], cells[i + 1], cells[i + 2], cells[i + 3]});
-    const auto& cell = piece.cells.back();
-    const int nodes = static_cast<int>(piece.node.size()), least = components == 1 ? 2 : 3;
-    for (int k = 0; k < 4; ++k) {
-      const int node = cell[static_cast<std::size_t>(k)];
-      if (node >= nodes || node < (k < least ? 0 : -1))
-        refuse_shapes(file.path, fmt::format("found the node {}", node));
-    }
+    check_cell(piece.cells.back(), piece.node.size(), components, file.path);
   }
   const auto &displacements = json.at("displacement_m"), &stresses = json.at("stress_pa");
   if (displacements.size() != file.windows.size() || stresses.size() != file.windows.size())
@@ -202,7 +206,32 @@ Shapes merged_shapes(std::vector<ShapeFile>&& files) {
   return shapes;
 }
 
+void read_obstacles(const std::string& path, Shapes& shapes) {
+  if (!fs::exists(path)) return;
+  const auto json = Json::parse(read_text(path));
+  if (json.at("format") != "ricochet obstacles 1") refuse_shapes(path, "found another format");
+  for (const auto& obstacle : json.at("obstacles")) {
+    const auto places = obstacle.at("place_m").get<std::vector<Place>>();
+    const auto cells = obstacle.at("cell").get<std::vector<std::array<int, 4>>>();
+    for (const auto& cell : cells) check_cell(cell, places.size(), components_of(shapes.model, path), path);
+    add_obstacle(shapes, obstacle.at("name").get<std::string>(), obstacle.at("strip_m").get<double>(), places, cells);
+  }
+}
+
 }  // namespace
+
+void add_obstacle(Shapes& shapes, const std::string& name, double strip_m, const std::vector<Place>& places,
+                  const std::vector<std::array<int, 4>>& cells) {
+  ShapePiece piece;
+  piece.body = static_cast<int>(shapes.bodies.size());
+  piece.rigid = true;
+  piece.node.resize(places.size());
+  std::iota(piece.node.begin(), piece.node.end(), 0);
+  piece.position = places;
+  piece.cells = cells;
+  shapes.pieces.push_back(std::move(piece));
+  shapes.bodies.push_back({name, strip_m, {}});
+}
 
 Shapes read_shapes(const std::string& folder, const Json& summary) {
   const std::string ending = ".shapes.json";
@@ -231,7 +260,10 @@ Shapes read_shapes(const std::string& folder, const Json& summary) {
     }
   }
   Shapes shapes;
-  if (!files.empty()) shapes = merged_shapes(std::move(files));
+  if (!files.empty()) {
+    shapes = merged_shapes(std::move(files));
+    read_obstacles((fields / "obstacles.json").string(), shapes);
+  }
   shapes.missing = std::move(missing);
   return shapes;
 }

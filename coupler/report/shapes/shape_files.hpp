@@ -11,7 +11,7 @@ namespace ricochet::report {
 
 using Place = std::array<double, 3>;  ///< [m]; of models with fewer coordinates the rest is 0
 
-/// What one participant drew of one body.
+/// What one participant drew of one body, or what is rigid: that stands still and has no fields.
 struct ShapePiece {
   int body = 0;                                       ///< index into Shapes::bodies
   std::vector<int> node;                              ///< number in the body
@@ -22,6 +22,7 @@ struct ShapePiece {
   std::vector<std::vector<double>> plastic_strain{};  ///< the same, equivalent; empty: of a body that does not yield
   std::vector<std::vector<double>> temperature_rise_k{};   ///< the same since the start; empty: plastic work heats none
   std::vector<std::vector<double>> contact_pressure_pa{};  ///< the same; empty: somebody else enforces the contact
+  bool rigid = false;
 };
 
 /// The elements of a run's bodies, deformed, at the windows that all who drew them kept.
@@ -42,9 +43,13 @@ struct Shapes {
   std::vector<std::string> missing;  ///< sentences: whose elements are not there, and why
 };
 
-/// Reads every FOLDER/fields/NAME.shapes.json; participants that the summary names without one are missing. Windows
-/// with numbers that are not finite are left out. Throws ConfigError that names a file and what is wrong with it,
-/// Json::exception if it is not of the form that ShapeRecorder (common/solver) writes.
+/// Adds to what is drawn a rigid obstacle; nodes of its own.
+void add_obstacle(Shapes& shapes, const std::string& name, double strip_m, const std::vector<Place>& places,
+                  const std::vector<std::array<int, 4>>& cells);
+
+/// Reads every FOLDER/fields/NAME.shapes.json and, beside them, obstacles.json; participants that the summary names
+/// without one are missing. Windows with numbers that are not finite are left out. Throws ConfigError that names a file
+/// and what is wrong with it, Json::exception if it is not of the form that ShapeRecorder (common/solver) writes.
 [[nodiscard]] Shapes read_shapes(const std::string& folder, const Json& summary);
 
 }  // namespace ricochet::report

@@ -19,6 +19,7 @@ double extent_of(const Shapes& shapes) {
   low.fill(std::numeric_limits<double>::infinity());
   high.fill(-std::numeric_limits<double>::infinity());
   for (const auto& piece : shapes.pieces) {
+    if (piece.rigid) continue;
     for (const auto& x : piece.position) {
       for (std::size_t c = 0; c < 3; ++c) {
         low[c] = std::min(low[c], x[c]);
@@ -66,6 +67,7 @@ Magnification magnification_of(const Shapes& shapes, const std::vector<std::size
   double most = 0.0;
   for (const auto& piece : shapes.pieces) {
     const auto& velocity = shapes.bodies[static_cast<std::size_t>(piece.body)].velocity_m_s;
+    if (piece.rigid) continue;
     for (const auto w : windows) {
       const double flight = std::min(shapes.times_s[w], result.flight_s);
       for (const auto& u : piece.displacement[w]) most = std::max(most, length_of(beyond_flight(u, velocity, flight)));

@@ -53,6 +53,7 @@ std::size_t components_of(const Shapes& shapes) { return shapes.model == "bar" ?
 /// Where the nodes are drawn at the end of a window.
 std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, std::size_t window,
                                 const Magnification& magnification) {
+  if (piece.rigid) return node_places(shapes, piece.position);
   const auto& velocity = shapes.bodies[static_cast<std::size_t>(piece.body)].velocity_m_s;
   std::vector<Place> places;
   for (std::size_t i = 0; i < piece.position.size(); ++i)
@@ -63,7 +64,7 @@ std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, s
 
 /// cells_data and "place": a window's components of each node as float32; "stress" and, of a body that yields,
 /// "plastic_strain", where that heats it "temperature_rise_k", of who enforces the contact "contact_pressure_pa": a
-/// window's float32 of each cell.
+/// window's float32 of each cell. What is rigid has none of them.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
   Json data = cells_data(piece, looks);
@@ -150,11 +151,13 @@ std::string note_of(const Shapes& shapes, const Magnification& magnification, co
   });
   if (repeats) note += " The mesh repeats across; one period of it is drawn.";
   if (shapes.nose) note += " The rounded nose is a gap of the contact, which the mesh does not have.";
-  if (shapes.model == "solid") note += " Of solids the surface is kept: a section shows it from inside.";
+  if (shapes.model == "solid") note += " Solids are kept as their surfaces; a section shows them from inside.";
   if (std::abs(scale.largest) > scale.high) {
     note += fmt::format(" The largest stress, {} at {}, lies beyond the colours.", quantity(scale.largest, "Pa", 4),
                         quantity(shapes.times_s[scale.largest_window], "s", 4));
   }
+  if (std::any_of(shapes.pieces.begin(), shapes.pieces.end(), [](const auto& piece) { return piece.rigid; }))
+    note += " Grey bodies are rigid and go on beyond what is drawn of them.";
   for (const auto& text : shapes.missing) note += " " + text;
   return note;
 }

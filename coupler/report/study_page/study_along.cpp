@@ -69,11 +69,11 @@ std::vector<Drawn> columns_of(const Json& study) {
   for (const auto& quantity : texts(study, "quantities")) {
     const bool drift = quantity == "energy_drift";
     all.push_back({"error_" + quantity, drift ? "Energy drift" : "Error of the " + words(quantity),
-                   drift ? "Of the run itself, over the initial energy." : "Against the reference.",
+                   drift ? "The run's own, over the initial energy." : "Against the reference.",
                    drift ? "energy drift" : "relative error", quantity});
   }
   all.push_back({"stepping_s", "Time of stepping", "Median of the repeats.", "stepping [s]", ""});
-  all.push_back({"wall_s", "Wall time", "Of the whole run, median of the repeats.", "wall time [s]", ""});
+  all.push_back({"wall_s", "Wall time", "The whole run, median of the repeats.", "wall time [s]", ""});
   return all;
 }
 

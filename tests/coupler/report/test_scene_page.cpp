@@ -10,8 +10,8 @@
 #include <set>
 
 #include "common/base/base64.hpp"
+#include "common/problem/drawn_obstacles.hpp"
 #include "coupler/report/parts/chart.hpp"
-#include "coupler/report/scene_page/drawn_obstacles.hpp"
 #include "coupler/report/scene_page/scene_page.hpp"
 #include "tests/coupler/report/sample_run.hpp"
 #include "tests/support/scene_file.hpp"
@@ -19,6 +19,8 @@
 namespace ricochet::report {
 namespace {
 
+using scene::drawn_obstacles;
+using scene::DrawnObstacle;
 using testing::ElementsAre;
 using testing::HasSubstr;
 

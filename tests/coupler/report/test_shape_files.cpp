@@ -7,6 +7,7 @@
 #include "coupler/report/report.hpp"
 #include "coupler/report/shapes/shape_files.hpp"
 #include "coupler/report/shapes/shape_motion.hpp"
+#include "coupler/report/shapes/shape_viewer.hpp"
 #include "tests/coupler/report/sample_run.hpp"
 #include "tests/coupler/report/sample_shapes.hpp"
 
@@ -56,6 +57,37 @@ TEST_F(ShapeFiles, OfAllParticipantsAreOneAtTheWindowsThatAllHave) {
   EXPECT_EQ(shapes.pieces[0].displacement[1][2], (Place{0.1F * 8.0F, 0.0, 0.0})) << "a tenth of the window's number";
   EXPECT_THAT(shapes.pieces[0].stress_pa[2], ElementsAre(10.0));
   EXPECT_THAT(shapes.missing, IsEmpty());
+}
+
+TEST_F(ShapeFiles, WhatIsRigidStandsStill) {
+  leave("a", square_file({0, 4}, {{"left", 0.0, {0, 1, 2, 3}}}));
+  const auto plate = [](int last) {
+    return Json{{"format", "ricochet obstacles 1"},
+                {"obstacles",
+                 {{{"name", "rigid plane"},
+                   {"strip_m", 0.0},
+                   {"place_m", {{-1, -2, 0}, {3, -2, 0}, {3, -1, 0}, {-1, -1, 0}}},
+                   {"cell", {{0, 1, 2, last}}}}}}};
+  };
+  write("fields/obstacles.json", plate(3).dump());
+  const auto shapes = read_shapes_of({"a"});
+  ASSERT_EQ(shapes.pieces.size(), 2U);
+  EXPECT_TRUE(shapes.pieces[1].rigid);
+  EXPECT_EQ(shapes.bodies[1].name, "rigid plane");
+  EXPECT_EQ(shapes.pieces[1].position[2], (Place{3.0, -1.0, 0.0}));
+  const auto viewer = shape_viewer(shapes, HistoryTable{}, nan_s);
+  const auto& drawn = viewer->data.at("pieces")[1];
+  EXPECT_EQ(drawn.at("place")[0], drawn.at("place")[1]);
+  EXPECT_FALSE(drawn.contains("stress"));
+  EXPECT_THAT(viewer->html, HasSubstr("Grey bodies are rigid and go on beyond what is drawn of them."));
+  write("fields/obstacles.json", plate(4).dump());
+  EXPECT_THAT(config_error([this] { static_cast<void>(read_shapes_of({"a"})); }),
+              HasSubstr("obstacles.json: found the node 4"));
+  auto other = plate(3);
+  other["format"] = "ricochet obstacles 2";
+  write("fields/obstacles.json", other.dump());
+  EXPECT_THAT(config_error([this] { static_cast<void>(read_shapes_of({"a"})); }),
+              HasSubstr("obstacles.json: found another format"));
 }
 
 TEST_F(ShapeFiles, AWindowWithANumberThatIsNotFiniteIsLeftOut) {

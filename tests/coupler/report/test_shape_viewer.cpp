@@ -147,7 +147,7 @@ TEST(ShapeViewer, LeavesOutFacesOfSolidsThatNobodySees) {
     EXPECT_EQ(unpacked<int>(piece["cell"]).size(), 20U) << "five faces of six";
     EXPECT_EQ(unpacked<float>(piece["stress"][1]).size(), 5U);
   }
-  EXPECT_THAT(viewer.html, HasSubstr("Of solids the surface is kept"));
+  EXPECT_THAT(viewer.html, HasSubstr("Solids are kept as their surfaces"));
 }
 
 TEST(ShapeViewer, BeginsWithTheTimeOfTheLargestStress) {

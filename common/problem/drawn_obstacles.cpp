@@ -1,4 +1,4 @@
-#include "coupler/report/scene_page/drawn_obstacles.hpp"
+#include "common/problem/drawn_obstacles.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace ricochet::report {
+namespace ricochet::scene {
 namespace {
 
 using Eigen::Vector3d;
-using scene::ContactGeometry;
-using scene::Problem;
 
 constexpr int segments = 48;
 
@@ -24,9 +22,9 @@ struct Reach {
 };
 
 /// A hanging node has no place of its own.
-Vector3d own_place(const Problem& problem, const ContactGeometry& contact, const scene::ContactPair& pair) {
+Vector3d own_place(const Problem& problem, const ContactGeometry& contact, const ContactPair& pair) {
   Vector3d place(0.0, 0.0, 0.0);
-  for (const auto& node : scene::own_nodes(pair))
+  for (const auto& node : own_nodes(pair))
     place += node.weight * problem.bodies[fem::at(contact.body_a)].mesh.position[fem::at(node.node)];
   return place;
 }
@@ -52,24 +50,24 @@ class Drawing {
     for (const auto& other : geometry_.pairs)
       plane_m_ = std::min(plane_m_, own_place(problem, geometry_, other).dot(normal()) + other.gap0_m);
     const double own_strip_m = std::sqrt(problem.bodies[fem::at(geometry_.body_a)].section.measure);
-    drawn_.strip_m = model_ == scene::Model::bar ? 3.0 * own_strip_m : 0.0;
+    drawn_.strip_m = model_ == Model::bar ? 3.0 * own_strip_m : 0.0;
   }
 
   DrawnObstacle draw() {
-    const char* const what = !geometry_.round                               ? "rigid plane"
-                             : contact_.obstacle == scene::Obstacle::sphere ? "rigid sphere"
-                                                                            : "rigid cylinder";
+    const char* const what = !geometry_.round                        ? "rigid plane"
+                             : contact_.obstacle == Obstacle::sphere ? "rigid sphere"
+                                                                     : "rigid cylinder";
     drawn_.name = contact_.name.empty() ? what : fmt::format("{} of {}", what, contact_.name);
-    if (model_ == scene::Model::bar) {
+    if (model_ == Model::bar) {
       add(plane_m_ * normal());
       add((plane_m_ + thickness_m()) * normal());
       drawn_.cells.push_back({0, 1, -1, -1});
     } else if (!geometry_.round) {
-      model_ == scene::Model::solid ? draw_slab() : draw_plate();
-    } else if (model_ != scene::Model::solid) {
+      model_ == Model::solid ? draw_slab() : draw_plate();
+    } else if (model_ != Model::solid) {
       draw_arc();
     } else {
-      contact_.obstacle == scene::Obstacle::sphere ? draw_cap() : draw_shell();
+      contact_.obstacle == Obstacle::sphere ? draw_cap() : draw_shell();
     }
     return std::move(drawn_);
   }
@@ -77,11 +75,11 @@ class Drawing {
  private:
   [[nodiscard]] const Vector3d& normal() const { return geometry_.normal; }
   [[nodiscard]] double thickness_m() const { return 0.1 * reach_.half_m; }
-  [[nodiscard]] Vector3d along() const { return scene::tangent_of(normal()); }
+  [[nodiscard]] Vector3d along() const { return tangent_of(normal()); }
 
   int add(Vector3d x) {
-    if (model_ == scene::Model::axisymmetric) x[0] = std::max(x[0], 0.0);
-    drawn_.place.push_back({x[0], x[1], x[2]});
+    if (model_ == Model::axisymmetric) x[0] = std::max(x[0], 0.0);
+    drawn_.place.push_back(x);
     return static_cast<int>(drawn_.place.size()) - 1;
   }
   /// Quadrilaterals between two rows of nodes that begin at these.
@@ -94,7 +92,7 @@ class Drawing {
 
   void draw_plate() {
     Vector3d from = foot() - reach_.half_m * along(), to = foot() + reach_.half_m * along();
-    if (model_ == scene::Model::axisymmetric) {  // a disc about the axis
+    if (model_ == Model::axisymmetric) {  // a disc about the axis
       for (Vector3d* end : {&from, &to}) (*end)[0] = end->x() > reach_.middle[0] ? 1.2 * reach_.farthest_radius_m : 0.0;
     }
     for (const double depth_m : {0.0, thickness_m()}) {
@@ -128,7 +126,7 @@ class Drawing {
 
   void draw_arc() {
     const double radius_m = contact_.rigid_radius_m, inner_m = radius_m - std::min(0.5 * radius_m, thickness_m());
-    const bool half = model_ == scene::Model::axisymmetric;
+    const bool half = model_ == Model::axisymmetric;
     const Vector3d middle = centre(), across = (half && along()[0] < 0.0 ? -1.0 : 1.0) * along();
     for (const double r_m : {radius_m, inner_m}) {
       for (int i = 0; i <= segments; ++i) {
@@ -178,8 +176,8 @@ class Drawing {
   }
 
   const ContactGeometry& geometry_;
-  const scene::Contact& contact_;
-  scene::Model model_;
+  const Contact& contact_;
+  Model model_;
   Reach reach_;
   Vector3d first_place_{0.0, 0.0, 0.0};
   double plane_m_ = 0.0;  ///< of the plane along the normal
@@ -198,4 +196,4 @@ std::vector<DrawnObstacle> drawn_obstacles(const Problem& problem) {
   return drawn;
 }
 
-}  // namespace ricochet::report
+}  // namespace ricochet::scene
