@@ -85,6 +85,9 @@ struct Pair {
   /// axis what normal forces have across it cancels.
   Turn to_contact{}, to_momentum{};
 
+  /// With contact and patch the same for a row that is written anew: that of an edge of the other surface has a patch
+  /// of its own, whatever node it meets.
+  [[nodiscard]] int own_node() const { return patch < -1 ? -1 : node_a; }
   /// g0 + N u [m]
   template <class OfPart>
   [[nodiscard]] double gap(const OfPart& u_of_part) const {

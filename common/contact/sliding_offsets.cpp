@@ -10,7 +10,7 @@ namespace ricochet::solver {
 
 double SlidingRows::Slide::own_of(const Pair& pair) const {
   for (const Own& one : own)
-    if (one.node == pair.node_a && one.patch == pair.patch) return one.offset_m;
+    if (one.node == pair.own_node() && one.patch == pair.patch) return one.offset_m;
   return 0.0;
 }
 
@@ -28,7 +28,7 @@ void SlidingRows::balance(const std::vector<Pair>& before, const std::vector<Pai
     double work_j = 0.0, force_n = 0.0;
     std::vector<Slide::Own> own;
     const auto keep = [&own](const Pair& pair, double offset_m) {
-      if (offset_m > 0.0) own.push_back({pair.node_a, pair.patch, offset_m});
+      if (offset_m > 0.0) own.push_back({pair.own_node(), pair.patch, offset_m});
     };
     const auto force_of = [&](std::size_t i) {
       return same[i] < 0 ? 0.0 : forces[static_cast<std::size_t>(same[i])].normal;
@@ -64,7 +64,7 @@ void SlidingRows::offset(std::vector<Pair>& pairs) {
 }
 
 std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to) {
-  const auto key = [](const Pair& pair) { return std::tuple(pair.contact, pair.node_a, pair.patch); };
+  const auto key = [](const Pair& pair) { return std::tuple(pair.contact, pair.own_node(), pair.patch); };
   std::map<std::tuple<std::size_t, int, int>, int> known;
   for (std::size_t i = 0; i < from.size(); ++i) known[key(from[i])] = static_cast<int>(i);
   std::vector<int> same;

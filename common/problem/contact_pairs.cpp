@@ -229,6 +229,13 @@ void carry(const fem::Mesh& mesh_a, const fem::Mesh* mesh_b, std::vector<Contact
   if (mesh_b != nullptr && !mesh_b->hanging.empty())
     for (ContactPair& pair : pairs) pair.b = fem::carried(*mesh_b, pair.b);
   if (mesh_a.hanging.empty()) return;
+  for (ContactPair& pair : pairs) {
+    if (pair.a.empty()) continue;
+    pair.a = fem::carried(mesh_a, pair.a);
+    pair.node_a = std::max_element(pair.a.begin(), pair.a.end(), [](const auto& x, const auto& y) {
+                    return x.weight < y.weight;
+                  })->node;
+  }
   const auto hangs = [&](const ContactPair& pair) { return fem::hanging_at(mesh_a, pair.node_a) != nullptr; };
   const auto first = std::stable_partition(pairs.begin(), pairs.end(), [&](const ContactPair& p) { return !hangs(p); });
   const std::vector<ContactPair> hanging(first, pairs.end());

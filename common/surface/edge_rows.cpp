@@ -83,7 +83,7 @@ void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const E
                        [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
         continue;
       const Hit hit = hit_of(place, -face.normal, face);
-      if (hit.inside < 0.0 || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
+      if (hit.inside < -same_place || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
       if (std::abs(hit.far_m) < std::abs(nearest.far_m)) std::tie(nearest, opposite) = std::pair(hit, &face);
     }
     if (opposite == nullptr) continue;

@@ -13,6 +13,14 @@ namespace {
 /// Sine of the angle between two lines from which on they cross.
 constexpr double least_crossing = 0.05;
 
+/// Within an edge, its ends included; none beyond them.
+std::optional<double> within_edge(double share) {
+  if (!(share >= -same_place && share <= 1.0 + same_place)) return std::nullopt;
+  return share < same_place ? 0.0 : share > 1.0 - same_place ? 1.0 : share;
+}
+
+bool at_end(const std::vector<fem::WeightedNode>& nodes) { return nodes[0].weight == 0.0 || nodes[1].weight == 0.0; }
+
 /// The direction has parts along both outward directions of an edge that it is across.
 bool between(const Eigen::Vector3d& n, const RimEdge& edge, double least) {
   const Eigen::Vector3d &a = edge.outward[0], &b = edge.outward[1];
@@ -31,10 +39,10 @@ std::optional<EdgeCrossing> crossing_of(const RimEdge& first, const RimEdge& sec
   if (!between(n, first, least_tilt) || !between(-n, second, least_tilt)) return std::nullopt;
   // first.x + s d + gap n = second.x + shift + t e
   const Eigen::Vector3d from = second.x[0] + shift_m - first.x[0];
-  const double s = from.cross(e).dot(across) / square, t = from.cross(d).dot(across) / square;
-  if (s < 0.0 || s >= 1.0 || t < 0.0 || t >= 1.0) return std::nullopt;
-  return EdgeCrossing{{{first.node[0], 1.0 - s}, {first.node[1], s}},
-                      {{second.node[0], 1.0 - t}, {second.node[1], t}},
+  const auto s = within_edge(from.cross(e).dot(across) / square), t = within_edge(from.cross(d).dot(across) / square);
+  if (!s || !t) return std::nullopt;
+  return EdgeCrossing{{{first.node[0], 1.0 - *s}, {first.node[1], *s}},
+                      {{second.node[0], 1.0 - *t}, {second.node[1], *t}},
                       0,
                       n,
                       from.dot(n),
@@ -91,6 +99,16 @@ std::vector<EdgeCrossing> RimEdges::crossings(const RimEdges& first, const Eigen
   std::vector<EdgeCrossing> crossings;
   const double reach_m = std::max(longest_m_, first.longest_m_);
   std::vector<std::size_t> near;
+  std::vector<Eigen::Vector3d> at_ends;
+  // Edges before and after a node cross there once.
+  const auto known = [&](const EdgeCrossing& found, const RimEdge& edge) {
+    if (!at_end(found.first) && !at_end(found.second)) return false;
+    const Eigen::Vector3d place = found.first[0].weight * edge.x[0] + found.first[1].weight * edge.x[1];
+    const bool before = std::any_of(at_ends.begin(), at_ends.end(),
+                                    [&](const auto& x) { return (x - place).norm() <= 4.0 * same_place * reach_m; });
+    if (!before) at_ends.push_back(place);
+    return before;
+  };
   for (std::size_t i = 0; i < first.edges_.size(); ++i) {
     const RimEdge& edge = first.edges_[i];
     const Eigen::AlignedBox3d box = box_of(edge).translated(-shift_m);
@@ -102,6 +120,7 @@ std::vector<EdgeCrossing> RimEdges::crossings(const RimEdges& first, const Eigen
       auto crossing = crossing_of(edge, edges_[j], shift_m, least_tilt);
       if (!crossing || crossing->gap_m < -most_depth_m(std::min(edge.thickness_m, reach_m), edges_[j].thickness_m))
         continue;
+      if (known(*crossing, edge)) continue;
       crossing->number = static_cast<int>(j * first.edges_.size() + i);
       crossings.push_back(std::move(*crossing));
     }

@@ -38,6 +38,10 @@ struct SurfaceFace {
 [[nodiscard]] Eigen::Vector3d place_at(const SurfaceFace& face, const ShapeValues& shape);
 [[nodiscard]] Eigen::Vector3d normal_at(const SurfaceFace& face, const ShapeValues& shape);
 
+/// A place so far beside a face or an edge, in shares of it, lies on it: between two of them round-off would find
+/// neither.
+constexpr double same_place = 1e-9;
+
 /// Where a ray hits the smooth surface.
 struct Hit {
   double inside;  ///< the least shape function, at most 0

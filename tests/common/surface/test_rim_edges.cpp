@@ -53,6 +53,34 @@ TEST(RimEdges, ThatCrossHaveTheGapBetweenTheirLines) {
   }
 }
 
+/// A ridge of two edges that meet at the origin.
+std::vector<SurfaceFace> ridge_of_two(const Eigen::Matrix3d& turn) {
+  std::vector<SurfaceFace> faces;
+  for (const int half : {0, 1}) {
+    for (SurfaceFace face : roof(Eigen::Matrix3d::Identity())) {
+      for (int& node : face.node) node = node < 2 ? node + half : node + 10 * (half + 1);
+      for (Eigen::Vector3d& place : face.x)
+        place = turn * Eigen::Vector3d(place[0], 0.5 * place[1] + half - 0.5, place[2]);
+      face.normal = turn * face.normal;
+      faces.push_back(face);
+    }
+  }
+  return faces;
+}
+
+/// However the directions of space round.
+TEST(RimEdges, ThatCrossAtANodeCrossOnce) {
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d(std::sin(i), std::cos(3.0 * i), 0.3).normalized())
+            .toRotationMatrix();
+    const RimEdges below(ridge_of_two(turn)), above(ridge_of_two(turn * across()));
+    const auto crossings = above.crossings(below, turn * Eigen::Vector3d(0.0, 0.0, 0.01), least_tilt);
+    ASSERT_EQ(crossings.size(), 1U) << i;
+    EXPECT_NEAR(crossings[0].gap_m, 0.01, 1e-14);
+  }
+}
+
 TEST(RimEdges, ThatLieBesideEachOtherOrAreParallelDoNotCross) {
   const RimEdges below(roof(Eigen::Matrix3d::Identity())), above(roof(across()));
   EXPECT_TRUE(above.crossings(below, {1.5, 0.0, 0.1}, least_tilt).empty());
