@@ -120,7 +120,7 @@ class SlidingRows {
   std::vector<Sliding> contacts_;
 };
 
-/// Per pair of `to` the index of the same contact and node in `from`, or -1: what a law keeps of a pair stays with it.
+/// Per pair of `to` the index of the same one (Pair::own_node) in `from`, or -1: what a law keeps stays with it.
 [[nodiscard]] std::vector<int> same_pairs(const std::vector<Pair>& from, const std::vector<Pair>& to);
 
 /// Values of pairs in the order of others (same_pairs); new ones are `fresh`.

@@ -4,6 +4,7 @@
 
 #include "common/base/error.hpp"
 #include "common/contact/contact_rows.hpp"
+#include "common/contact/sliding_rows.hpp"
 #include "tests/support/contact_blocks.hpp"
 #include "tests/support/contact_plates.hpp"
 
@@ -84,6 +85,18 @@ TEST(ContactRows, OfANodeThatIsHeldAlongATangentAreNotMovedThere) {
   const Eigen::Matrix2d inverse = blocks.surface.pairs[0].inverse_mass_along(blocks.states);
   EXPECT_EQ(inverse(0, 0), 0.0) << "t = x";
   EXPECT_GT(inverse(1, 1), 0.0);
+}
+
+/// An edge slides from one face to the next, and a node between two pieces of its surface has a row for each.
+TEST(ContactRows, WrittenAnewAreThoseOfTheSameNodeAndPieceOrEdge) {
+  const auto row = [](int node, int patch) {
+    Pair pair;
+    pair.node_a = node;
+    pair.patch = patch;
+    return pair;
+  };
+  const std::vector<Pair> before = {row(4, 0), row(4, 1), row(7, -9)};
+  EXPECT_THAT(same_pairs(before, {row(8, -9), row(4, 1), row(7, 0), row(4, 0)}), testing::ElementsAre(2, 1, -1, 0));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "common/base/error.hpp"
@@ -100,6 +101,34 @@ TEST(RefinedContact, PassesOnThePressureOfARigidPlane) {
   const auto force = even_pressure(problem, problem.contacts.front().pairs);
   const Eigen::VectorXd load = of_load(problem.bodies[1], "end");
   EXPECT_LT((force[1] - load).norm(), 1e-12 * load.norm());
+}
+
+/// The corners of a small block below a refined one that turns: one row each, and the nodes of it do not hang.
+TEST(RefinedContact, HasARowForEachNodeAtAnEdgeOfTheOtherBody) {
+  const SceneFolder folder;
+  const std::string steel = "material = { youngs_modulus_pa = 2e11, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }\n";
+  const Problem problem = build_problem(load_scene(folder.write(
+      "model = \"solid\"\n[[body]]\nname = \"upper\"\nlarge_rotation = true\n" + steel +
+      "mesh = { length_m = 0.004, height_m = 0.004, width_m = 0.004, elements = [4, 4, 4], refine = [{ from_m = "
+      "[0.001, "
+      "0.0, 0.0], to_m = [0.003, 0.002, 0.002], ratio = 3 }] }\n"
+      "[[body]]\nname = \"lower\"\n" +
+      steel +
+      "mesh = { length_m = 0.004, height_m = 0.002, width_m = 0.002, elements = [2, 2, 4], start_m = -0.004, place = { "
+      "moved_m = [0.0009, 0.0004, 0.0] } }\n"
+      "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\n"
+      "[time]\nstep_s = 1e-8\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n")));
+  const ContactGeometry& contact = problem.contacts.front();
+  ASSERT_EQ(contact.body_a, 0);
+  std::map<int, int> rows_of_edge;
+  for (const ContactPair& pair : contact.pairs) {
+    EXPECT_EQ(fem::hanging_at(problem.bodies[0].mesh, pair.node_a), nullptr);
+    for (const auto& [node, weight] : own_nodes(pair))
+      EXPECT_EQ(fem::hanging_at(problem.bodies[0].mesh, node), nullptr) << node;
+    if (pair.patch < -1) ++rows_of_edge[pair.patch];
+  }
+  EXPECT_GE(rows_of_edge.size(), 4U);
+  for (const auto& [patch, rows] : rows_of_edge) EXPECT_EQ(rows, 1) << patch;
 }
 
 /// Hanging nodes are no contact nodes, their carriers are.
