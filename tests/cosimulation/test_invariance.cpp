@@ -1,6 +1,10 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "tests/support/run.hpp"
 
-// What must not change a result: the transport, and how explicit bodies are spread over processes.
+// What must not change a result: the transport, how explicit bodies are spread over processes, the size of everything.
 
 namespace ricochet::test {
 namespace {
@@ -46,6 +50,96 @@ TEST(Invariance, IncrementsDoNotDriftFromTheAbsoluteValues) {
   const auto &a = often.column("velocity_mean_steel_m_s"), &b = never.column("velocity_mean_steel_m_s");
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-8) << i;
+}
+
+/// Two plates that rub, with all lengths and times `scale` times as large.
+std::string rubbing_plates(double scale) {
+  const std::string body = R"([[body]]
+name = "{0}"
+material = {{ youngs_modulus_pa = {1}, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }}
+thickness_m = {2:.17g}
+initial_velocity_m_s = [{3}, {4}]
+mesh = {{ start_m = {5:.17g}, length_m = {6:.17g}, height_m = {7:.17g}, elements = [{8}, 6] }}
+)";
+  return "model = \"plane_strain\"\n" +
+         fmt::format(fmt::runtime(body), "low", "2e11", 0.01 * scale, 0.0, 0.0, -0.006 * scale, 0.006 * scale,
+                     0.004 * scale, 4) +
+         fmt::format(fmt::runtime(body), "high", "7e10", 0.01 * scale, 0.5, -2.0, 0.0, 0.006 * scale, 0.004 * scale,
+                     6) +
+         fmt::format(
+             "[contact]\nsurfaces = [\"low.end\", \"high.start\"]\nfriction_coefficient = 0.3\n"
+             "initial_gap_m = {:.17g}\n[partition]\nimplicit_length_m = {{ low = {:.17g}, high = {:.17g} }}\n"
+             "[time]\nstep_s = {:.17g}\nend_s = {:.17g}\n",
+             1e-7 * scale, 0.002 * scale, 0.002 * scale, 8e-8 * scale, 8e-6 * scale);
+}
+
+/// A block that spins and comes down on its edge.
+std::string tumbling_block(double scale) {
+  return fmt::format(R"(model = "plane_strain"
+[[body]]
+name = "block"
+large_rotation = true
+material = {{ youngs_modulus_pa = 7e10, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }}
+thickness_m = {3:.17g}
+initial_velocity_m_s = [1.0, -3.0]
+initial_angular_velocity_rad_s = {0:.17g}
+mesh = {{ length_m = {2:.17g}, height_m = {2:.17g}, elements = [6, 6], place = {{ turned_deg = 20.0 }} }}
+[contact]
+surfaces = ["block.outside", "rigid_plane"]
+normal = [0.0, -1.0]
+friction_coefficient = 0.2
+initial_gap_m = {1:.17g}
+[time]
+step_s = {1:.17g}
+end_s = {4:.17g}
+)",
+                     200.0 / scale, 5e-8 * scale, 0.004 * scale, 0.003 * scale, 2e-5 * scale);
+}
+
+/// Lengths and times in a unit of a column, of masses that go with the cube of a length.
+int power_of_scale(const std::string& column) {
+  const std::string name = column.substr(0, column.find('/'));
+  for (const auto& [unit, power] : {std::pair{"_kg_m2_s", 4},
+                                    {"_kg_m_s", 3},
+                                    {"_n_s", 3},
+                                    {"_m_s", 0},
+                                    {"_rad_s", -1},
+                                    {"_pa", 0},
+                                    {"_n", 2},
+                                    {"_j", 3},
+                                    {"_m", 1},
+                                    {"_s", 1}})
+    if (name.ends_with(unit)) return power;
+  return 0;
+}
+
+/// No tolerance, threshold or limit has a unit: a scene of other lengths and times computes the same bits. Powers of
+/// four, since Cholesky's factor has roots, and no hexahedra, whose modes of several units are eliminated in the order
+/// of their size. Only what tells the round-off of a solution may differ.
+void expect_same_bits_at_any_size(std::string (*scene)(double), const char* protocol) {
+  const TemporaryFolder folder;
+  const RunResult as_is = run_text(with_protocol(scene(1.0), protocol), folder, "as_is");
+  for (const int exponent : {-12, 10}) {
+    const double scale = std::ldexp(1.0, exponent);
+    const RunResult scaled = run_text(with_protocol(scene(scale), protocol), folder, "scaled");
+    ASSERT_GT(as_is.largest("contact_force_n"), 0.0);
+    for (const auto& [name, values] : as_is.history) {
+      if (name == "contact_residual") continue;
+      const auto& others = scaled.column(name);
+      ASSERT_EQ(values.size(), others.size());
+      for (std::size_t i = 0; i < values.size(); ++i)
+        ASSERT_EQ(std::ldexp(values[i], exponent * power_of_scale(name)), others[i])
+            << protocol << ", " << name << ", row " << i << ", scale 2^" << exponent;
+    }
+  }
+}
+
+TEST(Invariance, NoToleranceHasAUnit) {
+  for (const char* const protocol : {"hughes_liu", "kim", "belytschko_mullen", "prakash_hjelmstad",
+                                     "gravouil_combescure", "fixed_point", "all_implicit", "all_explicit"})
+    expect_same_bits_at_any_size(rubbing_plates, protocol);
+  for (const char* const protocol : {"hughes_liu", "all_implicit", "all_explicit"})
+    expect_same_bits_at_any_size(tumbling_block, protocol);
 }
 
 }  // namespace
