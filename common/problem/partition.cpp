@@ -57,9 +57,9 @@ std::vector<bool> in_implicit_groups(const Scene& scene, const BodyProblem& body
   return in_groups(scene, body, groups->second, "partition.implicit_groups." + body.name);
 }
 
-/// Explicit elements have to bear every one.
+/// Explicit elements have to bear every one. 0 where the step follows from what is explicit.
 double longest_step_s(const Time& time) {
-  double longest_s = time.step_s.value();
+  double longest_s = time.step_s.value_or(0.0);
   if (time.flight_step_s) longest_s = std::max(longest_s, *time.flight_step_s);
   for (const StepChange& change : time.changes) longest_s = std::max(longest_s, change.step_s);
   return longest_s;

@@ -41,15 +41,11 @@ void load_bodies(TableReader& root, Scene& scene) {
   }
 }
 
-/// The automatic partition asks which elements the step is too long for; only with it a step can be chosen by the cost.
-void check_automatic_partition(const TableReader& root, const TableReader& time, Scene& scene) {
+/// Only with an automatic partition a step can be chosen by the cost.
+void check_largest_step(const TableReader& time, Scene& scene) {
   const bool hybrid = scene.coupling.protocol.layout == Layout::hybrid;
   if (!hybrid) scene.time.largest_step_s.reset();  // nothing to choose
-  const bool automatic = scene.partition.rule == PartitionRule::automatic;
-  if (hybrid && automatic && !scene.time.step_s)
-    root.refuse("time", "no step_s, which the automatic partition needs",
-                "step_s or largest_step_s, or a [partition] by implicit_length_m or implicit_groups");
-  if (hybrid && !automatic && scene.time.largest_step_s)
+  if (hybrid && scene.partition.rule != PartitionRule::automatic && scene.time.largest_step_s)
     time.refuse("largest_step_s", "a largest step where the [partition] is given",
                 "step_s, or partition.rule = \"auto\"");
 }
@@ -159,7 +155,7 @@ void load_tables(TableReader& root, Scene& scene) {
   check_contact_keys(root, scene);
   check_local_steps(root, time, scene);
   check_foreign_bodies(root, time, scene);
-  check_automatic_partition(root, time, scene);
+  check_largest_step(time, scene);
   check_fewest_substeps(scene);
   check_reduced_bodies(scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");

@@ -42,7 +42,7 @@ void ForceTally::note_fall(const Peak& now) {
     return;
   }
   const std::int64_t since = falls_.empty() ? -1 : falls_.back().window;
-  if (since >= 0 && now.window - since >= separation_windows_) separation_ = {since, phase_.force_n};
+  if (since >= 0 && now.window - since >= free_windows_) separation_ = {since, phase_.force_n};
 }
 
 void ForceTally::note_settled(const Peak& now) {
@@ -81,7 +81,7 @@ std::optional<double> ForceTally::first_contact_s() const {
 }
 
 std::optional<double> ForceTally::separation_time_s() const {
-  if (!falls_.empty() && last_window_ - falls_.back().window >= separation_windows_)
+  if (!falls_.empty() && last_window_ - falls_.back().window >= free_windows_)
     return time_s(falls_.back().window);
   if (separation_.window >= 0 && separation_.largest_n > level_n()) return time_s(separation_.window);
   return std::nullopt;

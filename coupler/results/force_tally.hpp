@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -35,9 +36,11 @@ class ForceTally {
   };
 
   ForceTally() = default;
-  /// `separation_windows` at or below the level are a separation. `rise_time_s`: 2h/c. `clock` must outlive it.
+  /// At the ends of `separation_windows` in a row all pairs are open: then bodies are separate. In the first of these
+  /// there may still have been a force; all others are at or below the level. `rise_time_s`: 2h/c. `clock` must outlive
+  /// it.
   ForceTally(const WindowClock& clock, double rise_time_s, int separation_windows)
-      : clock_(&clock), rise_time_s_(rise_time_s), separation_windows_(separation_windows) {}
+      : clock_(&clock), rise_time_s_(rise_time_s), free_windows_(std::max(1, separation_windows - 1)) {}
   ForceTally(WindowClock&& clock, double rise_time_s, int separation_windows) = delete;
 
   /// Mean force over a window [N]; windows ascend, and one that is left out has the force of the next.
@@ -68,7 +71,7 @@ class ForceTally {
   inline static const WindowClock none_;  ///< of no contact
   const WindowClock* clock_ = &none_;
   double rise_time_s_ = 0.0;
-  int separation_windows_ = 1;
+  int free_windows_ = 1;  ///< without a force, that are a separation
   std::int64_t last_window_ = 0;
   Peak largest_, settled_;
   std::vector<Peak> rises_, falls_;  ///< ascending and descending forces above the level

@@ -135,5 +135,34 @@ TEST(Windows, OfTheSummaryAreWhatWasComputed) {
   EXPECT_TRUE(run.summary.contains("theory"));
 }
 
+/// The force of the last window may end within it: its pairs are open at its end, and the run counts from there.
+TEST(Headline, OfARunThatEndsAsSoonAsBodiesAreApartHasTheSeparation) {
+  const TemporaryFolder folder;
+  for (const char* const step_s : {"7e-7", "6e-7", "5.85131e-7", "5e-7", "4e-7", "3e-7"}) {
+    const auto run = run_text(std::string(R"(model = "axisymmetric"
+[[body]]
+name = "ball"
+material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.32, density_kg_m3 = 7850.0 }
+initial_velocity_m_s = [0.0, -0.05]
+mesh = { length_m = 0.01, radius_m = 0.005, elements = [10, 20] }
+[[body]]
+name = "plate"
+material = { youngs_modulus_pa = 68.9e9, poisson_ratio = 0.35, density_kg_m3 = 2710.0 }
+mesh = { start_m = -0.02, length_m = 0.02, radius_m = 0.02, elements = [30, 30] }
+[contact]
+surfaces = ["ball.start", "plate.end"]
+nose_radius_m = 0.02
+[coupling]
+protocol = "all_implicit"
+[time]
+end_s = 2e-4
+until_separated_plus_s = 0.0
+step_s = )") + step_s + "\n",
+                              folder);
+    EXPECT_LT(run.summary.at("windows"), run.summary.at("windows_planned"));
+    EXPECT_FALSE(run.summary.at("separation_time_s").is_null()) << step_s;
+  }
+}
+
 }  // namespace
 }  // namespace ricochet::test

@@ -170,6 +170,17 @@ TEST(AutomaticRule, IsTheDefault) {
   EXPECT_EQ(count(problem.bodies[1].implicit_element), 1);
 }
 
+/// A scene that says nothing of partition and step: the step is that of the explicit elements.
+TEST(AutomaticRule, IsTheContactLayerWithoutAStep) {
+  std::string text = replaced(bars, "[partition]\nimplicit_length_m = " + lengths + "\n", "");
+  text = replaced(text, "step_s = 2.226e-6", "safety_factor = 0.5");
+  const Problem problem = build(text);
+  EXPECT_EQ(count(problem.bodies[0].implicit_element), 1);
+  EXPECT_EQ(count(problem.bodies[1].implicit_element), 1);
+  const double critical_s = 0.254 / 20 / std::sqrt(206.8e9 / 7844.066);
+  EXPECT_NEAR(problem.clock.size_s(1), 0.5 * critical_s, 1e-3 * critical_s);
+}
+
 TEST(Baselines, MakeEverythingOfOneKindAndShareNothing) {
   const Problem implicit = build(replaced(cylinders, "hughes_liu", "all_implicit"));
   EXPECT_EQ(count(implicit.bodies[0].implicit_element), 32);

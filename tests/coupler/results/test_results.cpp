@@ -548,8 +548,8 @@ TEST(ForceTally, LooksAtForcesAboveAThousandthOfTheLargest) {
 
 TEST(ForceTally, OfAContactThatLastsToTheEndHasNoSeparation) {
   EXPECT_EQ(told({0, 5, 9, 4, 6}).separation_time_s(), std::nullopt);
-  EXPECT_EQ(told({0, 5, 0, 0}).separation_time_s(), std::nullopt) << "three windows are one";
-  EXPECT_EQ(told({0, 5, 0, 0, 0}).separation_time_s(), 1.0);
+  EXPECT_EQ(told({0, 5, 0}).separation_time_s(), std::nullopt) << "three windows are one";
+  EXPECT_EQ(told({0, 5, 0, 0}).separation_time_s(), 1.0) << "at the end of the first of them the pairs were open";
   EXPECT_EQ(told({0, 5, 0, 0, 0, 4}).separation_time_s(), 1.0) << "the last one that there was";
   EXPECT_EQ(told({0, 1e-9, 0, 0, 0, 4}).separation_time_s(), std::nullopt) << "of rounding there is none";
 }
