@@ -66,7 +66,7 @@ void advise(const AdviceRequest& request) {
   fmt::print("all candidates: {}\n", printable(results.file("advice.csv")));
 }
 
-std::string choose_by_accuracy(const scene::Problem& problem, const ResultsDirectory& results) {
+ChosenByAccuracy choose_by_accuracy(const scene::Problem& problem, const ResultsDirectory& results) {
   const auto& scene = problem.scene;
   require_choice(problem, scene.accuracy, "accuracy");
   // Where the error bars of the run find them.
@@ -77,7 +77,9 @@ std::string choose_by_accuracy(const scene::Problem& problem, const ResultsDirec
   print(choice, scene.accuracy);
   if (!choice.best) refuse_unreached(problem, choice, scene.accuracy, true);
   const auto& best = choice.proposals[*choice.best];
-  return write_changed_scene(scene.path, best.changes(scene), results.path());
+  ChosenByAccuracy chosen{write_changed_scene(scene.path, best.changes(scene), results.path()), {}};
+  for (const auto& [quantity, bar] : best.bars) chosen.expected[quantity] = bar.relative;
+  return chosen;
 }
 
 }  // namespace ricochet::coupler

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -20,8 +21,12 @@ struct AdviceRequest {
 /// and an error that no candidate reaches.
 void advise(const AdviceRequest& request);
 
+struct ChosenByAccuracy {
+  std::string scene;                       ///< the file to run: scene/NAME.toml in that folder, with protocol and step
+  std::map<std::string, double> expected;  ///< relative error of each quantity
+};
 /// `ricochet run` of a scene with a table [accuracy]: does the same in the folder of its results, for what the scene
-/// leaves open. Returns the scene file to run: scene/NAME.toml in that folder, with protocol and step.
-[[nodiscard]] std::string choose_by_accuracy(const scene::Problem& problem, const ResultsDirectory& results);
+/// leaves open.
+[[nodiscard]] ChosenByAccuracy choose_by_accuracy(const scene::Problem& problem, const ResultsDirectory& results);
 
 }  // namespace ricochet::coupler

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -178,9 +179,10 @@ std::string write_scene_page(const std::string& scene_path, const std::string& p
   return (folder / name).string();
 }
 
-void add_error_bars(const scene::Problem& problem, const ResultsDirectory& results) {
+void add_error_bars(const scene::Problem& problem, const ResultsDirectory& results,
+                    const std::map<std::string, double>& expected = {}) {
   std::fflush(stdout);
-  fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results)));
+  fmt::print("{}", printable(estimate_error(problem.scene, problem.clock.size_s(1), results, expected)));
   try_report(results.path());
 }
 
@@ -201,14 +203,20 @@ void run_scene(const GivenScene& given, const std::string& out, bool with_error_
   if (!given.set.empty()) {
     problem = load_problem(write_changed_scene(given.path, given.changes(), results.path()));
   }
+  std::map<std::string, double> expected;
   if (problem.scene.leaves_open()) {
-    const bool by_accuracy = !problem.scene.accuracy.empty();
-    problem = load_problem(by_accuracy ? choose_by_accuracy(problem, results) : choose_step(problem, results));
+    if (problem.scene.accuracy.empty()) {
+      problem = load_problem(choose_step(problem, results));
+    } else {
+      auto chosen = choose_by_accuracy(problem, results);
+      problem = load_problem(chosen.scene);
+      expected = std::move(chosen.expected);
+    }
     plan = scene::plan(problem);
     executables = find_executables(problem.scene);  // another protocol may have other participants
   }
   run_accepted(problem, std::move(plan), executables, results, {});
-  if (with_error_bars || !problem.scene.accuracy.empty()) add_error_bars(problem, results);
+  if (with_error_bars || !problem.scene.accuracy.empty()) add_error_bars(problem, results, expected);
 }
 
 void resume_run(const std::string& folder, const std::string& scene_path, std::optional<double> until_s,

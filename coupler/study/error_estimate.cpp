@@ -143,7 +143,8 @@ Json block_of(const std::vector<Companion>& companions) {
 }
 
 /// Whether the run has what its scene asks for; the entry of the quantity gets "asked" and "reached".
-std::string verdict_of(const std::string& name, double asked, Json& quantities) {
+std::string verdict_of(const std::string& name, double asked, const std::map<std::string, double>& expected,
+                       Json& quantities) {
   const std::string wanted = fmt::format("  asked: {} within {:g} %", name, 100.0 * asked);
   const auto found = quantities.find(name);
   if (found == quantities.end()) return wanted + ": not a result of this run\n";
@@ -156,12 +157,20 @@ std::string verdict_of(const std::string& name, double asked, Json& quantities) 
   entry["reached"] = reached;
   if (!bar) return wanted + ": its bar is unknown\n";
   if (value == 0.0) return wanted + ": not reached, its value of 0 has no relative error\n";
-  return fmt::format("{}: {}, its bar is {:.2g} %\n", wanted, reached ? "reached" : "not reached", 100.0 * share);
+  const std::string bar_is = fmt::format("its bar is {:.2g} %\n", 100.0 * share);
+  if (reached) return fmt::format("{}: reached, {}", wanted, bar_is);
+  const auto before = expected.find(name);
+  if (before == expected.end()) return fmt::format("{}: not reached, {}", wanted, bar_is);
+  return fmt::format(
+      "{}: not reached, {}    {:.2g} % were expected: with relative_error = {{ \"{}\" = {:.2g} }} another may be "
+      "chosen\n",
+      wanted, bar_is, 100.0 * before->second, name, asked * before->second / share);
 }
 
 }  // namespace
 
-std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results) {
+std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results,
+                           const std::map<std::string, double>& expected) {
   Estimate estimate{{scene, results.file("accuracy")}, levels_of(results.path(), scene, step_s)};
   if (!with_elements(scene, 0.5) || !estimate_by_meshes(scene, step_s, estimate)) estimate_by_steps(step_s, estimate);
   Json block = block_of(estimate.companions.all());
@@ -174,7 +183,7 @@ std::string estimate_error(const scene::Scene& scene, double step_s, const Resul
     for (const auto& [part, reason] : bar.unknown) reasons.insert(part + " unknown: " + reason);
   }
   for (const auto& reason : reasons) text += "  " + reason + "\n";
-  for (const auto& [name, asked] : scene.accuracy) text += verdict_of(name, asked, block["quantities"]);
+  for (const auto& [name, asked] : scene.accuracy) text += verdict_of(name, asked, expected, block["quantities"]);
   Json summary = report::read_summary(results.file("summary.json"));
   const std::string title =
       fmt::format("error bars from {} companion runs, {:.3f} s (this run: {:.3f} s), kept in {}\n",

@@ -345,5 +345,80 @@ TEST(Accuracy, ThatIsNotReachedIsSaid) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "run" / "advice.csv"));
 }
 
+/// A bar on a driven one, of pieces whose meshes differ: the coarse pilots agree too well. The mesh alone is
+/// open, so that the cheapest is the same on any machine.
+std::string bars_of_pieces(const std::string& error) {
+  return R"(model = "axisymmetric"
+[[body]]
+name = "low"
+material = { youngs_modulus_pa = 70e9, poisson_ratio = 0.0, density_kg_m3 = 2700.0 }
+mesh = { length_m = 0.01, radius_m = 0.004, elements = [2, 18] }
+[[body.prescribed]]
+surface = "start"
+component = "z"
+displacement_m = 1e-6
+amplitude = { time_s = [0.0, 4e-6, 2e-5], factor = [0.0, 1.0, 0.5] }
+[[body]]
+name = "high"
+material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.0, density_kg_m3 = 2700.0 }
+initial_velocity_m_s = [0.0, -2.0]
+[[body.mesh.piece]]
+name = "a"
+start_m = 0.010005
+length_m = 0.005
+radius_m = 0.004
+elements = [2, 4]
+[[body.mesh.piece]]
+name = "b"
+start_m = 0.015005
+length_m = 0.005
+radius_m = 0.004
+elements = [3, 9]
+[[body.mesh.tie]]
+surfaces = ["a.end", "b.start"]
+[contact]
+surfaces = ["low.end", "high.a.start"]
+[coupling]
+protocol = "all_implicit"
+[time]
+step_s = 1.166e-7
+end_s = 24e-6
+[accuracy]
+relative_error = { contact_impulse_n_s = )" +
+         error + R"( }
+elements_times = [0.5, 1, 2]
+)";
+}
+
+/// Bodies, contact and an end are enough.
+TEST(Accuracy, IsAskedOfASceneThatSaysNothingOfPartitionAndStep) {
+  const TemporaryFolder folder;
+  std::string text = without_step(bars_of(4));
+  const auto partition = text.find("[partition]"), next = text.find("\n[", partition);
+  text.erase(partition, next + 1 - partition);
+  const auto run = run_text(asking(text, "contact_impulse_n_s = 0.05"), folder);
+  const double exact_n_s = bars_force_n * bars_contact_s;
+  EXPECT_NEAR(run.summary.at("contact_impulse_n_s").get<double>(), exact_n_s, 0.05 * exact_n_s);
+}
+
+TEST(Accuracy, ThatTheChoiceHasNotReachedIsReachedByWhatItSaysToType) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& error) {
+    const auto outcome = run_command(
+        {ricochet_binary(), "run", folder.write(bars_of_pieces(error)), "--out", folder.path().string() + "/run"},
+        folder.path().string(), 120.0);
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    return outcome.out;
+  };
+  const auto first = run("0.05");
+  ASSERT_THAT(first, HasSubstr("asked: contact_impulse_n_s within 5 %: not reached, its bar is "));
+  ASSERT_THAT(first, HasSubstr("% were expected: with relative_error = { \"contact_impulse_n_s\" = "));
+  const auto from = first.find("\"contact_impulse_n_s\" = ") + 24;
+  const auto second = run(first.substr(from, first.find(' ', from) - from));
+  const auto bar = second.find(", its bar is ");
+  ASSERT_NE(bar, std::string::npos);
+  EXPECT_LE(std::stod(second.substr(bar + 13)), 5.0) << second;
+}
+
 }  // namespace
 }  // namespace ricochet::test
