@@ -271,8 +271,10 @@ std::string to_text(const Problem& problem, const Plan& plan) {
   std::string text = fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", "participant", "role", "nodes",
                                  "elements", "unknowns", "interface", "critical step [s]");
   for (const ParticipantPlan& p : plan.participants) {
-    const std::string critical =
-        std::isfinite(p.critical_time_step_s) ? fmt::format("{:.6g}", p.critical_time_step_s) : "none";
+    const bool local = p.role == Role::explicit_solver && p.elements > 0 && !plan.local_steps.empty();
+    const std::string critical = std::isfinite(p.critical_time_step_s) ? fmt::format("{:.6g}", p.critical_time_step_s)
+                                 : local                               ? "local"
+                                                                       : "none";
     text += fmt::format("{:<16} {:<9} {:>8} {:>9} {:>9} {:>10} {:>18}\n", p.name, name_of(p.role), p.nodes, p.elements,
                         p.unknowns, p.interface_nodes, critical);
   }

@@ -34,6 +34,12 @@ std::string refusal_of_local_steps(const std::string& text) {
   return "accepted";
 }
 
+/// "none" would be that of an implicit participant.
+TEST(LocalStepsPlan, HasNoCriticalStepButLocalOnes) {
+  const Problem problem = build_problem(load_text(graded_bars));
+  EXPECT_THAT(to_text(problem, plan(problem)), testing::ContainsRegex("explicit +explicit .* local\n"));
+}
+
 TEST(LocalStepsPlan, SaysHowManyNodesTakeHowManySteps) {
   const Plan plan = plan_with_local_steps(graded_bars);
   ASSERT_EQ(plan.local_steps.size(), 2U);
