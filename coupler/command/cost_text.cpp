@@ -45,7 +45,9 @@ std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& 
   const auto free_bytes = static_cast<double>(space.available);
   text += fmt::format("; {} free here\n", bytes_text(free_bytes));
   if (need_bytes > free_bytes)
-    text += "warning: that is more than is free: fewer fields by a larger output.fields_every\n";
+    text += fmt::format("warning: that is more than is free: {}\n",
+                        of_fields > 0.5 * need_bytes ? "fewer fields by a larger output.fields_every"
+                                                     : "fewer rows by a larger output.history_every");
   return text;
 }
 
