@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -72,16 +73,26 @@ void refuse_rigid_pair(const ContactContext& context, const ContactSide& a, cons
                  "a body that deforms on one side at least");
 }
 
-/// The surface named second has the finer mesh, or that named first is of a rigid body, of whose nodes few are free; of
-/// equal ones the body that comes first carries the rows, so that the order of the names changes nothing. Pairs of
-/// nodes are the same either way.
+/// The smaller part of two sizes; empty: they are the same.
+std::optional<bool> second_is_smaller(double first, double second) {
+  const double ratio = second / first;
+  return std::abs(ratio - 1.0) > flat_tolerance ? std::optional(ratio < 1.0) : std::nullopt;
+}
+
+double mean_face_m2(const ContactSide& side) {
+  return std::accumulate(side.area_m2.begin(), side.area_m2.end(), 0.0) / static_cast<double>(side.faces().size());
+}
+
+/// The surface named second has the finer mesh, by its shortest edge and then by its faces, or that named first is of a
+/// rigid body, of whose nodes few are free; of equal ones the body that comes first carries the rows, so that the order
+/// of the names changes nothing. Pairs of nodes are the same either way.
 bool second_carries_rows(const ContactContext& context, const ContactSide& a, const ContactSide& b) {
   if (is_rigid(a) || is_rigid(b)) return is_rigid(a);
   if (needs_pairs(context.scene) || a.normal.dot(b.normal) >= 0.0 || match_in_pairs(a, b)) return false;
   const bool edge_of_b = may_touch_by_edge(context, b);
   if (edge_of_b != may_touch_by_edge(context, a)) return edge_of_b;
-  const double ratio = b.shortest_edge_m / a.shortest_edge_m;
-  return std::abs(ratio - 1.0) > flat_tolerance ? ratio < 1.0 : b.body < a.body;
+  if (const auto by_edge = second_is_smaller(a.shortest_edge_m, b.shortest_edge_m)) return *by_edge;
+  return second_is_smaller(mean_face_m2(a), mean_face_m2(b)).value_or(b.body < a.body);
 }
 
 ContactGeometry build_one(const ContactContext& context, const std::vector<BodyProblem>& bodies) {

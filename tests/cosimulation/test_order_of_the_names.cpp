@@ -88,5 +88,35 @@ TEST(OrderOfTheNames, ChangesNoForceOfSolids) {
     expect_same(one, other, column, 1.0);
 }
 
+/// Blocks whose shortest edges are as long as each other, across the contact: the faces along it decide, not which body
+/// comes first.
+TEST(OrderOfTheBodies, ChangesNoForceOfAnEdgeOnABlockOfOtherFaces) {
+  const TemporaryFolder folder;
+  const std::string low = R"([[body]]
+name = "low"
+large_rotation = true
+material = { youngs_modulus_pa = 70e9, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }
+mesh = { length_m = 0.006, height_m = 0.01, width_m = 0.01, elements = [5, 4, 4], place = { moved_m = [-0.005, -0.005, 0.0] } }
+)",
+                    high = R"([[body]]
+name = "high"
+large_rotation = true
+material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.0, density_kg_m3 = 2700.0 }
+initial_velocity_m_s = [10.0, -3.0, -5.0]
+initial_angular_velocity_rad_s = [100.0, 200.0, 50.0]
+mesh = { length_m = 0.006, height_m = 0.01, width_m = 0.01, elements = [3, 2, 4], place = { turned_deg = [0.0, 5.0, 0.0], about_m = [0.005, 0.005, 0.0], moved_m = [-0.005, -0.005, 0.00644578] } }
+)";
+  const auto run = [&](const std::string& bodies, const std::string& surfaces, const char* normal, const char* name) {
+    return run_text("model = \"solid\"\n" + bodies + "[contact]\nsurfaces = [" + surfaces + "]\nnormal = [0.0, 0.0, " +
+                        normal +
+                        "]\nfriction_coefficient = 0.3\n[coupling]\nprotocol = \"all_explicit\"\n[time]\nstep_s = "
+                        "6e-8\nend_s = 1.2e-5\n",
+                    folder, name);
+  };
+  const auto one = run(low + high, "\"high.outside\", \"low.outside\"", "-1.0", "one"),
+             other = run(high + low, "\"low.outside\", \"high.outside\"", "1.0", "other");
+  expect_same(one, other, "contact_force_n", 1.0);
+}
+
 }  // namespace
 }  // namespace ricochet::test
