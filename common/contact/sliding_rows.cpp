@@ -216,7 +216,8 @@ void SlidingRows::move(Sliding& sliding, const Pose& pose, double gap_m) const {
   slide.free_m = open_share * std::clamp(gap_m, 0.0, edge_m);
   const double least_m = slide_share * edge_m;
   Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
-  if (slide.free_m < least_m && moved.norm() < 1.5 * least_m) ahead = 0.5 * least_m * moved.normalized();
+  const double moved_m = moved.norm();  // of a body that turns alone, round-off
+  if (slide.free_m < least_m && moved_m < 1.5 * least_m) ahead = 0.5 * std::min(1.0, least_m / moved_m) * moved;
   slide.shift_m = (geometry.flat ? place_m : Eigen::Vector3d(slide.shift_m + moved)) + ahead;
   if (geometry.flat) return;
   if (const auto touch = surface::touching(mesh, slide.shift_m, Eigen::Vector3d::Zero())) {

@@ -142,5 +142,46 @@ TEST(Invariance, NoToleranceHasAUnit) {
     expect_same_bits_at_any_size(tumbling_block, protocol);
 }
 
+/// A plate that turns comes down on another one with which its edges are flush; `mirror`: -1 for the mirror image.
+std::string turning_plate(double mirror) {
+  const double h_m = 0.016, from_m = mirror > 0.0 ? 0.0 : h_m - 0.0064;
+  return fmt::format(R"(model = "solid"
+[[body]]
+name = "low"
+rigid = true
+material = {{ youngs_modulus_pa = 20e9, poisson_ratio = 0.0, density_kg_m3 = 2700.0 }}
+mesh = {{ length_m = 0.006, height_m = 0.016, width_m = 0.016, elements = [3, 2, 2], place = {{ moved_m = [-0.008, -0.008, 0.0] }} }}
+support = [{{ surface = "start", fixed = ["x", "y", "z"] }}]
+[[body]]
+name = "high"
+large_rotation = true
+initial_velocity_m_s = [0.0, 0.0, -5.0]
+initial_angular_velocity_rad_s = [100.0, {0}, {1}]
+material = {{ youngs_modulus_pa = 20e9, poisson_ratio = 0.3, density_kg_m3 = 2700.0 }}
+mesh = {{ length_m = 0.004, height_m = 0.016, width_m = 0.016, elements = [5, 4, 4], refine = [{{ from_m = [{2}, 0.0, 0.0], to_m = [{3}, 0.0096, 0.002], ratio = 2 }}], place = {{ moved_m = [-0.008, -0.008, 0.0062] }} }}
+[contact]
+surfaces = ["low.end", "high.start"]
+friction_coefficient = 0.3
+[coupling]
+protocol = "all_explicit"
+[time]
+step_s = 6e-8
+end_s = 5e-5
+)",
+                     200.0 * mirror, 50.0 * mirror, from_m, from_m + 0.0064);
+}
+
+/// Rows of a body that turns alone have no direction to run ahead in but that of round-off.
+TEST(Invariance, AMirrorImageHasTheSameForces) {
+  const TemporaryFolder folder;
+  const RunResult one = run_text(turning_plate(1.0), folder, "one"),
+                  other = run_text(turning_plate(-1.0), folder, "other");
+  for (const char* const name : {"contact_force_n", "energy_strain_j", "energy_friction_j"}) {
+    const auto &x = one.column(name), &y = other.column(name);
+    ASSERT_GT(one.largest(name), 0.0);
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(x[i], y[i], 1e-7 * one.largest(name)) << name << " " << i;
+  }
+}
+
 }  // namespace
 }  // namespace ricochet::test
