@@ -65,11 +65,13 @@ struct ContactGeometry {
 };
 
 /// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to
-/// the left; of a solid whose surface is across z, x. A solid has the binormal n x t besides.
+/// the left, of length 1; of a solid's normal within 45 degrees of the z axis the part of x across n, which round-off
+/// does not turn. A solid has the binormal n x t besides.
 [[nodiscard]] inline Eigen::Vector3d tangent_of(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d turned(-normal[1], normal[0], 0.0);
   if (normal[2] == 0.0) return turned;
-  return turned.isZero(0.0) ? Eigen::Vector3d(1.0, 0.0, 0.0) : turned.normalized();
+  if (normal[2] * normal[2] < 0.5 * normal.squaredNorm()) return turned.normalized();
+  return (Eigen::Vector3d::UnitX() - normal[0] / normal.squaredNorm() * normal).normalized();
 }
 
 struct BodyProblem {
