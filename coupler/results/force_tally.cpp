@@ -81,8 +81,7 @@ std::optional<double> ForceTally::first_contact_s() const {
 }
 
 std::optional<double> ForceTally::separation_time_s() const {
-  if (!falls_.empty() && last_window_ - falls_.back().window >= free_windows_)
-    return time_s(falls_.back().window);
+  if (!falls_.empty() && last_window_ - falls_.back().window >= free_windows_) return time_s(falls_.back().window);
   if (separation_.window >= 0 && separation_.largest_n > level_n()) return time_s(separation_.window);
   return std::nullopt;
 }
