@@ -233,5 +233,22 @@ TEST(Gmsh, UnknownGroupsAndSurfacesNameTheLine) {
   }
 }
 
+/// Near z it is along x, however a normal rounds; else it is n turned to the left.
+TEST(Tangent, IsNotTurnedByRoundOff) {
+  const auto expect = [](const Eigen::Vector3d& normal, const Eigen::Vector3d& tangent) {
+    const Eigen::Vector3d found = tangent_of(normal);
+    EXPECT_LT((found - tangent).norm(), 1e-15) << normal.transpose() << ": " << found.transpose();
+    EXPECT_LT(std::abs(found.dot(normal)), 1e-15);
+  };
+  expect({0.0, 0.0, 1.0}, {1.0, 0.0, 0.0});
+  expect({1e-17, -3e-18, -1.0}, {1.0, 0.0, 0.0});
+  expect({-2e-18, 1e-17, -1.0}, {1.0, 0.0, 0.0});
+  expect({0.28, 0.0, -0.96}, {0.96, 0.0, 0.28});
+  expect({0.0, 0.28, 0.96}, {1.0, 0.0, 0.0});
+  expect({0.6, 0.8, 0.0}, {-0.8, 0.6, 0.0});
+  expect({0.96, 0.0, 0.28}, {0.0, 1.0, 0.0});
+  expect({0.0, -1.0, 0.0}, {1.0, 0.0, 0.0});
+}
+
 }  // namespace
 }  // namespace ricochet::scene
