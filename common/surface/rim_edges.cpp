@@ -12,6 +12,8 @@ namespace {
 
 /// Sine of the angle between two lines from which on they cross.
 constexpr double least_crossing = 0.05;
+/// Cosine between the normals of two crossings at one place that are one.
+constexpr double least_alike = 0.7;
 
 /// Within an edge, its ends included; none beyond them.
 std::optional<double> within_edge(double share) {
@@ -99,14 +101,15 @@ std::vector<EdgeCrossing> RimEdges::crossings(const RimEdges& first, const Eigen
   std::vector<EdgeCrossing> crossings;
   const double reach_m = std::max(longest_m_, first.longest_m_);
   std::vector<std::size_t> near;
-  std::vector<Eigen::Vector3d> at_ends;
-  // Edges before and after a node cross there once.
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> at_ends;  // places and normals
+  // Edges before and after a node cross there once, but for those of a corner, which stop what comes from two sides.
   const auto known = [&](const EdgeCrossing& found, const RimEdge& edge) {
     if (!at_end(found.first) && !at_end(found.second)) return false;
     const Eigen::Vector3d place = found.first[0].weight * edge.x[0] + found.first[1].weight * edge.x[1];
-    const bool before = std::any_of(at_ends.begin(), at_ends.end(),
-                                    [&](const auto& x) { return (x - place).norm() <= 4.0 * same_place * reach_m; });
-    if (!before) at_ends.push_back(place);
+    const bool before = std::any_of(at_ends.begin(), at_ends.end(), [&](const auto& end) {
+      return (end.first - place).norm() <= 4.0 * same_place * reach_m && end.second.dot(found.normal) > least_alike;
+    });
+    if (!before) at_ends.emplace_back(place, found.normal);
     return before;
   };
   for (std::size_t i = 0; i < first.edges_.size(); ++i) {

@@ -14,6 +14,6 @@ namespace ricochet::coupler {
 /// line says whether its error is reached, and, if it is not, what to ask for: `expected` are the relative errors by
 /// which protocol, step or mesh were chosen, if they were.
 [[nodiscard]] std::string estimate_error(const scene::Scene& scene, double step_s, const ResultsDirectory& results,
-                                         const std::map<std::string, double>& expected = {});
+                                         const std::map<std::string, double>& expected);
 
 }  // namespace ricochet::coupler

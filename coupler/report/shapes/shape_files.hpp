@@ -11,7 +11,7 @@ namespace ricochet::report {
 
 using Place = std::array<double, 3>;  ///< [m]; of models with fewer coordinates the rest is 0
 
-/// What one participant drew of one body, or what is rigid: that stands still and has no fields.
+/// A body as one participant drew it, or a rigid obstacle, which stands still and has no fields.
 struct ShapePiece {
   int body = 0;                                       ///< index into Shapes::bodies
   std::vector<int> node;                              ///< number in the body

@@ -64,7 +64,7 @@ std::vector<float> drawn_places(const Shapes& shapes, const ShapePiece& piece, s
 
 /// cells_data and "place": a window's components of each node as float32; "stress" and, of a body that yields,
 /// "plastic_strain", where that heats it "temperature_rise_k", of who enforces the contact "contact_pressure_pa": a
-/// window's float32 of each cell. What is rigid has none of them.
+/// window's float32 of each cell. A rigid obstacle has none of them.
 Json data_of(const Shapes& shapes, const ShapePiece& piece, const std::vector<CellLook>& looks,
              const Magnification& magnification) {
   Json data = cells_data(piece, looks);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -78,6 +79,52 @@ TEST(RimEdges, ThatCrossAtANodeCrossOnce) {
     const auto crossings = above.crossings(below, turn * Eigen::Vector3d(0.0, 0.0, 0.01), least_tilt);
     ASSERT_EQ(crossings.size(), 1U) << i;
     EXPECT_NEAR(crossings[0].gap_m, 0.01, 1e-14);
+  }
+}
+
+/// The corner of a cube that points upwards, at the origin: node 0, its edges go down to nodes 1, 2 and 3.
+std::vector<SurfaceFace> corner(const Eigen::Matrix3d& turn) {
+  std::array<Eigen::Vector3d, 3> along;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = (0.5 + 2.0 * i / 3.0) * std::numbers::pi;
+    along[static_cast<std::size_t>(i)] =
+        turn * Eigen::Vector3d(std::sqrt(2.0 / 3.0) * std::cos(angle), std::sqrt(2.0 / 3.0) * std::sin(angle),
+                               -std::sqrt(1.0 / 3.0));
+  }
+  std::vector<SurfaceFace> faces;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Eigen::Vector3d &a = along[static_cast<std::size_t>(i)], &b = along[static_cast<std::size_t>(j)];
+    SurfaceFace face{
+        {0, 1 + i, 4 + i, 1 + j}, {Eigen::Vector3d(0.0, 0.0, 0.0), a, a + b, b}, {}, a.cross(b).normalized()};
+    face.sharp = {true, true, true, true};
+    face.patch = i;
+    faces.push_back(face);
+  }
+  return faces;
+}
+
+/// A roof four times as steep.
+std::vector<SurfaceFace> steep_roof(const Eigen::Matrix3d& turn) {
+  auto faces = roof(Eigen::Matrix3d::Identity());
+  for (SurfaceFace& face : faces) {
+    for (auto& place : face.x) place = turn * place.cwiseProduct(Eigen::Vector3d(1.0, 1.0, 4.0));
+    face.normal = (turn * face.normal.cwiseProduct(Eigen::Vector3d(4.0, 1.0, 1.0))).normalized();
+  }
+  return faces;
+}
+
+/// An edge over a corner touches it from both sides: a row for each, however the directions of space round.
+TEST(RimEdges, OverACornerCrossTheEdgesOfBothItsSides) {
+  const Eigen::Matrix3d beside = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()).toRotationMatrix() * across();
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d(std::sin(i), std::cos(3.0 * i), 0.3).normalized())
+            .toRotationMatrix();
+    const RimEdges below(corner(turn)), above(steep_roof(turn * beside));
+    const auto crossings = above.crossings(below, Eigen::Vector3d::Zero(), least_tilt);
+    ASSERT_EQ(crossings.size(), 2U) << i;
+    EXPECT_LT(crossings[0].normal.dot(crossings[1].normal), 0.5);
   }
 }
 
