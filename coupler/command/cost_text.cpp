@@ -30,8 +30,18 @@ std::string bytes_text(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.2g} MB", 1e-6 * bytes) : fmt::format("{:.3g} GB", 1e-9 * bytes);
 }
 
-/// What the results of so many windows take, and whether the disk of the present folder has it.
-std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& cost) {
+/// What the disk of the present folder has left [bytes], if the system tells.
+std::optional<double> free_here_bytes() {
+  std::error_code error;
+  const auto space = std::filesystem::space(".", error);
+  if (error) return std::nullopt;
+  return static_cast<double>(space.available);
+}
+
+}  // namespace
+
+std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& cost,
+                      std::optional<double> free_bytes) {
   const auto& output = problem.scene.output;
   const double row_bytes = 20.0 * static_cast<double>(history_columns(history_shape(problem)).size());
   const double times = output.fields_every > 0 ? std::floor(cost.windows / output.fields_every) + 1.0 : 0.0;
@@ -39,19 +49,14 @@ std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& 
   const double need_bytes = row_bytes * cost.windows / output.history_every + of_fields;
   std::string text = fmt::format("disk: about {}", bytes_text(need_bytes));
   if (files > 0.0) text += fmt::format(", of it {} in {:.0f} files of fields", bytes_text(of_fields), files);
-  std::error_code error;
-  const auto space = std::filesystem::space(".", error);
-  if (error) return text + "\n";
-  const auto free_bytes = static_cast<double>(space.available);
-  text += fmt::format("; {} free here\n", bytes_text(free_bytes));
-  if (need_bytes > free_bytes)
+  if (!free_bytes) return text + "\n";
+  text += fmt::format("; {} free here\n", bytes_text(*free_bytes));
+  if (need_bytes > *free_bytes)
     text += fmt::format("warning: that is more than is free: {}\n",
                         of_fields > 0.5 * need_bytes ? "fewer fields by a larger output.fields_every"
                                                      : "fewer rows by a larger output.history_every");
   return text;
 }
-
-}  // namespace
 
 std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
   const auto known = [](const auto& participant) { return !participant.foreign(); };
@@ -83,7 +88,7 @@ std::string cost_text(const scene::Problem& problem, const scene::Plan& plan) {
     text += fmt::format("\n  all_explicit would take {:.2g} s, {:.2g} times as long, in steps of {:.3g} s",
                         cost.all_explicit_s, cost.all_explicit_s / cost.stepping_s(), cost.all_explicit_step_s);
   return text + "\n" + fmt::format("set-up before the first step: about {:.2g} s\n", cost.setup_s) +
-         disk_text(problem, cost);
+         disk_text(problem, cost, free_here_bytes());
 }
 
 }  // namespace ricochet::coupler

@@ -123,15 +123,6 @@ TEST(CheckedDisk, IsWhatTheFieldsTake) {
   EXPECT_NEAR(number_after(out, " MB in "), files, 4.0);
 }
 
-/// Half a million seconds of two_bars: 2e11 rows of the history.
-TEST(CheckedDisk, IsAskedForFewerOfWhatTakesMost) {
-  const TemporaryFolder folder;
-  const std::string text = with_key(config_text("two_bars"), "time", "end_s", "5e5");
-  EXPECT_THAT(checked(text, folder).out, HasSubstr("fewer rows by a larger output.history_every"));
-  EXPECT_THAT(checked(with_key(text, "output", "fields_every", "1"), folder).out,
-              HasSubstr("fewer fields by a larger output.fields_every"));
-}
-
 TEST(LargeScene, IsFoundSoonOrSaysWhatItIsDoing) {
   const TemporaryFolder folder;
   const auto begin = std::chrono::steady_clock::now();

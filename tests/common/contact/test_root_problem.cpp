@@ -134,7 +134,7 @@ TEST(RootProblem, PairsThatAreFarApartChangeNoBitOfTheOthersForces) {
   const auto& expected = alone.solve(gap_free(near), slip_free(near), velocity.head(3), alone.open());
   EXPECT_EQ(Eigen::VectorXd(solution.force(unknowns)), expected.force);
   EXPECT_GT(expected.force.head(3).minCoeff(), 0.1);
-  EXPECT_EQ(solution.force.cwiseAbs().sum(), expected.force.cwiseAbs().sum());
+  EXPECT_EQ((solution.force.array() != 0.0).count(), (expected.force.array() != 0.0).count());
 }
 
 TEST(RootProblem, OnePairSticksBelowAndSlipsAboveTheCone) {

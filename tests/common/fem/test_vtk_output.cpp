@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -133,7 +135,12 @@ TEST(WriteVtu, IsReadByAnIndependentReader) {
     const auto arrays = read_with_meshio(written.path());
     for (const auto& [name, values] : expected_fields(written)) {
       ASSERT_TRUE(arrays.contains(name)) << name;
-      EXPECT_EQ(arrays.at(name), values) << sample::name(model) << " " << name;
+      // The last bits of a product are the processor's.
+      const double close = 1e-14 * std::abs(*std::max_element(values.begin(), values.end(), [](double a, double b) {
+                             return std::abs(a) < std::abs(b);
+                           }));
+      EXPECT_THAT(arrays.at(name), testing::Pointwise(testing::DoubleNear(close), values))
+          << sample::name(model) << " " << name;
     }
     std::vector<double> points, cells;
     for (const Eigen::Vector3d& x : written.part.mesh.position) points.insert(points.end(), x.begin(), x.end());

@@ -52,5 +52,22 @@ TEST(CostText, SaysNothingOfTheTimeOfAProgramThatItDoesNotKnow) {
               testing::AllOf(testing::HasSubstr("memory: about"), testing::Not(testing::HasSubstr("predicted"))));
 }
 
+/// A thousand rows, and fields of a megabyte each. The free space is given: a test cannot know that of its machine.
+TEST(DiskText, AsksForFewerOfWhatTakesMost) {
+  auto problem = scene::build_problem(scene_of("two_bars"));
+  cost::PredictedCost cost;
+  cost.windows = 1000.0;
+  cost.field_files = 2.0;
+  cost.field_bytes = 1e6;
+  const auto text = [&](std::optional<double> free_bytes) { return disk_text(problem, cost, free_bytes); };
+  EXPECT_THAT(text(1e12), testing::Not(testing::HasSubstr("warning"))) << "there is room";
+  EXPECT_THAT(text(std::nullopt),
+              testing::Not(testing::AnyOf(testing::HasSubstr("free"), testing::HasSubstr("warning"))));
+  EXPECT_THAT(text(1e4), testing::HasSubstr("0.01 MB free here\nwarning: that is more than is free: fewer rows by a "
+                                            "larger output.history_every"));
+  problem.scene.output.fields_every = 10;
+  EXPECT_THAT(text(1e4), testing::HasSubstr("fewer fields by a larger output.fields_every"));
+}
+
 }  // namespace
 }  // namespace ricochet::coupler
