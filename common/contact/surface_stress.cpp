@@ -95,7 +95,6 @@ double SurfaceStress::smallest_principal(const Element& own, const Eigen::Ref<co
   for (std::size_t i = 0; i < own.dofs.size(); ++i) nodal[static_cast<Eigen::Index>(i)] = u[own.dofs[i]];
   fem::StressVector stress = own.stress_of_displacement * nodal;
   if (plastic_) stress -= plastic_->stress_of(own.element);
-  if (model_ == fem::Model::bar) return stress[0];  // the lateral principal stresses of a bar are zero
   return fem::principal_stresses(model_, stress)[2];
 }
 

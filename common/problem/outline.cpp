@@ -68,6 +68,28 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
   return pairs;
 }
 
+namespace {
+
+/// Whether one of two bodies with flat surfaces reaches out beyond its own: the other one may meet it there first.
+bool reaches_beyond_surface(const Problem& problem, const ContactGeometry& contact) {
+  constexpr double tolerated_share_of_extent = 1e-6;
+  const auto reaches = [&](int body, const Eigen::Vector3d& out, const auto& node_of) {
+    const auto& place = problem.bodies[at(body)].mesh.position;
+    double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m, surface_m = -lowest_m;
+    for (const Eigen::Vector3d& x : place) {
+      lowest_m = std::min(lowest_m, x.dot(out));
+      highest_m = std::max(highest_m, x.dot(out));
+    }
+    for (const ContactPair& pair : contact.pairs) surface_m = std::max(surface_m, place[at(node_of(pair))].dot(out));
+    return highest_m - surface_m > tolerated_share_of_extent * (highest_m - lowest_m);
+  };
+  return contact.flat && contact.body_b >= 0 &&
+         (reaches(contact.body_a, contact.normal, [](const ContactPair& pair) { return pair.node_a; }) ||
+          reaches(contact.body_b, -contact.normal, [](const ContactPair& pair) { return pair.b.front().node; }));
+}
+
+}  // namespace
+
 std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   const auto bodies = [&](std::size_t i) {
     return std::minmax({problem.contacts[i].body_a, problem.contacts[i].body_b});
@@ -85,7 +107,8 @@ std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const ContactGeometry& contact = problem.contacts[i];
     const bool turns = contact.turns || problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
-    if ((turns || contact.sliding) && lies_by_its_mesh(i)) contacts.push_back(&contact);
+    if ((turns || contact.sliding || reaches_beyond_surface(problem, contact)) && lies_by_its_mesh(i))
+      contacts.push_back(&contact);
   }
   return contacts;
 }

@@ -12,9 +12,9 @@ namespace ricochet::coupler {
 
 /// Whether bodies overlap where no contact holds them apart, or have passed through one another since the last look: on
 /// the straight way of every outline node from where it was to where it is, in steps that no body is thin enough to be
-/// missed in. Watched are bodies that have no contact between them, and such as turn or slide along each other, of
-/// which other places may meet than the contact's surfaces; rigid planes, too. A body that not all participants tell
-/// the outline of is not watched.
+/// missed in. Watched are bodies that have no contact between them, and such of which other places may meet than the
+/// contact's surfaces (scene::contacts_to_watch); rigid planes, too. A body that not all participants tell the outline
+/// of is not watched.
 class OverlapWatch {
  public:
   /// `problem` must outlive it.

@@ -188,6 +188,38 @@ TEST(Overlap, AtTheStartIsRefused) {
   EXPECT_THAT(refused.error, HasSubstr("overlaps body \"right\" by 0.01 m"));
 }
 
+class PostOnAPlate : public testing::TestWithParam<std::string> {};
+
+/// A post of 1 mm stands on the plate that a block falls to, and the contact names the plate alone.
+TEST_P(PostOnAPlate, ThatTheBlockMeetsFirstStopsTheRun) {
+  const std::string text =
+      "model = \"plane_strain\"\n[[body]]\nname = \"low\"\nmaterial = \"steel_a36\"\n"
+      "[[body.support]]\nsurface = \"plate.start\"\nfixed = [\"x\", \"y\"]\n[body.mesh]\n"
+      "tie = [{ surfaces = [\"plate.end\", \"post.start\"] }]\npiece = [\n"
+      "{ name = \"plate\", height_m = 0.01, length_m = 0.004, elements = [20, 8] },\n"
+      "{ name = \"post\", height_m = 0.002, length_m = 0.001, start_m = 0.004, elements = [4, 2] }]\n"
+      "[[body]]\nname = \"high\"\nmaterial = \"steel_a36\"\ninitial_velocity_m_s = [0.0, -10.0]\n"
+      "mesh = { height_m = 0.01, length_m = 0.004, start_m = 0.0051, elements = [20, 8] }\n"
+      "[contact]\nsurfaces = [\"low.plate.end\", \"high.start\"]\n[partition]\n"
+      "implicit_length_m = { low = 0.001, high = 0.001 }\n" +
+      settings(3e-8, 1.3e-4, GetParam());
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(text), folder);
+  expect_left(run, "overlap", "beside the surfaces that the contact names");
+  // 0.1 mm of way, and a quarter of an edge of the plate's 0.5 mm.
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 22.5e-6, 0.5e-6);
+  EXPECT_EQ(run_file(folder.write(replaced(text, "start_m = 0.0051, ",
+                                           "start_m = 0.0041, place = { moved_m = [0.003, "
+                                           "0.0] }, "),
+                                  "beside.toml"),
+                     folder, "beside")
+                .outcome.code,
+            0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Outside, PostOnAPlate, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
+                         [](const auto& test) { return test.param; });
+
 TEST(Rotation, AboveTwoDegreesIsSaid) {
   const TemporaryFolder folder;  // a cantilever that bends
   const std::string text = "model = \"plane_strain\"\n" +

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -125,6 +126,26 @@ TEST(ContactsToWatch, AreNoneOfBodiesThatLieApartFromTheirMeshes) {
   problem.scene.contacts.back() = problem.scene.contacts.front();
   problem.scene.contacts.back().nose_radius_m = 1.0;
   EXPECT_TRUE(contacts_to_watch(problem).empty()) << "another contact of the two has a nose";
+}
+
+TEST(ContactsToWatch, AreThoseOfABodyThatReachesBeyondItsFlatSurface) {
+  Problem problem = plates_problem();
+  EXPECT_TRUE(contacts_to_watch(problem).empty());
+  const auto& contact = problem.contacts.front();
+  std::vector<bool> in_contact(problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh.position.size(), false);
+  for (const auto& pair : contact.pairs) in_contact[static_cast<std::size_t>(pair.node_a)] = true;
+  const auto other = std::find(in_contact.begin(), in_contact.end(), false) - in_contact.begin();
+  auto& place = problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh.position[static_cast<std::size_t>(other)];
+  place += (problem.bodies[static_cast<std::size_t>(contact.body_a)]
+                .mesh.position[static_cast<std::size_t>(contact.pairs.front().node_a)] -
+            place)
+               .dot(contact.normal) *
+           contact.normal;
+  EXPECT_TRUE(contacts_to_watch(problem).empty()) << "as high as the surface";
+  place += 1e-4 * contact.normal;
+  EXPECT_EQ(contacts_to_watch(problem).size(), 1U);
+  problem.contacts.front().flat = false;
+  EXPECT_TRUE(contacts_to_watch(problem).empty()) << "facets of curved surfaces lie within one another";
 }
 
 std::string refusal(const std::string& text) {
