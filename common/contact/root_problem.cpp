@@ -13,7 +13,10 @@ namespace ricochet::solver {
 
 namespace {
 constexpr int most_newton_steps = 30;
+/// So often may all wrong states change without becoming fewer.
+constexpr int chances_of_all = 3;
 constexpr int most_sweeps_of_fallback = 5000;
+constexpr int sweeps_before_newton = most_sweeps / 5;
 constexpr double round_off = 1e-12;
 /// Of what a pair yields along its normal: less along its tangent is the square of round-off in its row. Supports hold
 /// it, as at an axis that nodes of a divided mesh miss by 1e-19 m.
@@ -97,7 +100,11 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
 void RootProblem::fall_back(const Window& window) {
   gauss_seidel(window);
   solution_.residual = residual(window);
-  if (solution_.residual <= converged_residual) return;
+  if (solution_.residual > converged_residual) go_on_by_newton(window);
+}
+
+/// From forces that sweeps have found, which stay unless it comes nearer.
+void RootProblem::go_on_by_newton(const Window& window) {
   Solution swept = solution_;
   newton(window);
   solution_.residual = residual(window);
@@ -106,12 +113,17 @@ void RootProblem::fall_back(const Window& window) {
   solution_ = std::move(swept);
 }
 
-/// From the present forces and states, until neither changes; for a stated number of times.
+/// From the present forces and states, until neither changes; for a stated number of times. Without friction this is
+/// block principal pivoting (Judice and Pires 1994): where all states that are wrong change at once and do not become
+/// fewer, the last of them changes alone until they do. That ends for every positive definite D.
 void RootProblem::newton(const Window& window) {
+  const bool rubs = std::any_of(blocks_.begin(), blocks_.end(), [](const PairBlock& block) { return block.slides(); });
+  int fewest = pairs() + 1, chances = chances_of_all;
   const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
   if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
     compliance_.times(solution_.force, motion_);
-  for (int n = 0; n < most_newton_steps; ++n, ++solution_.iterations) {
+  const int most = rubs ? most_newton_steps : most_newton_steps + pairs();
+  for (int n = 0; n < most; ++n, ++solution_.iterations) {
     if (!find_rows(window) && n > 0) return;
     before_ = solution_.force;
     if (std::all_of(rows_.begin(), rows_.end(), [](const PairRows& rows) { return rows.idle(0); })) {
@@ -119,9 +131,11 @@ void RootProblem::newton(const Window& window) {
     } else {
       system_.solve(compliance_, rows_, solution_.force);
     }
-    const bool changed = update_states(window);
+    const int wrong = update_states(window, rubs || chances > 0);
+    chances = wrong < fewest ? chances_of_all : chances - 1;
+    fewest = std::min(fewest, wrong);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
-    if (!changed && step <= settled_step * solution_.force.cwiseAbs().maxCoeff()) return;
+    if (wrong == 0 && step <= settled_step * solution_.force.cwiseAbs().maxCoeff()) return;
   }
 }
 
@@ -138,20 +152,22 @@ bool RootProblem::find_rows(const Window& window) {
   return changed;
 }
 
-bool RootProblem::update_states(const Window& window) {
+/// Returns how many were not what the criteria ask for. All of them change, or the last alone.
+int RootProblem::update_states(const Window& window, bool all) {
   compliance_.times(solution_.force, motion_);
   const double negligible_n = round_off * solution_.force.head(pairs()).cwiseAbs().maxCoeff();
   const double negligible_m = round_off * window.gap_free.cwiseAbs().maxCoeff();
-  bool changed = false;
-  for (int i = 0; i < pairs(); ++i) {
+  int wrong = 0;
+  for (int i = pairs() - 1; i >= 0; --i) {
     const auto k = static_cast<std::size_t>(i);
     auto& state = solution_.states[k];
     const ContactState next = projection_.next_state(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
                                                      of_pair(i, motion_), state, negligible_n, negligible_m);
-    changed = changed || next != state;
-    state = next;
+    if (next == state) continue;
+    if (all || wrong == 0) state = next;
+    ++wrong;
   }
-  return changed;
+  return wrong;
 }
 
 /// Slow, but without friction it cannot cycle, and with little of it it does not.
@@ -194,15 +210,27 @@ const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd&
              : projection_.tangential(block, of, force, moved);
     for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
   };
-  const Swept swept = sweep(compliance_, pairs(), most_sweeps, x, motion_, project);
-  solution_.iterations = swept.sweeps;
-  solution_.residual = swept.residual;
   if (held) {
+    const Swept swept = sweep(compliance_, pairs(), most_sweeps, x, motion_, project);
+    solution_.iterations = swept.sweeps;
+    solution_.residual = swept.residual;
     std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
-  } else {
-    states_of_forces();
-    finish();
+    return solution_;
   }
+  const int most = normal.size() > 0 ? most_sweeps : sweeps_before_newton;  // Newton's method finds all forces, or none
+  solution_.iterations = 0;
+  for (int sweeps = 0; sweeps < most_sweeps; sweeps += most) {
+    const Swept swept = sweep(compliance_, pairs(), most, x, motion_, project);
+    solution_.iterations += swept.sweeps;
+    solution_.residual = swept.residual;
+    states_of_forces();
+    if (swept.residual <= settled_share || normal.size() > 0) break;
+    solution_.residual = residual(window);
+    go_on_by_newton(window);
+    if (solution_.residual <= converged_residual) break;
+    compliance_.times(x, motion_);
+  }
+  finish();
   return solution_;
 }
 

@@ -43,7 +43,7 @@ class RootProblem {
     std::vector<ContactState> states;  ///< per pair
     int iterations = 0;                ///< linear solves and sweeps
     /// Largest violation of the conditions above, each as the change of force that would mend it alone, relative to the
-    /// largest normal force; of `sweep_from_none` the largest last change.
+    /// largest normal force; where sweeps have settled, or find a part of the forces, their largest last change.
     double residual = 0.0;
 
     void archive(Archive& a) { a(force, states, iterations, residual); }
@@ -53,8 +53,9 @@ class RootProblem {
   /// is the accepted solution of the window before (states to start from, tangential forces of the penalty law).
   const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                         const Eigen::VectorXd& slip_velocity, const Solution& last);
-  /// By sweeps alone, from no forces and a multiplier, for a D that couples few pairs: of one that couples none the
-  /// first is right. `normal`: forces along n where they are known, else empty; `held`: `hold` of the others.
+  /// By sweeps from no forces and a multiplier, for a D that couples few pairs: of one that couples none the first is
+  /// right. Newton's method goes on where they do not settle, as where nodes hang. `normal`: forces along n where they
+  /// are known, else empty; `held`: `hold` of the others.
   const Solution& sweep_from_none(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
                                   const Eigen::VectorXd& normal, bool held);
 
@@ -79,8 +80,9 @@ class RootProblem {
   /// Leaves D x of the forces in `motion_`.
   void newton(const Window& window);
   [[nodiscard]] bool find_rows(const Window& window);
-  [[nodiscard]] bool update_states(const Window& window);
+  [[nodiscard]] int update_states(const Window& window, bool all);
   void fall_back(const Window& window);
+  void go_on_by_newton(const Window& window);
   void gauss_seidel(const Window& window);
   void states_of_forces();
   [[nodiscard]] double residual(const Window& window) const;

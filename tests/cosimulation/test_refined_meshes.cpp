@@ -428,5 +428,45 @@ TEST(RefinedMeshes, AreRefusedAtACurvedContactSurface) {
   EXPECT_THAT(outcome.error, HasSubstr("which is curved and has elements that mesh.refine divides"));
 }
 
+/// A block on a coarser one, refined at a part of the contact, or the half of both behind a plane of symmetry x = 0.
+std::string refined_blocks(bool half, const char* protocol) {
+  const auto body = [&](const char* name, double start_m, double length_m, int along, double velocity_m_s,
+                        const std::string& refine) {
+    return fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = {}\ninitial_velocity_m_s = [0.0, 0.0, {}]\n{}mesh = {{ start_m = {}, "
+        "length_m = {}, height_m = {}, width_m = 0.006, elements = [{}, {}, 3]{}{} }}\n",
+        name, steel, velocity_m_s, half ? "support = [{ surface = \"inner\", fixed = [\"x\"] }]\n" : "", start_m,
+        length_m, half ? 0.003 : 0.006, half ? 3 : 6, along, refine,
+        half ? "" : ", place = { moved_m = [-0.003, 0.0, 0.0] }");
+  };
+  const auto refine =
+      fmt::format(", refine = [{{ from_m = [{}, 0.0, 0.0080023], to_m = [{}, 0.0031, 0.0100023], ratio = 2 }}]",
+                  half ? 0.0 : 0.00135, half ? 0.00165 : 0.00465);
+  return "model = \"solid\"\n" + body("low", 0.0, 0.008, 2, 0.0, "") + body("high", 0.0080023, 0.004, 3, -1.0, refine) +
+         "[contact]\nsurfaces = [\"low.end\", \"high.start\"]\n[partition]\nimplicit_length_m = { low = 0.003, high = "
+         "0.002 }\n[time]\nstep_s = 4e-8\nend_s = 8e-6\n" +
+         protocol_of(protocol);
+}
+
+class RefinedBlocks : public testing::TestWithParam<const char*> {};
+
+TEST_P(RefinedBlocks, AndTheHalfOfThemHaveTheSameForces) {
+  const TemporaryFolder folder;
+  const auto whole = run_text(refined_blocks(false, GetParam()), folder, "whole"),
+             half = run_text(refined_blocks(true, GetParam()), folder, "half");
+  for (const auto* run : {&whole, &half}) {
+    EXPECT_EQ(run->summary.at("contact").at("windows_unconverged"), 0);
+    EXPECT_LE(run->summary.at("contact").at("residual_max").get<double>(), 1e-10);
+  }
+  const auto all = whole.column("contact_force_n"), of_half = half.column("contact_force_n");
+  ASSERT_EQ(all.size(), of_half.size());
+  const double largest_n = *std::max_element(all.begin(), all.end());
+  EXPECT_GT(largest_n, 100.0);
+  for (std::size_t row = 0; row < all.size(); ++row) EXPECT_NEAR(all[row], 2.0 * of_half[row], 1e-8 * largest_n) << row;
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, RefinedBlocks, testing::Values("all_explicit", "local_explicit"),
+                         [](const auto& test) { return std::string(test.param); });
+
 }  // namespace
 }  // namespace ricochet::test
