@@ -14,15 +14,17 @@ constexpr Eigen::Index multiple = 32;
 /// Of more unknowns a factor costs more than products until it may be used again. Measured: solids that stick with 676
 /// pairs, 2028 unknowns.
 constexpr std::ptrdiff_t most_factored = 1000;
+/// The same of a sparse D, for which products have not led there.
+constexpr std::ptrdiff_t most_factored_of_sparse = 300;
 
 /// BiCGSTAB (van der Vorst 1992) for A x = b from the present x: `times(x, y)` sets y = A x. It starts anew where its
-/// residuals have become orthogonal to the first.
+/// residuals have become orthogonal to the first. Whether that has led there.
 template <class Times>
-void bicgstab(const Times& times, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+bool bicgstab(const Times& times, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
   const double enough = linear_tolerance * linear_tolerance * b.squaredNorm();
   if (b.isZero(0.0)) {
     x.setZero();
-    return;
+    return true;
   }
   Eigen::VectorXd v = Eigen::VectorXd::Zero(b.size()), p = v, t(b.size()), s;
   times(x, t);
@@ -45,6 +47,7 @@ void bicgstab(const Times& times, const Eigen::VectorXd& b, Eigen::VectorXd& x) 
     x += alpha * p + omega * s;
     r = s - omega * t;
   }
+  return r.squaredNorm() <= enough;
 }
 
 /// How many have rows that are not idle.
@@ -65,15 +68,16 @@ void PairSystem::solve(const Compliance& compliance, const std::vector<PairRows>
   const auto pairs = static_cast<Eigen::Index>(rows.size()), directions = compliance.size() / pairs;
   const bool kept = factored_ && same_matrix(rows, rows_);
   rows_ = rows;
-  if (!compliance.dense() || unknowns_of(rows, directions) > most_factored) {
-    factored_ = false;
-    solve_by_products(compliance, directions, x);
-    return;
-  }
-  if (!kept) {
-    assemble(*compliance.dense(), directions);
-    factor_.compute(matrix_);
+  const auto unknowns = unknowns_of(rows, directions);
+  if (const Eigen::MatrixXd* dense = compliance.dense(); dense && unknowns <= most_factored) {
+    if (!kept)
+      compute_factor([dense](Eigen::Index row, Eigen::Index column) { return (*dense)(row, column); }, directions);
     factored_ = true;
+  } else {
+    factored_ = false;
+    if (solve_by_products(compliance, directions, x) || !compliance.sparse() || unknowns > most_factored_of_sparse)
+      return;
+    compute_factor([&](Eigen::Index row, Eigen::Index column) { return compliance.entry(row, column); }, directions);
   }
   for (std::size_t k = 0; k < involved_.size(); ++k) {
     const Eigen::Index unknown = involved_[k];
@@ -85,8 +89,9 @@ void PairSystem::solve(const Compliance& compliance, const std::vector<PairRows>
 }
 
 /// Of the unknowns whose rows are not idle: a ball that touches with thirty of two hundred pairs has a matrix of
-/// thirty.
-void PairSystem::assemble(const Eigen::MatrixXd& compliance, Eigen::Index directions) {
+/// thirty. `compliance(row, column)` is D.
+template <class Entry>
+void PairSystem::compute_factor(const Entry& compliance, Eigen::Index directions) {
   const auto pairs = static_cast<Eigen::Index>(rows_.size());
   involved_.clear();
   place_.assign(static_cast<std::size_t>(directions * pairs), -1);
@@ -113,11 +118,12 @@ void PairSystem::assemble(const Eigen::MatrixXd& compliance, Eigen::Index direct
       if (own != 0.0 && place >= 0) matrix_(row, place) += own;
     }
   }
+  factor_.compute(matrix_);
 }
 
 /// Forces of idle rows are zero from the start on, and stay it: neither the right-hand side nor a product has anything
 /// there.
-void PairSystem::solve_by_products(const Compliance& compliance, Eigen::Index directions, Eigen::VectorXd& x) const {
+bool PairSystem::solve_by_products(const Compliance& compliance, Eigen::Index directions, Eigen::VectorXd& x) const {
   const auto pairs = static_cast<Eigen::Index>(rows_.size());
   Eigen::VectorXd rhs(x.size());
   for (Eigen::Index unknown = 0; unknown < x.size(); ++unknown) {
@@ -137,7 +143,7 @@ void PairSystem::solve_by_products(const Compliance& compliance, Eigen::Index di
       for (Eigen::Index d = 0; d < directions; ++d) y[d * pairs + i] = row[d];
     }
   };
-  bicgstab(times, rhs, x);
+  return bicgstab(times, rhs, x);
 }
 
 }  // namespace ricochet::solver

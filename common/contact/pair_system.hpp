@@ -11,15 +11,17 @@ namespace ricochet::solver {
 
 /// The linear equations of all pairs: rows of D x (PairRows). With a dense D the matrix of those rows that are not idle
 /// is kept factored while they do not change; of more than a thousand, or with a D that is sparse or only multiplies,
-/// BiCGSTAB (van der Vorst 1992) solves.
+/// BiCGSTAB (van der Vorst 1992) solves. Where that does not end with a small sparse D, its matrix is factored, too.
 class PairSystem {
  public:
   /// `x`: forces to start from, and the solution; all normals, then all along t, then all along the binormal.
   void solve(const Compliance& compliance, const std::vector<PairRows>& rows, Eigen::VectorXd& x);
 
  private:
-  void assemble(const Eigen::MatrixXd& compliance, Eigen::Index directions);
-  void solve_by_products(const Compliance& compliance, Eigen::Index directions, Eigen::VectorXd& x) const;
+  template <class Entry>
+  void compute_factor(const Entry& compliance, Eigen::Index directions);
+  /// Whether that has led to the solution.
+  bool solve_by_products(const Compliance& compliance, Eigen::Index directions, Eigen::VectorXd& x) const;
 
   std::vector<PairRows> rows_;
   bool factored_ = false;

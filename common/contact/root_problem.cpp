@@ -13,10 +13,13 @@ namespace ricochet::solver {
 
 namespace {
 constexpr int most_newton_steps = 30;
-/// So often may all wrong states change without becoming fewer.
-constexpr int chances_of_all = 3;
+/// So often may all wrong states change without becoming fewer, and so often the last of them alone.
+constexpr int chances_of_all = 3, most_alone = 100;
 constexpr int most_sweeps_of_fallback = 5000;
 constexpr int sweeps_before_newton = most_sweeps / 5;
+/// Of what a pair yields, by which each gives way besides where sweeps did not settle: where nodes hang rows may depend
+/// on each other, and their forces would be anything.
+constexpr double softness = 1e-11;
 constexpr double round_off = 1e-12;
 /// Of what a pair yields along its normal: less along its tangent is the square of round-off in its row. Supports hold
 /// it, as at an axis that nodes of a divided mesh miss by 1e-19 m.
@@ -98,17 +101,24 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
 
 /// Sweeps and, where these stay above round-off, Newton's method from there.
 void RootProblem::fall_back(const Window& window) {
-  gauss_seidel(window);
-  solution_.residual = residual(window);
-  if (solution_.residual > converged_residual) go_on_by_newton(window);
+  for (const int most : {sweeps_before_newton, most_sweeps_of_fallback - sweeps_before_newton}) {
+    gauss_seidel(window, most);
+    solution_.residual = residual(window);
+    if (solution_.residual <= converged_residual) return;
+    go_on_by_newton(window);
+    if (solution_.residual <= converged_residual) return;
+  }
 }
 
 /// From forces that sweeps have found, which stay unless it comes nearer.
 void RootProblem::go_on_by_newton(const Window& window) {
   Solution swept = solution_;
-  newton(window);
-  solution_.residual = residual(window);
-  if (solution_.force.allFinite() && solution_.residual <= swept.residual) return;
+  const double violation_n = violation(window);
+  newton(window, softness);
+  if (solution_.force.allFinite() && violation(window) <= violation_n) {
+    solution_.residual = residual(window);
+    return;
+  }
   swept.iterations = solution_.iterations;
   solution_ = std::move(swept);
 }
@@ -116,15 +126,15 @@ void RootProblem::go_on_by_newton(const Window& window) {
 /// From the present forces and states, until neither changes; for a stated number of times. Without friction this is
 /// block principal pivoting (Judice and Pires 1994): where all states that are wrong change at once and do not become
 /// fewer, the last of them changes alone until they do. That ends for every positive definite D.
-void RootProblem::newton(const Window& window) {
+void RootProblem::newton(const Window& window, double soft) {
   const bool rubs = std::any_of(blocks_.begin(), blocks_.end(), [](const PairBlock& block) { return block.slides(); });
   int fewest = pairs() + 1, chances = chances_of_all;
   const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
   if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
     compliance_.times(solution_.force, motion_);
-  const int most = rubs ? most_newton_steps : most_newton_steps + pairs();
+  const int most = rubs ? most_newton_steps : most_newton_steps + std::min(pairs(), most_alone);
   for (int n = 0; n < most; ++n, ++solution_.iterations) {
-    if (!find_rows(window) && n > 0) return;
+    if (!find_rows(window, soft) && n > 0) return;
     before_ = solution_.force;
     if (std::all_of(rows_.begin(), rows_.end(), [](const PairRows& rows) { return rows.idle(0); })) {
       solution_.force.setZero();
@@ -140,12 +150,13 @@ void RootProblem::newton(const Window& window) {
 }
 
 /// Returns whether any has changed.
-bool RootProblem::find_rows(const Window& window) {
+bool RootProblem::find_rows(const Window& window, double soft) {
   bool changed = false;
   for (int i = 0; i < pairs(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const PairRows rows = projection_.rows(blocks_[k], window_of(i, window), of_pair(i, solution_.force),
-                                           of_pair(i, motion_), solution_.states[k]);
+    PairRows rows = projection_.rows(blocks_[k], window_of(i, window), of_pair(i, solution_.force), of_pair(i, motion_),
+                                     solution_.states[k]);
+    if (solution_.states[k] != ContactState::open) rows.own(0, 0) += soft;
     changed = changed || !(rows == rows_[k]);
     rows_[k] = rows;
   }
@@ -171,7 +182,7 @@ int RootProblem::update_states(const Window& window, bool all) {
 }
 
 /// Slow, but without friction it cannot cycle, and with little of it it does not.
-void RootProblem::gauss_seidel(const Window& window) {
+void RootProblem::gauss_seidel(const Window& window, int most) {
   auto& x = solution_.force;
   compliance_.times(x, motion_);
   const auto project = [&](int i, const auto& set) {
@@ -182,7 +193,7 @@ void RootProblem::gauss_seidel(const Window& window) {
     const Eigen::Vector2d along = projection_.tangential(block, of, of_pair(i, x), of_pair(i, motion_));
     for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
   };
-  solution_.iterations += sweep(compliance_, pairs(), most_sweeps_of_fallback, x, motion_, project).sweeps;
+  solution_.iterations += sweep(compliance_, pairs(), most, x, motion_, project).sweeps;
   compliance_.times(x, motion_);
   states_of_forces();
 }
@@ -217,14 +228,14 @@ const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd&
     std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
     return solution_;
   }
-  const int most = normal.size() > 0 ? most_sweeps : sweeps_before_newton;  // Newton's method finds all forces, or none
   solution_.iterations = 0;
-  for (int sweeps = 0; sweeps < most_sweeps; sweeps += most) {
+  for (const int most : {sweeps_before_newton, most_sweeps - sweeps_before_newton}) {
     const Swept swept = sweep(compliance_, pairs(), most, x, motion_, project);
     solution_.iterations += swept.sweeps;
     solution_.residual = swept.residual;
     states_of_forces();
-    if (swept.residual <= settled_share || normal.size() > 0) break;
+    if (swept.residual <= settled_share) break;
+    if (normal.size() > 0) continue;  // Newton's method finds all forces, or none
     solution_.residual = residual(window);
     go_on_by_newton(window);
     if (solution_.residual <= converged_residual) break;
@@ -270,8 +281,8 @@ void RootProblem::states_of_forces() {
   }
 }
 
-/// Of the present forces, `motion_` = D x.
-double RootProblem::residual(const Window& window) const {
+/// Of the present forces, `motion_` = D x, the largest change of force that would mend a condition alone [N].
+double RootProblem::violation(const Window& window) const {
   const auto& x = solution_.force;
   double largest = 0.0;
   for (int i = 0; i < pairs(); ++i) {
@@ -283,7 +294,11 @@ double RootProblem::residual(const Window& window) const {
     const Eigen::Vector2d right = projection_.tangential(block, of, force, of_pair(i, motion_));
     largest = std::max(largest, (force.tail<2>() - right).norm());
   }
-  const double scale = x.head(pairs()).maxCoeff();
+  return largest;
+}
+
+double RootProblem::residual(const Window& window) const {
+  const double largest = violation(window), scale = solution_.force.head(pairs()).maxCoeff();
   return scale > 0.0 ? largest / scale : largest > 0.0 ? 1.0 : 0.0;
 }
 

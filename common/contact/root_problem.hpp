@@ -78,13 +78,15 @@ class RootProblem {
   [[nodiscard]] Eigen::Vector3d of_pair(int pair, const Eigen::VectorXd& x) const;
   [[nodiscard]] PairWindow window_of(int pair, const Window& window) const;
   /// Leaves D x of the forces in `motion_`.
-  void newton(const Window& window);
-  [[nodiscard]] bool find_rows(const Window& window);
+  /// `soft`: what closed pairs give way by besides, of what they yield.
+  void newton(const Window& window, double soft = 0.0);
+  [[nodiscard]] bool find_rows(const Window& window, double soft);
   [[nodiscard]] int update_states(const Window& window, bool all);
   void fall_back(const Window& window);
   void go_on_by_newton(const Window& window);
-  void gauss_seidel(const Window& window);
+  void gauss_seidel(const Window& window, int most);
   void states_of_forces();
+  [[nodiscard]] double violation(const Window& window) const;
   [[nodiscard]] double residual(const Window& window) const;
   void finish();
 
