@@ -99,22 +99,25 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
   return solution_;
 }
 
-/// Sweeps and, where these stay above round-off, Newton's method from there.
+/// Sweeps and, where these stay above round-off, Newton's method from there. With friction few sweeps lead it nowhere,
+/// and softness (measured) away.
 void RootProblem::fall_back(const Window& window) {
-  for (const int most : {sweeps_before_newton, most_sweeps_of_fallback - sweeps_before_newton}) {
+  const bool rough = rubs();
+  int left = most_sweeps_of_fallback;
+  for (int most = rough ? left : sweeps_before_newton; left > 0; left -= most, most = left) {
     gauss_seidel(window, most);
     solution_.residual = residual(window);
     if (solution_.residual <= converged_residual) return;
-    go_on_by_newton(window);
+    go_on_by_newton(window, rough ? 0.0 : softness);
     if (solution_.residual <= converged_residual) return;
   }
 }
 
 /// From forces that sweeps have found, which stay unless it comes nearer.
-void RootProblem::go_on_by_newton(const Window& window) {
+void RootProblem::go_on_by_newton(const Window& window, double soft) {
   Solution swept = solution_;
   const double violation_n = violation(window);
-  newton(window, softness);
+  newton(window, soft);
   if (solution_.force.allFinite() && violation(window) <= violation_n) {
     solution_.residual = residual(window);
     return;
@@ -127,12 +130,12 @@ void RootProblem::go_on_by_newton(const Window& window) {
 /// block principal pivoting (Judice and Pires 1994): where all states that are wrong change at once and do not become
 /// fewer, the last of them changes alone until they do. That ends for every positive definite D.
 void RootProblem::newton(const Window& window, double soft) {
-  const bool rubs = std::any_of(blocks_.begin(), blocks_.end(), [](const PairBlock& block) { return block.slides(); });
+  const bool alone_helps = !rubs();
   int fewest = pairs() + 1, chances = chances_of_all;
   const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
   if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
     compliance_.times(solution_.force, motion_);
-  const int most = rubs ? most_newton_steps : most_newton_steps + std::min(pairs(), most_alone);
+  const int most = most_newton_steps + (alone_helps ? std::min(pairs(), most_alone) : 0);
   for (int n = 0; n < most; ++n, ++solution_.iterations) {
     if (!find_rows(window, soft) && n > 0) return;
     before_ = solution_.force;
@@ -141,7 +144,7 @@ void RootProblem::newton(const Window& window, double soft) {
     } else {
       system_.solve(compliance_, rows_, solution_.force);
     }
-    const int wrong = update_states(window, rubs || chances > 0);
+    const int wrong = update_states(window, !alone_helps || chances > 0);
     chances = wrong < fewest ? chances_of_all : chances - 1;
     fewest = std::min(fewest, wrong);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
@@ -237,7 +240,7 @@ const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd&
     if (swept.residual <= settled_share) break;
     if (normal.size() > 0) continue;  // Newton's method finds all forces, or none
     solution_.residual = residual(window);
-    go_on_by_newton(window);
+    go_on_by_newton(window, softness);
     if (solution_.residual <= converged_residual) break;
     compliance_.times(x, motion_);
   }
@@ -272,6 +275,10 @@ const RootProblem::Solution& RootProblem::spring(const Eigen::VectorXd& gap, con
   }
   finish();
   return solution_;
+}
+
+bool RootProblem::rubs() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const PairBlock& block) { return block.slides(); });
 }
 
 void RootProblem::states_of_forces() {

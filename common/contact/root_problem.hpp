@@ -83,8 +83,9 @@ class RootProblem {
   [[nodiscard]] bool find_rows(const Window& window, double soft);
   [[nodiscard]] int update_states(const Window& window, bool all);
   void fall_back(const Window& window);
-  void go_on_by_newton(const Window& window);
+  void go_on_by_newton(const Window& window, double soft);
   void gauss_seidel(const Window& window, int most);
+  [[nodiscard]] bool rubs() const;  ///< whether any pair has friction
   void states_of_forces();
   [[nodiscard]] double violation(const Window& window) const;
   [[nodiscard]] double residual(const Window& window) const;
