@@ -14,11 +14,11 @@ constexpr Eigen::Index multiple = 32;
 /// Of more unknowns a factor costs more than products until it may be used again. Measured: solids that stick with 676
 /// pairs, 2028 unknowns.
 constexpr std::ptrdiff_t most_factored = 1000;
-/// The same of a sparse D, for which products have not led there.
+/// The same of a sparse D, where products have not led to the solution.
 constexpr std::ptrdiff_t most_factored_of_sparse = 300;
 
 /// BiCGSTAB (van der Vorst 1992) for A x = b from the present x: `times(x, y)` sets y = A x. It starts anew where its
-/// residuals have become orthogonal to the first. Whether that has led there.
+/// residuals have become orthogonal to the first. Returns whether x is as near as `linear_tolerance`.
 template <class Times>
 bool bicgstab(const Times& times, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
   const double enough = linear_tolerance * linear_tolerance * b.squaredNorm();
@@ -69,15 +69,14 @@ void PairSystem::solve(const Compliance& compliance, const std::vector<PairRows>
   const bool kept = factored_ && same_matrix(rows, rows_);
   rows_ = rows;
   const auto unknowns = unknowns_of(rows, directions);
-  if (const Eigen::MatrixXd* dense = compliance.dense(); dense && unknowns <= most_factored) {
-    if (!kept)
-      compute_factor([dense](Eigen::Index row, Eigen::Index column) { return (*dense)(row, column); }, directions);
+  if (compliance.dense() && unknowns <= most_factored) {
+    if (!kept) compute_factor(compliance, directions);
     factored_ = true;
   } else {
     factored_ = false;
     if (solve_by_products(compliance, directions, x) || !compliance.sparse() || unknowns > most_factored_of_sparse)
       return;
-    compute_factor([&](Eigen::Index row, Eigen::Index column) { return compliance.entry(row, column); }, directions);
+    compute_factor(compliance, directions);
   }
   for (std::size_t k = 0; k < involved_.size(); ++k) {
     const Eigen::Index unknown = involved_[k];
@@ -89,9 +88,8 @@ void PairSystem::solve(const Compliance& compliance, const std::vector<PairRows>
 }
 
 /// Of the unknowns whose rows are not idle: a ball that touches with thirty of two hundred pairs has a matrix of
-/// thirty. `compliance(row, column)` is D.
-template <class Entry>
-void PairSystem::compute_factor(const Entry& compliance, Eigen::Index directions) {
+/// thirty.
+void PairSystem::compute_factor(const Compliance& compliance, Eigen::Index directions) {
   const auto pairs = static_cast<Eigen::Index>(rows_.size());
   involved_.clear();
   place_.assign(static_cast<std::size_t>(directions * pairs), -1);
@@ -113,7 +111,7 @@ void PairSystem::compute_factor(const Entry& compliance, Eigen::Index directions
       const Eigen::Index other = d * pairs + pair, place = place_[static_cast<std::size_t>(other)];
       if (factor != 0.0) {
         for (Eigen::Index column = 0; column < involved; ++column)
-          matrix_(row, column) += factor * compliance(other, involved_[static_cast<std::size_t>(column)]);
+          matrix_(row, column) += factor * compliance.entry(other, involved_[static_cast<std::size_t>(column)]);
       }
       if (own != 0.0 && place >= 0) matrix_(row, place) += own;
     }

@@ -18,9 +18,8 @@ class PairSystem {
   void solve(const Compliance& compliance, const std::vector<PairRows>& rows, Eigen::VectorXd& x);
 
  private:
-  template <class Entry>
-  void compute_factor(const Entry& compliance, Eigen::Index directions);
-  /// Whether that has led to the solution.
+  void compute_factor(const Compliance& compliance, Eigen::Index directions);
+  /// Returns whether that has led to the solution.
   bool solve_by_products(const Compliance& compliance, Eigen::Index directions, Eigen::VectorXd& x) const;
 
   std::vector<PairRows> rows_;

@@ -13,12 +13,12 @@ namespace ricochet::solver {
 
 namespace {
 constexpr int most_newton_steps = 30;
-/// So often may all wrong states change without becoming fewer, and so often the last of them alone.
+/// How often all wrong states may change without becoming fewer, and how often the last of them alone.
 constexpr int chances_of_all = 3, most_alone = 100;
 constexpr int most_sweeps_of_fallback = 5000;
 constexpr int sweeps_before_newton = most_sweeps / 5;
-/// Of what a pair yields, by which each gives way besides where sweeps did not settle: where nodes hang rows may depend
-/// on each other, and their forces would be anything.
+/// Share of what a pair yields by which it gives way besides, where sweeps did not settle: where nodes hang rows may
+/// depend on each other, and their forces would be anything.
 constexpr double softness = 1e-11;
 constexpr double round_off = 1e-12;
 /// Of what a pair yields along its normal: less along its tangent is the square of round-off in its row. Supports hold
@@ -102,13 +102,14 @@ const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free,
 /// Sweeps and, where these stay above round-off, Newton's method from there. With friction few sweeps lead it nowhere,
 /// and softness (measured) away.
 void RootProblem::fall_back(const Window& window) {
-  const bool rough = rubs();
-  int left = most_sweeps_of_fallback;
-  for (int most = rough ? left : sweeps_before_newton; left > 0; left -= most, most = left) {
+  const bool friction = rubs();
+  const int first = friction ? most_sweeps_of_fallback : sweeps_before_newton;
+  for (const int most : {first, most_sweeps_of_fallback - first}) {
+    if (most == 0) return;
     gauss_seidel(window, most);
     solution_.residual = residual(window);
     if (solution_.residual <= converged_residual) return;
-    go_on_by_newton(window, rough ? 0.0 : softness);
+    go_on_by_newton(window, friction ? 0.0 : softness);
     if (solution_.residual <= converged_residual) return;
   }
 }
@@ -127,15 +128,15 @@ void RootProblem::go_on_by_newton(const Window& window, double soft) {
 }
 
 /// From the present forces and states, until neither changes; for a stated number of times. Without friction this is
-/// block principal pivoting (Judice and Pires 1994): where all states that are wrong change at once and do not become
-/// fewer, the last of them changes alone until they do. That ends for every positive definite D.
+/// block principal pivoting (Júdice and Pires 1994): where all states that are wrong change at once and do not become
+/// fewer, the last of them changes alone until they do. With steps enough that ends for every positive definite D.
 void RootProblem::newton(const Window& window, double soft) {
-  const bool alone_helps = !rubs();
+  const bool friction = rubs();
   int fewest = pairs() + 1, chances = chances_of_all;
   const auto turns = [this](ContactState s) { return s != ContactState::open && projection_.turns(s); };
   if (directions_ > 1 && std::any_of(solution_.states.begin(), solution_.states.end(), turns))
     compliance_.times(solution_.force, motion_);
-  const int most = most_newton_steps + (alone_helps ? std::min(pairs(), most_alone) : 0);
+  const int most = most_newton_steps + (friction ? 0 : std::min(pairs(), most_alone));
   for (int n = 0; n < most; ++n, ++solution_.iterations) {
     if (!find_rows(window, soft) && n > 0) return;
     before_ = solution_.force;
@@ -144,7 +145,7 @@ void RootProblem::newton(const Window& window, double soft) {
     } else {
       system_.solve(compliance_, rows_, solution_.force);
     }
-    const int wrong = update_states(window, !alone_helps || chances > 0);
+    const int wrong = update_states(window, friction || chances > 0);
     chances = wrong < fewest ? chances_of_all : chances - 1;
     fewest = std::min(fewest, wrong);
     const double step = (solution_.force - before_).cwiseAbs().maxCoeff();
@@ -224,13 +225,6 @@ const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd&
              : projection_.tangential(block, of, force, moved);
     for (int d = 1; d < directions_; ++d) set(unknown(i, d), along[d - 1]);
   };
-  if (held) {
-    const Swept swept = sweep(compliance_, pairs(), most_sweeps, x, motion_, project);
-    solution_.iterations = swept.sweeps;
-    solution_.residual = swept.residual;
-    std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
-    return solution_;
-  }
   solution_.iterations = 0;
   for (const int most : {sweeps_before_newton, most_sweeps - sweeps_before_newton}) {
     const Swept swept = sweep(compliance_, pairs(), most, x, motion_, project);
@@ -238,13 +232,17 @@ const RootProblem::Solution& RootProblem::sweep_from_none(const Eigen::VectorXd&
     solution_.residual = swept.residual;
     states_of_forces();
     if (swept.residual <= settled_share) break;
-    if (normal.size() > 0) continue;  // Newton's method finds all forces, or none
+    if (held || normal.size() > 0) continue;  // Newton's method finds all forces, by their signs
     solution_.residual = residual(window);
     go_on_by_newton(window, softness);
     if (solution_.residual <= converged_residual) break;
     compliance_.times(x, motion_);
   }
-  finish();
+  if (held) {
+    std::fill(solution_.states.begin(), solution_.states.end(), ContactState::stick);
+  } else {
+    finish();
+  }
   return solution_;
 }
 

@@ -30,7 +30,7 @@ std::string bytes_text(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.2g} MB", 1e-6 * bytes) : fmt::format("{:.3g} GB", 1e-9 * bytes);
 }
 
-/// What the disk of the present folder has left [bytes], if the system tells.
+/// Free space on the disk of the present folder [bytes], if the system tells it.
 std::optional<double> free_here_bytes() {
   std::error_code error;
   const auto space = std::filesystem::space(".", error);

@@ -13,8 +13,8 @@ namespace ricochet::coupler {
 /// when that is (impact_theory), then, else at time.end_s.
 [[nodiscard]] double expected_end_s(const scene::Problem& problem);
 
-/// What the results of a run of this cost take of the disk, and, where less is free, which key makes them fewer.
-/// Nothing free means that nobody knows how much is.
+/// Says how much of the disk the results of a run of this cost take, beside `free_bytes` of it, and, where these are
+/// too few, which key makes results fewer. Without `free_bytes` nobody knows how many there are.
 [[nodiscard]] std::string disk_text(const scene::Problem& problem, const cost::PredictedCost& cost,
                                     std::optional<double> free_bytes);
 

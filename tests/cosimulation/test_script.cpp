@@ -11,7 +11,7 @@ namespace {
 using testing::ContainsRegex;
 using testing::HasSubstr;
 
-/// What ctest prints of a failure among others, and of what it skipped.
+/// Output of ctest with a failure, a test that passed and one that it skipped.
 constexpr const char* a_failure = R"(    Start 3: Bars.Part
 1/3 Test #3: Bars.Part # GetParam() = (1, 2) ..................***Failed    0.04 sec
 bars.cpp:9: Failure

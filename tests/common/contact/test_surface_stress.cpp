@@ -33,8 +33,10 @@ double mean_of(const std::string& text, const Field& displacement) {
   std::vector<Eigen::VectorXd> u;
   for (const auto& owned : states) {
     auto& values = u.emplace_back(owned.part.dofs());
+    const int width = fem::components(owned.part.mesh.model);
     for (int node = 0; node < owned.part.nodes(); ++node) {
-      values.segment<2>(2 * node) = displacement(owned.part.mesh.position[static_cast<std::size_t>(node)].head<2>());
+      const auto u_m = displacement(owned.part.mesh.position[static_cast<std::size_t>(node)].head<2>());
+      values.segment(width * node, width) = u_m.head(width);
     }
   }
   const auto of_part = [&](int part) -> const Eigen::VectorXd& { return u[static_cast<std::size_t>(part)]; };
@@ -74,6 +76,13 @@ TEST(SurfaceStress, IsTakenAtTheEdgeNotInTheMiddle) {
   const std::string text = block("plane_strain", "height_m = 4.0, elements = [1, 2]");
   const double at_edge = mean_of(text, [](const auto& x) { return Eigen::Vector2d(-(x[0] - 2.0) * x[1], -x[1]); });
   EXPECT_NEAR(at_edge, 3.0, 1e-12) << "sigma_yy = -3, no strain along the surface, no shear at its middle";
+}
+
+// E = 2.5. The sides of a bar are free, so 0 is the most compressive principal stress of one in tension.
+TEST(SurfaceStress, OfABarInTensionIsZero) {
+  const std::string text = block("bar", "elements = 2");
+  EXPECT_NEAR(mean_of(text, [](const auto& x) { return Eigen::Vector2d(-x[0], 0.0); }), 2.5, 1e-12);
+  EXPECT_EQ(mean_of(text, [](const auto& x) { return Eigen::Vector2d(x[0], 0.0); }), 0.0);
 }
 
 }  // namespace
