@@ -29,8 +29,9 @@ namespace ricochet::implicit_solver {
 /// finer than the window. The next ones come from where the window ended, by Broyden's method.
 /// Elements of any other kind are solved by Newton's method,
 ///   M a*_{n+1} + P(u_n + du) = f_{n+1} - L_{n+1} + kappa G^T r,
-/// until no more than 1e-10 of the largest force is out of balance, or with a SolverError. It begins where parts that
-/// turn would be if they moved on as rigid bodies, with an operator that turns with them.
+/// until no more is out of balance than 1e-10 of the largest force or what the contact's forces are not known to, or
+/// with a SolverError. It begins where parts that turn would be if they moved on as rigid bodies, with an operator that
+/// turns with them.
 class NewmarkWindow {
  public:
   /// `contact` (null: none) and `parts` must outlive this object; `interface_stiffness` S in the order of the shared

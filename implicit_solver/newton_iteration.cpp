@@ -17,7 +17,8 @@ namespace ricochet::implicit_solver {
 
 namespace {
 /// Newton's iteration ends when what is out of balance is so much of the largest force, or when that or an improvement
-/// is what the rounding of displacements makes: of u, of its increment, of the size of a part that turns.
+/// is what the rounding of displacements makes: of u, of its increment, of the size of a part that turns; or what the
+/// contact's forces are not known to.
 constexpr double balanced_share = 1e-10, rounding_share = 4.0 * std::numeric_limits<double>::epsilon();
 /// Improvements by one tangent go on while each leaves no more than so much of what was out of balance: ten solves then
 /// take it from 1 to 1e-7, and a factorisation costs more than ten.
@@ -153,13 +154,14 @@ void NewmarkWindow::balance(std::int64_t window, WindowTrial& trial) {
 bool NewmarkWindow::is_balanced(const Eigen::VectorXd& left, double largest_n, const WindowTrial& trial,
                                 double& moved_m) const {
   bool balanced = true;
+  const double uncertain_n = contact_ ? contact_->uncertain_force() : 0.0;
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     if (parts_.states[b].part.dofs() == 0) continue;
     const double own_m = std::max({parts_.states[b].u.lpNorm<Eigen::Infinity>(),
                                    parts_.segment(trial.increment, b).lpNorm<Eigen::Infinity>(), parts_.turning_m(b)});
     const double rounded_n = rounding_share * own_m * solver_.stiffest_n_m(b);
-    balanced = balanced &&
-               parts_.segment(left, b).lpNorm<Eigen::Infinity>() <= std::max(balanced_share * largest_n, rounded_n);
+    balanced = balanced && parts_.segment(left, b).lpNorm<Eigen::Infinity>() <=
+                               std::max({balanced_share * largest_n, rounded_n, uncertain_n});
     moved_m = std::max(moved_m, own_m);
   }
   return balanced;

@@ -199,7 +199,7 @@ void WindowSolver::solve(const Eigen::VectorXd& b, const Eigen::VectorXd& link_b
     root_rhs_ = factor_->root_rhs();
   }
   if (from) begin_from(*from);
-  find_increment(from ? &from_ : nullptr, increment);
+  find_increment(from ? &from_ : nullptr, false, increment);
 }
 
 /// Degrees of freedom that are no unknowns of the operator stay as they are.
@@ -212,24 +212,25 @@ void WindowSolver::improve(const Eigen::VectorXd& b, Eigen::VectorXd& increment)
   begin_from(increment);
   factor_->forward(b);
   root_rhs_ = factor_->root_rhs();
-  find_increment(&from_, increment);
+  find_increment(&from_, true, increment);
 }
 
 /// The increment without contact forces first, then what they add to it.
-void WindowSolver::solve_contact_outside_root(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
+void WindowSolver::solve_contact_outside_root(const Eigen::VectorXd* from, bool again, Eigen::VectorXd& increment) {
   factor_->backward(root_increment_, increment);
   if (from) increment += *from;
-  contact_->solve(parts_.states, increment);
+  contact_->solve(parts_.states, increment, again);
   if (!contact_->any_force()) return;
   move_by(contact_->root_force(), *factor_);
   increment.noalias() += (contact_->kappa() * 0.25 * dt_ * dt_) * contact_increment_;
 }
 
 /// Completes a solve whose root has its right-hand side; the increment is counted from `from`, if that is given.
-void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment) {
+/// `again`: see ImplicitContact::solve.
+void WindowSolver::find_increment(const Eigen::VectorXd* from, bool again, Eigen::VectorXd& increment) {
   factor_->solve_root(root_rhs_, root_increment_);
   if (!*contact_in_root_) {
-    solve_contact_outside_root(from, increment);
+    solve_contact_outside_root(from, again, increment);
     return;
   }
   if (contact_) {
@@ -238,7 +239,7 @@ void WindowSolver::find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& 
       increment[root[i]] = root_increment_[static_cast<Eigen::Index>(i)];
       if (from) increment[root[i]] += (*from)[root[i]];
     }
-    contact_->solve(parts_.states, increment);
+    contact_->solve(parts_.states, increment, again);
     const double scale = contact_->kappa() * 0.25 * dt_ * dt_;
     root_force_ = scale * contact_->root_force();
     factor_->add_root_motion(root_force_, root_increment_);

@@ -59,8 +59,8 @@ class WindowSolver {
   [[nodiscard]] bool contact_belongs_in_root(const fem::SparseMatrix& a, const std::vector<bool>& active);
   void prepare_contact();
   void begin_from(const Eigen::VectorXd& from);
-  void find_increment(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
-  void solve_contact_outside_root(const Eigen::VectorXd* from, Eigen::VectorXd& increment);
+  void find_increment(const Eigen::VectorXd* from, bool again, Eigen::VectorXd& increment);
+  void solve_contact_outside_root(const Eigen::VectorXd* from, bool again, Eigen::VectorXd& increment);
   template <class Factor>
   void move_by(const Eigen::VectorXd& forces, Factor& factor);
 

@@ -77,26 +77,36 @@ PairWindow RootProblem::window_of(int pair, const Window& window) const {
 }
 
 const RootProblem::Solution& RootProblem::solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                                                const Eigen::VectorXd& slip_velocity, const Solution& last) {
+                                                const Eigen::VectorXd& slip_velocity, const Solution& last,
+                                                const Solution* from) {
   const Window window{gap_free, slip_free, slip_velocity, last.force};
-  solution_.force = last.force;
-  solution_.states = last.states;
+  const Solution& start = from ? *from : last;
+  solution_.force = start.force;
+  solution_.states = start.states;
   solution_.iterations = 0;
   newton(window);
-  // Of a node that two contacts hold along one direction the matrix is singular, or so but for rounding, and forces are
-  // not numbers, or nowhere near; sweeps do not mind where they begin elsewhere.
-  if (!solution_.force.allFinite()) {
-    solution_.force = last.force;
-    compliance_.times(solution_.force, motion_);
-  }
   solution_.residual = residual(window);
-  if (solution_.residual > converged_residual) fall_back(window);
+  if (!solution_.force.allFinite() || solution_.residual > converged_residual) {
+    start_nearer(window, start);
+    fall_back(window);
+  }
   if (solution_.residual > residual_to_stop) {
     solution_.force = last.force;
     fall_back(window);
   }
   finish();
   return solution_;
+}
+
+/// The matrix of a node that two contacts hold along one direction is singular, or so but for rounding, as that of rows
+/// that depend on each other where nodes hang: Newton's forces are not numbers, or nowhere near. Sweeps begin where it
+/// began, if that is nearer.
+void RootProblem::start_nearer(const Window& window, const Solution& start) {
+  const double violation_n = violation(window);
+  std::swap(solution_.force, before_);
+  solution_.force = start.force;
+  compliance_.times(solution_.force, motion_);
+  if (before_.allFinite() && violation_n <= violation(window)) std::swap(solution_.force, before_);
 }
 
 /// Sweeps and, where these stay above round-off, Newton's method from there. With friction few sweeps lead it nowhere,

@@ -50,9 +50,10 @@ class RootProblem {
   };
 
   /// `slip_free` and `slip_velocity` (v_t,n [m/s]), of solids all along t first, are ignored without friction. `last`
-  /// is the accepted solution of the window before (states to start from, tangential forces of the penalty law).
+  /// is the accepted solution of the window before (tangential forces of the penalty law; forces and states to start
+  /// from, where `from` gives no nearer ones).
   const Solution& solve(const Eigen::VectorXd& gap_free, const Eigen::VectorXd& slip_free,
-                        const Eigen::VectorXd& slip_velocity, const Solution& last);
+                        const Eigen::VectorXd& slip_velocity, const Solution& last, const Solution* from = nullptr);
   /// By sweeps from no forces and a multiplier, for a D that couples few pairs: of one that couples none the first is
   /// right. Newton's method goes on where they do not settle, as where nodes hang. `normal`: forces along n where they
   /// are known, else empty; `held`: `hold` of the others.
@@ -82,6 +83,7 @@ class RootProblem {
   void newton(const Window& window, double soft = 0.0);
   [[nodiscard]] bool find_rows(const Window& window, double soft);
   [[nodiscard]] int update_states(const Window& window, bool all);
+  void start_nearer(const Window& window, const Solution& start);
   void fall_back(const Window& window);
   void go_on_by_newton(const Window& window, double soft);
   void gauss_seidel(const Window& window, int most);

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "common/body/blocks.hpp"
-#include "common/body/outer_sums.hpp"
 
 namespace ricochet::solver {
 namespace {
@@ -75,6 +74,19 @@ void for_each_node(int body, const std::vector<BodyState>& states, const Visit& 
   }
 }
 
+/// Centre of the mass that the body has here, at the start [m]; with ranks of all of it.
+Eigen::Vector3d centre_of(int body, const std::vector<BodyState>& states) {
+  for (const auto& state : states)
+    if (state.body == body && state.others != nullptr) return state.frame->whole().centre_m;
+  double mass_kg = 0.0;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
+    mass_kg += node_kg;
+    centre_m += node_kg * state.part.mesh.position[fem::at(node)];
+  });
+  return centre_m / mass_kg;
+}
+
 fem::RigidMotion about(const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& turn) {
   return {turn, centre_m, centre_m};
 }
@@ -83,19 +95,17 @@ fem::RigidMotion about(const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& t
 template <int components>
 Eigen::Matrix3d turn_of(const Eigen::Vector3d& centre_m, int body, const std::vector<BodyState>& states,
                         double ahead_s) {
-  Eigen::Matrix<double, components, components> h = Eigen::Matrix<double, components, components>::Zero();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const auto& state : states) {
     if (state.body != body) continue;
-    const double *const u = state.u.data(), *const v = state.v.data(), *const mass = state.mass.data(),
-                        *const centre = centre_m.data();
-    const Eigen::Vector3d* const place = state.part.mesh.position.data();
-    h += outer_sums<components, components>(
-        0, state.part.nodes(),
-        [=](int node, int c) {
-          return (place[node][c] - centre[c]) + (u[node * components + c] + ahead_s * v[node * components + c]);
-        },
-        [=](int node, int c) { return mass[node * components] * (place[node][c] - centre[c]); });
+    if (state.others != nullptr) {
+      sum += state.others->moments().turned_kg_m2;  // at u: the explicit side never asks ahead
+      continue;
+    }
+    for (int block = 0; block < blocks_of(state.part.nodes()); ++block)
+      sum += block_turn(state, centre_m, ahead_s, block);
   }
+  const Eigen::Matrix<double, components, components> h = sum.topLeftCorner<components, components>();
   return rotation_of(h);
 }
 
@@ -135,12 +145,7 @@ SlidingRows::Turning SlidingRows::turning_of(const scene::ContactGeometry& geome
   Turning turning;
   turning.turns = problem_->scene.bodies[static_cast<std::size_t>(body)].large_rotation;
   if (!turning.turns) return turning;
-  double mass_kg = 0.0;
-  for_each_node(body, states, [&](const BodyState& state, int node, double node_kg) {
-    mass_kg += node_kg;
-    turning.centre_m += node_kg * state.part.mesh.position[fem::at(node)];
-  });
-  turning.centre_m /= mass_kg;
+  turning.centre_m = centre_of(body, states);
   const auto& mesh = problem_->bodies[static_cast<std::size_t>(body)].mesh;
   std::vector<int> nodes = scene::contact_nodes(geometry, body);
   if (mesh.rigid_nodes > 0) {  // they lie within its surface

@@ -138,7 +138,7 @@ void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eig
   }
 }
 
-void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment) {
+void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment, bool again) {
   if (!frozen_) follow(states);
   if (frozen_ == participant::FrozenContact::open ||
       surface_.pairs.empty()) {  // or the bodies have slid off each other
@@ -162,9 +162,15 @@ void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::V
       free_.slip_velocity[unknown(i, d)] = rate[d];
     }
   }
-  trial_.solution = root_->solve(free_.gap, free_.slip, free_.slip_velocity, state_.solution);
+  trial_.solution =
+      root_->solve(free_.gap, free_.slip, free_.slip_velocity, state_.solution, again ? &trial_.solution : nullptr);
   solver::require_solved(trial_.solution);
   root_force_.noalias() = response_.rows.transpose() * trial_.solution.force;
+}
+
+double ImplicitContact::uncertain_force() const {
+  const auto normal = trial_.solution.force.head(static_cast<Eigen::Index>(pairs()));
+  return normal.size() > 0 ? trial_.solution.residual * normal.maxCoeff() : 0.0;
 }
 
 Eigen::Vector2d ImplicitContact::along_surface(std::size_t i, const Eigen::VectorXd& values) const {

@@ -109,7 +109,7 @@ struct TurningBlocks {
   [[nodiscard]] Eigen::VectorXd forces(ImplicitContact& contact) const {
     Eigen::VectorXd increment(states[0].part.dofs() + states[1].part.dofs());
     increment << 1e-7 * states[0].v, 1e-7 * states[1].v;
-    contact.solve(states, increment);
+    contact.solve(states, increment, false);
     return contact.root_force();
   }
 

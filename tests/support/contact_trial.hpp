@@ -35,7 +35,7 @@ struct TrialOf {
     contact->prepare(root_inverse, dt);
   }
   void solve() {
-    contact->solve(plates.states, increment);
+    contact->solve(plates.states, increment, false);
     const auto& root = contact->root_dofs();
     for (std::size_t i = 0; i < root.size(); ++i) {
       force[root[i]] = contact->kappa() * contact->root_force()[static_cast<Eigen::Index>(i)];
