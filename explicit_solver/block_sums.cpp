@@ -54,13 +54,19 @@ BlockSums sums_by_lanes(const BodyState& state, const Eigen::VectorXd& internal,
 }  // namespace
 
 std::array<double, BlockSums::numbers> BlockSums::as_numbers() const {
-  return {momentum_kg_m_s[0], momentum_kg_m_s[1], momentum_kg_m_s[2],
-          angular_kg_m2_s[0], angular_kg_m2_s[1], angular_kg_m2_s[2],
-          velocity_j,         acceleration_j_s2,  strain_j};
+  return {momentum_kg_m_s[0], momentum_kg_m_s[1], momentum_kg_m_s[2], angular_kg_m2_s[0],
+          angular_kg_m2_s[1], angular_kg_m2_s[2], velocity_j,         acceleration_j_s2,
+          strain_j,           beyond_j,           plastic_work_j};
 }
 
 BlockSums BlockSums::from_numbers(const double* given) {
-  return {{given[0], given[1], given[2]}, {given[3], given[4], given[5]}, given[6], given[7], given[8]};
+  return {{given[0], given[1], given[2]},
+          {given[3], given[4], given[5]},
+          given[6],
+          given[7],
+          given[8],
+          given[9],
+          given[10]};
 }
 
 void BlockSums::add(const BlockSums& other) {
@@ -69,6 +75,8 @@ void BlockSums::add(const BlockSums& other) {
   velocity_j += other.velocity_j;
   acceleration_j_s2 += other.acceleration_j_s2;
   strain_j += other.strain_j;
+  beyond_j += other.beyond_j;
+  plastic_work_j += other.plastic_work_j;
 }
 
 BlockSums block_sums(const BodyState& state, const Eigen::VectorXd& internal, int block) {

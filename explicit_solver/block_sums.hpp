@@ -17,15 +17,17 @@ struct BlockSums {
   double angular_kg_m2_s[3] = {0.0, 0.0, 0.0};  ///< (x + u) x m v
   double velocity_j = 0.0;                      ///< v m v
   double acceleration_j_s2 = 0.0;               ///< a m a
-  double strain_j = 0.0;                        ///< u . K u
+  double strain_j = 0.0;                        ///< u . P(u)
+  double beyond_j = 0.0;                        ///< PlasticState::stored_beyond_j; of a part that yields, told by ranks
+  double plastic_work_j = 0.0;                  ///< the same
 
-  static constexpr int numbers = 9;
+  static constexpr int numbers = 11;
   [[nodiscard]] std::array<double, numbers> as_numbers() const;
   [[nodiscard]] static BlockSums from_numbers(const double* numbers);
   void add(const BlockSums& other);
 };
 
-/// Of block `block` of a part; `internal`: K u [N].
+/// Sums over block `block` of a part; `internal`: P(u) [N].
 [[nodiscard]] BlockSums block_sums(const solver::BodyState& state, const Eigen::VectorXd& internal, int block);
 
 /// Over all blocks.

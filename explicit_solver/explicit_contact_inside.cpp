@@ -86,7 +86,11 @@ double ExplicitContact::unspread_j(const std::vector<BodyState>& states) {
     work_j += force.normal * pair.normal.times(by) + force.tangential[0] * pair.tangent.times(by) +
               force.tangential[1] * pair.binormal.times(by);
   }
-  for (std::size_t b = 0; b < states.size(); ++b) work_j -= spread_[b].dot(by(static_cast<int>(b)));
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto& moved = by(static_cast<int>(b));
+    for (Eigen::Index dof = 0; dof < moved.size(); ++dof)
+      if (spread_[b][dof] != 0.0) work_j -= spread_[b][dof] * moved[dof];
+  }
   return 0.5 * work_j;
 }
 

@@ -60,7 +60,9 @@ bool ExplicitSolver::any_small_steps() const {
 std::unique_ptr<solver::InternalForce> ExplicitSolver::make_force(const solver::BodyState& state,
                                                                   const std::vector<int>& driven) const {
   if (!solver::takes_small_steps(problem_, state)) return make_force_(state, driven);
-  return local_force(state, driven, solver::local_steps(problem_, state, setup_.clock.size_s()));
+  auto steps = ranks_ ? ranks_->local_steps(static_cast<std::size_t>(&state - stepped().data()))
+                      : solver::local_steps(problem_, state, setup_.clock.size_s());
+  return local_force(state, driven, std::move(steps));
 }
 
 std::optional<ExplicitContact> ExplicitSolver::make_contact() const {
@@ -77,10 +79,10 @@ void ExplicitSolver::initialize(const participant::Setup& setup, LinkOutput& out
     states_ = solver::initial_states(problem_, *spec_, true);
     solver::take_interface_mass(setup_.interface_mass_kg, states_);
   }
-  if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   std::optional<participant::Heartbeat> heart;  // the set-up of others is short
   if (any_small_steps())
     heart.emplace(setup_.progress).begin("finding local steps and what contact forces move in them");
+  if (ranks_) share_ = &ranks_->begin(problem_, *spec_, setup_, states_);
   stepping_.emplace(stepped(), setup_, make_contact(),
                     [this](const auto& state, const std::vector<int>& driven) { return make_force(state, driven); });
   stepping_->answer(output);
@@ -96,6 +98,7 @@ void ExplicitSolver::tell(Order order, std::int64_t window, int substep) {
 void ExplicitSolver::synchronise(participant::Integration, const std::vector<double>& link_input, LinkOutput& output) {
   tell(Order::synchronise, window_);
   stepping_->synchronise(window_, link_input);
+  for (auto& state : stepped()) state.move_hanging();
   stepping_->answer(output);
   gathered_ = -1;
   update_status();
@@ -134,7 +137,7 @@ void ExplicitSolver::accept() {
   tell(Order::accept, window_ + 1);
   if (!stepping_->accept(window_ + 1)) return;
   ++window_;
-  for (auto& state : states_) state.move_hanging();
+  for (auto& state : stepped()) state.move_hanging();
   update_status();
   if (reporting_.due(window_)) reported();
   reporting_.note(window_, states_, stepped());
@@ -143,6 +146,7 @@ void ExplicitSolver::accept() {
 const std::vector<solver::BodyState>& ExplicitSolver::reported() {
   if (ranks_ && gathered_ != window_) {
     ranks_->take_motion(states_);
+    for (auto& state : states_) state.move_hanging();
     gathered_ = window_;
   }
   return states_;
@@ -166,12 +170,14 @@ void ExplicitSolver::take_totals() {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (!ranks_ || gathered_ == window_) solver::require_finite(state, state.u, window_);
-    if (ranks_) continue;
     const auto& internal = stepping_->internal(b);
-    set_totals(part_sums(state, internal), dt, state);
     double& strain_j = state.totals.energy_strain_j;
-    const auto unspread = stepping_->force(b).unspread(state.u, internal);
-    strain_j = stepping_->force(b).stored(state.u, internal, strain_j) + unspread.half_work_j;
+    if (!ranks_) {
+      set_totals(part_sums(state, internal), dt, state);
+      strain_j = stepping_->force(b).stored(state.u, internal, strain_j);
+    }
+    const auto unspread = stepping_->force(b).unspread(stepped()[b].u, internal);
+    strain_j += unspread.half_work_j;
     unspread_work_j_ += unspread.work_j;
   }
 }
@@ -185,7 +191,7 @@ double ExplicitSolver::unspread_of_contact_j() {
     return !state.external.zero() || std::any_of(state.constrained.begin(), state.constrained.end(),
                                                  [](const auto& given) { return given.motion.moves(); });
   };
-  return std::any_of(states_.begin(), states_.end(), driven) ? c->unspread_j(states_) : unspread_work_j_;
+  return std::any_of(states_.begin(), states_.end(), driven) ? c->unspread_j(stepped()) : unspread_work_j_;
 }
 
 void ExplicitSolver::record(std::vector<double>& row) {
@@ -234,8 +240,8 @@ void ExplicitSolver::restore_state(std::string_view bytes) {
   std::vector<std::string> others;
   if (ranks_) in(others);
   in.end();
+  if (ranks_) ranks_->restore(others);  // first, since what turns asks them
   restore(state);
-  if (ranks_) ranks_->restore(others);
 }
 
 void ExplicitSolver::finish() {

@@ -16,9 +16,9 @@ LocalForce::LocalForce(const solver::BodyState& state, std::unique_ptr<solver::I
     const Eigen::VectorXd u = straining();
     Eigen::VectorXd force(u.size());
     state.stiffness.multiply(u, force);
-    start_j_ = 0.5 * u.dot(force);
+    start_j_ = 0.5 * over_reached(u, force);
     steps_.spread(force);
-    start_j_ -= 0.5 * u.dot(force);
+    start_j_ -= 0.5 * over_reached(u, force);
   }
   if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, straining(), state.plastic->force_n});
 }
@@ -26,6 +26,14 @@ LocalForce::LocalForce(const solver::BodyState& state, std::unique_ptr<solver::I
 /// Of the present motion.
 Eigen::VectorXd LocalForce::straining() const {
   return state_->frame ? state_->frame->straining(state_->u) : state_->u;
+}
+
+double LocalForce::over_reached(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  const int components = fem::components(state_->part.mesh.model);
+  double sum = 0.0;
+  for (const int node : steps_.reached())
+    for (int dof = node * components; dof < (node + 1) * components; ++dof) sum += a[dof] * b[dof];
+  return sum;
 }
 
 void LocalForce::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
@@ -40,14 +48,15 @@ void LocalForce::settle() {
 }
 
 void LocalForce::note_flow() {
-  if (const auto& plastic = *state_->plastic; plastic.work_j != flow_->plastic_work_j) {
+  if (const auto& plastic = *state_->plastic; plastic.work_j.sum() != flow_->plastic_work_j) {
     Eigen::VectorXd& spread = flow_->force;
     spread -= plastic.force_n;
-    flow_->work_j -= 0.5 * (flow_->u + flow_->u_before).dot(spread);
+    flow_->u_before += flow_->u;
+    flow_->work_j -= 0.5 * over_reached(flow_->u_before, spread);
     steps_.spread(spread);
-    flow_->work_j += 0.5 * (flow_->u + flow_->u_before).dot(spread);
+    flow_->work_j += 0.5 * over_reached(flow_->u_before, spread);
     flow_->force = plastic.force_n;
-    flow_->plastic_work_j = plastic.work_j;
+    flow_->plastic_work_j = plastic.work_j.sum();
   }
   flow_->u_before.swap(flow_->u);
 }
@@ -62,13 +71,15 @@ LocalForce::Unspread LocalForce::unspread(const Eigen::VectorXd& u, const Eigen:
   state_->stiffness.multiply(u, elements);
   if (flow_) elements -= state_->plastic->force_n;
   Unspread found;
-  found.half_work_j = 0.5 * u.dot(elements - force);
+  elements -= force;
+  found.half_work_j = 0.5 * over_reached(u, elements);
   found.work_j = found.half_work_j - start_j_;
   if (!flow_) return found;
   const Eigen::VectorXd& plastic = state_->plastic->force_n;
-  Eigen::VectorXd spread = plastic;
-  steps_.spread(spread);
-  found.work_j += flow_->work_j - 0.5 * u.dot(plastic - spread);
+  Eigen::VectorXd left_out = plastic;
+  steps_.spread(left_out);
+  left_out -= plastic;
+  found.work_j += flow_->work_j + 0.5 * over_reached(u, left_out);
   return found;
 }
 
@@ -79,7 +90,7 @@ void LocalForce::archive(Archive& a) {
   if (!a.reading()) return;
   flow_->u_before = straining();
   flow_->force = state_->plastic->force_n;
-  flow_->plastic_work_j = state_->plastic->work_j;
+  flow_->plastic_work_j = state_->plastic->work_j.sum();
 }
 
 std::unique_ptr<solver::InternalForce> local_force(const solver::BodyState& state, const std::vector<int>& driven,

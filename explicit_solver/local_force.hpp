@@ -47,6 +47,8 @@ class LocalForce final : public solver::InternalForce {
     Eigen::VectorXd u, u_before, force;  ///< of the last evaluation; of the last window; F of it
   };
   void note_flow();
+  /// a . b in the rows that S changes, one after another: in all others what is asked for is zero.
+  [[nodiscard]] double over_reached(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   [[nodiscard]] Eigen::VectorXd straining() const;
 
   const solver::BodyState* state_;
@@ -57,7 +59,7 @@ class LocalForce final : public solver::InternalForce {
 };
 
 /// A LocalForce by the material of the part and its body: of one that turns in solver::TurningElements. `driven`: see
-/// WaveFront.
+/// WaveFront. Ranks of one participant all need it, also those without a small step: it answers after the link.
 [[nodiscard]] std::unique_ptr<solver::InternalForce> local_force(const solver::BodyState& state,
                                                                  const std::vector<int>& driven, fem::LocalSteps steps);
 

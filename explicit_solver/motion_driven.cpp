@@ -246,19 +246,27 @@ void MotionDriven::account() {
   }
 }
 
+/// While the part moves by the window's increment, one degree of freedom after another.
+double MotionDriven::work_of_left_out(std::size_t b, const Eigen::VectorXd& load) const {
+  double work_j = 0.0;
+  for (Eigen::Index dof = 0; dof < load.size(); ++dof)
+    if (load[dof] != 0.0) work_j += load[dof] * (states_[b].u[dof] - trials_[b].u[dof]);
+  return work_j;
+}
+
 /// Loads do f . du, of which the work inside small steps has S f . du.
 void MotionDriven::account_left_out_loads(double time_s) {
   for (std::size_t b = 0; b < states_.size(); ++b) {
     auto& state = states_[b];
     if (state.external.zero()) continue;
     if (const auto& now = trials_[b].forces.left_out; now.size() > 0) {
-      state.totals.energy_external_j += 0.5 * (state_.parts[b].left_out + now).dot(state.u - trials_[b].u);
+      state.totals.energy_external_j += 0.5 * work_of_left_out(b, state_.parts[b].left_out + now);
       continue;
     }
     for (const double at_s : {time_s - dt(), time_s}) {
       left_out_load_.resize(state.part.dofs());
       left_out_loads_[b].at(at_s, left_out_load_);
-      state.totals.energy_external_j += 0.5 * left_out_load_.dot(state.u - trials_[b].u);
+      state.totals.energy_external_j += 0.5 * work_of_left_out(b, left_out_load_);
     }
   }
 }

@@ -86,6 +86,7 @@ class MotionDriven {
   void spread_loads(std::size_t part);
   void spread_load(std::size_t part);
   void account_left_out_loads(double time_s);
+  [[nodiscard]] double work_of_left_out(std::size_t part, const Eigen::VectorXd& load) const;
   void account_interface(std::size_t part);
   void keep_trial_forces();
 

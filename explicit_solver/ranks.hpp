@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/body/body_state.hpp"
+#include "common/fem/local_steps.hpp"
 #include "common/participant/participant.hpp"
 #include "explicit_solver/stepping.hpp"
 
@@ -36,6 +37,8 @@ class Ranks {
                                                 const scene::ParticipantSpec& participant,
                                                 const participant::Setup& setup,
                                                 std::vector<solver::BodyState>& whole) = 0;
+  /// The small steps of a part of the first one's share, which has all nodes that they reach.
+  virtual fem::LocalSteps local_steps(std::size_t part) = 0;
   /// The others do what `order` says, of a window where it is of one, while the first one does the same.
   virtual void tell(Order order, std::int64_t window = 0, int substep = 0) = 0;
   /// Between windows: this is the clock from here on.

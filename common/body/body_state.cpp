@@ -99,11 +99,16 @@ void BodyState::move_hanging() {
 
 const Eigen::VectorXd& BodyState::straining(Eigen::VectorXd& in_frame) const {
   if (!frame) return u;
-  return in_frame = frame->straining(u);
+  frame->straining(u, frame_motion(), in_frame);
+  return in_frame;
 }
 
 Eigen::Matrix3d BodyState::rotation() const {
-  return frame ? frame->fit(u).motion.rotation : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  return frame ? frame_motion().rotation : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+}
+
+fem::RigidMotion BodyState::frame_motion() const {
+  return others != nullptr ? frame->last_fit().motion : frame->fit(u).motion;
 }
 
 void BodyState::update_momentum() {
@@ -279,6 +284,30 @@ Moments block_moments(const BodyState& state, double ahead_s, int block) {
     }
   }
   return moments;
+}
+
+namespace {
+template <int components>
+Eigen::Matrix3d turn_of_nodes(const BodyState& state, const Eigen::Vector3d& centre_m, double ahead_s, int first,
+                              int last) {
+  const double *const u = state.u.data(), *const v = state.v.data(), *const mass = state.mass.data(),
+                      *const centre = centre_m.data();
+  const Eigen::Vector3d* const place = state.part.mesh.position.data();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  sum.topLeftCorner<components, components>() = outer_sums<components, components>(
+      first, last,
+      [=](int node, int c) {
+        return (place[node][c] - centre[c]) + (u[node * components + c] + ahead_s * v[node * components + c]);
+      },
+      [=](int node, int c) { return mass[node * components] * (place[node][c] - centre[c]); });
+  return sum;
+}
+}  // namespace
+
+Eigen::Matrix3d block_turn(const BodyState& state, const Eigen::Vector3d& centre_m, double ahead_s, int block) {
+  const int first = block * block_nodes, last = std::min(first + block_nodes, state.part.nodes());
+  return fem::components(state.part.mesh.model) == 2 ? turn_of_nodes<2>(state, centre_m, ahead_s, first, last)
+                                                     : turn_of_nodes<3>(state, centre_m, ahead_s, first, last);
 }
 
 std::vector<BodyMotion> motions_of(const std::vector<BodyState>& states) { return {states.begin(), states.end()}; }

@@ -106,6 +106,9 @@ struct BodyState : BodyMotion {
   [[nodiscard]] const Eigen::VectorXd& straining(Eigen::VectorXd& in_frame) const;
   /// By which directions in the part's frame become those in space.
   [[nodiscard]] Eigen::Matrix3d rotation() const;
+  /// Motion of the frame, which is not null, at u [m]; a share has that of the last fit, so that nobody asks the
+  /// others.
+  [[nodiscard]] fem::RigidMotion frame_motion() const;
   /// Sets free, mass, inverse_mass and totals.mass_kg from a mass per node (own, or summed over participants, Eq. 28).
   void set_mass(const Eigen::VectorXd& node_mass);
   /// Velocity and acceleration of the constrained dofs at a time; their displacement.

@@ -18,9 +18,11 @@ class HangingElements final : public InternalForce {
   HangingElements(const BodyState& state, std::unique_ptr<InternalForce> elements)
       : hanging_(state.part.mesh.hanging),
         components_(fem::components(state.part.mesh.model)),
+        others_(state.frame ? nullptr : state.others),
         elements_(std::move(elements)) {}
 
   void evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) override {
+    if (others_ != nullptr) others_->exchange(u);
     fem::follow(hanging_, components_, u);
     elements_->evaluate(step_s, u, force);
     fem::pass_on(hanging_, components_, force);
@@ -57,6 +59,7 @@ class HangingElements final : public InternalForce {
  private:
   const std::vector<fem::HangingNode>& hanging_;
   int components_;
+  OtherRanks* others_;  ///< null where u comes with what others know
   std::unique_ptr<InternalForce> elements_;
 };
 

@@ -17,6 +17,16 @@ class OtherRanks {
   /// rows here read, and writes it into `u`. In between K u can be computed where it reads none of those.
   virtual void send(const Eigen::VectorXd& u) = 0;
   virtual void receive(Eigen::VectorXd& u) = 0;
+  /// Both at once.
+  void exchange(Eigen::VectorXd& u) {
+    send(u);
+    receive(u);
+  }
+
+  /// The sum over all blocks of the whole part, one after another, of so many numbers each, on every rank.
+  /// `of_block(block, numbers)` writes those of an own block.
+  using OfBlock = std::function<void(int block, double* numbers)>;
+  virtual void sum(int numbers, const OfBlock& of_block, double* sums) = 0;
 
   /// Of bodies that slide along each other: collects the moments of the whole part at u, which the first rank then has.
   virtual void collect_moments(const BodyState& state) = 0;

@@ -172,6 +172,7 @@ void PlasticElements::return_at(double step_s, const Eigen::VectorXd& u) {
 }
 
 void PlasticElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
+  if (state_->others != nullptr && state_->part.mesh.hanging.empty() && !state_->frame) state_->others->exchange(u);
   state_->stiffness.multiply(u, force);
   if (held_) {
     u_tried_ = u;
@@ -257,9 +258,10 @@ void PlasticElements::keep(const std::vector<Flow>& flows) {
       energy_j_m3 += (plastic[c] + 0.5 * change[c]) * change[c];
       plastic[c] += change[c];
     }
-    step_.work_j += volume * work_j_m3;
+    const int block = PlasticState::block_of(state_->part, flow.element);
+    step_.work_j[block] += volume * work_j_m3;
     if (const fem::Plasticity& own = law(flow.element); own.heat) heat(own, flow.point, work_j_m3);
-    step_.energy_j += volume * modulus_pa * energy_j_m3;
+    step_.energy_j[block] += volume * modulus_pa * energy_j_m3;
     step_.equivalent[flow.point] += flow.equivalent;
     step_.largest = std::max(step_.largest, step_.equivalent[flow.point]);
     changed_.push_back(flow.point);
@@ -317,9 +319,12 @@ void PlasticElements::go_back() {
   u_step_ = u_settled_;
 }
 
-/// u . K u/2 - u . force + integral of m/2 p : p dV, and u . P = u . K u - u . force.
 double PlasticElements::stored(const Eigen::VectorXd& u, const Eigen::VectorXd&, double half_work_j) const {
-  return half_work_j - 0.5 * u.dot(settled_->force_n) + settled_->energy_j;
+  const int width = fem::components(state_->part.section.model);
+  double beyond_j = 0.0;
+  for (int block = 0; block < settled_->energy_j.size(); ++block)
+    beyond_j += settled_->stored_beyond_j(u, block, width);
+  return half_work_j + beyond_j;
 }
 
 void PlasticElements::archive(Archive& a) {

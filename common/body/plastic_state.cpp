@@ -22,6 +22,16 @@ PlasticState::PlasticState(const fem::Part& part) : components(fem::stress_compo
   equivalent.setZero(all);
   if (hottest_k > 0.0) set_temperature(part, hottest_k);
   force_n.setZero(part.dofs());
+  for (auto* sums : {&energy_j, &work_j}) sums->setZero(blocks_of(part.nodes()));
+}
+
+/// u . P/2 = u . K u/2 - u . force/2, and the elements store u . K u/2 - u . force + energy.
+double PlasticState::stored_beyond_j(const Eigen::VectorXd& u, int block, int rows_of_node) const {
+  const Eigen::Index first = Eigen::Index{block} * block_nodes * rows_of_node,
+                     last = std::min(first + block_nodes * rows_of_node, force_n.size());
+  double twice_j = 0.0;
+  for (Eigen::Index row = first; row < last; ++row) twice_j += u[row] * force_n[row];
+  return energy_j[block] - 0.5 * twice_j;
 }
 
 void PlasticState::set_temperature(const fem::Part& part, double elsewhere_k) {
@@ -39,6 +49,18 @@ fem::StressVector PlasticState::strain_of(int element) const {
   sum /= points;
   for (int shear = 3; shear < components; ++shear) sum[shear] /= std::sqrt(2.0);
   return sum;
+}
+
+void PlasticState::append_element(int element, std::vector<double>& numbers) const {
+  visit_element(*this, element, [&](const double* own, int count) { numbers.insert(numbers.end(), own, own + count); });
+}
+
+const double* PlasticState::take_element(int element, const double* numbers) {
+  visit_element(*this, element, [&](double* own, int count) {
+    std::copy_n(numbers, count, own);
+    numbers += count;
+  });
+  return numbers;
 }
 
 }  // namespace ricochet::solver

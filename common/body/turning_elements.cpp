@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "common/body/outer_sums.hpp"
-
 namespace ricochet::solver {
 
 TurningElements::TurningElements(const BodyState& state, std::unique_ptr<InternalForce> elements)
@@ -16,33 +14,21 @@ TurningElements::TurningElements(const BodyState& state, std::unique_ptr<Interna
 
 void TurningElements::evaluate(double step_s, Eigen::VectorXd& u, Eigen::VectorXd& force) {
   Parallel* const threads = state_->parallel.get();
+  if (state_->others != nullptr) state_->others->exchange(u);
   fit_ = state_->frame->fit(u, threads);
   state_->frame->straining(u, fit_.motion, straining_, threads);
   elements_->evaluate(step_s, straining_, force_in_frame_);
   state_->frame->force(fit_, straining_, force_in_frame_, force, threads);
 }
 
-namespace {
-/// sum d_i P_i^T over the nodes of a part.
-template <int components>
-Eigen::Matrix3d strained_by(const Eigen::VectorXd& d, const Eigen::VectorXd& force) {
-  const double *const of_d = d.data(), *const of_force = force.data();
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  sum.topLeftCorner<components, components>() = outer_sums<components, components>(
-      0, static_cast<int>(d.size()) / components, [=](int node, int c) { return of_d[node * components + c]; },
-      [=](int node, int c) { return of_force[node * components + c]; });
-  return sum;
-}
-}  // namespace
-
-/// d . g/2 = sum of (R d_i) . P_i/2, since sum m_i Y_i x d_i = 0.
 double TurningElements::stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force, double) const {
   Parallel* const threads = state_->parallel.get();
   const fem::RigidMotion motion = state_->frame->fit(u, threads).motion;
   state_->frame->straining(u, motion, looked_at_, threads);
-  const bool solid = fem::components(state_->part.mesh.model) == 3;
-  const Eigen::Matrix3d sum = solid ? strained_by<3>(looked_at_, force) : strained_by<2>(looked_at_, force);
-  return elements_->stored(looked_at_, force, 0.5 * motion.rotation.cwiseProduct(sum.transpose()).sum());
+  double work_j = 0.0;
+  for (int block = 0; block < blocks_of(state_->part.nodes()); ++block)
+    work_j += state_->frame->work_of(motion.rotation, looked_at_, force, block);
+  return elements_->stored(looked_at_, force, 0.5 * work_j);
 }
 
 const fem::SparseMatrix& TurningElements::tangent(const Eigen::VectorXd& u) {

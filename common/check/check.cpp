@@ -161,19 +161,6 @@ void check_materials(const Problem& problem, std::vector<std::string>& warnings)
             body.name, material->poisson_ratio, fem::longitudinal_wave_speed(problem.scene.model, *material)));
 }
 
-/// Whoever steps a hanging node would have to know where other ranks' carriers are.
-void check_ranks(const Problem& problem) {
-  for (const ParticipantSpec& participant : problem.scene.participants) {
-    if (participant.ranks.value_or(1) == 1) continue;
-    for (const BodyProblem& body : problem.bodies)
-      if (!body.mesh.hanging.empty())
-        throw ConfigError(fmt::format(
-            "{}: found {} with body \"{}\", which has nodes that hang, by mesh.refine, a tie or rigid = "
-            "true; allowed: no ranks (and threads)",
-            problem.scene.where("participant." + participant.name + ".ranks"), *participant.ranks, body.name));
-  }
-}
-
 /// Its extent along x, y, z, or r and z.
 std::string extent_text(Model model, const Eigen::Vector3d& extent_m) {
   if (model == Model::bar) return fmt::format("{:.4g}", extent_m[0]);
@@ -224,7 +211,6 @@ Plan plan(const Problem& problem) {
   Plan plan;
   plan.windows = count_windows(problem);
   check_nonlinear(problem);
-  check_ranks(problem);
   for (const ContactGeometry& contact : problem.contacts) plan.contact_pairs += static_cast<int>(contact.pairs.size());
   const ProtocolTraits& protocol = scene.coupling.protocol;
   const bool one_step = protocol.dual && scene.substeps().most == 1;  // then dual protocols do not differ

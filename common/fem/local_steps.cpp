@@ -155,6 +155,17 @@ bool LocalSteps::bears(const StiffnessProduct& stiffness, const Eigen::VectorXd&
   return frequency_squared_at_least(below, mass, components_, fixed, products) <= most * (1.0 + 1e-9);
 }
 
+void LocalSteps::renumber(const std::vector<int>& place, int nodes) {
+  const auto number = [&](int node) { return place[static_cast<std::size_t>(node)]; };
+  if (!levels_.empty())
+    for (int& dof : levels_.front().of_before) dof = number(dof / components_) * components_ + dof % components_;
+  for (int& node : reached_) node = number(node);
+  std::vector<int> level_of_node(static_cast<std::size_t>(nodes), 0);
+  for (std::size_t node = 0; node < level_of_node_.size(); ++node)
+    if (place[node] >= 0) level_of_node[static_cast<std::size_t>(place[node])] = level_of_node_[node];
+  level_of_node_ = std::move(level_of_node);
+}
+
 void LocalSteps::compute_with(const std::shared_ptr<Parallel>& parallel) {
   for (Level& level : levels_) level.stiffness.compute_with(parallel);
 }

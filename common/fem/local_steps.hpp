@@ -35,6 +35,10 @@ class LocalSteps {
   LocalSteps(const SparseMatrix& stiffness, const Eigen::VectorXd& inverse_mass, int components, double window_s,
              Levels levels = Levels::borne, Nodes nodes = {{}, {}});
 
+  /// From here on of a share of the part, which has all nodes that S reaches. `place`: per node of the part its number
+  /// there, or -1; `nodes`: how many the share has.
+  void renumber(const std::vector<int>& place, int nodes);
+
   /// From here on computes with these threads, to the same bits.
   void compute_with(const std::shared_ptr<Parallel>& parallel);
 

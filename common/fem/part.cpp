@@ -37,8 +37,12 @@ void take_elements(const Mesh& whole, const std::vector<int>& extra_nodes, Part&
     Element& element = part.mesh.elements.emplace_back(whole.elements[at(e)]);
     for (int& node : element) node = local[at(node)];
   }
+  const auto is_here = [&](const auto& nodes) {
+    return std::all_of(nodes.begin(), nodes.end(), [&](const auto& of) { return local[at(of.node)] >= 0; });
+  };
   for (const HangingNode& hanging : whole.hanging) {
     if (local[at(hanging.node)] < 0) continue;
+    if (!is_here(hanging.carriers) || !is_here(hanging.between) || !is_here(hanging.beside)) continue;  // of no element
     HangingNode& own = part.mesh.hanging.emplace_back(hanging);
     own.node = local[at(hanging.node)];
     for (auto* of : {&own.carriers, &own.between, &own.beside})

@@ -90,8 +90,8 @@ bool explicit_side_can(const Scene& scene, const std::string& body) {
     const bool has_it =
         std::find(participant.bodies.begin(), participant.bodies.end(), body) != participant.bodies.end();
     return participant.role != Role::explicit_solver || !has_it ||
-           (!participant.foreign() && !participant.reduced && participant.ranks.value_or(1) == 1 &&
-            participant.groups.empty());
+           (!participant.foreign() && !participant.reduced && participant.groups.empty() &&
+            (participant.ranks.value_or(1) == 1 || !scene.body(body).large_rotation));
   };
   return protocol.layout == Layout::hybrid && !protocol.dual && scene.substeps(body).most == 1 &&
          scene.time.one_step() && std::all_of(scene.participants.begin(), scene.participants.end(), ours);

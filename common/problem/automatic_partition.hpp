@@ -28,7 +28,7 @@ constexpr double finest_explicit = 8.0;
 /// Gives slivers, and islands that are not that fine, back to the explicit side, where they take several steps in a
 /// window if they need some (BodyProblem::small_steps). They share no node with what stays implicit. One with a node of
 /// a dashpot stays, whose force is that of whole windows. Nothing happens where the explicit side is no program of
-/// ours, has groups, ranks, substeps or other steps later, is driven by force, or where the body turns; and in a scene
+/// ours, has groups, substeps or other steps later, is driven by force, or has ranks and the body turns; and in a scene
 /// without contact, whose fine part then is what the hybrid is for.
 void release_islands(Problem& problem, int body);
 

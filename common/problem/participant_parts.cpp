@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/fem/hanging_nodes.hpp"
 #include "common/problem/build.hpp"
 #include "common/problem/mass_scaling.hpp"
 #include "common/scene/protocols.hpp"
@@ -58,8 +59,11 @@ ParticipantPart part_share(const Problem& problem, int body, const ParticipantSp
   std::vector<int> elements;
   for (std::size_t e = 0; e < owned.size(); ++e) {
     const auto& nodes = problem_body.mesh.elements[e];
-    if (owned[e] && std::any_of(nodes.begin(), nodes.end(), [&](int node) { return mine[at(node)]; }))
-      elements.push_back(static_cast<int>(e));
+    bool any = false;
+    const auto look = [&](int node) { any = any || mine[at(node)]; };
+    std::for_each(nodes.begin(), nodes.end(), look);
+    fem::for_each_carrier(problem_body.mesh, nodes, look);
+    if (owned[e] && any) elements.push_back(static_cast<int>(e));
   }
   ParticipantPart result = make_part(problem, body, elements, with);
   const int components = fem::components(problem_body.mesh.model);

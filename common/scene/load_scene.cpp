@@ -100,17 +100,6 @@ void check_local_steps(TableReader& root, const TableReader& time, const Scene& 
   }
 }
 
-void require_one_process(const Scene& scene) {
-  if (!scene.coupling.protocol.local_steps) return;
-  for (const ParticipantSpec& participant : scene.participants)
-    if (participant.ranks.value_or(1) > 1)
-      throw ConfigError(
-          fmt::format("{}: found {} under \"local_explicit\", whose small steps one process takes; allowed: no ranks "
-                      "(and threads), "
-                      "or \"all_explicit\"",
-                      scene.where("participant." + participant.name + ".ranks"), *participant.ranks));
-}
-
 /// The step that it allows is the run's, unless that is given.
 void load_mass_scaling(TableReader& root, Scene& scene) {
   if (!root.has("mass_scaling")) return;
@@ -160,7 +149,6 @@ void load_tables(TableReader& root, Scene& scene) {
   check_reduced_bodies(scene);
   std::vector<TableReader> participants = root.tables("participant", "participant");
   scene.participants = participants_of(scene, load_participants(participants, scene));
-  require_one_process(scene);
   require_own_masses(scene);
   require_foreign_owners(scene);
   if (root.has("output")) {

@@ -94,7 +94,7 @@ void record_bodies(const std::vector<BodyState>& states, std::vector<double>& ro
   for (const auto& state : states) {
     append_quantities(state.totals, row);
     if (!state.plastic) continue;
-    row.push_back(state.plastic->work_j);
+    row.push_back(state.plastic->work_j.sum());
     row.push_back(state.plastic->largest);
     if (state.plastic->heats()) row.push_back(state.plastic->hottest_k);
   }

@@ -17,6 +17,7 @@ class FirstRank final : public Ranks {
   std::vector<solver::BodyState>& begin(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                                         const participant::Setup& setup,
                                         std::vector<solver::BodyState>& whole) override;
+  fem::LocalSteps local_steps(std::size_t part) override;
   void tell(Order order, std::int64_t window = 0, int substep = 0) override;
   void reconfigure(WindowClock clock) override;
   void take_totals(const Stepping& own, double dt, std::vector<solver::BodyState>& whole) override;
@@ -30,9 +31,11 @@ class FirstRank final : public Ranks {
  private:
   Communicator& communicator_;
   std::vector<SharedPart> shared_;
+  std::vector<fem::LocalSteps> steps_;  ///< per whole part, until its share has them
   std::unique_ptr<RankShare> share_;
-  /// Of what the others send: per rank and part its nodes of the whole part; so many numbers a rank.
-  std::vector<std::vector<std::vector<int>>> nodes_, blocks_;
+  /// Where the others' numbers go: per rank and part its nodes and blocks of the whole part and, if that yields, the
+  /// elements that it tells of; so many numbers a rank.
+  std::vector<std::vector<std::vector<int>>> nodes_, blocks_, elements_;
   std::vector<int> motion_counts_, sum_counts_;
   std::vector<double> all_;
   bool going_on_ = false;

@@ -1,12 +1,17 @@
 #include "explicit_solver/ranks/rank.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "common/base/archive.hpp"
 #include "common/base/error.hpp"
+#include "common/body/small_steps.hpp"
+#include "common/fem/hanging_nodes.hpp"
+#include "explicit_solver/local_force.hpp"
+#include "explicit_solver/material_force.hpp"
 
 namespace ricochet::explicit_solver {
 
@@ -62,16 +67,20 @@ class RankShare::Neighbours final : public solver::OtherRanks {
   }
   void collect_moments(const BodyState& state) override {
     if (!slides_) return;
-    own_.clear();
-    for (const int block : own_blocks_) {
-      const solver::Moments of_block = solver::block_moments(state, 0.0, block);
-      for (const auto* vector : {&of_block.moved_kg_m, &of_block.mass_kg})
-        own_.insert(own_.end(), vector->data(), vector->data() + 3);
-    }
-    communicator_.gather(own_, moment_counts_, all_);
-    moments_ = {};
-    for (const std::size_t place : moment_places_)
-      moments_.add({Eigen::Vector3d(&all_[place]), Eigen::Vector3d(&all_[place + 3])});
+    std::array<double, solver::Moments::numbers> sums{};
+    sum_on_first(
+        solver::Moments::numbers,
+        [&](int block, double* numbers) {
+          solver::Moments of_block = solver::block_moments(state, 0.0, block);
+          if (state.frame) of_block.turned_kg_m2 = solver::block_turn(state, state.frame->whole().centre_m, 0.0, block);
+          of_block.write(numbers);
+        },
+        sums.data());
+    moments_ = solver::Moments::from(sums.data());
+  }
+  void sum(int numbers, const OfBlock& of_block, double* sums) override {
+    sum_on_first(numbers, of_block, sums);
+    communicator_.broadcast(sums, static_cast<int>(sizeof(double)) * numbers);
   }
   [[nodiscard]] const solver::Moments& moments() const override { return moments_; }
   bool anywhere(bool here) override { return communicator_.any(here); }
@@ -95,24 +104,17 @@ class RankShare::Neighbours final : public solver::OtherRanks {
 
   /// On the first rank: where each degree of freedom that is booked of the whole part comes in, and each block.
   void book_for(const BodyState& whole, const SharedPart& shared) {
-    moment_counts_.assign(at(communicator_.count()), 0);
-    for (const int rank : shared.rank_of_block) moment_counts_[at(rank)] += 6;
-    auto next = begins(moment_counts_);
-    moment_places_.clear();
-    for (const int rank : shared.rank_of_block) {
-      moment_places_.push_back(next[at(rank)]);
-      next[at(rank)] += 6;
-    }
+    rank_of_block_ = shared.rank_of_block;
     const int components = fem::components(whole.part.mesh.model);
     const auto dofs = whole.booked();
     counts_.assign(at(communicator_.count()), 0);
-    for (const int dof : dofs) counts_[at(shared.rank_of(dof / components))] += numbers;
-    next = begins(counts_);
+    for (const int dof : dofs) counts_[at(shared.rank_of(dof / components))] += of_booked;
+    auto next = begins(counts_);
     entries_.clear();
     for (const int dof : dofs) {
       std::size_t& place = next[at(shared.rank_of(dof / components))];
       entries_.push_back({place, dof % components});
-      place += numbers;
+      place += of_booked;
     }
   }
 
@@ -121,7 +123,22 @@ class RankShare::Neighbours final : public solver::OtherRanks {
     std::size_t place;
     int component;
   };
-  static constexpr int numbers = 5;  ///< told of a degree of freedom that is booked
+  static constexpr int of_booked = 5;  ///< told of a degree of freedom that is booked
+
+  /// Zero on the others.
+  void sum_on_first(int numbers, const OfBlock& of_block, double* sums) {
+    own_.resize(own_blocks_.size() * at(numbers));
+    for (std::size_t i = 0; i < own_blocks_.size(); ++i) of_block(own_blocks_[i], &own_[i * at(numbers)]);
+    std::fill_n(sums, numbers, 0.0);
+    std::vector<int> counts(communicator_.rank() == 0 ? at(communicator_.count()) : 0, 0);
+    for (const int rank : rank_of_block_) counts[at(rank)] += numbers;
+    communicator_.gather(own_, counts, all_);
+    auto next = begins(counts);
+    for (const int rank : rank_of_block_) {
+      for (int i = 0; i < numbers; ++i) sums[i] += all_[next[at(rank)] + at(i)];
+      next[at(rank)] += at(numbers);
+    }
+  }
 
   /// Where the numbers of each rank begin.
   static std::vector<std::size_t> begins(const std::vector<int>& counts) {
@@ -145,17 +162,21 @@ class RankShare::Neighbours final : public solver::OtherRanks {
   void find_messages(const SharedPart& shared, const BodyState& state) {
     const auto whole = local_to_whole(shared, state);
     std::map<int, std::set<int>> out, in;  // per rank, local nodes
+    const auto hangs = [&](int node) { return fem::hanging_at(state.part.mesh, node) != nullptr; };
     for (const auto& element : state.part.mesh.elements) {
-      for (const int here : element) {
+      const auto nodes = moved_by(state.part.mesh, element);
+      for (const int here : nodes) {
         if (!state.own[at(here)]) continue;
-        for (const int there : element) {
+        for (const int there : nodes) {
           if (state.own[at(there)]) continue;
           const int rank = shared.rank_of(whole[at(there)]);
-          out[rank].insert(here);
-          in[rank].insert(there);
+          if (!hangs(here)) out[rank].insert(here);
+          if (!hangs(there)) in[rank].insert(there);
         }
       }
     }
+    std::erase_if(out, [](const auto& message) { return message.second.empty(); });
+    std::erase_if(in, [](const auto& message) { return message.second.empty(); });
     const int components = fem::components(state.part.mesh.model);
     const auto list = [&](const std::map<int, std::set<int>>& nodes, std::vector<Communicator::Message>& messages,
                           std::vector<std::vector<int>>& dofs) {
@@ -178,9 +199,8 @@ class RankShare::Neighbours final : public solver::OtherRanks {
   std::vector<std::vector<int>> out_dofs_, in_dofs_;  ///< per message
   std::vector<double> own_, all_;
   // on the first rank
-  std::vector<int> counts_, moment_counts_;
+  std::vector<int> counts_, rank_of_block_;
   std::vector<Entry> entries_;
-  std::vector<std::size_t> moment_places_;  ///< per block of the whole part
   solver::Moments moments_;
 };
 
@@ -198,6 +218,7 @@ RankShare::RankShare(const scene::Problem& problem, const scene::ParticipantSpec
     own_blocks_.push_back(own_blocks(state));
     neighbours_.push_back(std::make_shared<Neighbours>(part, state, communicator));
     state.others = neighbours_.back().get();
+    if (part.frame) state.frame = std::make_shared<solver::PartFrame>(state.part, *part.frame, *state.others);
   }
   solver::compute_with_threads(problem.scene, participant, states_);
 }
@@ -213,6 +234,11 @@ std::vector<double> RankShare::motion() const {
     for (const auto* vector : {&state.u, &state.v, &state.a}) {
       for (const int dof : own_dofs_[b]) values.push_back((*vector)[dof]);
     }
+    if (!state.plastic) continue;
+    const auto& elements = state.part.mesh.elements;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (state.own[at(elements[e][0])]) state.plastic->append_element(static_cast<int>(e), values);
+    }
   }
   return values;
 }
@@ -220,10 +246,23 @@ std::vector<double> RankShare::motion() const {
 std::vector<double> RankShare::sums(const Stepping& stepping) const {
   std::vector<double> values;
   for (std::size_t b = 0; b < states_.size(); ++b) {
+    const BodyState& state = states_[b];
+    const auto* const plastic = state.plastic.get();
+    if (state.frame) static_cast<void>(state.frame->fit(state.u));  // a trial may have been fitted since
+    const Eigen::Matrix3d rotation = state.rotation();
+    Eigen::VectorXd in_frame;
+    const Eigen::VectorXd& strains = state.straining(in_frame);
     for (const int block : own_blocks_[b]) {
-      const auto numbers = block_sums(states_[b], stepping.internal(b), block).as_numbers();
+      BlockSums sums = block_sums(state, stepping.internal(b), block);
+      if (state.frame) sums.strain_j = state.frame->work_of(rotation, strains, stepping.internal(b), block);
+      if (plastic != nullptr) {
+        sums.beyond_j = plastic->stored_beyond_j(strains, block, fem::components(state.part.mesh.model));
+        sums.plastic_work_j = plastic->work_j[block];
+      }
+      const auto numbers = sums.as_numbers();
       values.insert(values.end(), numbers.begin(), numbers.end());
     }
+    if (plastic != nullptr) values.insert(values.end(), {plastic->largest, plastic->hottest_k});
   }
   return values;
 }
@@ -236,13 +275,19 @@ void follow(const scene::Problem& problem, const std::string& participant, const
   in(beginning);
   in.end();
   RankShare share(problem, spec, beginning.shared, beginning.setup.driven_by, communicator);
-  Stepping stepping(share.states(), beginning.setup, std::nullopt);
+  const auto make_force = [&](const BodyState& state, const std::vector<int>& driven) {
+    return solver::takes_small_steps(problem, state) ? local_force(state, driven, {}) : material_force(state, driven);
+  };
+  Stepping stepping(share.states(), beginning.setup, std::nullopt, make_force);
   std::vector<double> none_of_the_rest;
   for (;;) {
     Command command;
     communicator.broadcast(&command, sizeof command);
     switch (command.order) {
-      case Order::synchronise: stepping.synchronise(command.window, {}); break;
+      case Order::synchronise:
+        stepping.synchronise(command.window, {});
+        for (auto& state : share.states()) state.move_hanging();
+        break;
       case Order::reconfigure: {
         std::string bytes;
         communicator.broadcast(bytes);
@@ -254,7 +299,10 @@ void follow(const scene::Problem& problem, const std::string& participant, const
       }
       case Order::advance: stepping.advance(command.window, {}); break;
       case Order::advance_substep: stepping.advance_substep(command.window, command.substep, {}); break;
-      case Order::accept: stepping.accept(command.window); break;
+      case Order::accept:
+        if (stepping.accept(command.window))
+          for (auto& state : share.states()) state.move_hanging();
+        break;
       case Order::work_ahead: stepping.work_ahead(command.window); break;
       case Order::sums: communicator.gather(share.sums(stepping), {}, none_of_the_rest); break;
       case Order::motion: communicator.gather(share.motion(), {}, none_of_the_rest); break;

@@ -23,7 +23,8 @@ class RankShare {
   RankShare& operator=(const RankShare&) = delete;
 
   [[nodiscard]] std::vector<solver::BodyState>& states() { return states_; }
-  /// What this rank has of the whole: u, v and a of its own nodes, part by part; sums of its own blocks.
+  /// This rank's share of the whole, part by part: u, v and a of its own nodes and, of a part that yields, what the
+  /// elements of its own blocks remember; sums of its own blocks and the largest plastic strain and temperature.
   [[nodiscard]] std::vector<double> motion() const;
   [[nodiscard]] std::vector<double> sums(const Stepping& stepping) const;
   /// On the first rank, of whole parts: in which order what is booked comes in.

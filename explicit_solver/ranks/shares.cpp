@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/fem/hanging_nodes.hpp"
 #include "explicit_solver/block_sums.hpp"
 
 namespace ricochet::explicit_solver {
@@ -20,15 +21,19 @@ using solver::BodyState;
 namespace {
 
 /// Per node of the part: the first rank's, whatever METIS says.
-std::vector<bool> of_first_rank(const scene::Problem& problem, const BodyState& state, int layers) {
+std::vector<bool> of_first_rank(const scene::Problem& problem, const BodyState& state, const fem::LocalSteps& steps,
+                                int layers) {
   const int components = fem::components(state.part.mesh.model);
   std::vector<bool> first(at(state.part.nodes()), false);
   std::vector<int> front = state.shared_nodes;
+  front.insert(front.end(), steps.reached().begin(), steps.reached().end());
   for (const int node : scene::contact_nodes(problem.contacts, state.body)) {
     const auto& nodes = state.part.body_node;
     const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
     if (found != nodes.end() && *found == node) front.push_back(static_cast<int>(found - nodes.begin()));
   }
+  const auto carriers = fem::carriers_of(state.part.mesh, front);
+  front.insert(front.end(), carriers.begin(), carriers.end());
   for (const int node : front) first[at(node)] = true;
   for (int layer = 0; layer < layers; ++layer) {
     std::vector<int> next;
@@ -52,7 +57,7 @@ struct Graph {
   std::vector<idx_t> weight, start{0}, neighbour, edges_between;
 };
 
-Graph graph_of(const BodyState& state, const std::vector<bool>& first) {
+Graph graph_of(const BodyState& state, const std::vector<bool>& first, const fem::LocalSteps& steps) {
   const int components = fem::components(state.part.mesh.model), blocks = blocks_of(state.part.nodes());
   Graph graph;
   graph.vertex_of_block.assign(at(blocks), -1);
@@ -74,6 +79,7 @@ Graph graph_of(const BodyState& state, const std::vector<bool>& first) {
       if (other != vertex) ++near[at(vertex)][other];
     }
   }
+  if (steps.any()) graph.weight[0] += static_cast<idx_t>(steps.extra_rows() * state.part.nodes());
   for (const auto& others : near) {
     for (const auto& [other, edges] : others) {
       graph.neighbour.push_back(other);
@@ -130,20 +136,31 @@ std::vector<int> ranks_of(Graph graph, int ranks) {
 
 }  // namespace
 
+std::vector<int> moved_by(const fem::Mesh& mesh, const fem::Element& element) {
+  std::vector<int> nodes(element.begin(), element.end());
+  if (mesh.hanging.empty()) return nodes;
+  fem::for_each_carrier(mesh, element, [&](int node) { nodes.push_back(node); });
+  return nodes;
+}
+
 int SharedPart::rank_of(int node) const { return rank_of_block[at(node / block_nodes)]; }
 
-std::vector<SharedPart> share_out(const scene::Problem& problem, const std::vector<BodyState>& whole, int layers,
-                                  int ranks) {
+std::vector<SharedPart> share_out(const scene::Problem& problem, const std::vector<BodyState>& whole,
+                                  const std::vector<fem::LocalSteps>& steps, int layers, int ranks) {
   const bool slides = std::any_of(problem.contacts.begin(), problem.contacts.end(),
                                   [](const scene::ContactGeometry& contact) { return contact.sliding != nullptr; });
   std::vector<SharedPart> parts;
-  for (const auto& state : whole) {
-    Graph graph = graph_of(state, of_first_rank(problem, state, layers));
+  const fem::LocalSteps none;
+  for (std::size_t b = 0; b < whole.size(); ++b) {
+    const BodyState& state = whole[b];
+    const fem::LocalSteps& own = steps.empty() ? none : steps[b];
+    Graph graph = graph_of(state, of_first_rank(problem, state, own, layers), own);
     auto& part = parts.emplace_back();
     part.body = state.body;
     part.nodes = state.part.body_node;
     part.slides = slides && problem.scene.coupling.protocol.layout == scene::Layout::all_explicit;
     part.loaded = !state.external.zero();
+    if (state.frame) part.frame = state.frame->whole();
     part.booked = static_cast<int>(state.booked().size());
     part.rank_of_block = std::move(graph.vertex_of_block);
     const auto rank = ranks_of(std::move(graph), ranks);
@@ -164,10 +181,11 @@ scene::ParticipantPart part_of_rank(const scene::Problem& problem, const scene::
   std::set<int> blocks;
   const auto& body = problem.bodies[at(shared.body)];
   for (const auto& element : body.mesh.elements) {
+    const auto moving = moved_by(body.mesh, element);
     const auto of_part = [&](int node) { return local[at(node)] >= 0; };
-    const auto mine = [&](int node) { return local[at(node)] >= 0 && shared.rank_of(local[at(node)]) == rank; };
-    if (!std::any_of(element.begin(), element.end(), mine)) continue;
-    for (const int node : element) {
+    const auto mine = [&](int node) { return of_part(node) && shared.rank_of(local[at(node)]) == rank; };
+    if (std::none_of(moving.begin(), moving.end(), mine)) continue;
+    for (const int node : moving) {
       if (of_part(node)) blocks.insert(local[at(node)] / block_nodes);
     }
   }

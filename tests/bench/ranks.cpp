@@ -174,7 +174,7 @@ void compute(const RankScene& choice, const std::vector<int>& counts, const Netw
              "bytes", "computes [us]", "meanwhile [us]", "orders [us]", "window [us]", "speed-up", "efficiency");
   double alone_s = 0.0;
   for (const int ranks : counts) {
-    const RankCost cost = slowest(problem, explicit_solver::share_out(problem, whole, 1, ranks), ranks, network);
+    const RankCost cost = slowest(problem, explicit_solver::share_out(problem, whole, {}, 1, ranks), ranks, network);
     const double orders_s = orders * std::ceil(std::log2(ranks)) * network.latency_s;
     const double window_s = cost.window_s(network) + orders_s;
     if (ranks == counts.front()) alone_s = window_s * counts.front();

@@ -166,12 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"massless", {.contact = "multiplier_update = \"massless\"\n"}, "multiplier_update = \"massless\""},
         Refusal{"penalty",
                 {.contact = "enforcement = \"penalty\"\npenalty_pa_m = 1e12\n"},
-                "enforcement = \"penalty\" on the implicit side"},
-        Refusal{
-            "ranks",
-            {.participants = "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"rod\"]\nranks = "
-                             "2\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"},
-            "with 2 ranks of \"explicit\""}),
+                "enforcement = \"penalty\" on the implicit side"}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(PlasticBar, IsRefusedByTheStudyOfStability) {

@@ -174,6 +174,51 @@ TEST(RefinedImpact, OfBodiesThatYieldOwnsEveryJoule) {
   EXPECT_LT(std::abs(implicit_run.last("energy_error") - elastic.last("energy_error")), 5e-3);
 }
 
+/// A block that yields, with fine elements at a corner, on a turning one, struck by a third: rows of the fine contact
+/// depend on each other, their forces may be shared in many ways, and no method finds them to round-off.
+std::string pressed_between_two(const std::string& protocol) {
+  const char *body =
+                 "[[body]]\nname = \"{}\"\nmaterial = {{ youngs_modulus_pa = {}, poisson_ratio = {}, "
+                 "density_kg_m3 = {}{} }}\ninitial_velocity_m_s = [{}]\n{}\n",
+             *yields = ", plasticity = { yield_stress_pa = 2e8, hardening_pa = 1e9 }",
+             *turns = "large_rotation = true\ninitial_angular_velocity_rad_s = [{}]\n";
+  return "model = \"solid\"\n" +
+         fmt::format(fmt::runtime(body), "low", 70e9, 0.0, 8000.0, yields, "0.0, 0.0, 0.0",
+                     fmt::format(fmt::runtime(turns), "100.0, 200.0, 50.0") +
+                         "mesh = { length_m = 0.006, height_m = 0.01, width_m = 0.01, elements = [3, 2, 4], "
+                         "place = { moved_m = [-0.005, -0.005, 0.0] } }") +
+         fmt::format(fmt::runtime(body), "middle", 70e9, 0.3, 2700.0, yields, "0.0, 0.0, 0.0",
+                     "mesh = { length_m = 0.006, height_m = 0.01, width_m = 0.01, elements = [8, 7, 2], "
+                     "refine = [{ from_m = [0.0, 0.0, 0.0], to_m = [0.004, 0.006, 0.003], ratio = 4 }], "
+                     "place = { moved_m = [-0.005, -0.005, 0.006002] } }") +
+         fmt::format(fmt::runtime(body), "high", 20e9, 0.0, 8000.0, "", "10.0, -3.3333333333333335, -5.0",
+                     fmt::format(fmt::runtime(turns), "0.0, 0.0, 0.0") +
+                         "mesh = { length_m = 0.004, height_m = 0.016, width_m = 0.016, elements = [5, 4, 2], "
+                         "place = { moved_m = [-0.008, -0.008, 0.012004] } }") +
+         "[[contact]]\nname = \"low\"\nsurfaces = [\"middle.start\", \"low.outside\"]\n"
+         "friction_coefficient = 0.3\n"
+         "[[contact]]\nname = \"high\"\nsurfaces = [\"high.outside\", \"middle.end\"]\n"
+         "friction_coefficient = 0.3\nnormal = [0.0, 0.0, -1.0]\n"
+         "[partition]\nimplicit_length_m = { low = 0.003, middle = 0.003, high = 0.002 }\n"
+         "[time]\nstep_s = 6e-8\nend_s = 5.4e-6\n" +
+         protocol_of(protocol);
+}
+
+TEST(RefinedBlocks, SettleWhereRowsDependOnEachOther) {
+  const TemporaryFolder folder;
+  const RunResult hybrid = run_text(pressed_between_two("hughes_liu"), folder),
+                  implicit_run = run_text(pressed_between_two("all_implicit"), folder, "implicit");
+  for (const RunResult& run : {hybrid, implicit_run}) {
+    EXPECT_LT(run.summary["momentum_error_max"].get<double>(), 1e-12);
+    EXPECT_LT(run.summary["energy_error_highest"].get<double>(), 1e-6);
+  }
+  for (const char* column : {"contact_impulse_n_s", "friction_impulse_n_s"})
+    for (const char* contact : {"low", "high"}) {
+      const std::string name = fmt::format("{}/{}", column, contact);
+      EXPECT_NEAR(hybrid.last(name) / implicit_run.last(name), 1.0, 0.05) << name;
+    }
+}
+
 /// A plate with a box in its middle spins as one.
 TEST(RefinedPlate, SpinsAndKeepsItsMomentaAndItsEnergy) {
   const TemporaryFolder folder;
@@ -296,10 +341,14 @@ TEST(Island, IsImplicitWhereThatIsCheaperOrNothingElseIsHad) {
   };
   EXPECT_GT(implicit_of(plate_with_an_island("prakash_hjelmstad")), 16 + 60);
   EXPECT_GT(implicit_of(replaced(plate_with_an_island("hughes_liu"), "ratio = 4", "ratio = 16")), 16 + 900);
-  EXPECT_EQ(implicit_of(replaced(plate_with_an_island("hughes_liu"), "initial_velocity_m_s = [0.0, -10",
-                                 "large_rotation = true\ninitial_velocity_m_s = [0.0, -10")),
-            16)
-      << "a body that turns takes small steps, too";
+  const std::string turns = replaced(plate_with_an_island("hughes_liu"), "initial_velocity_m_s = [0.0, -10",
+                                     "large_rotation = true\ninitial_velocity_m_s = [0.0, -10");
+  EXPECT_EQ(implicit_of(turns), 16) << "a body that turns takes small steps, too";
+  const std::string ranks =
+      "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"upper\", \"lower\"]\nranks = 2\n"
+      "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
+  EXPECT_EQ(implicit_of(plate_with_an_island("hughes_liu") + ranks), 16) << "ranks take small steps";
+  EXPECT_GT(implicit_of(turns + ranks), 16 + 60) << "but not of a body that turns";
 }
 
 /// Small steps are those of one window.
@@ -332,6 +381,21 @@ std::string squeezed_blocks(bool whole) {
   }
   return text + "[contact]\nsurfaces = [\"lower.end\", \"upper.start\"]\nfriction_coefficient = 0.1\n" +
          "[time]\nstep_s = 2e-8\nend_s = 2e-6\n";
+}
+
+/// From the first field on a node that hangs moves as those that it follows.
+TEST(RefinedPlate, FallsAsOne) {
+  const TemporaryFolder folder;
+  const RunResult run = run_text(
+      fmt::format("model = \"plane_strain\"\n[[body]]\nname = \"plate\"\nmaterial = {}\ngravity_m_s2 = [0.0, -9.81]\n"
+                  "[body.mesh]\nlength_m = 0.02\nheight_m = 0.002\nelements = [2, 20]\n{}[time]\nstep_s = 5e-8\n"
+                  "end_s = 1e-6\n[output]\nfields_every = 20\n{}",
+                  steel, box({0.0, 0.01}, {0.002, 0.02}, 2), protocol_of("all_explicit")),
+      folder);
+  for (const char* window : {"00000000", "00000020"}) {
+    const auto a_m_s2 = vtu_array(fmt::format("{}/fields/explicit.plate_{}.vtu", run.folder, window), "acceleration");
+    for (std::size_t i = 1; i < a_m_s2.size(); i += 3) ASSERT_NEAR(a_m_s2[i], -9.81, 1e-9) << window << ", " << i;
+  }
 }
 
 /// Nodes that hang across a plane of symmetry push and rub as those of the whole.
@@ -401,10 +465,6 @@ TEST(RefinedMeshes, AreRefusedWhereTheyCannotBe) {
   EXPECT_THAT(check_refusal(replaced(square, "ratio = 2", "ratio = 1")), HasSubstr("body.square.mesh.refine[1].ratio"));
   EXPECT_THAT(check_refusal(replaced(square, "to_m = [0.005, 0.006]", "to_m = [0.006, 0.006]")),
               HasSubstr("a whole layer of elements between two changes of size"));
-  EXPECT_THAT(check_refusal(square +
-                            "[[participant]]\nname = \"all\"\nrole = \"explicit\"\nbodies = [\"square\"]\nranks = 2\n"),
-              HasSubstr("with body \"square\", which has nodes that hang, by mesh.refine, a tie or rigid = true; "
-                        "allowed: no ranks (and threads)"));
   EXPECT_THAT(
       check_refusal(replaced(sliding_blocks(""), "friction_coefficient = 0.2", "multiplier_update = \"massless\"")),
       HasSubstr("with nodes that hang, by mesh.refine, a tie or rigid = true; allowed: a surface of one size of "

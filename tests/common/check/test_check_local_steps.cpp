@@ -99,8 +99,6 @@ TEST(LocalStepsPlan, RefusesWhatItCannotDoByName) {
        {"contact.enforcement", "\"penalty\" under \"local_explicit\"", "\"multiplier\""}},
       {replaced(graded_bars, "surfaces", "multiplier_update = \"massless\"\nsurfaces"),
        {"contact.multiplier_update", "\"massless\" under \"local_explicit\""}},
-      {graded_bars + "[[participant]]\nname = \"e\"\nrole = \"explicit\"\nbodies = [\"left\", \"right\"]\nranks = 2\n",
-       {"ranks", "found 2 under \"local_explicit\"", "no ranks"}},
       {replaced(replaced(replaced(graded_bars, ", right = 0.0635", ""), "surfaces = [\"left.end\", \"right.start\"]",
                          "surfaces = [\"left.start\", \"rigid_plane\"]"),
                 "grading = 100.0 }", "grading = 100.0 }\nabsorbing = [{ surface = \"start\" }]"),

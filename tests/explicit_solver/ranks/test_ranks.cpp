@@ -67,6 +67,26 @@ end_s = 1.0
 protocol = "all_explicit"
 )";
 
+/// Of materials that yield soon, harden, follow the rate and are heated.
+std::string yielding(const std::string& text) {
+  std::string all = text;
+  const std::string of_elastic = "00.0 }",
+                    of_yielding =
+                        "00.0, plasticity = { yield_stress_pa = 2e3, hardening_pa = 1e8, rate_factor = 0.01, heat = { "
+                        "specific_heat_j_kg_k = 477.0, melting_k = 1793.0 } } }";
+  for (auto at = all.find(of_elastic); at != std::string::npos; at = all.find(of_elastic, at + of_yielding.size()))
+    all.replace(at, of_elastic.size(), of_yielding);
+  return all;
+}
+
+/// Bodies that turn, and spin.
+std::string turning(const std::string& text) {
+  std::string all = text;
+  const std::string name = "initial_velocity_m_s = [2.0";
+  return test::replaced(all, name,
+                        "large_rotation = true\ninitial_angular_velocity_rad_s = [300.0, -800.0, 100.0]\n" + name);
+}
+
 std::string config_of(const std::string& name) {
   std::stringstream text;
   text << std::ifstream(std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml").rdbuf();
@@ -90,6 +110,14 @@ const RankedScene ranked_scenes[] = {
      participant::Drive::force, 3},
     {"sliding_blocks", blocks},
     {"massless_blocks", test::replaced(blocks, "friction", "multiplier_update = \"massless\"\nfriction")},
+    {"yielding_moved_plate",
+     yielding(test::replaced(loaded_plate, "LOADS", plate_loads)) + "protocol = \"hughes_liu\"\n"},
+    {"yielding_pushed_plate",
+     yielding(test::replaced(loaded_plate, "LOADS", plate_loads)) + "protocol = \"prakash_hjelmstad\"\nsubsteps = 1\n",
+     participant::Drive::force, 1},
+    {"yielding_blocks", yielding(blocks)},
+    {"turning_blocks", turning(blocks)},
+    {"turning_and_yielding_blocks", yielding(turning(blocks))},
     {"bars", config_of("two_bars")},
     {"cylinders", config_of("kim_impact")},
 };
@@ -166,6 +194,10 @@ TEST_P(Ranked, GiveTheSameBits) {
   for (int i = 0; i < 60; ++i) {
     ASSERT_NO_FATAL_FAILURE(step());
     ASSERT_NO_FATAL_FAILURE(expect_same_reports());
+  }
+  for (const auto& state : whole_->stepping().states()) {
+    if (!state.plastic) continue;
+    EXPECT_GT(state.plastic->work_j.sum(), 0.0) << "nothing yielded";
   }
   whole_->finish();
   ranked_->finish();

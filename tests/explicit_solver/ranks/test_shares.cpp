@@ -48,7 +48,7 @@ TEST(Shares, EveryNodeIsOneRanks) {
   const Block block(12, 24);
   const auto& part = block.whole.front().part;
   for (const int ranks : {1, 2, 3, 4, 7}) {
-    const auto shared = share_out(block.problem, block.whole, 1, ranks).front();
+    const auto shared = share_out(block.problem, block.whole, {}, 1, ranks).front();
     std::vector<int> owners(part.body_node.size(), 0);
     for (int rank = 0; rank < ranks; ++rank) {
       const auto own = part_of_rank(block.problem, block.problem.scene.participant("explicit"), shared, rank);
@@ -70,7 +70,7 @@ TEST(Shares, WhatTheFirstRankMustHaveIsAllItGets) {
   const Block block(12, 12);
   const auto& part = block.whole.front().part;
   constexpr int ranks = 12, layer = 13 * 13;
-  const auto shared = share_out(block.problem, block.whole, 1, ranks).front();
+  const auto shared = share_out(block.problem, block.whole, {}, 1, ranks).front();
   std::vector<int> nodes(ranks, 0);
   for (int node = 0; node < part.nodes(); ++node) ++nodes[static_cast<std::size_t>(shared.rank_of(node))];
   EXPECT_GT(nodes[0], part.nodes() / ranks);
@@ -84,7 +84,7 @@ TEST(Shares, WhatTheFirstRankMustHaveIsAllItGets) {
 TEST(Shares, RowsOfOwnNodesAreThoseOfTheWhole) {
   const Block block(3, 9);
   const auto& whole = block.whole.front().part;
-  const auto shared = share_out(block.problem, block.whole, 1, 3).front();
+  const auto shared = share_out(block.problem, block.whole, {}, 1, 3).front();
   for (int rank = 0; rank < 3; ++rank) {
     const auto own = part_of_rank(block.problem, block.problem.scene.participant("explicit"), shared, rank);
     const auto& number = own.numbering.number;
@@ -108,7 +108,7 @@ TEST(Shares, TheFirstRankHasTheInterface) {
   const Block block(6, 12);
   const auto& state = block.whole.front();
   ASSERT_FALSE(state.shared_nodes.empty());
-  const auto shared = share_out(block.problem, block.whole, 1, 4).front();
+  const auto shared = share_out(block.problem, block.whole, {}, 1, 4).front();
   for (const int node : state.shared_nodes) {
     for (fem::SparseMatrix::InnerIterator it(state.part.stiffness, 3 * node); it; ++it)
       EXPECT_EQ(shared.rank_of(static_cast<int>(it.col()) / 3), 0);
@@ -118,7 +118,7 @@ TEST(Shares, TheFirstRankHasTheInterface) {
 /// Between ranks there is no more than a cut through the block.
 TEST(Shares, FewElementsLieBetweenRanks) {
   const Block block(12, 48);
-  const auto shared = share_out(block.problem, block.whole, 1, 2).front();
+  const auto shared = share_out(block.problem, block.whole, {}, 1, 2).front();
   int between = 0;
   for (const auto& element : block.whole.front().part.mesh.elements) {
     std::set<int> ranks;
