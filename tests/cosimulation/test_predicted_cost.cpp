@@ -50,7 +50,7 @@ TEST(PredictedCostOfShippedScenes, TableBesideWhatIsMeasured) {
     std::string text_of_explicit = with_protocol(text, "all_explicit");
     if (text.find("step_s") != std::string::npos)  // else it follows from the safety factor, as the prediction's
       text_of_explicit = with_key(text_of_explicit, "time", "step_s", fmt::format("{}", explicit_step_s));
-    constexpr double long_s = 2.0;  // a baseline of which more is predicted is not computed: its row has none
+    constexpr double long_s = 1.0;  // a baseline of which more is predicted is not computed: its row has none
     const Measured own = measure(text, folder, "own"), none{1.0, 0.0},
                    all_implicit = implicit_s > long_s
                                       ? none

@@ -88,10 +88,13 @@ std::vector<Case> by_law() {
     add("sticking", config_text("sticking_plates"), 70);
     add("bouncing", config_text("bouncing_bar"), 3500);
     if (protocol == "all_explicit") continue;
-    add("fully_implicit", contact("kim_impact", "multiplier_update", "\"fully_implicit\""), 400);
-    add("trapezoidal", contact("kim_impact", "multiplier_update", "\"trapezoidal_reset\""), 400);
+    if (protocol == "hughes_liu") {
+      add("fully_implicit", contact("kim_impact", "multiplier_update", "\"fully_implicit\""), 400);
+      add("solids_that_slide", with_absolute_meshes(config_text("alumina_ball")), 160);
+    } else if (protocol == "prakash_hjelmstad") {
+      add("trapezoidal", contact("kim_impact", "multiplier_update", "\"trapezoidal_reset\""), 400);
+    }
     add("curved", with_absolute_meshes(config_text("two_balls")), 430);
-    if (protocol == "hughes_liu") add("solids_that_slide", with_absolute_meshes(config_text("alumina_ball")), 160);
     add("solids_with_unequal_meshes", with_absolute_meshes(config_text("oblique_ball")), 160);
   }
   return cases;

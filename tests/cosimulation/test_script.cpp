@@ -62,9 +62,10 @@ TEST(Script, RunsSteadyTestsOnceAndRacingOnesUpToThreeTimes) {
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_EQ(outcome.error.find("tests failed"), std::string::npos) << outcome.error;
   const std::string calls = file_text((folder.path() / "calls").string());
-  EXPECT_THAT(calls, ContainsRegex("-L steady --output-on-failure --output-log .*/steady.log -R Bars\n"));
+  EXPECT_THAT(calls, ContainsRegex("-L steady -LE whole --output-on-failure --output-log .*/steady.log -R Bars\n"));
   EXPECT_THAT(
-      calls, ContainsRegex("-L racing --output-on-failure --output-log .*/racing.log -R Bars --repeat until-pass:3\n"));
+      calls, ContainsRegex(
+                 "-L racing -LE whole --output-on-failure --output-log .*/racing.log -R Bars --repeat until-pass:3\n"));
 }
 
 TEST(Script, BuildsAndRunsUnitTestsAloneWhenThatIsToBeQuick) {
@@ -72,7 +73,7 @@ TEST(Script, BuildsAndRunsUnitTestsAloneWhenThatIsToBeQuick) {
   EXPECT_EQ(script(folder, "--quick", 0).code, 0);
   const std::string calls = file_text((folder.path() / "calls").string());
   EXPECT_NE(calls.find("--quiet unit_tests\n"), std::string::npos) << calls;
-  EXPECT_NE(calls.find("-L unit-steady"), std::string::npos) << calls;
+  EXPECT_NE(calls.find("-L unit-steady -LE each "), std::string::npos) << calls;
   EXPECT_EQ(calls.find("racing"), std::string::npos) << calls;
 }
 

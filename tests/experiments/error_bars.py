@@ -49,6 +49,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--build", default=ROOT / "build", type=pathlib.Path)
     parser.add_argument("--only", default="", help="scenes with this word in their name")
+    parser.add_argument("--elements", nargs="+", default=(40, 80, 160, 320), type=int, help="of a bar")
     arguments = parser.parse_args()
     ratios, failed = {}, 0
     for name, text, unit_s, exact in scenes():
@@ -56,7 +57,7 @@ def main():
             continue
         for protocol, steps in STEPS.items():
             for factor in steps:
-                for elements in (40, 80, 160, 320):
+                for elements in arguments.elements:
                     found = estimate(arguments.build.resolve(), text(elements),
                                      [f"coupling.protocol={protocol}", f"time.step_s={factor * unit_s / elements}"])
                     failed += found is None

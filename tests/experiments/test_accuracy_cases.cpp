@@ -46,13 +46,13 @@ TEST(AccuracyCases, AreAllAnsweredWhereFinerMeshesMayBeTaken) {
 TEST(AccuracyCases, HaveBarsThatHold) {
   const TemporaryFolder folder;
   const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/error_bars.py", "--build",
-                                    RICOCHET_BUILD, "--only", "unequal_bars, to 100"},
+                                    RICOCHET_BUILD, "--only", "unequal_bars, to 100", "--elements", "40", "80"},
                                    folder.path().string(), 120.0);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::smatch found;
   ASSERT_TRUE(std::regex_search(outcome.out, found, std::regex(R"((\d+) bars: (\d+) hold, )"))) << outcome.out;
-  EXPECT_EQ(found[1], "40") << outcome.out;
-  EXPECT_GE(std::stoi(found[2]), 38) << outcome.out;
+  EXPECT_EQ(found[1], "20") << outcome.out;
+  EXPECT_GE(std::stoi(found[2]), 19) << outcome.out;
 }
 
 }  // namespace

@@ -24,10 +24,10 @@ void expect_none_wrong(const std::string& program, int seed, int count, int runs
 }
 
 /// By five protocols each.
-TEST(RandomImpacts, MakeNoEnergyAndLoseNoMomentum) { expect_none_wrong("random_impacts.py", 3, 16, 80); }
+TEST(RandomImpacts, MakeNoEnergyAndLoseNoMomentum) { expect_none_wrong("random_impacts.py", 3, 8, 40); }
 
 /// By nine: check and run agree, balances hold, protocols agree, and a run that is resumed writes the same bytes.
-TEST(RandomProcessSets, KeepWhatEveryRunMustKeep) { expect_none_wrong("random_process_sets.py", 5, 8, 72); }
+TEST(RandomProcessSets, KeepWhatEveryRunMustKeep) { expect_none_wrong("random_process_sets.py", 5, 5, 45); }
 
 }  // namespace
 }  // namespace ricochet::test
